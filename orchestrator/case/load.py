@@ -23,7 +23,7 @@ from orchestrator.case.file.errors import (
     show_value,
     visible,
 )
-from orchestrator.case.file.layers import Layers, Origin, parse_override, read_toml
+from orchestrator.case.file.layers import Layers, Origin, level_file, parse_override, read_toml
 from orchestrator.case.file.loss_curve import fit_loss_curves
 from orchestrator.case.file.slice import cut_to_slice
 from orchestrator.case.tables.case import Case
@@ -117,7 +117,12 @@ def level_names(folder: Path) -> list[str]:
 
 
 def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
-    """The level asked for; else the case's default, else the only one, else none ("")."""
+    """Return the requested level; else the case's default, else the only one, else none ("").
+
+    A level is a name, or the path of a TOML file with the same content.
+    """
+    if level is not None and level.endswith(".toml") and Path(level).is_file():
+        return str(Path(level).resolve())
     known = level_names(folder)
     wanted = level if level is not None else given.get("default_level", "")
     if not wanted:
@@ -150,8 +155,9 @@ def complete(bare: Case) -> Case:
 def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
     """Lay the level over the case."""
     before = dict(layers.merged)
-    source = f"levels/{name}.toml"
-    overlay = read_toml(folder / source, folder)
+    file = level_file(folder, name)
+    source = f"levels/{name}.toml" if file.parent == folder / "levels" else name
+    overlay = read_toml(file, None if source == name else folder)
     without = overlay.pop("without", [])
     overlay.pop("about", None)
     layers.lay(overlay, source)

@@ -9,7 +9,7 @@ import tomli_w
 
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.layers import Layers, parse_override, read_toml
+from orchestrator.case.file.layers import Layers, level_file, parse_override, read_toml
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
@@ -23,19 +23,23 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
     file = loaded.folder / "levels" / f"{name}.toml"
     if file.exists():
         raise CaseError([CaseProblem((), "exists already; nothing was written", file=str(file))])
-    overlay = {}
-    if loaded.level:
-        overlay = read_toml(loaded.folder / "levels" / f"{loaded.level}.toml", loaded.folder)
+    text = level_text(loaded, sets, about)
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def level_text(loaded: JudgedCase, sets: Sequence[str], about: str) -> str:
+    """Return the content of a level file: the case's level with ``sets``, and what it leaves out named."""
+    overlay = read_toml(level_file(loaded.folder, loaded.level)) if loaded.level else {}
     overlay = {key: value for key, value in overlay.items() if key not in ("about", "without")}
-    level = Layers(overlay, file.name)
+    level = Layers(overlay, "--set")
     for each in sets:
         level.lay(parse_override(each), "--set")
     bare = read_toml(loaded.folder / "case.toml", loaded.folder)
     whole = Layers(bare, "case.toml")
-    whole.lay(level.merged, file.name)
+    whole.lay(level.merged, "--set")
     cases = (lay_out_decks(Case.model_validate(table)) for table in (bare, whole.merged))
     without = [*find_left_out_by_level(*cases)]
     head = {"about": about} | ({"without": without} if without else {})
-    file.parent.mkdir(exist_ok=True)
-    file.write_text(tomli_w.dumps(head | level.merged), encoding="utf-8")
-    return file
+    return tomli_w.dumps(head | level.merged)

@@ -34,6 +34,9 @@ Overrides = Annotated[
         help="gives a key another value, for example panel.solver=rigid; may be repeated",
     ),
 ]
+StudyPath = Annotated[
+    Path, typer.Argument(metavar="STUDY", help="study.toml of a design study, or the folder with it")
+]
 Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]
 Workers = Annotated[
     int | None,

@@ -20,7 +20,7 @@ from fractions import Fraction
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.layers import find_changes
@@ -42,6 +42,7 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 MAIN = "from orchestrator.cli.main import main; main()"
 MOST_VALUES = 1000
 PER_RUN_MIB = 1000  # of memory: a run with sheets and tens of thousands of particles takes less
+T = TypeVar("T")
 SAMPLES_PER_S = 2500  # of shapes and series: enough for accelerations to 500 Hz
 
 
@@ -56,7 +57,7 @@ class Crew:
     workers: int = 1
     scheduler: str = ""
 
-    def each(self, work: Iterable[Callable[[], str]]) -> Iterator[str]:
+    def each(self, work: Iterable[Callable[[], T]]) -> Iterator[T]:
         """Yield the result of each piece of work, in the order in which they end.
 
         A piece is begun when a worker is free.  After an interruption, no more pieces are begun.
@@ -258,6 +259,16 @@ def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
     beside = min(crew.workers, len(waiting))
     if waiting:
         yield from crew.each(partial(_run, (p.words, p.then), p.folder.resolve(), beside) for p in waiting)
+
+
+def run_point(point: Point, beside: int) -> str:
+    """Run one point, which is not done, in a process of its own, and return a line about its end.
+
+    ``beside`` is the number of runs at a time.  Raises FolderUnusable where a run is at work in its folder.
+    """
+    if is_at_work(point.folder):
+        raise FolderUnusable(f"{point.folder}: a run is at work there; wait for its end")
+    return _run((point.words, point.then), point.folder.resolve(), beside)
 
 
 def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.studies.design.aim import Aim, Goal, Limit
-from orchestrator.studies.design.optimisers import Optimiser, recommend
+from orchestrator.studies.design.optimisers import Optimiser
 from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.surrogates import Fitted, Surrogate
 
@@ -54,7 +54,7 @@ def study(
         more = problem.observe(new[None], rng)
         x, y, variance = np.vstack([x, new]), np.vstack([y, more[0]]), np.vstack([variance, more[1]])
     fitted = surrogate.fit(x, y, variance, seed)
-    return x, fitted, recommend(fitted, problem.aim, problem.space, x, rng)
+    return x, fitted, optimiser.recommend(fitted, problem.aim, problem.space, x, rng)
 
 
 def constant(*deviations: float) -> Callable[[Array], Array]:

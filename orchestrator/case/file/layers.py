@@ -160,6 +160,11 @@ def find_changes(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator
         yield key
 
 
+def level_file(folder: Path, level: str) -> Path:
+    """Return the file of a level: in the case's folder by its name, or any TOML file by its path."""
+    return Path(level) if level.endswith(".toml") else folder / "levels" / f"{level}.toml"
+
+
 CHEAP_LEVEL = "draft"
 """The level at which a case is tried out, where it has one of this name."""
 OF_EFFECTS = ("effects", "effects_for")
@@ -183,9 +188,9 @@ class Origin:
         """All that decides what the case is, but for which effects are chosen: tables, overrides,
         and checksums of the other files in the folder that it names.  Raises CaseError."""
         levels = {
-            name: read_toml(file, self.folder)
+            name: read_toml(file)
             for name in {self.level, CHEAP_LEVEL} - {""}
-            if (file := self.folder / "levels" / f"{name}.toml").is_file()
+            if (file := level_file(self.folder, name)).is_file()
         }
         tables = [_without_effects(one) for one in (self.given, *levels.values())]
         named = {word for table in [*tables, *self.others] for word in _words(table)}

@@ -1,18 +1,20 @@
-"""The course of a study: the centre, the plan, the search, and the winner measured again."""
+"""The course of a study: the centre, the plan, the search, and the best settings measured again."""
 
 from __future__ import annotations
 
 import statistics
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from orchestrator.studies.design import plans
+from orchestrator.studies.design.aim import Aim
 from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.models import SURROGATES
-from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each, recommend
+from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
 from orchestrator.studies.design.scales import SCALES, Scale
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.surrogates import Fitted, TooFewPoints
@@ -22,58 +24,97 @@ Array = npt.NDArray[np.float64]
 FOR_CONFIRMING = 0.2  # of the hours
 NARROW = 0.02  # of a goal's range over all data: half an interval that is narrow enough
 REPEATS = (2, 6)  # runs of each setting that is confirmed: at least, at most
-FIRST_NEW_SEED, CONFIRMING = 1000, 2  # of runs that confirm; of the choice of what they confirm
+FIRST_NEW_SEED = 1000  # of runs that confirm; equal for all settings, so that they are compared in pairs
+CONFIRMING = 2  # stream of random numbers that choose what is confirmed
 FEWEST_EXPLAINED = 0.5  # of a goal's variance, by leave-one-out
 NEAR_A_FAILURE = 0.1  # of the coded range: there nothing more is proposed
+ATTEMPTS = 10  # to find a proposal away from failures
+BEST, CENTRE, SIMPLER = "best", "centre", "simpler"
 
 
 @dataclass
 class Campaign:
-    """A study under way: what is known, and what is to be run next."""
+    """A study under way: its results so far, and its next trial."""
 
     study: Study
     evaluator: Evaluator
     journal: Journal
     outcomes: list[Outcome] = field(default_factory=list)
     _trials: list[Trial] = field(default_factory=list)
+    _fits: dict[tuple[str, bool, int], Fitted] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._trials = self.journal.read()
 
-    def run(self) -> Iterator[Outcome]:
-        """Run all stages, and yield what came of each trial; those that were done before come at once."""
-        for stage in (self._centre, self._plan, self._search, self._confirm):
+    def run(self, search: bool = True) -> Iterator[Outcome]:
+        """Run the centre and the plan, then search and confirm, and yield the outcome of each trial.
+
+        Outcomes of trials that were done before come at once.
+        """
+        for stage in (self._centre, self._plan, *((self._search, self._confirm) if search else ())):
             for outcome in self.evaluator.outcomes(stage()):
                 self.outcomes.append(outcome)
                 yield outcome
 
+    def trials_left(self) -> int:
+        """Count the trials still to come, as far as they are known; those of an open search are not."""
+        file = self.study.file
+        planned = 1 + len(planned_settings(self.study)) + file.plan.centres - 1
+        searched = self.most_searched if self.study.aim.goals and file.hours is None else 0
+        return max(0, planned + searched - len(self.outcomes))
+
     @property
+    def most_searched(self) -> int:
+        """The largest number of trials of the search, apart from the hours."""
+        file = self.study.file
+        if file.search.runs is not None:
+            return file.search.runs
+        return 10**6 if file.hours else len(planned_settings(self.study))
+
+    @cached_property
     def scales(self) -> dict[str, Scale]:
         """The scale of each response, in order."""
         return {name: SCALES[table.scale] for name, table in self.study.file.responses.items()}
 
-    def data(self) -> Data:
-        """Collect what the surrogates may see."""
-        return Data.of(self.outcomes, self.scales)
+    def data(self, confirmed: bool = True) -> Data:
+        """Collect the data for surrogates, with or without the runs that confirm."""
+        outcomes = [each for each in self.outcomes if confirmed or each.trial.stage != "confirm"]
+        return Data.of(outcomes, self.scales)
 
-    def fit(self, name: str = "") -> Fitted:
-        """Fit a surrogate, by default the study's own, to all data.
+    def fit(self, name: str = "", confirmed: bool = True) -> Fitted:
+        """Fit a surrogate, by default the study's own, to the data.
 
         Raises
         ------
-        TooFewPoints : there is less data than the surrogate has terms.
+        TooFewPoints : there are less data than the surrogate has terms.
         """
-        data = self.data()
-        surrogate = SURROGATES[name or self.study.file.search.surrogate]()
-        return surrogate.fit(data.x, data.y, data.variance, self.study.file.seed)
+        data, name = self.data(confirmed), name or self.study.file.search.surrogate
+        key = (name, confirmed, len(self.outcomes))
+        if key not in self._fits:
+            self._fits[key] = SURROGATES[name]().fit(data.x, data.y, data.variance, self.study.file.seed)
+        return self._fits[key]
+
+    def mean_wall_s(self) -> float:
+        """Compute the mean wall time of a run so far."""
+        wall_s = [outcome.wall_s for outcome in self.outcomes if outcome.wall_s > 0]
+        return statistics.fmean(wall_s) if wall_s else 0.0
 
     def spent_s(self) -> float:
-        """Compute the wall time of all runs so far, side by side as they are made."""
-        return sum(outcome.wall_s for outcome in self.outcomes) / self.evaluator.side_by_side
+        """Compute the wall time that all runs so far took, with those that run side by side."""
+        running = len(self._trials) - len(self.outcomes)
+        sum_s = sum(outcome.wall_s for outcome in self.outcomes) + max(running, 0) * self.mean_wall_s()
+        return sum_s / self.evaluator.side_by_side
+
+    def _can_afford(self, share: float) -> bool:
+        """Tell whether one more run would end within a share of the hours."""
+        hours = self.study.file.hours
+        return hours is None or self.spent_s() + self.mean_wall_s() <= 3600.0 * share * hours
 
     def _stage(self, stage: Stage, new: Callable[[int], Iterator[Trial]]) -> Iterator[Trial]:
-        """Yield the stored trials of a stage, then new ones, which are stored first; ``new`` is given the number
-        of those stored."""
+        """Yield the stored trials of a stage, then new ones, each stored before it is yielded.
+
+        ``new`` takes the number of the stored trials.
+        """
         stored = [trial for trial in self._trials if trial.stage == stage]
         yield from stored
         for trial in new(len(stored)):
@@ -81,123 +122,149 @@ class Campaign:
             self.journal.write(trial)
             yield trial
 
-    def _next(self, stage: Stage, setting: Array, seed: int = 0, **more: object) -> Trial:
-        return Trial(len(self._trials) + 1, stage, tuple(map(float, setting)), seed, **more)  # type: ignore[arg-type]
+    def _trial(
+        self,
+        stage: Stage,
+        setting: Array,
+        fitted: Fitted | None = None,
+        seed: int | None = None,
+        role: str = "",
+    ) -> Trial:
+        """Make the next trial, with the prediction of a surrogate for it.
+
+        Unless it is given, the seed differs from trial to trial: equal seeds would make errors common to all
+        runs, and a surrogate could not see them.
+        """
+        number, predicted = len(self._trials) + 1, {}
+        if fitted is not None:
+            mean, deviation = predict_each(fitted, setting[None])
+            for i, name in enumerate(self.study.file.responses):
+                predicted[name] = (float(mean[i, 0]), float(deviation[i, 0]))
+        seed = number - 1 if seed is None else seed
+        return Trial(number, stage, tuple(map(float, setting)), seed, role, predicted)
 
     def _centre(self) -> Iterator[Trial]:
         centre = self.study.space.ordered(np.zeros((1, self.study.space.factors)))[0]
 
         def new(stored: int) -> Iterator[Trial]:
             if not stored:
-                yield self._next("centre", centre)
+                yield self._trial("centre", centre)
 
         return self._stage("centre", new)
 
     def _plan(self) -> Iterator[Trial]:
-        """The plan's settings, and more runs of the centre with other seeds."""
-        settings = planned_settings(self.study)
+        """Yield the plan's settings, then more runs of the centre."""
         repeats = self.study.file.plan.centres - 1
-        wanted = [(setting, 0) for setting in settings]
-        wanted += [(np.array(self._trials[0].setting), seed) for seed in range(1, repeats + 1)]
+        settings = [*planned_settings(self.study), *[np.array(self._trials[0].setting)] * repeats]
 
         def new(stored: int) -> Iterator[Trial]:
-            for setting, seed in wanted[stored:]:
+            for setting in settings[stored:]:
                 if not self._can_afford(1.0 - FOR_CONFIRMING):
                     return
-                yield self._next("plan", setting, seed)
+                yield self._trial("plan", setting)
 
         return self._stage("plan", new)
 
     def _search(self) -> Iterator[Trial]:
-        most = self.study.file.search.runs
+        """Yield one proposal of the optimiser after the other; several aims take turns."""
 
         def new(stored: int) -> Iterator[Trial]:
-            while (most is None or stored < most) and self._can_afford(1.0 - FOR_CONFIRMING) and self.study.aim.goals:
+            for _ in range(stored, self.most_searched if self.study.aim.goals else 0):
+                if not self._can_afford(1.0 - FOR_CONFIRMING):
+                    return
                 try:
                     fitted = self.fit()
                 except TooFewPoints:
                     return
-                yield self._proposed("search", self._propose(fitted), fitted)
-                stored += 1
-                if most is None and self.study.file.hours is None:
-                    return
+                yield self._trial("search", self._propose(fitted), fitted)
 
         return self._stage("search", new)
 
     def _propose(self, fitted: Fitted) -> Array:
-        """Ask the optimiser, again where it comes near to a setting whose run failed."""
+        """Ask the optimiser for a setting, again where it comes near to a setting whose run failed."""
         done = np.array([trial.setting for trial in self._trials])
-        failed = [each.trial.setting for each in self.outcomes if not each.is_data]
+        failed = np.array([each.trial.setting for each in self.outcomes if not each.is_data])
         optimiser = OPTIMISERS[self.study.file.search.optimiser]()
-        for attempt in range(10):
+        aims = list(self.study.aims.values())
+        for attempt in range(ATTEMPTS):
             rng = np.random.default_rng([self.study.file.seed, len(self._trials), attempt])
-            setting = optimiser.propose(fitted, self.study.aim, self.study.space, done, rng)
-            if not failed or np.abs(np.array(failed) - setting).max(axis=1).min() > NEAR_A_FAILURE:
+            aim = aims[len(self._trials) % len(aims)]
+            setting = optimiser.propose(fitted, aim, self.study.space, done, rng)
+            if not len(failed) or np.abs(failed - setting).max(axis=1).min() > NEAR_A_FAILURE:
                 break
         return setting
 
-    def _proposed(self, stage: Stage, setting: Array, fitted: Fitted, seed: int = 0, role: str = "") -> Trial:
-        mean, deviation = predict_each(fitted, setting[None])
-        predicted = {
-            name: (float(mean[i, 0]), float(deviation[i, 0])) for i, name in enumerate(self.study.file.responses)
-        }
-        return self._next(stage, setting, seed, role=role, predicted=predicted)
-
     def _confirm(self) -> Iterator[Trial]:
-        """The recommended setting, the centre and the best simpler design, each with new seeds."""
+        """Yield runs with new seeds: of the best setting for each aim, its simpler rival, and the centre."""
 
         def new(stored: int) -> Iterator[Trial]:
-            if not self.study.aim.goals or self.support():
-                return
             settings = self.candidates()
-            for repeat in range(REPEATS[1]):
-                for role, setting in settings.items():
-                    done = [t for t in self._trials if t.stage == "confirm" and t.role == role]
-                    if len(done) > repeat:
-                        continue
-                    if not self._can_afford(1.0) or (repeat >= REPEATS[0] and self._is_narrow(settings)):
-                        return
-                    yield self._proposed("confirm", setting, self.fit(), FIRST_NEW_SEED + repeat, role)
+            if not settings:
+                return
+            fitted = self.fit(confirmed=False)
+            wanted = [(role, repeat) for repeat in range(REPEATS[1]) for role in settings]
+            for role, repeat in wanted[stored:]:
+                if not self._can_afford(1.0) or (repeat >= REPEATS[0] and self._is_narrow(settings)):
+                    return
+                yield self._trial("confirm", settings[role], fitted, FIRST_NEW_SEED + repeat, role)
 
         return self._stage("confirm", new)
 
     def candidates(self) -> dict[str, Array]:
-        """Choose the settings that are measured again, by their roles; those chosen before stay."""
-        chosen = {t.role: np.array(t.setting) for t in self._trials if t.stage == "confirm"}
-        if "winner" not in chosen:
-            fitted, done = self.fit(), np.array([trial.setting for trial in self._trials])
-            rng = np.random.default_rng([self.study.file.seed, CONFIRMING])
-            space, aim = self.study.space, self.study.aim
-            chosen = {"winner": recommend(fitted, aim, space, done, rng), "centre": done[0]}
+        """Choose the settings that are measured again, by their roles, from the runs before.
+
+        The roles are ``best`` and ``simpler``, with the limit where there are several aims, and ``centre``.  There
+        are none where the data support no optimum.
+        """
+        chosen: dict[str, Array] = {}
+        optimiser = OPTIMISERS[self.study.file.search.optimiser]()
+        for number, (name, aim) in enumerate(self.study.aims.items()):
+            if not aim.goals or self.why_no_optimum(aim):
+                continue
+            fitted = self.fit(confirmed=False)
+            done = np.array([trial.setting for trial in self._trials if trial.stage != "confirm"])
+            spaces = {BEST: self.study.space}
             if self.study.simpler:
-                chosen["simpler"] = recommend(fitted, aim, self.study.simpler_space(), done, rng)
+                spaces[SIMPLER] = self.study.simpler_space()
+            for kind, space in spaces.items():
+                rng = np.random.default_rng([self.study.file.seed, CONFIRMING, number])
+                chosen[role_of(kind, name)] = optimiser.recommend(fitted, aim, space, done, rng)
+        if chosen:
+            chosen[CENTRE] = np.array(self._trials[0].setting)
         return chosen
 
-    def support(self) -> str:
-        """Say why no optimum can be stated from the data; empty where one can.
+    def why_no_optimum(self, aim: Aim) -> str:
+        """Say why the data support no optimum, and what it would take; empty where they do.
 
-        That is so where the surrogate explains less than half of a goal's variance (Q2 < 0.5), where no setting
-        is expected to keep the limits, or where half of all runs failed.
+        That is so where half of all runs failed, where the surrogate explains less than half of a goal's
+        variance (Q2 < 0.5), or where no setting is expected to keep the limits.
         """
-        file, data = self.study.file, self.data()
-        failed = sum(not each.is_data for each in self.outcomes)
-        if 2 * failed >= len(self.outcomes):
-            return f"{failed} of {len(self.outcomes)} runs gave no data"
+        tried = [each for each in self.outcomes if each.trial.stage != "confirm"]
+        failed = sum(not each.is_data for each in tried)
+        if 2 * failed >= len(tried):
+            return f"{failed} of {len(tried)} runs gave no data; look at the reasons in points.csv"
         try:
-            fitted = self.fit()
+            fitted = self.fit(confirmed=False)
         except TooFewPoints as error:
-            return str(error)
-        names = list(file.responses)
-        for goal in self.study.aim.goals:
-            if (q2 := explained(data.y[:, goal.response], fitted.left_out()[0][:, goal.response])) < FEWEST_EXPLAINED:
-                return f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {names[goal.response]}"
+            return f"{error}; more runs are needed"
+        data, names = self.data(confirmed=False), list(self.study.file.responses)
+        for goal in aim.goals:
+            y, noise = data.y[:, goal.response], np.sqrt(np.nanmedian(data.variance[:, goal.response]))
+            if (q2 := explained(y, fitted.left_out()[0][:, goal.response])) < FEWEST_EXPLAINED:
+                name, spread = names[goal.response], float(np.nanstd(y))
+                times = max(2, int(np.ceil((noise / max(spread, 1e-300)) ** 2 / 0.25)))
+                return (
+                    f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % is needed "
+                    f"(noise of one run {noise:.3g}, spread of the runs {spread:.3g}): about {times} times as many "
+                    "runs, or runs so many times as long, are needed"
+                )
         mean, _ = predict_each(fitted, self.study.space.sample(2000, 1))
-        if not self.study.aim.kept(mean).any() and not self.study.aim.kept(data.y.T).any():
-            return "no setting is expected to keep all limits"
+        if not aim.kept(mean).any() and not aim.kept(data.y.T).any():
+            return "no setting is expected to keep all limits; move the limits or widen the ranges"
         return ""
 
     def _is_narrow(self, settings: Mapping[str, Array]) -> bool:
-        """Whether the mean of each setting's runs is known well enough."""
+        """Tell whether the mean of the runs of each setting is known well enough."""
         data = self.data()
         for goal in self.study.aim.goals:
             y = data.y[:, goal.response]
@@ -209,12 +276,11 @@ class Campaign:
                     return False
         return True
 
-    def _can_afford(self, share: float) -> bool:
-        """Tell whether one more run ends within a share of the hours, if it takes as long as those before."""
-        if self.study.file.hours is None:
-            return True
-        wall_s = [outcome.wall_s for outcome in self.outcomes if outcome.wall_s > 0]
-        return self.spent_s() + (statistics.fmean(wall_s) if wall_s else 0.0) <= 3600 * share * self.study.file.hours
+
+def role_of(kind: str, aim: str) -> str:
+    """Return the role of a setting that is confirmed: its kind, and the limit of its aim where there are
+    several."""
+    return f"{kind}, {aim}" if aim else kind
 
 
 def explained(y: Array, left_out: Array) -> float:
@@ -227,12 +293,13 @@ def explained(y: Array, left_out: Array) -> float:
 def planned_settings(study: Study) -> Array:
     """List the plan's settings, coded, (runs, factors), without the centre."""
     plan, space = study.file.plan, study.space
-    runs = plan.runs or 4 * space.factors + 1
+    runs = plan.runs or 4 * space.factors
     if plan.kind == "none":
         return np.empty((0, space.factors))
     if plan.kind == "box-behnken":
         return plans.box_behnken(space.factors, centres=0)
     if plan.kind == "factorial":
-        return plans.factorial(space, plan.levels)
-    make = plans.sobol if plan.kind == "sobol" else plans.latin_hypercube
-    return make(space, runs, study.file.seed)[plan.kind == "sobol" :]
+        settings = plans.factorial(space, plan.levels)
+        return settings[np.abs(settings).max(axis=1) > 0]
+    make = {"sobol": space.sample, "latin-hypercube": lambda n, seed: plans.latin_hypercube(space, n, seed)}
+    return make[plan.kind](runs, study.file.seed)

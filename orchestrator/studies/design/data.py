@@ -13,14 +13,21 @@ from orchestrator.studies.design.scales import Scale
 from orchestrator.studies.design.trials import Outcome
 
 Array = npt.NDArray[np.float64]
-UNLIKELY = 0.01  # replicates that scatter more than this probability allows are believed, not the runs' intervals
+UNLIKELY = (
+    0.01  # replicates that scatter more than this probability allows are believed, not the runs' intervals
+)
 
 
 @dataclass(frozen=True)
 class Data:
-    """``x`` (n, f) coded, ``y`` (n, m) on the surrogates' scales, ``variance`` (n, m) of the noise, and by how
-    much, (m,), the runs' own intervals had to be widened to agree with their replicates."""
+    """Settings ``x``, (n, f), coded; responses ``y``, (n, m), on the scales of the surrogates; ``variance``, (n, m),
+    of their noise.
 
+    ``widened``, (m,), is the factor by which the runs' own intervals were widened to agree with replicates;
+    ``numbers``, (n,), are those of the trials.
+    """
+
+    numbers: npt.NDArray[np.int64]
     x: Array
     y: Array
     variance: Array
@@ -42,7 +49,7 @@ class Data:
         widened = np.ones(len(scales))
         for j in range(len(scales)):
             variance[:, j], widened[j] = completed_variance(x, y[:, j], variance[:, j])
-        return cls(x, y, variance, widened)
+        return cls(np.array([each.trial.number for each in rows]), x, y, variance, widened)
 
 
 def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, float]:
@@ -68,7 +75,9 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
     pooled = squares / freedom if freedom else np.nan
     own = variance[known & np.isfinite(variance)]
     spread = float(np.var(y[known])) if known.any() else 0.0
-    fallback = pooled if np.isfinite(pooled) and not len(own) else np.median(own) if len(own) else 1e-3 * spread
+    fallback = (
+        pooled if np.isfinite(pooled) and not len(own) else np.median(own) if len(own) else 1e-3 * spread
+    )
     complete = np.where(np.isfinite(variance), variance, fallback)
     if freedom and np.isfinite(expected) and expected > 0:
         ratio = squares / expected

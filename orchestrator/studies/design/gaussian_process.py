@@ -1,18 +1,20 @@
 """Gaussian process with a linear trend, a Matern 5/2 covariance and the known noise of each point.
 
 Source: C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006,
-sections 2.2, 2.7 (trend), 4.2 (Matern), 5.4.2 (leave-one-out); scikit-learn does the algebra.
+sections 2.2, 2.7 (trend), 4.2 (Matern); scikit-learn does the algebra.
 """
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cho_solve
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Matern
+from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern
 
 from orchestrator.studies.design.surrogates import TooFewPoints
 
@@ -44,11 +46,18 @@ def _fit_one(x: Array, y: Array, variance: Array, seed: int) -> _Process:
     kernel = ConstantKernel(0.3, (1e-4, 1e2)) * Matern([2.0] * x.shape[1], LENGTHS, nu=2.5)
     trend = ConstantKernel(TREND, "fixed") * DotProduct(1.0, "fixed")
     noise = np.maximum(variance[known] / scale**2, 1e-8)
-    process = GaussianProcessRegressor(
-        kernel + trend, alpha=noise, n_restarts_optimizer=STARTS, random_state=seed
-    )
-    process.fit(x[known], (y[known] - mean) / scale)
+    process = _maximise_likelihood(kernel + trend, x[known], (y[known] - mean) / scale, noise, STARTS, seed)
     return _Process(process, noise, known, mean, scale)
+
+
+def _maximise_likelihood(
+    kernel: Kernel, x: Array, y: Array, noise: Array, restarts: int, seed: int
+) -> GaussianProcessRegressor:
+    """Fit a process whose lengths and variance make the data most likely, starting from those of ``kernel``."""
+    process = GaussianProcessRegressor(kernel, alpha=noise, n_restarts_optimizer=restarts, random_state=seed)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)  # lengths may end at their bounds
+        return process.fit(x, y)
 
 
 @dataclass(frozen=True)
@@ -65,29 +74,36 @@ class _Process:
         mean, covariance = self.process.predict(x, return_cov=True)
         return self.mean + self.scale * mean, self.scale**2 * covariance
 
+    @cached_property
     def left_out(self) -> tuple[Array, Array]:
-        inverse = cho_solve((self.process.L_, True), np.eye(len(self.noise)))
-        variance = 1.0 / np.diag(inverse)
-        mean = self.process.y_train_ - inverse @ self.process.y_train_ * variance
-        latent = np.maximum(variance - self.noise, 0.0)
-        return self.mean + self.scale * mean, self.scale * np.sqrt(latent)
+        """Predictions of each point by a process fitted anew to all others: with lengths kept from all data they
+        would look better than they are."""
+        x, y = self.process.X_train_, self.process.y_train_
+        mean, deviation = np.empty((2, len(y)))
+        for i in range(len(y)):
+            others = np.arange(len(y)) != i
+            process = _maximise_likelihood(
+                self.process.kernel_, x[others], y[others], self.noise[others], 0, 0
+            )
+            mean[[i]], deviation[[i]] = process.predict(x[[i]], return_std=True)
+        return self.mean + self.scale * mean, self.scale * deviation
 
 
 @dataclass(frozen=True)
 class FittedProcess:
-    """The processes of all responses."""
+    """The fitted processes of all responses."""
 
     processes: list[_Process]
     points: int
 
     def predict(self, x: Array) -> tuple[Array, Array]:
         """Predict means, (m, p), and covariances, (m, p, p), of the responses at settings, (p, f)."""
-        predicted = [one.predict(x) for one in self.processes]
+        predicted = [process.predict(x) for process in self.processes]
         return np.array([mean for mean, _ in predicted]), np.array([cov for _, cov in predicted])
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each response, (n, m), from the others, with the lengths kept as they are."""
+        """Predict each response, (n, m), from the others, with the lengths fitted to these."""
         mean, deviation = np.full((2, self.points, len(self.processes)), np.nan)
-        for i, one in enumerate(self.processes):
-            mean[one.known, i], deviation[one.known, i] = one.left_out()
+        for i, process in enumerate(self.processes):
+            mean[process.known, i], deviation[process.known, i] = process.left_out
         return mean, deviation

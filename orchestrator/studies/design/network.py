@@ -57,7 +57,12 @@ class Network:
 
     def _trained(self, x: Array, y: Array, penalty: float, start: int) -> MLPRegressor:
         net = MLPRegressor(
-            (self.nodes,), activation="tanh", solver="lbfgs", alpha=penalty, max_iter=500, random_state=start
+            hidden_layer_sizes=(self.nodes,),
+            activation="tanh",
+            solver="lbfgs",
+            alpha=penalty,
+            max_iter=500,
+            random_state=start,
         )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ConvergenceWarning)  # 500 iterations are the stop that is meant

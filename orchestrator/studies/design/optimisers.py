@@ -7,9 +7,10 @@ from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
+from scipy import stats
 from scipy.optimize import minimize
 
-from orchestrator.studies.design.aim import Aim
+from orchestrator.studies.design.aim import Aim, Limit
 from orchestrator.studies.design.front import improvements, nondominated
 from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.surrogates import Fitted
@@ -20,20 +21,42 @@ CANDIDATES = 150  # of each kind: all over the space, on its borders, around the
 DRAWS = 128  # of all responses at the candidates
 NARROWED = 5  # times that the candidates of a recommendation are drawn around the best
 STARTS = 20  # of SLSQP
+TOLERANCE = 1e-6  # of a limit, on the scale of the surrogates
 
 
 class Optimiser(Protocol):
-    """A way to choose the next setting from what the surrogates say."""
+    """A way to choose settings from the predictions of the surrogates.
+
+    ``done``, (n, factors), are the coded settings that have been run or are being run.
+    """
 
     def propose(self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator) -> Array:
-        """Propose the next setting, coded, (factors,).
+        """Propose the next setting to be run, coded, (factors,)."""
+        ...
 
-        ``done``, (n, factors), are the settings that have been run or are being run.
-        """
+    def recommend(
+        self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator
+    ) -> Array:
+        """Choose the setting, coded, (factors,), with the best expected first goal whose limits hold with the
+        aim's confidence; where no setting is so sure, the setting that keeps the limits most probably."""
         ...
 
 
-class ExpectedImprovement:
+class _Confident:
+    """Recommend by a random search that narrows in on the best settings."""
+
+    def recommend(
+        self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator
+    ) -> Array:
+        """Choose the best setting that keeps the limits with the aim's confidence."""
+        best = near = space.ordered(done.copy())
+        for _ in range(NARROWED):
+            candidates = np.vstack([best[:1], space.candidates(near, 2 * CANDIDATES, rng)])
+            best = near = candidates[np.argsort(-confident_worth(fitted, aim, candidates))[:5]]
+        return best[0]
+
+
+class ExpectedImprovement(_Confident):
     """The largest expected gain over the best so far, where neither is known without noise.
 
     Responses are drawn jointly at all settings done and at candidates; what a candidate gains in a
@@ -45,7 +68,7 @@ class ExpectedImprovement:
 
     def propose(self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator) -> Array:
         """Propose the candidate with the largest mean gain over all draws."""
-        near = np.vstack([_best_done(fitted, aim, done), recommend(fitted, aim, space, done, rng)])
+        near = np.vstack([_best_done(fitted, aim, done), self.recommend(fitted, aim, space, done, rng)])
         candidates = space.candidates(near, CANDIDATES, rng)
         drawn = _draw(fitted, np.vstack([done, candidates]), rng)
         gains, kept = aim.gains(drawn), aim.kept(drawn)
@@ -61,6 +84,12 @@ class Whale:
         """Propose the setting with the best predicted goal among those predicted to keep the limits."""
         return whale_search(lambda x: predicted_worth(fitted, aim, x), space, rng)
 
+    def recommend(
+        self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator
+    ) -> Array:
+        """Choose the best setting that keeps the limits with the aim's confidence."""
+        return whale_search(lambda x: confident_worth(fitted, aim, x), space, rng)
+
 
 class Gradient:
     """The predicted best, searched by sequential quadratic programming (SLSQP) from many starts.
@@ -71,28 +100,46 @@ class Gradient:
     def propose(self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator) -> Array:
         """Propose the setting with the best predicted goal among those predicted to keep the limits."""
 
-        def mean(x: Array) -> Array:
-            return fitted.predict(x[None])[0][:, 0]
+        return self._search(fitted, aim, space, rng, 0.0)
+
+    def recommend(
+        self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator
+    ) -> Array:
+        """Choose the best setting each of whose limits holds with the aim's confidence."""
+        margin = float(stats.norm.ppf(aim.confidence ** (1.0 / max(len(aim.limits), 1))))
+        return self._search(fitted, aim, space, rng, margin)
+
+    def _search(
+        self, fitted: Fitted, aim: Aim, space: Space, rng: np.random.Generator, margin: float
+    ) -> Array:
+        """Search for the best predicted goal where limits are kept by so many standard deviations."""
+
+        def distance(x: Array, limit: Limit) -> float:
+            mean, deviation = predict_each(fitted, x[None])
+            kept_by = limit.sign * (mean[limit.response, 0] - limit.value)
+            return float(kept_by - margin * deviation[limit.response, 0])
+
+        def loss(x: Array) -> float:
+            return -float(aim.gains(predict_each(fitted, x[None])[0])[0, 0])
 
         limits = [
-            {"type": "ineq", "fun": lambda x, one=one: one.sign * (mean(x)[one.response] - one.value)}
-            for one in aim.limits
+            {"type": "ineq", "fun": lambda x, limit=limit: distance(x, limit)} for limit in aim.limits
         ] + [
             {"type": "ineq", "fun": lambda x, i=i, j=j: x[i] - x[j]}
             for chain in space.chains
             for i, j in pairwise(chain)
         ]
         ends = [
-            minimize(
-                lambda x: -aim.gains(mean(x))[0], start, bounds=[(-1, 1)] * space.factors, constraints=limits
-            ).x
+            minimize(loss, start, bounds=[(-1, 1)] * space.factors, constraints=limits).x
             for start in space.sample(STARTS, int(rng.integers(2**31)))
         ]
-        found = space.ordered(np.array(ends))
-        return found[int(np.argmax(predicted_worth(fitted, aim, found, slack=1e-6)))]
+        settings = space.ordered(np.array(ends))
+        kept = [all(distance(x, limit) > -TOLERANCE for limit in aim.limits) for x in settings]
+        worth = predicted_worth(fitted, aim, settings, slack=np.inf)
+        return settings[int(np.argmax(np.where(kept, worth, worth.min() - 1.0)))]
 
 
-class Sobol:
+class Sobol(_Confident):
     """The next point of a sequence that fills the space: what any search is to be better than."""
 
     def propose(self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator) -> Array:
@@ -108,22 +155,14 @@ OPTIMISERS: dict[str, type[Optimiser]] = {
 }
 
 
-def recommend(fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator) -> Array:
-    """Find the setting with the best expected first goal whose limits hold with the aim's confidence.
+def confident_worth(fitted: Fitted, aim: Aim, x: Array) -> Array:
+    """Compute the expected first goal, (p,), of settings, (p, f), that keep the limits with the aim's confidence.
 
-    Where no setting is so sure, it is the one that keeps the limits most probably.
+    The worth of all others is far below, and higher where they keep the limits more probably.
     """
-
-    def worth(x: Array) -> Array:
-        mean, deviation = predict_each(fitted, x)
-        sure, gain = aim.probability(mean, deviation), aim.gains(mean)[0]
-        return np.where(sure >= aim.confidence, gain, gain.min() - 2.0 + sure)
-
-    best = near = done
-    for _ in range(NARROWED):
-        candidates = np.vstack([best[:1], space.candidates(near, 2 * CANDIDATES, rng)])
-        best = near = candidates[np.argsort(-worth(candidates))[:5]]
-    return best[0]
+    mean, deviation = predict_each(fitted, x)
+    sure, gain = aim.probability(mean, deviation), aim.gains(mean)[0]
+    return np.where(sure >= aim.confidence, gain, -1e6 * (2.0 - sure))
 
 
 def predicted_worth(fitted: Fitted, aim: Aim, x: Array, slack: float = 0.0) -> Array:

@@ -41,11 +41,6 @@ def box_behnken(factors: int, centres: int = 3) -> Array:
     return np.array(rows + [np.zeros(factors)] * centres)
 
 
-def sobol(space: Space, count: int, seed: int) -> Array:
-    """List the centre and Sobol points, (count, factors), in the space."""
-    return np.vstack([space.ordered(np.zeros((1, space.factors))), space.sample(count - 1, seed)])
-
-
 def latin_hypercube(space: Space, count: int, seed: int) -> Array:
     """List a Latin hypercube, (count, factors), of random settings moved apart.
 

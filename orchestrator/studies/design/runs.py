@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.scalars import value_at
 from orchestrator.output.records import trust
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Trial
-from orchestrator.studies.points import CaseStudy, Point, run_point, seeded, summary_of
+from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, summary_of
 
+Array = npt.NDArray[np.float64]
 HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 
 
@@ -22,6 +28,10 @@ class Runs:
     def __init__(self, study: Study, runs: CaseStudy) -> None:
         self._study, self._runs = study, runs
         self.side_by_side = runs.crew.workers
+
+    def centre(self) -> JudgedCase:
+        """Return the case at the centre of the ranges.  Raises CaseError."""
+        return self._runs.check(self._study.overlays(np.zeros(self._study.space.factors)))
 
     def check(self) -> None:
         """Check the centre and the corners of the ranges as cases.
@@ -43,10 +53,15 @@ class Runs:
             raise CaseError(problems)
 
     def outcomes(self, wanted: Iterable[Trial]) -> Iterator[Outcome]:
-        """Make the trials that are not done, and yield what came of each."""
-        yield from self._runs.crew.each(partial(self._made, trial) for trial in wanted)
+        """Run the trials that are not done, and yield the outcome of each."""
+        yield from self._runs.crew.each(partial(self._run, trial) for trial in wanted)
 
-    def _made(self, trial: Trial) -> Outcome:
+    def finished(self, trials: Iterable[Trial]) -> list[Outcome]:
+        """Return the outcomes of the trials that have been run to their end; nothing is run."""
+        points = ((trial, self._point(trial)) for trial in trials)
+        return [self._outcome(trial, point) for trial, point in points if point.done()]
+
+    def _run(self, trial: Trial) -> Outcome:
         point = self._point(trial)
         if not point.done():
             run_point(point, self.side_by_side)
@@ -55,24 +70,40 @@ class Runs:
     def _point(self, trial: Trial) -> Point:
         overlays = self._study.overlays(trial.setting)
         case = self._runs.check(overlays).case
-        return self._runs.point(trial.name, [*overlays, *seeded(case, trial.seed)])
+        return self._runs.point(trial.name, [*overlays, *seed_sets(case, trial.seed)])
 
     def _outcome(self, trial: Trial, point: Point) -> Outcome:
         summary = summary_of(point.folder)
         status = str(summary.get("status", "missing"))
-        wall_s = float(summary.get("wall_s", 0.0) or 0.0)
+        cost = _cost(summary)
         if status != trust.DONE:
             why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or status)
-            return Outcome(trial, status, why, wall_s=wall_s)
+            return Outcome(trial, status, why, **cost)
         responses = {}
         for name, table in self._study.file.responses.items():
-            if (found := value_at(summary, table.result)) is not None:
-                width = found.half_width
-                responses[name] = Measured(found.value, width / HALF_WIDTH if width else table.noise)
+            if (result := value_at(summary, table.result or name)) is not None:
+                width = result.half_width
+                responses[name] = Measured(result.value, width / HALF_WIDTH if width else table.noise)
         missing = [name for name in self._study.file.responses if name not in responses]
-        why = f"the run does not tell {', '.join(missing)}" if len(missing) == len(self._study.file.responses) else ""
-        return Outcome(trial, status, why, responses, wall_s)
+        why = (
+            f"the run does not tell {', '.join(missing)}"
+            if len(missing) == len(self._study.file.responses)
+            else ""
+        )
+        return Outcome(trial, status, why, responses, **cost)
 
-    def _named(self, corner: Iterable[float]) -> str:
+    def _named(self, corner: Array) -> str:
         values = self._study.space.actual(corner)
-        return ", ".join(f"{name} = {value:g}" for name, value in zip(self._study.file.factors, values, strict=True))
+        return ", ".join(
+            f"{name} = {value:g}" for name, value in zip(self._study.file.factors, values, strict=True)
+        )
+
+
+def _cost(summary: dict[str, Any]) -> dict[str, Any]:
+    """Return what a run cost, as ``Outcome`` has it."""
+    particles_s = (summary.get("wall_by_part_s") or {}).get("particles", 0.0)
+    return {
+        "wall_s": float(summary.get("wall_s") or 0.0),
+        "processor_s": float(summary.get("processor_s") or 0.0),
+        "particle_steps": round((summary.get("particle_steps_per_s") or 0.0) * particles_s),
+    }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import numpy.typing as npt
 from SALib.analyze import sobol as analysis
@@ -31,6 +33,8 @@ def sobol_indices(fitted: Fitted, factors: int, samples: int = 1024, seed: int =
     settings = sampling.sample(problem, samples, calc_second_order=False, seed=seed)
     indices = []
     for response in predict_each(fitted, settings)[0]:
-        found = analysis.analyze(problem, response, calc_second_order=False, seed=seed)
-        indices.append([found[key] for key in ("S1", "S1_conf", "ST", "ST_conf")])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", FutureWarning)  # of pandas, about the way SALib calls it
+            result = analysis.analyze(problem, response, calc_second_order=False, seed=seed)
+        indices.append([result[key] for key in ("S1", "S1_conf", "ST", "ST_conf")])
     return np.array(indices)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,3 +75,14 @@ class Space:
             moved = rng.random(around.shape) < 0.6
             parts.append(around + moved * width * rng.standard_normal(around.shape))
         return self.ordered(np.vstack(parts))
+
+
+@dataclass(frozen=True)
+class SimplerSpace(Space):
+    """The part of a space in which some factors follow from the others; ``simplify`` puts them in."""
+
+    simplify: Callable[[Array], Array] = lambda coded: coded
+
+    def ordered(self, coded: Array) -> Array:
+        """Move settings, (n, factors), into the part of the space."""
+        return Space.ordered(self, self.simplify(Space.ordered(self, coded)))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,7 +13,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from annotated_types import Len
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
 from orchestrator.case.file.layers import read_toml
@@ -22,13 +24,14 @@ from orchestrator.studies.design.aim import Aim, Goal, Limit
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS
+from orchestrator.studies.design.published import term
 from orchestrator.studies.design.scales import SCALES
-from orchestrator.studies.design.space import Array, Space
+from orchestrator.studies.design.space import Array, SimplerSpace, Space
 
 PLANS = ("sobol", "box-behnken", "latin-hypercube", "factorial", "none")
 MOST_CORNERS = 64  # of the ranges that are checked as cases
 GOAL = re.compile(r"(maximise|maximize|minimise|minimize) +(\S+)")
-LIMIT = re.compile(r"(\S+) *(>=|<=) *(\S+)")
+LIMIT = re.compile(r"(\S+) *(>=|<=) *(.+)")
 
 
 class FactorTable(Table):
@@ -38,15 +41,14 @@ class FactorTable(Table):
     """From, to."""
     unit: OneLine = ""
     """For tables and pictures."""
-    simpler: Number | None = None
-    """The value that it has in a simpler design, which is run beside the winner."""
 
 
 class ResponseTable(Table):
     """A number of a run that counts."""
 
-    result: OneLine
-    """Its short name, as ``flipflow run`` says it, or its keys in summary.json with dots."""
+    result: OneLine = ""
+    """Its short name, as ``flipflow run`` says it, or its keys in summary.json with dots; by default its
+    own name.  In a table it is the name of the column."""
     unit: OneLine = ""
     """For tables and pictures."""
     scale: Literal["plain", "percent", "logarithm"] = "plain"
@@ -72,24 +74,39 @@ class SearchTable(Table):
     """The settings that are run then, one after the other, each where the most is to be gained."""
 
     runs: Whole | None = None
-    """At most so many; by default as long as the budget lasts."""
+    """At most so many; by default as many as the hours allow, and without hours as many as the plan has."""
     surrogate: OneLine = "gaussian-process"
     optimiser: OneLine = "expected-improvement"
+
+
+class PublishedTable(Table):
+    """What a publication says of a response's surface, to be compared with the data."""
+
+    source: OneLine
+    """Where it is printed."""
+    response: Name
+    p: dict[Name, Number] = Field(default_factory=dict)
+    """Probability, printed for the linear term of each factor, that chance alone makes its effect."""
+    coefficients: dict[OneLine, Number] = Field(default_factory=dict)
+    """Of terms such as ``1``, ``slope``, ``slope*stroke`` and ``slope**2``, in the factors' own units."""
 
 
 class StudyFile(Table):
     """A design study."""
 
     title: OneLine = ""
-    case: OneLine
-    """The folder of the case, from that of this file."""
+    case: OneLine = ""
+    """The folder of the case, from the folder of this file."""
+    table: OneLine = ""
+    """Instead of a case, a CSV file with measured or published data: a column for each factor and response,
+    and, where it is known, ``<response> deviation``, the standard deviation of the noise."""
     level: OneLine = ""
     """The case's level; by default the case's own choice."""
     overrides: tuple[OneLine, ...] = ()
     """``--set`` of all runs."""
     factors: Annotated[dict[Name, FactorTable], Len(1)]
     """What may be changed, by name."""
-    set: Annotated[dict[OneLine, OneLine | tuple[OneLine, ...]], Len(1)]
+    set: dict[OneLine, OneLine | tuple[OneLine, ...]] = Field(default_factory=dict)
     """Values of the case's keys, as arithmetic of factors; several for a list."""
     ordered: tuple[tuple[Name, ...], ...] = ()
     """Chains of factors whose values must not rise."""
@@ -98,7 +115,11 @@ class StudyFile(Table):
     goals: tuple[OneLine, ...] = ()
     """One or two of ``maximise RESPONSE``, ``minimise RESPONSE``."""
     limits: tuple[OneLine, ...] = ()
-    """``RESPONSE >= VALUE``, ``RESPONSE <= VALUE``."""
+    """``RESPONSE >= VALUE``, ``RESPONSE <= VALUE``.  In one of them, several values with commas ask for the
+    best setting at each."""
+    simpler: dict[Name, OneLine] = Field(default_factory=dict)
+    """Factors of a simpler design as formulas of the others; the best simpler design is run beside the best
+    one."""
     confidence: Share = 0.9
     """The probability with which what is recommended must keep the limits."""
     hours: Positive | None = None
@@ -106,31 +127,50 @@ class StudyFile(Table):
     seed: Whole = 1
     plan: PlanTable = PlanTable()
     search: SearchTable = SearchTable()
+    published: tuple[PublishedTable, ...] = ()
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study as it was asked for, read and found to make sense."""
+    """A study as it was requested, read and checked.
+
+    ``aims`` has one entry, named "", or one for each value of a limit that has several, named by the limit.
+    """
 
     file: StudyFile
     folder: Path
     space: Space
-    aim: Aim
-    formulas: Mapping[str, tuple[formulas.ast.expr, ...]]
+    aims: Mapping[str, Aim]
+    formulas: Mapping[str, tuple[ast.expr, ...]]
+    simpler: Mapping[str, ast.expr]
 
     @property
-    def case(self) -> Path:
-        """The case's folder."""
-        return (self.folder / self.file.case).resolve()
+    def aim(self) -> Aim:
+        """The first of the aims."""
+        return next(iter(self.aims.values()))
+
+    @property
+    def name(self) -> str:
+        """The name of the study, and of its folder in ``runs/``."""
+        name = Path(self.file.case or self.file.table)
+        return f"{self.path(str(name)).stem}-design"
+
+    def path(self, name: str) -> Path:
+        """Return a path that the file gives from its own folder."""
+        return (self.folder / name).resolve()
+
+    def actual(self, coded: Array) -> dict[str, float]:
+        """Return a coded setting, (factors,), in the units of the factors, by their names."""
+        return dict(zip(self.file.factors, map(float, self.space.actual(coded)), strict=True))
 
     def overlays(self, coded: Array) -> list[str]:
-        """List the ``--set`` overlays of a coded setting.
+        """List the ``--set`` overlays of a coded setting, (factors,).
 
         Raises
         ------
         BadFormula : a formula has no value there.
         """
-        actual = dict(zip(self.file.factors, map(float, self.space.actual(coded)), strict=True))
+        actual = self.actual(coded)
         overlays = []
         for key, expressions in self.formulas.items():
             values = [formulas.value(each, actual) for each in expressions]
@@ -152,40 +192,82 @@ class Study:
                 seen.add(tuple(corner))
                 yield corner
 
+    def simpler_space(self) -> Space:
+        """Return the part of the space that simpler designs are: its factors follow from the others."""
+        return SimplerSpace(self.space.low, self.space.high, self.space.chains, self._simplify)
+
+    def _simplify(self, coded: Array) -> Array:
+        """Put the formulas of ``simpler`` into settings, (n, factors)."""
+        names, actual = list(self.file.factors), self.space.actual(coded)
+        for row in actual:
+            values = dict(zip(names, map(float, row), strict=True))
+            for name, expression in self.simpler.items():
+                row[names.index(name)] = formulas.value(expression, values)
+        return self.space.coded(actual)
+
 
 def read_study(path: Path) -> Study:
-    """Read a study's file, or that of a folder.
+    """Read the file of a study, or ``study.toml`` in a folder.
 
     Raises
     ------
-    CaseError : with all that is wrong in it.
+    CaseError : with every problem of the file.
     """
     path = path / "study.toml" if path.is_dir() else path
     try:
         file = StudyFile.model_validate(read_toml(path, path.parent))
     except ValidationError as error:
-        raise CaseError(from_validation(error, StudyFile)) from None
-    problems: list[CaseProblem] = []
-    parsed = _formulas(file, problems)
-    chains = _chains(file, problems)
-    aim = _aim(file, problems)
-    _check_plain(file, problems)
+        problems = from_validation(error, StudyFile)
+        raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems) from None
+    problems = []
+    parsed, simpler = _formulas(file, problems), _simpler(file, problems)
+    chains, aims = _chains(file, problems), _aims(file, problems)
+    _check_source(file, problems)
+    _check_factors_and_responses(file, problems)
+    _check_methods(file, problems)
     if problems:
         raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems)
     low, high = np.array([factor.range for factor in file.factors.values()]).T
-    return Study(file, path.parent, Space(low, high, chains), aim, parsed)
+    return Study(file, path.resolve().parent, Space(low, high, chains), aims, parsed, simpler)
 
 
-def _check_plain(file: StudyFile, problems: list[CaseProblem]) -> None:
+def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:
+    """Check that the data come either from runs of a case or from a table."""
+    if bool(file.case) == bool(file.table):
+        problems.append(CaseProblem(("case",), "one of case and table is wanted"))
+    if file.table and file.set:
+        problems.append(CaseProblem(("set",), "the data of a table are not run"))
+    if file.case and not file.set:
+        problems.append(CaseProblem(("set",), "no key of the case depends on a factor"))
+
+
+def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -> None:
     for name, factor in file.factors.items():
         low, high = factor.range
         if not low < high:
             problems.append(CaseProblem(("factors", name, "range"), f"{low:g} is not below {high:g}"))
     for name, response in file.responses.items():
         try:
-            scalar(response.result)
+            scalar(response.result or name) if file.case else None
         except KeyError as error:
             problems.append(CaseProblem(("responses", name, "result"), str(error.args[0])))
+    for place, table in enumerate(file.published):
+        if table.response not in file.responses:
+            hint = did_you_mean(table.response, file.responses)
+            key = ("published", place, "response")
+            problems.append(CaseProblem(key, f'no response "{table.response}"', hint))
+        for name in table.p.keys() - file.factors.keys():
+            hint = did_you_mean(name, file.factors)
+            problems.append(CaseProblem(("published", place, "p", name), f'no factor "{name}"', hint))
+        for text in table.coefficients:
+            try:
+                term(text, list(file.factors))
+            except BadFormula as error:
+                problems.append(CaseProblem(("published", place, "coefficients", text), str(error)))
+
+
+def _check_methods(file: StudyFile, problems: list[CaseProblem]) -> None:
+    """Check the names of plans, surrogates and optimisers, and what they can do."""
     for key, known in (("surrogate", SURROGATES), ("optimiser", OPTIMISERS)):
         if (word := getattr(file.search, key)) not in known:
             problems.append(CaseProblem(("search", key), f'no {key} "{word}"', did_you_mean(word, known)))
@@ -198,8 +280,8 @@ def _check_plain(file: StudyFile, problems: list[CaseProblem]) -> None:
             problems.append(CaseProblem(("plan", "kind"), "a Box-Behnken design has no ordered factors"))
 
 
-def _formulas(file: StudyFile, problems: list[CaseProblem]) -> dict[str, tuple[formulas.ast.expr, ...]]:
-    parsed: dict[str, tuple[formulas.ast.expr, ...]] = {}
+def _formulas(file: StudyFile, problems: list[CaseProblem]) -> dict[str, tuple[ast.expr, ...]]:
+    parsed: dict[str, tuple[ast.expr, ...]] = {}
     used: set[str] = set()
     for key, written in file.set.items():
         texts = (written,) if isinstance(written, str) else written
@@ -211,11 +293,32 @@ def _formulas(file: StudyFile, problems: list[CaseProblem]) -> dict[str, tuple[f
         names = set(itertools.chain(*map(formulas.names_in, parsed[key])))
         used |= names
         for name in sorted(names - file.factors.keys()):
-            problems.append(
-                CaseProblem(("set", key), f'no factor "{name}"', did_you_mean(name, file.factors))
-            )
-    for name in file.factors.keys() - used if len(parsed) == len(file.set) else ():
-        problems.append(CaseProblem(("factors", name), "no formula of [set] uses it"))
+            hint = did_you_mean(name, file.factors)
+            problems.append(CaseProblem(("set", key), f'no factor "{name}"', hint))
+    if file.set and len(parsed) == len(file.set):
+        for name in file.factors:
+            if name not in used:
+                problems.append(CaseProblem(("factors", name), "no formula of [set] uses it"))
+    return parsed
+
+
+def _simpler(file: StudyFile, problems: list[CaseProblem]) -> dict[str, ast.expr]:
+    """Parse the formulas of a simpler design; they may use only the factors that are left free."""
+    parsed: dict[str, ast.expr] = {}
+    for name, text in file.simpler.items():
+        key = ("simpler", name)
+        if name not in file.factors:
+            hint = did_you_mean(name, file.factors)
+            problems.append(CaseProblem(key, f'no factor "{name}"', hint))
+        try:
+            parsed[name] = formulas.parse(text)
+        except BadFormula as error:
+            problems.append(CaseProblem(key, str(error)))
+            continue
+        free = file.factors.keys() - file.simpler.keys()
+        for used in sorted(formulas.names_in(parsed[name]) - free):
+            hint = did_you_mean(used, free, "factors that are left")
+            problems.append(CaseProblem(key, f'"{used}" is no factor of the simpler design', hint))
     return parsed
 
 
@@ -224,52 +327,70 @@ def _chains(file: StudyFile, problems: list[CaseProblem]) -> tuple[tuple[int, ..
     chains = []
     for place, chain in enumerate(file.ordered):
         key = ("ordered", place)
+        others = {name for other in file.ordered[:place] for name in other}
         if unknown := [name for name in chain if name not in numbers]:
             problems.append(CaseProblem(key, f'no factor "{unknown[0]}"', did_you_mean(unknown[0], numbers)))
         elif len({file.factors[name].range for name in chain}) > 1:
             problems.append(CaseProblem(key, "ordered factors must have one range"))
-        elif len(set(chain)) < len(chain) or set(chain) & {
-            name for other in file.ordered[:place] for name in other
-        }:
+        elif len(set(chain)) < len(chain) or set(chain) & others:
             problems.append(CaseProblem(key, "a factor stands in it twice, or in another chain"))
         else:
             chains.append(tuple(numbers[name] for name in chain))
     return tuple(chains)
 
 
-def _aim(file: StudyFile, problems: list[CaseProblem]) -> Aim:
-    numbers = {name: number for number, name in enumerate(file.responses)}
-    goals, limits = [], []
+def _aims(file: StudyFile, problems: list[CaseProblem]) -> dict[str, Aim]:
+    """Parse goals and limits into one aim, or one for each value of the limit that has several."""
+    goals = _goals(file, problems)
+    limits = [_limits(file, place, text, problems) for place, text in enumerate(file.limits)]
+    if len(goals) > 2:
+        problems.append(CaseProblem(("goals",), "more than two goals", "make some of them limits"))
+    limited = {limit.response for each in limits for limit in each.values()}
+    if {goal.response for goal in goals} & limited:
+        problems.append(CaseProblem(("goals",), "a response is a goal and has a limit"))
+    if not goals and file.case and file.search.runs != 0:
+        hint = 'give a goal, or "search.runs = 0"'
+        problems.append(CaseProblem(("goals",), "nothing to search for", hint))
+    if sum(len(each) > 1 for each in limits) > 1:
+        problems.append(CaseProblem(("limits",), "more than one limit has several values"))
+    aims = {}
+    for chosen in itertools.product(*(each.items() for each in limits)):
+        of_several = [text for (text, _), each in zip(chosen, limits, strict=True) if len(each) > 1]
+        aims["".join(of_several)] = Aim(tuple(goals), tuple(limit for _, limit in chosen), file.confidence)
+    return aims
 
-    def known(name: str, key: tuple[str, int]) -> bool:
-        if name not in numbers:
-            problems.append(CaseProblem(key, f'no response "{name}"', did_you_mean(name, numbers)))
-        return name in numbers
 
+def _goals(file: StudyFile, problems: list[CaseProblem]) -> list[Goal]:
+    goals = []
     for place, text in enumerate(file.goals):
         if not (match := GOAL.fullmatch(text.strip())):
             hint = '"maximise RESPONSE" or "minimise RESPONSE" is wanted'
             problems.append(CaseProblem(("goals", place), f'"{text}" is no goal', hint))
-        elif known(match[2], ("goals", place)):
-            goals.append(Goal(numbers[match[2]], 1.0 if match[1].startswith("max") else -1.0))
-    for place, text in enumerate(file.limits):
-        match = LIMIT.fullmatch(text.strip())
-        try:
-            number = float(match[3]) if match else np.nan
-        except ValueError:
-            number = np.nan
-        if match is None or not np.isfinite(number):
-            hint = '"RESPONSE >= NUMBER" or "RESPONSE <= NUMBER" is wanted'
-            problems.append(CaseProblem(("limits", place), f'"{text}" is no limit', hint))
-        elif known(match[1], ("limits", place)):
-            scale = SCALES[file.responses[match[1]].scale]
-            limits.append(
-                Limit(numbers[match[1]], 1.0 if match[2] == ">=" else -1.0, float(scale.to_fit(number)))
-            )
-    if len(goals) > 2:
-        problems.append(CaseProblem(("goals",), "more than two goals", "make some of them limits"))
-    if {goal.response for goal in goals} & {limit.response for limit in limits}:
-        problems.append(CaseProblem(("goals",), "a response is a goal and has a limit"))
-    if not goals and file.search.runs != 0:
-        problems.append(CaseProblem(("goals",), "nothing to search for", 'give a goal, or "search.runs = 0"'))
-    return Aim(tuple(goals), tuple(limits), file.confidence)
+        elif (number := _response(file, match[2], ("goals", place), problems)) is not None:
+            goals.append(Goal(number, 1.0 if match[1].startswith("max") else -1.0))
+    return goals
+
+
+def _limits(file: StudyFile, place: int, text: str, problems: list[CaseProblem]) -> dict[str, Limit]:
+    """Parse one line of ``limits`` into a limit for each of its values, named by its text."""
+    match, limits = LIMIT.fullmatch(text.strip()), {}
+    try:
+        values = [float(value) for value in match[3].split(",")] if match else [math.nan]
+    except ValueError:
+        values = [math.nan]
+    if match is None or not np.isfinite(values).all():
+        hint = '"RESPONSE >= NUMBER" or "RESPONSE <= NUMBER" is wanted'
+        problems.append(CaseProblem(("limits", place), f'"{text}" is no limit', hint))
+    elif (number := _response(file, match[1], ("limits", place), problems)) is not None:
+        to_fit, sign = SCALES[file.responses[match[1]].scale].to_fit, 1.0 if match[2] == ">=" else -1.0
+        for value in values:
+            limits[f"{match[1]} {match[2]} {value:g}"] = Limit(number, sign, float(to_fit(value)))
+    return limits or {text: Limit(0, 1.0, math.nan)}
+
+
+def _response(file: StudyFile, name: str, key: tuple[str, int], problems: list[CaseProblem]) -> int | None:
+    names = list(file.responses)
+    if name in names:
+        return names.index(name)
+    problems.append(CaseProblem(key, f'no response "{name}"', did_you_mean(name, names)))
+    return None

@@ -49,13 +49,18 @@ class Measured:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a trial: the run's status, why it gives no data (empty where it does), and its responses."""
+    """The result of a trial.
+
+    ``status`` is the run's own; ``why`` says why the run is no data, and is empty where it is.
+    """
 
     trial: Trial
     status: str
     why: str = ""
     responses: Mapping[str, Measured] = field(default_factory=dict)
     wall_s: float = 0.0
+    processor_s: float = 0.0
+    particle_steps: int = 0
 
     @property
     def is_data(self) -> bool:

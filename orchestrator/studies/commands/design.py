@@ -1,0 +1,65 @@
+"""``flipflow study design``: the planned runs of a design study."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
+from orchestrator.studies.design.campaign import planned_settings
+from orchestrator.studies.design.study import DesignStudy
+from orchestrator.studies.design.study_file import read_study
+from orchestrator.studies.options import Out, StudyOutput, StudyPath
+from orchestrator.studies.points import Crew
+from orchestrator.studies.report import console_table
+
+
+def command(
+    study: StudyPath,
+    crew: Crew,
+    out: Out = None,
+    dry: Annotated[
+        bool, typer.Option("--dry", help="check and list the runs, predict their time, and stop")
+    ] = False,
+) -> StudyOutput:
+    """Run the plan of a design study: the centre, then settings over the ranges of all factors.
+
+    First the centre and all corners of the ranges are checked as cases.  The centre alone is run then; the rest
+    follows if it has all responses.  Called again, only what is missing is run.  The results are written as
+    flipflow study fit does.
+
+    Exit code 4: a run is no data; 2: the study or a case is wrong.
+    """
+    design = DesignStudy(read_study(study), crew, out)
+    if dry:
+        yield from _foretell(design)
+        return True
+    yield from design.run(search=False)
+    yield from design.write()
+    return all(outcome.is_data for outcome in design.campaign.outcomes)
+
+
+def _foretell(design: DesignStudy) -> StudyOutput:
+    """Check the corners, list the planned settings, and predict their processor time."""
+    design.require_case()
+    design.runs.check()
+    campaign, file = design.campaign, design.study.file
+    settings = planned_settings(design.study)
+    rows = [
+        [str(number), *(f"{value:.4g}" for value in design.study.actual(setting).values())]
+        for number, setting in enumerate(settings, start=2)
+    ]
+    yield console_table("planned settings, after the centre", ["run", *file.factors], rows)
+    case = design.runs.centre().case
+    each_s = campaign.mean_wall_s() or predicted_s(case, particles_at_start(case))
+    count = 1 + len(settings) + file.plan.centres - 1
+    sides = design.runs.side_by_side
+    yield (
+        f"{count} runs of {in_words(each_s)} each, predicted from the case, on {sides} workers: "
+        f"{in_words(count * each_s / sides)}"
+    )
+    if file.hours is not None:
+        more = int(3600 * file.hours * sides / each_s) - count
+        yield f"{max(more, 0)} more fit into {file.hours:g} h"
+    return True

@@ -1,0 +1,20 @@
+"""``flipflow study fit``: surrogates of a study's data, or of a table."""
+
+from __future__ import annotations
+
+from orchestrator.studies.design.study import DesignStudy
+from orchestrator.studies.design.study_file import read_study
+from orchestrator.studies.options import Out, StudyOutput, StudyPath
+from orchestrator.studies.points import Crew
+
+
+def command(study: StudyPath, out: Out = None) -> StudyOutput:
+    """Fit surrogates to the runs of a study that have ended, or to a table; nothing is run.
+
+    The folder gets the points, the fits with their analysis of variance and sensitivities, the trade-off, the
+    best settings, pictures and design.html.  Called again, it writes the same files.
+    """
+    design = DesignStudy(read_study(study), Crew(), out)
+    design.load_finished()
+    yield from design.write()
+    return True

@@ -1,0 +1,260 @@
+"""What the data of a study say: surrogates and how far to trust them, the best settings, and what was measured
+of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+from orchestrator.studies.design.aim import Aim
+from orchestrator.studies.design.campaign import BEST, SIMPLER, Campaign, explained, role_of
+from orchestrator.studies.design.data import Data
+from orchestrator.studies.design.front import nondominated
+from orchestrator.studies.design.models import SURROGATES
+from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
+from orchestrator.studies.design.quadratic import FittedQuadratic, Surface
+from orchestrator.studies.design.sensitivity import sobol_indices
+from orchestrator.studies.design.surrogates import Fitted, TooFewPoints
+
+Array = npt.NDArray[np.float64]
+HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
+ON_THE_FRONT = 40  # settings that are listed
+DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optimum, as in the paper
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A surrogate and how well it predicts each response that it has not seen (leave-one-out).
+
+    ``explained`` is Q2, the share of the variance; ``coverage`` the share of runs within the 95 % interval.
+    """
+
+    name: str
+    fitted: Fitted | None
+    why_not: str = ""
+    explained: Array = field(default_factory=lambda: np.empty(0))
+    coverage: Array = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value and half the width of its 95 % interval, in the response's own unit."""
+
+    value: float
+    half_width: float
+
+    def __str__(self) -> str:
+        digits = max(0, 1 - int(np.floor(np.log10(self.half_width)))) if self.half_width > 0 else 3
+        return f"{self.value:.{digits}f} ± {self.half_width:.{digits}f}"
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """A setting that was measured again: predicted and measured responses, and whether they agree.
+
+    ``why_not`` is empty where the measured intervals overlap the predicted ones and the limits hold.
+    """
+
+    role: str
+    setting: Array
+    runs: int
+    predicted: Mapping[str, Interval]
+    measured: Mapping[str, Interval]
+    why_not: str = ""
+
+
+@dataclass
+class Findings:
+    """Everything that is written about a study, computed from its outcomes alone."""
+
+    campaign: Campaign
+
+    @cached_property
+    def data(self) -> Data:
+        """All runs that are data."""
+        return self.campaign.data()
+
+    @property
+    def responses(self) -> list[str]:
+        """The names of the responses."""
+        return list(self.campaign.study.file.responses)
+
+    @cached_property
+    def surrogates(self) -> list[Judged]:
+        """All surrogates, the study's own first."""
+        own = self.campaign.study.file.search.surrogate
+        return [self._judge(name) for name in sorted(SURROGATES, key=lambda name: name != own)]
+
+    def _judge(self, name: str) -> Judged:
+        try:
+            fitted = self.campaign.fit(name)
+        except TooFewPoints as error:
+            return Judged(name, None, str(error))
+        mean, deviation = fitted.left_out()
+        y, variance = self.data.y, self.data.variance
+        q2 = [explained(y[:, i], mean[:, i]) for i in range(y.shape[1])]
+        inside = np.abs(y - mean) <= HALF_WIDTH * np.sqrt(deviation**2 + variance)
+        known = np.isfinite(y) & np.isfinite(mean)
+        share = (inside & known).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        return Judged(name, fitted, "", np.array(q2), share)
+
+    @property
+    def own(self) -> Judged:
+        """The study's own surrogate."""
+        return self.surrogates[0]
+
+    @cached_property
+    def quadratic(self) -> dict[str, Surface]:
+        """The quadratic surface of each response; empty where there are too few runs."""
+        fitted = next(judged.fitted for judged in self.surrogates if judged.name == "quadratic")
+        if not isinstance(fitted, FittedQuadratic):
+            return {}
+        return dict(zip(self.responses, fitted.surfaces, strict=True))
+
+    @cached_property
+    def sobol(self) -> Array | None:
+        """Sobol indices of the study's own surrogate, (m, 4, factors); None without it, or where factors are
+        ordered, since they are then not independent."""
+        if self.own.fitted is None or self.campaign.study.space.chains:
+            return None
+        return sobol_indices(self.own.fitted, self.campaign.study.space.factors)
+
+    @cached_property
+    def why_no_optimum(self) -> dict[str, str]:
+        """Why the data support no optimum, by aim; only aims without one are in it."""
+        aims = self.campaign.study.aims
+        reasons = {name: self.campaign.why_no_optimum(aim) for name, aim in aims.items() if aim.goals}
+        return {name: why for name, why in reasons.items() if why}
+
+    @cached_property
+    def best(self) -> dict[str, Array]:
+        """The recommended setting of each aim that has one, by the aim's name."""
+        study, found = self.campaign.study, {}
+        optimiser = OPTIMISERS[study.file.search.optimiser]()
+        for number, (name, aim) in enumerate(study.aims.items()):
+            chosen = [c.setting for c in self.confirmed if c.role == role_of(BEST, name)]
+            if chosen:
+                found[name] = chosen[0]
+            elif aim.goals and name not in self.why_no_optimum and self.own.fitted is not None:
+                rng = np.random.default_rng([study.file.seed, 2, number])
+                found[name] = optimiser.recommend(self.own.fitted, aim, study.space, self.data.x, rng)
+        return found
+
+    def predict(self, setting: Array) -> dict[str, Interval]:
+        """Predict the responses at a coded setting, (factors,), by the study's own surrogate."""
+        assert self.own.fitted is not None
+        mean, deviation = predict_each(self.own.fitted, setting[None])
+        return self._intervals(mean[:, 0], HALF_WIDTH * deviation[:, 0])
+
+    def _intervals(self, mean: Array, half_width: Array) -> dict[str, Interval]:
+        """Take means and half widths, (m,), from the surrogates' scales to the responses' units."""
+        intervals = {}
+        for i, (name, scale) in enumerate(self.campaign.scales.items()):
+            low, high = (float(scale.from_fit(mean[i] + sign * half_width[i])) for sign in (-1.0, 1.0))
+            intervals[name] = Interval(float(scale.from_fit(mean[i])), (high - low) / 2.0)
+        return intervals
+
+    @cached_property
+    def confirmed(self) -> list[Confirmed]:
+        """The settings that were run again with new seeds, in the order of their first runs."""
+        runs = [each for each in self.campaign.outcomes if each.trial.stage == "confirm" and each.is_data]
+        roles = dict.fromkeys(each.trial.role for each in sorted(runs, key=lambda each: each.trial.number))
+        return [self._confirm(role) for role in roles]
+
+    def _confirm(self, role: str) -> Confirmed:
+        mine = [each for each in self.campaign.outcomes if each.trial.role == role and each.is_data]
+        numbers = [each.trial.number for each in mine]
+        setting = np.array(mine[0].trial.setting)
+        rows = np.isin(self.data.numbers, numbers)
+        y, variance = self.data.y[rows], self.data.variance[rows]
+        mean, error = np.nanmean(y, axis=0), np.sqrt(np.nansum(variance, axis=0)) / len(y)
+        measured = self._intervals(mean, HALF_WIDTH * error)
+        expected = np.array([mine[0].trial.predicted[name] for name in self.responses])
+        predicted = self._intervals(expected[:, 0], HALF_WIDTH * expected[:, 1])
+        why = [
+            f"{name} was measured as {measured[name]} and predicted as {predicted[name]}"
+            for i, name in enumerate(self.responses)
+            if abs(mean[i] - expected[i, 0]) > HALF_WIDTH * (error[i] + expected[i, 1])
+        ]
+        aims = self.campaign.study.aims
+        aim = next(
+            (a for name, a in aims.items() if role in (role_of(BEST, name), role_of(SIMPLER, name))), None
+        )
+        if aim is not None:
+            z = float(stats.norm.ppf(aim.confidence))
+            for limit in aim.limits:
+                if limit.sign * (mean[limit.response] - limit.value) < -z * error[limit.response]:
+                    name = self.responses[limit.response]
+                    why.append(f"{name} was measured as {measured[name]}, beyond its limit")
+        return Confirmed(role, setting, len(mine), predicted, measured, "; ".join(why))
+
+    def is_confirmed(self) -> bool:
+        """Tell whether every aim has a best setting that was measured as predicted."""
+        wanted = [role_of(BEST, name) for name, aim in self.campaign.study.aims.items() if aim.goals]
+        proven = {each.role for each in self.confirmed if not each.why_not}
+        return bool(wanted) and set(wanted) <= proven
+
+    def against(self, role: str, other: str, response: int) -> Interval | None:
+        """Compute the difference of a response between two settings that were measured again, from runs with
+        equal seeds; None where one of them was not."""
+        pairs: dict[int, dict[str, float]] = {}
+        name = self.responses[response]
+        for each in self.campaign.outcomes:
+            if each.trial.stage == "confirm" and each.trial.role in (role, other) and name in each.responses:
+                pairs.setdefault(each.trial.seed, {})[each.trial.role] = each.responses[name].value
+        differences = [pair[role] - pair[other] for pair in pairs.values() if len(pair) == 2]
+        if len(differences) < 2:
+            return None
+        t = float(stats.t.ppf(0.975, len(differences) - 1))
+        return Interval(
+            float(np.mean(differences)), t * float(np.std(differences, ddof=1)) / len(differences) ** 0.5
+        )
+
+    @cached_property
+    def trade_off(self) -> tuple[int, int, float, float] | None:
+        """The two responses of the trade-off, with their signs (1: the larger the better): both goals, or the goal
+        and the first limit; None where there is only one."""
+        aim = self.campaign.study.aim
+        parts = [(goal.response, goal.sign) for goal in aim.goals]
+        parts += [(limit.response, limit.sign) for limit in aim.limits]
+        if len(parts) < 2 or self.own.fitted is None:
+            return None
+        (first, first_sign), (second, second_sign) = parts[:2]
+        return first, second, first_sign, second_sign
+
+    @cached_property
+    def random_settings(self) -> Array:
+        """A thousand random settings, coded, (1000, factors)."""
+        return self.campaign.study.space.sample(DRAWN_AT_RANDOM, self.campaign.study.file.seed)
+
+    @cached_property
+    def front(self) -> Array:
+        """Settings, coded, (n, factors), whose predicted trade-off no other one beats; ordered along it."""
+        if self.trade_off is None or self.own.fitted is None:
+            return np.empty((0, self.campaign.study.space.factors))
+        first, second, *signs = self.trade_off
+        rng = np.random.default_rng([self.campaign.study.file.seed, 3])
+        space, x = self.campaign.study.space, self.random_settings
+        others = _without(self.campaign.study.aim, second)
+        for _ in range(3):
+            x = np.vstack([x, space.candidates(x[-DRAWN_AT_RANDOM:], DRAWN_AT_RANDOM // 3, rng)])
+            mean, _ = predict_each(self.own.fitted, x)
+            gains = np.array(signs)[:, None] * mean[[first, second]]
+            x = x[nondominated(gains, others.kept(mean))]
+        mean, _ = predict_each(self.own.fitted, x)
+        order = np.argsort(mean[first])
+        chosen = (
+            order[np.unique(np.linspace(0, len(order) - 1, ON_THE_FRONT).astype(int))] if len(x) else order
+        )
+        return x[chosen]
+
+
+def _without(aim: Aim, response: int) -> Aim:
+    """Return an aim without the limits of one response."""
+    limits = tuple(limit for limit in aim.limits if limit.response != response)
+    return Aim(aim.goals, limits, aim.confidence)

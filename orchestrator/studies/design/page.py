@@ -1,0 +1,227 @@
+"""What a study says in words, and its page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, role_of
+from orchestrator.studies.design.findings import Confirmed, Findings, Interval
+from orchestrator.studies.design.tables import point_rows, published_rows, term_name
+from orchestrator.studies.report import write_page
+
+Array = npt.NDArray[np.float64]
+WIDENED = 1.05  # factor on the noise from which on it is mentioned
+OUTLIER = 4.0  # studentised residual from which on a run is named
+SHOWN = (
+    (
+        "trade_off",
+        "Trade-off",
+        "The line is what the surrogate expects at best, with its 95 % band. Small dots are random settings, as "
+        "predicted; points with bars are runs.",
+    ),
+    (
+        "effects",
+        "What each factor does",
+        "Averages over all settings of the other factors, with the 95 % band.",
+    ),
+    (
+        "surface",
+        "The two strongest factors",
+        "The other factors stand as in the best setting (the star), or in the centre. Hatched: a limit is missed.",
+    ),
+    (
+        "sensitivity",
+        "What decides",
+        "Sobol indices: the share of a response's variance that each factor explains.",
+    ),
+    (
+        "parity",
+        "Predicted and measured",
+        "Each run was predicted from all others. Points on the line are right; bars are 95 % intervals.",
+    ),
+    ("progress", "Progress", "The line is the best run so far that keeps all limits."),
+)
+
+
+def answers(findings: Findings) -> Iterator[str]:
+    """Yield the answer for each aim in one sentence: the best setting, measured where it was run again."""
+    study = findings.campaign.study
+    confirmed = {each.role: each for each in findings.confirmed}
+    for name, aim in study.aims.items():
+        goals = " and ".join(
+            f"{'largest' if goal.sign > 0 else 'smallest'} {findings.responses[goal.response]}"
+            for goal in aim.goals
+        )
+        limits = name or ", ".join(study.file.limits)
+        asked = f"For the {goals}{f' at {limits}' if limits else ''}"
+        if name in findings.why_no_optimum:
+            yield f"{asked} the data support no optimum: {findings.why_no_optimum[name]}."
+        elif name in findings.best:
+            setting = setting_in_words(findings, findings.best[name])
+            each = confirmed.get(role_of(BEST, name))
+            if each is None:
+                said = responses_in_words(findings, findings.predict(findings.best[name]))
+                yield f"{asked} take {setting}: predicted {said}, not yet measured."
+            else:
+                said = responses_in_words(findings, each.measured)
+                verdict = "as predicted" if not each.why_not else f"NOT as predicted: {each.why_not}"
+                yield f"{asked} take {setting}: measured {said} in {each.runs} runs, {verdict}."
+
+
+def rivals(findings: Findings) -> Iterator[str]:
+    """Yield how much each best setting differs from its simpler rival and from the centre."""
+    study = findings.campaign.study
+    for name, aim in study.aims.items():
+        for goal in aim.goals:
+            for other, words in ((role_of(SIMPLER, name), "the best simpler design"), (CENTRE, "the centre")):
+                difference = findings.against(role_of(BEST, name), other, goal.response)
+                if difference is not None:
+                    response = findings.responses[goal.response]
+                    unit = study.file.responses[response].unit
+                    known = abs(difference.value) > difference.half_width
+                    yield (
+                        f"{role_of(BEST, name)} against {words}: {response} differs by {difference} {unit} "
+                        f"({'beyond chance' if known else 'within chance'}; pairs of runs with equal seeds, 95 %)."
+                    )
+
+
+def setting_in_words(findings: Findings, setting: Array) -> str:
+    """Return a coded setting in the factors' units."""
+    factors = findings.campaign.study.file.factors
+    actual = findings.campaign.study.actual(setting)
+    return ", ".join(f"{name} = {value:.4g} {factors[name].unit}".rstrip() for name, value in actual.items())
+
+
+def responses_in_words(findings: Findings, intervals: Mapping[str, Interval]) -> str:
+    """Return responses with their intervals and units."""
+    responses = findings.campaign.study.file.responses
+    return ", ".join(f"{name} {each} {responses[name].unit}".rstrip() for name, each in intervals.items())
+
+
+def noise_in_words(findings: Findings) -> Iterator[str]:
+    """Yield what is known about the noise, and runs that stand out."""
+    for name, factor in zip(findings.responses, findings.data.widened, strict=True):
+        if factor > WIDENED:
+            yield (
+                f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own intervals say; all "
+                "intervals are widened by this factor."
+            )
+    fitted = findings.own.fitted
+    if fitted is None:
+        return
+    mean, deviation = fitted.left_out()
+    residual = np.abs(findings.data.y - mean) / np.sqrt(deviation**2 + findings.data.variance)
+    for row, column in zip(*np.nonzero(residual > OUTLIER), strict=True):
+        yield (
+            f"Run {findings.data.numbers[row]} stands out: its {findings.responses[column]} is "
+            f"{residual[row, column]:.1f} standard deviations from what all other runs predict. It is kept."
+        )
+
+
+def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
+    """Yield the analysis of variance of each response for the page."""
+    factors = list(findings.campaign.study.file.factors)
+    scales = findings.campaign.study.file.responses
+    for name, surface in findings.quadratic.items():
+        quality, lack = surface.quality(), surface.lack_of_fit()
+        words = (
+            f"R² {quality['r2']:.3f}, adjusted {quality['r2_adjusted']:.3f}, predicted {quality['r2_predicted']:.3f}; "
+            f"F {quality['f']:.4g}, p {quality['p']:.2g}; standard error of one run {quality['standard_error']:.3g}."
+        )
+        if lack is not None:
+            verdict = (
+                "does not fit within the scatter of repeated runs" if lack["p"] < 0.05 else "is not rejected"
+            )
+            words += f" Lack of fit: F {lack['f']:.4g}, p {lack['p']:.2g}: the quadratic {verdict}."
+        if scales[name].scale != "plain":
+            words += f" The response is on a {scales[name].scale} scale (see the documentation)."
+        rows = [{**row, "term": term_name(row["term"], factors)} for row in surface.anova()]  # type: ignore[arg-type]
+        yield {"response": name, "words": words, "rows": rows}
+
+
+def published_in_words(findings: Findings) -> Iterator[str]:
+    """Yield in sentences what of the printed results follows from the data and what does not."""
+    errors, formulas = published_rows(findings)
+    for source, response in dict.fromkeys((row["source"], row["response"]) for row in errors):
+        mine = [row for row in errors if (row["source"], row["response"]) == (source, response)]
+        implied = [float(row["standard error implied"] or 0.0) for row in mine]
+        own = float(mine[0]["standard error of the fit"] or 0.0)
+        follows = max(implied) < 1.1 * min(implied)
+        yield (
+            f"{source}, {response}: every printed p implies a standard error of one run, and all must agree. They "
+            f"imply {min(implied):.3g} to {max(implied):.3g}; the surface has {own:.3g}. "
+            f"{'The table follows from the data.' if follows else 'The table does not follow from the data.'}"
+        )
+    for source, response in dict.fromkeys((row["source"], row["response"]) for row in formulas):
+        row = next(row for row in formulas if (row["source"], row["response"]) == (source, response))
+        printed, refitted = float(row["R2 as printed"] or 0.0), float(row["R2 refitted"] or 0.0)
+        follows = refitted - printed < 0.01
+        yield (
+            f"{source}, {response}: on these data the printed formula has R² {printed:.4f}, its terms fitted anew "
+            f"{refitted:.4f}. "
+            f"{'The formula follows from the data.' if follows else 'The formula does not follow from the data.'}"
+        )
+
+
+def scope(findings: Findings) -> str:
+    """Return for which model of the machine the answer holds."""
+    file = findings.campaign.study.file
+    if file.table:
+        return f"All of it rests on the table {file.table}; nothing was run."
+    level = f"level {file.level}" if file.level else "its default level"
+    return (
+        f"All of it holds for the case {file.case} at {level}: a computation with the effects and meshes of that "
+        "level, not a measurement on a machine."
+    )
+
+
+def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path) -> Path:
+    """Write ``design.html``, which holds its pictures."""
+    study = findings.campaign.study
+    errors, formulas = published_rows(findings)
+    return write_page(
+        "design/page.html",
+        folder / "design.html",
+        title=study.file.title or f"Design study of {study.file.case or study.file.table}",
+        answers=list(answers(findings)),
+        scope=scope(findings),
+        factors=list(study.file.factors),
+        responses=findings.responses,
+        best=[_best_row(findings, each) for each in findings.confirmed],
+        rivals=list(rivals(findings)),
+        shown=SHOWN,
+        pictures=pictures,
+        surrogates=[
+            {
+                "name": each.name,
+                "why_not": each.why_not,
+                "quality": list(zip(each.explained, each.coverage, strict=True)),
+            }
+            for each in findings.surrogates
+        ],
+        noise=list(noise_in_words(findings)),
+        anova=list(anova_tables(findings)),
+        published_p=errors,
+        published_formulas=formulas,
+        published_words=list(published_in_words(findings)),
+        failures=[row for row in point_rows(findings) if row["why_no_data"]],
+        provenance=f"{len(findings.campaign.outcomes)} runs, of which {len(findings.data.x)} are data. The tables "
+        "are points.csv, costs.csv, fit.json, front.csv and best.csv beside this page; each run has a folder in "
+        "runs/.",
+    )
+
+
+def _best_row(findings: Findings, each: Confirmed) -> dict[str, Any]:
+    actual = findings.campaign.study.actual(each.setting)
+    return {
+        "role": each.role,
+        "runs": each.runs,
+        "setting": [f"{value:.4g}" for value in actual.values()],
+        "responses": [(str(each.measured[name]), str(each.predicted[name])) for name in findings.responses],
+        "verdict": each.why_not or "as predicted",
+    }

@@ -1,0 +1,147 @@
+"""The commands' common part: a study's file, its folder, its runs, and all that is written of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from rich.table import Table
+
+from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.output.records.run_folder import study_folder
+from orchestrator.preflight.cost import in_words
+from orchestrator.studies.design.campaign import Campaign
+from orchestrator.studies.design.findings import Findings
+from orchestrator.studies.design.page import answers, published_in_words, write_study_page
+from orchestrator.studies.design.pictures import draw_all
+from orchestrator.studies.design.runs import Runs
+from orchestrator.studies.design.study_file import Study
+from orchestrator.studies.design.table_data import read_table
+from orchestrator.studies.design.tables import write_recommended, write_tables
+from orchestrator.studies.design.trials import Journal, Outcome
+from orchestrator.studies.points import CaseStudy, Crew
+from orchestrator.studies.report import console_table
+
+RUNS = "runs"  # folder of the runs, in the study's folder
+
+
+class DesignStudy:
+    """A study with its folder."""
+
+    def __init__(self, study: Study, crew: Crew, out: Path | None) -> None:
+        self.study = study
+        self.folder = out or Path("runs") / study.name
+        self._case = CaseStudy(
+            study.path(study.file.case), study.file.level or None, (), self.folder / RUNS, crew
+        )
+        self.runs = Runs(study, self._case)
+        self.campaign = Campaign(study, self.runs, Journal(self.folder / RUNS))
+
+    def require_case(self) -> None:
+        """Raise CaseError for a study of a table, which has nothing to run."""
+        if self.study.file.table:
+            hint = "flipflow study fit takes it"
+            raise CaseError([CaseProblem(("table",), "the data of a table cannot be run", hint)])
+
+    def run(self, search: bool) -> Iterator[str]:
+        """Check every corner as a case, run the centre, the plan and, with ``search``, the search and the confirming
+        runs; yield a line for each.
+
+        Raises
+        ------
+        CaseError : a corner is no case, or the centre does not have a response.
+        """
+        self.require_case()
+        self.runs.check()
+        with study_folder(self.folder):
+            for outcome in self.campaign.run(search):
+                self._check_first(outcome)
+                yield self._line(outcome)
+
+    def _check_first(self, outcome: Outcome) -> None:
+        """Raise CaseError where the centre lacks a response: all other runs would, too."""
+        missing = [name for name in self.study.file.responses if name not in outcome.responses]
+        if outcome.trial.stage == "centre" and (missing or not outcome.is_data):
+            folder = self.folder / RUNS / outcome.trial.name
+            what = f"the run of the centre ({folder}) does not tell {', '.join(missing)}"
+            if not outcome.is_data:
+                what = f"the run of the centre ({folder}) is no data: {outcome.why}"
+            hint = "look at its report; nothing else was run"
+            raise CaseError([CaseProblem(("responses",), what, hint)])
+
+    def _line(self, outcome: Outcome) -> str:
+        """Return what is said when a run has ended, with the time left."""
+        said = ", ".join(f"{name} {each.value:.4g}" for name, each in outcome.responses.items())
+        line = f"{outcome.trial.name} {outcome.trial.stage}: {said or outcome.status}"
+        if outcome.why:
+            line += f"; no data: {outcome.why}"
+        left = self.campaign.trials_left()
+        mean_s = self.campaign.mean_wall_s() / self.runs.side_by_side
+        if self.study.file.hours is not None:
+            left_s = max(0.0, 3600.0 * self.study.file.hours - self.campaign.spent_s())
+            line += f"; {in_words(left_s)} of the {self.study.file.hours:g} h left"
+        elif left and mean_s:
+            line += f"; {left} more runs, {in_words(left * mean_s)}"
+        return line
+
+    def load_finished(self) -> None:
+        """Take the outcomes of the table, or of the runs that have ended; nothing is run."""
+        if self.study.file.table:
+            self.campaign.outcomes = read_table(self.study)
+        else:
+            self.campaign.outcomes = self.runs.finished(Journal(self.folder / RUNS).read())
+
+    def write(self) -> Iterator[str | Table | Path]:
+        """Write tables, pictures and the page from the outcomes; yield what is said and the files.
+
+        Raises
+        ------
+        CaseError : there are no data at all.
+        """
+        findings = Findings(self.campaign)
+        if not len(findings.data.x):
+            raise CaseError([CaseProblem((), f"there are no data yet in {self.folder}")])
+        yield from write_tables(findings, self.folder)
+        if self.study.file.case:
+            yield from write_recommended(findings, self._case.check(), self.folder)
+        pictures = draw_all(findings, self.folder)
+        yield from pictures.values()
+        yield write_study_page(findings, pictures, self.folder)
+        yield from fit_tables(findings)
+        yield from published_in_words(findings)
+        yield from answers(findings)
+
+
+def fit_tables(findings: Findings) -> Iterator[Table]:
+    """Yield tables of the surrogates' quality and of the quadratic surfaces for the terminal."""
+    head = ["surrogate", *(f"{name}: {what}" for name in findings.responses for what in ("Q2", "in 95 %"))]
+    rows = []
+    for each in findings.surrogates:
+        cells = [
+            text
+            for q2, share in zip(each.explained, each.coverage, strict=True)
+            for text in (f"{q2:.3f}", f"{100 * share:.0f} %")
+        ]
+        rows.append([each.name, *(cells or [each.why_not, *[""] * (len(head) - 2)])])
+    yield console_table("predicting each run from all others", head, rows, left=head[1:2])
+    for name, surface in findings.quadratic.items():
+        quality = surface.quality()
+        title = (
+            f"quadratic surface of {name}: R2 {quality['r2']:.6f}, adjusted {quality['r2_adjusted']:.6f}, predicted "
+            f"{quality['r2_predicted']:.6f}, standard error {quality['standard_error']:.6g}"
+        )
+        from orchestrator.studies.design.tables import term_name
+
+        factors = list(findings.campaign.study.file.factors)
+        lines = [
+            [
+                term_name(row["term"], factors),
+                f"{row['coefficient']:.6g}",
+                f"{row['f']:.5g}",
+                f"{row['p']:.3g}",
+            ]  # type: ignore[arg-type]
+            for row in surface.anova()
+        ]
+        if (lack := surface.lack_of_fit()) is not None:
+            lines.append(["lack of fit", "", f"{lack['f']:.5g}", f"{lack['p']:.3g}"])
+        yield console_table(title, ["term", "coefficient", "F", "p"], lines)

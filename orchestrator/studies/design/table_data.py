@@ -1,0 +1,65 @@
+"""Trials read from a table of measured or published data instead of runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
+from orchestrator.studies.design.study_file import Study
+from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
+
+DEVIATION = " deviation"  # ends the name of the column with a response's standard deviation
+
+
+def read_table(study: Study) -> list[Outcome]:
+    """Return one outcome for each row of the study's table.
+
+    An empty cell of a response is a response that was not measured; rows without any are no data.
+
+    Raises
+    ------
+    CaseError : the file cannot be read, lacks a column, or a cell of a factor is not a number.
+    """
+    file, path = study.file, study.path(study.file.table)
+    try:
+        table = pd.read_csv(path, comment="#", skipinitialspace=True)
+    except (OSError, ValueError) as error:
+        what = f"{path} cannot be read: {str(error).splitlines()[0]}"
+        raise CaseError([CaseProblem(("table",), what)]) from None
+    columns = {name: response.result or name for name, response in file.responses.items()}
+    optional = [column + DEVIATION for column in columns.values() if column + DEVIATION in table]
+    problems = [
+        CaseProblem(("table",), f'{path.name} has no column "{name}"', did_you_mean(name, table.columns))
+        for name in [*file.factors, *columns.values()]
+        if name not in table
+    ]
+    if problems:
+        raise CaseError(problems)
+    numbers = table[[*file.factors, *columns.values(), *optional]].apply(pd.to_numeric, errors="coerce")
+    text = numbers.isna() & table[numbers.columns].notna()
+    text[list(file.factors)] |= numbers[list(file.factors)].isna()
+    for row, column in zip(*np.nonzero(text.to_numpy()), strict=True):
+        cell = table[numbers.columns[column]].iloc[row]
+        what = f'row {row + 1} of {path.name}: "{cell}" is not a number of {numbers.columns[column]}'
+        problems.append(CaseProblem(("table",), what, "a column's unit belongs into study.toml"))
+    if problems:
+        raise CaseError(problems)
+    settings = study.space.coded(numbers[list(file.factors)].to_numpy(float))
+    return [
+        _outcome(number, setting, row, columns, study)
+        for number, (setting, (_, row)) in enumerate(zip(settings, numbers.iterrows(), strict=True), start=1)
+    ]
+
+
+def _outcome(
+    number: int, setting: np.ndarray, row: pd.Series, columns: dict[str, str], study: Study
+) -> Outcome:
+    measured = {}
+    for name, column in columns.items():
+        if np.isfinite(row[column]):
+            deviation = row.get(column + DEVIATION, study.file.responses[name].noise)
+            known = deviation is not None and np.isfinite(deviation)
+            measured[name] = Measured(float(row[column]), float(deviation) if known else None)
+    trial = Trial(number, "plan", tuple(map(float, setting)), 0)
+    return Outcome(trial, DONE, "" if measured else "no response was measured", measured)

@@ -1,0 +1,256 @@
+"""The tables of a study: points, fit, front, best settings, and levels to run them again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import tomli_w
+
+from orchestrator.output.records.run_folder import write_json, write_text
+from orchestrator.preflight.judge import JudgedCase
+from orchestrator.preflight.level_file import level_text
+from orchestrator.studies.design.campaign import BEST, role_of
+from orchestrator.studies.design.findings import Confirmed, Findings, Interval
+from orchestrator.studies.design.published import compare_formula, implied_errors
+from orchestrator.studies.design.quadratic import Surface, Term, model_matrix
+from orchestrator.studies.report import Cell, write_csv, write_parquet
+
+Array = npt.NDArray[np.float64]
+Row = dict[str, Cell]
+
+
+def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
+    """Write all tables that follow from the outcomes, and yield their files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "study.toml"
+    write_text(file, tomli_w.dumps(findings.campaign.study.file.model_dump(mode="json", exclude_none=True)))
+    yield file
+    points = point_rows(findings)
+    yield write_csv(points, folder / "points.csv")
+    yield write_parquet(points, folder / "points.parquet")
+    yield write_csv(cost_rows(findings), folder / "costs.csv")
+    file = folder / "fit.json"
+    write_json(file, fit_table(findings))
+    yield file
+    if len(findings.front):
+        yield write_csv([_setting_row(findings, x) for x in findings.front], folder / "front.csv")
+    if best := best_rows(findings):
+        yield write_csv(best, folder / "best.csv")
+    yield from _write_published(findings, folder)
+
+
+def point_rows(findings: Findings) -> list[Row]:
+    """Return a row for each trial: setting, status, responses with their standard deviations as the surrogates
+    take them, and what was predicted before the run."""
+    data, rows = findings.data, []
+    places = {int(number): place for place, number in enumerate(data.numbers)}
+    study = findings.campaign.study
+    for outcome in sorted(findings.campaign.outcomes, key=lambda each: each.trial.number):
+        trial = outcome.trial
+        row: Row = {"trial": trial.number, "stage": trial.stage, "role": trial.role, "seed": trial.seed}
+        row |= study.actual(np.array(trial.setting))
+        row |= {
+            "status": outcome.status,
+            "why_no_data": outcome.why,
+            "particle_steps": outcome.particle_steps,
+        }
+        for i, (name, scale) in enumerate(findings.campaign.scales.items()):
+            measured = outcome.responses.get(name)
+            row[name] = measured.value if measured else None
+            place = places.get(trial.number)
+            known = measured is not None and place is not None
+            error = float(np.sqrt(data.variance[place, i])) if known else None
+            row[f"{name} deviation"] = error / float(scale.slope(measured.value)) if known else None
+            mean, deviation = trial.predicted.get(name, (None, None))
+            interval = None if mean is None else interval_of(scale, mean, deviation)
+            row[f"{name} predicted"] = interval and interval.value
+            row[f"{name} predicted half width"] = interval and interval.half_width
+        rows.append(row)
+    return rows
+
+
+def interval_of(scale: Any, mean: float, deviation: float) -> Interval:
+    """Return a prediction on a surrogate's scale as a 95 % interval in the response's unit."""
+    low, high = (float(scale.from_fit(mean + sign * 1.96 * deviation)) for sign in (-1.0, 1.0))
+    return Interval(float(scale.from_fit(mean)), (high - low) / 2.0)
+
+
+def cost_rows(findings: Findings) -> list[Row]:
+    """Return the wall and processor time of each trial, apart from ``points.csv``, which is the same however
+    often the study was interrupted."""
+    outcomes = sorted(findings.campaign.outcomes, key=lambda each: each.trial.number)
+    return [
+        {"trial": each.trial.number, "wall_s": each.wall_s, "processor_s": each.processor_s}
+        for each in outcomes
+    ]
+
+
+def fit_table(findings: Findings) -> dict[str, Any]:
+    """Return what was fitted: each surrogate's quality, the quadratic with its analysis of variance, and the
+    Sobol indices."""
+    factors, responses = list(findings.campaign.study.file.factors), findings.responses
+    table: dict[str, Any] = {"factors": factors, "responses": responses, "runs": len(findings.data.x)}
+    table["noise_widened"] = dict(zip(responses, map(float, findings.data.widened), strict=True))
+    table["surrogates"] = {
+        judged.name: {"why_not": judged.why_not}
+        if judged.fitted is None
+        else {
+            name: {"explained": float(judged.explained[i]), "coverage_95": float(judged.coverage[i])}
+            for i, name in enumerate(responses)
+        }
+        for judged in findings.surrogates
+    }
+    table["quadratic"] = {
+        name: surface_table(surface, findings) for name, surface in findings.quadratic.items()
+    }
+    if findings.sobol is not None:
+        keys = ("first", "first_half_width", "total", "total_half_width")
+        table["sobol"] = {
+            name: {
+                key: dict(zip(factors, values.tolist(), strict=True))
+                for key, values in zip(keys, indices, strict=True)
+            }
+            for name, indices in zip(responses, findings.sobol, strict=True)
+        }
+    table["why_no_optimum"] = {name or "all limits": why for name, why in findings.why_no_optimum.items()}
+    return table
+
+
+def surface_table(surface: Surface, findings: Findings) -> dict[str, Any]:
+    """Return one quadratic surface: quality, analysis of variance with coefficients for coded and actual units,
+    lack of fit, groups of terms, residuals, Sobol indices in closed form."""
+    factors = list(findings.campaign.study.file.factors)
+    actual = np.linalg.lstsq(
+        model_matrix(findings.campaign.study.space.actual(surface.x), surface.terms), surface.y, rcond=None
+    )[0]
+    terms = [
+        {**row, "term": term_name(row["term"], factors), "coefficient_in_units": float(b)}  # type: ignore[arg-type]
+        for row, b in zip(surface.anova(), actual, strict=True)
+    ]
+    variance, first, total = surface.sobol_indices()
+    studentised = surface.studentised_residuals()
+    return {
+        **surface.quality(),
+        "residual_degrees_of_freedom": float(surface.fitted.df_resid),
+        "anova": [{key: v if isinstance(v, str) else float(v) for key, v in row.items()} for row in terms],
+        "lack_of_fit": surface.lack_of_fit(),
+        "sequential": surface.sequential(),
+        "residuals": surface.fitted.resid.tolist(),
+        "studentised_residuals": studentised.tolist(),
+        "sobol": {
+            "variance": variance,
+            "first": dict(zip(factors, first.tolist(), strict=True)),
+            "total": dict(zip(factors, total.tolist(), strict=True)),
+        },
+    }
+
+
+def term_name(term: Term, factors: Sequence[str]) -> str:
+    """Return the name of a term: ``1``, ``a``, ``a*b`` or ``a**2``."""
+    if len(term) == 2 and term[0] == term[1]:
+        return f"{factors[term[0]]}**2"
+    return "*".join(factors[i] for i in term) or "1"
+
+
+def _setting_row(findings: Findings, setting: Array) -> Row:
+    """Return a setting and its predicted responses."""
+    row: Row = dict(findings.campaign.study.actual(setting))
+    for name, interval in findings.predict(setting).items():
+        row |= {name: interval.value, f"{name} half width": interval.half_width}
+    return row
+
+
+def best_rows(findings: Findings) -> list[Row]:
+    """Return the best setting of each aim, its simpler rival and the centre: predicted and measured."""
+    confirmed = {each.role: each for each in findings.confirmed}
+    rows = [_confirmed_row(findings, each) for each in confirmed.values()]
+    for name, setting in findings.best.items():
+        if role_of(BEST, name) not in confirmed:
+            predicted = findings.predict(setting)
+            row: Row = {"role": role_of(BEST, name), "runs": 0, "verdict": "not run again"}
+            rows.append(row | findings.campaign.study.actual(setting) | _intervals(predicted, " predicted"))
+    for name, why in findings.why_no_optimum.items():
+        rows.append({"role": role_of(BEST, name), "runs": 0, "verdict": why})
+    return rows
+
+
+def _confirmed_row(findings: Findings, each: Confirmed) -> Row:
+    row: Row = {"role": each.role, "runs": each.runs, "verdict": each.why_not or "as predicted"}
+    row |= findings.campaign.study.actual(each.setting)
+    return row | _intervals(each.measured, "") | _intervals(each.predicted, " predicted")
+
+
+def _intervals(intervals: Mapping[str, Interval], suffix: str) -> Row:
+    row: Row = {}
+    for name, interval in intervals.items():
+        row |= {name + suffix: interval.value, f"{name}{suffix} half width": interval.half_width}
+    return row
+
+
+def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> Iterator[Path]:
+    """Write a level file for each best setting that was confirmed, which ``flipflow run CASE --level FILE``
+    takes."""
+    for number, (name, setting) in enumerate(findings.best.items()):
+        confirmed = [each for each in findings.confirmed if each.role == role_of(BEST, name)]
+        if confirmed and not confirmed[0].why_not:
+            file = folder / f"recommended{f'-{number + 1}' if name else ''}.toml"
+            about = (
+                f"recommended by a design study{f' for {name}' if name else ''}, measured by runs of its own"
+            )
+            write_text(file, level_text(loaded, findings.campaign.study.overlays(setting), about))
+            yield file
+
+
+def _write_published(findings: Findings, folder: Path) -> Iterator[Path]:
+    """Write the comparison with printed results, if the study has any."""
+    errors, formulas = published_rows(findings)
+    if errors:
+        yield write_csv(errors, folder / "published_p.csv")
+    if formulas:
+        yield write_csv(formulas, folder / "published_formulas.csv")
+
+
+def published_rows(findings: Findings) -> tuple[list[Row], list[Row]]:
+    """Return the comparison with printed results: a row for each printed p, and one for each printed
+    coefficient."""
+    study, data = findings.campaign.study, findings.data
+    factors = list(study.file.factors)
+    errors: list[Row] = []
+    formulas: list[Row] = []
+    for table in study.file.published:
+        surface = findings.quadratic.get(table.response)
+        if table.p and surface is not None:
+            own = float(np.sqrt(surface.fitted.scale))
+            errors += [
+                {
+                    "source": table.source,
+                    "response": table.response,
+                    "factor": each.factor,
+                    "p printed": each.printed_p,
+                    "p of the fit": each.p_of_fit,
+                    "standard error implied": each.standard_error,
+                    "standard error of the fit": own,
+                }
+                for each in implied_errors(surface, table.p, factors)
+            ]
+        if table.coefficients:
+            y = data.y[:, findings.responses.index(table.response)]
+            known = np.isfinite(y)
+            fit = compare_formula(study.space.actual(data.x[known]), y[known], table.coefficients, factors)
+            quality = {"R2 as printed": fit.r2, "RMSE as printed": fit.rmse, "R2 refitted": fit.r2_refitted}
+            formulas += [
+                {
+                    "source": table.source,
+                    "response": table.response,
+                    "term": text,
+                    "printed": printed,
+                    "refitted": refitted,
+                    **quality,
+                }
+                for text, printed, refitted in zip(fit.terms, fit.printed, fit.refitted, strict=True)
+            ]
+    return errors, formulas
