@@ -1,10 +1,11 @@
 """Functions with known best settings, as a study would meet them: noisy, and with limits.
 
-Sources: L. C. W. Dixon, G. P. Szego, Towards Global Optimization 2 (1978) 1 (Branin, Hartmann); J. R. Gardner et
-al., Proc. ICML (2014) 937 (with limits); E. Zitzler, K. Deb, L. Thiele, Evol. Comput. 8 (2000) 173,
-doi:10.1162/106365600568202 (ZDT1); T. T. Binh, U. Korn (1997), as in K. Deb, Multi-Objective Optimization, Wiley
-2001 (BNH).  The two hidden screens are made up: ``screen`` has the shape of the paper's response surface, and
-``screen_with_band`` a band of frequencies beside it in which particles fly, which no quadratic can follow.
+Sources: L. C. W. Dixon, G. P. Szego, Towards Global Optimization 2 (1978) 1 (Branin, Hartmann); J. R. Gardner
+et al., Proc. ICML (2014) 937 (with limits); E. Zitzler, K. Deb, L. Thiele, Evol. Comput. 8 (2000) 173,
+doi:10.1162/106365600568202 (ZDT1); T. T. Binh, U. Korn (1997), as in K. Deb, Multi-Objective Optimization,
+Wiley 2001 (BNH).  The two hidden screens are made up: ``screen`` has the shape of the paper's response
+surface, and ``screen_with_band`` a band of frequencies beside it in which particles fly, which no quadratic
+can follow.
 """
 
 from __future__ import annotations
@@ -63,7 +64,8 @@ def constant(*deviations: float) -> Callable[[Array], Array]:
 
 
 def screen(x: Array, band: float = 0.0) -> Array:
-    """Velocity in m/s and efficiency, as its logit, of a screen; slope, stroke, frequency, tension in -1 ... 1."""
+    """Velocity in m/s and efficiency, as its logit, of a screen; slope, stroke, frequency, tension in -1 ...
+    1."""
     b, a, f, d = x.T
     g = (
         1.62

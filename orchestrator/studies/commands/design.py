@@ -25,9 +25,9 @@ def command(
 ) -> StudyOutput:
     """Run the plan of a design study: the centre, then settings over the ranges of all factors.
 
-    First the centre and all corners of the ranges are checked as cases.  The centre alone is run then; the rest
-    follows if it has all responses.  Called again, only what is missing is run.  The results are written as
-    flipflow study fit does.
+    First the centre and all corners of the ranges are checked as cases.  The centre alone is run then; the
+    rest follows if it has all responses.  Called again, only what is missing is run.  The results are written
+    as flipflow study fit does.
 
     Exit code 4: a run is no data; 2: the study or a case is wrong.
     """

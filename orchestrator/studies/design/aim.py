@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
-Array = npt.NDArray[np.float64]
+from orchestrator.ports import Array
 
 
 @dataclass(frozen=True)

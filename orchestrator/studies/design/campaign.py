@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
+from orchestrator.ports import Array
 from orchestrator.studies.design import plans
 from orchestrator.studies.design.aim import Aim
 from orchestrator.studies.design.data import Data
@@ -20,7 +20,6 @@ from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.surrogates import Fitted, TooFewPoints
 from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Stage, Trial
 
-Array = npt.NDArray[np.float64]
 FOR_CONFIRMING = 0.2  # of the hours
 NARROW = 0.02  # of a goal's range over all data: half an interval that is narrow enough
 REPEATS = (2, 6)  # runs of each setting that is confirmed: at least, at most
@@ -213,8 +212,8 @@ class Campaign:
     def candidates(self) -> dict[str, Array]:
         """Choose the settings that are measured again, by their roles, from the runs before.
 
-        The roles are ``best`` and ``simpler``, with the limit where there are several aims, and ``centre``.  There
-        are none where the data support no optimum.
+        The roles are ``best`` and ``simpler``, with the limit where there are several aims, and ``centre``.
+        There are none where the data support no optimum.
         """
         chosen: dict[str, Array] = {}
         optimiser = OPTIMISERS[self.study.file.search.optimiser]()
@@ -254,8 +253,10 @@ class Campaign:
                 name, spread = names[goal.response], float(np.nanstd(y))
                 times = max(2, int(np.ceil((noise / max(spread, 1e-300)) ** 2 / 0.25)))
                 return (
-                    f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % is needed "
-                    f"(noise of one run {noise:.3g}, spread of the runs {spread:.3g}): about {times} times as many "
+                    f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % "
+                    "is needed "
+                    f"(noise of one run {noise:.3g}, spread of the runs {spread:.3g}): about {times} times "
+                    "as many "
                     "runs, or runs so many times as long, are needed"
                 )
         mean, _ = predict_each(fitted, self.study.space.sample(2000, 1))
@@ -300,6 +301,7 @@ def planned_settings(study: Study) -> Array:
         return plans.box_behnken(space.factors, centres=0)
     if plan.kind == "factorial":
         settings = plans.factorial(space, plan.levels)
-        return settings[np.abs(settings).max(axis=1) > 0]
-    make = {"sobol": space.sample, "latin-hypercube": lambda n, seed: plans.latin_hypercube(space, n, seed)}
-    return make[plan.kind](runs, study.file.seed)
+        return np.asarray(settings[np.abs(settings).max(axis=1) > 0])
+    if plan.kind == "latin-hypercube":
+        return plans.latin_hypercube(space, runs, study.file.seed)
+    return space.sample(runs, study.file.seed)

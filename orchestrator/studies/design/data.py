@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.scales import Scale
 from orchestrator.studies.design.trials import Outcome
 
-Array = npt.NDArray[np.float64]
 UNLIKELY = (
     0.01  # replicates that scatter more than this probability allows are believed, not the runs' intervals
 )
@@ -20,8 +20,8 @@ UNLIKELY = (
 
 @dataclass(frozen=True)
 class Data:
-    """Settings ``x``, (n, f), coded; responses ``y``, (n, m), on the scales of the surrogates; ``variance``, (n, m),
-    of their noise.
+    """Settings ``x``, (n, f), coded; responses ``y``, (n, m), on the scales of the surrogates; ``variance``,
+    (n, m), of their noise.
 
     ``widened``, (m,), is the factor by which the runs' own intervals were widened to agree with replicates;
     ``numbers``, (n,), are those of the trials.
@@ -55,9 +55,9 @@ class Data:
 def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, float]:
     """Complete the noise of a response, (n,), and hold it against runs of one setting.
 
-    A run without an interval gets the scatter of replicates, or the median noise of the others.  Where replicates
-    scatter more than their intervals allow (chi-square test), all are widened by the ratio.  Where nothing tells
-    of the noise, it is a thousandth of the data's variance.
+    A run without an interval gets the scatter of replicates, or the median noise of the others.  Where
+    replicates scatter more than their intervals allow (chi-square test), all are widened by the ratio.  Where
+    nothing tells of the noise, it is a thousandth of the data's variance.
 
     Returns
     -------

@@ -1,5 +1,4 @@
-"""What the data of a study say: surrogates and how far to trust them, the best settings, and what was measured
-of them."""
+"""The findings of a study: surrogates and how far to trust them, the best settings, and their measurement."""
 
 from __future__ import annotations
 
@@ -8,9 +7,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy import stats
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim
 from orchestrator.studies.design.campaign import BEST, SIMPLER, Campaign, explained, role_of
 from orchestrator.studies.design.data import Data
@@ -21,7 +20,6 @@ from orchestrator.studies.design.quadratic import FittedQuadratic, Surface
 from orchestrator.studies.design.sensitivity import sobol_indices
 from orchestrator.studies.design.surrogates import Fitted, TooFewPoints
 
-Array = npt.NDArray[np.float64]
 HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 ON_THE_FRONT = 40  # settings that are listed
 DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optimum, as in the paper
@@ -217,8 +215,8 @@ class Findings:
 
     @cached_property
     def trade_off(self) -> tuple[int, int, float, float] | None:
-        """The two responses of the trade-off, with their signs (1: the larger the better): both goals, or the goal
-        and the first limit; None where there is only one."""
+        """The two responses of the trade-off, with their signs (1: the larger the better): both goals, or the
+        goal and the first limit; None where there is only one."""
         aim = self.campaign.study.aim
         parts = [(goal.response, goal.sign) for goal in aim.goals]
         parts += [(limit.response, limit.sign) for limit in aim.limits]

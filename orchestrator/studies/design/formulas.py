@@ -6,6 +6,7 @@ import ast
 import math
 import operator
 from collections.abc import Mapping
+from typing import Any
 
 OPERATORS = {
     ast.Add: operator.add,
@@ -88,7 +89,7 @@ def _check(node: ast.expr, text: str) -> None:
     raise BadFormula(f'"{text}": numbers, factors, + - * / **, brackets and {", ".join(FUNCTIONS)} are known')
 
 
-def _value(node: ast.expr, factors: Mapping[str, float]) -> float:
+def _value(node: ast.expr, factors: Mapping[str, float]) -> Any:
     match node:
         case ast.Constant(value=number):
             return number

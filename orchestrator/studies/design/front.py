@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from orchestrator.ports import Array
 
 
 def nondominated(gains: Array, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
@@ -13,7 +13,8 @@ def nondominated(gains: Array, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bo
     better = (gains[:, None, :] >= gains[:, :, None]).all(axis=0) & (
         gains[:, None, :] > gains[:, :, None]
     ).any(axis=0)
-    return kept & ~(better & kept[None, :]).any(axis=1)
+    best: npt.NDArray[np.bool_] = kept & ~(better & kept[None, :]).any(axis=1)
+    return best
 
 
 def hypervolume(gains: Array, reference: Array) -> float:
@@ -35,4 +36,5 @@ def improvements(gains: Array, reference: Array, new: Array) -> Array:
     right = np.concatenate([front[0], [np.inf]])
     height = np.concatenate([front[1], reference[1:]])  # ... and how high they are filled
     width = np.maximum(np.minimum(new[0][:, None], right) - left, 0.0)
-    return (width * np.maximum(new[1][:, None] - height, 0.0)).sum(axis=1)
+    areas: Array = (width * np.maximum(new[1][:, None] - height, 0.0)).sum(axis=1)
+    return areas

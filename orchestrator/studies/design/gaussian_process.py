@@ -16,9 +16,9 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints
 
-Array = npt.NDArray[np.float64]
 LENGTHS = (0.4, 20.0)  # of the coded range of 2: shorter ones cannot be told from noise by so few points
 TREND = 100.0  # prior variance of the plane, in variances of the data: vague
 STARTS = 2  # restarts of the likelihood's maximisation beside the first
@@ -53,7 +53,8 @@ def _fit_one(x: Array, y: Array, variance: Array, seed: int) -> _Process:
 def _maximise_likelihood(
     kernel: Kernel, x: Array, y: Array, noise: Array, restarts: int, seed: int
 ) -> GaussianProcessRegressor:
-    """Fit a process whose lengths and variance make the data most likely, starting from those of ``kernel``."""
+    """Fit a process whose lengths and variance make the data most likely, starting from those of
+    ``kernel``."""
     process = GaussianProcessRegressor(kernel, alpha=noise, n_restarts_optimizer=restarts, random_state=seed)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)  # lengths may end at their bounds
@@ -76,8 +77,8 @@ class _Process:
 
     @cached_property
     def left_out(self) -> tuple[Array, Array]:
-        """Predictions of each point by a process fitted anew to all others: with lengths kept from all data they
-        would look better than they are."""
+        """Predictions of each point by a process fitted anew to all others: with lengths kept from all data
+        they would look better than they are."""
         x, y = self.process.X_train_, self.process.y_train_
         mean, deviation = np.empty((2, len(y)))
         for i in range(len(y)):

@@ -15,9 +15,9 @@ import numpy.typing as npt
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints
 
-Array = npt.NDArray[np.float64]
 TRAINED, CHOSEN = 0.70, 0.15  # shares of the points; the rest tests
 PENALTIES = (1e-3, 1e-2, 1e-1, 1.0)  # on the weights' squares; the share CHOSEN decides
 FEWEST = 14  # points: fewer leave two or none to choose by
@@ -71,7 +71,8 @@ class Network:
 
 def _outputs(net: MLPRegressor, x: Array) -> Array:
     """The outputs of a net, (p, m), also of one output."""
-    return net.predict(x).reshape(len(x), -1)
+    outputs: Array = net.predict(x).reshape(len(x), -1)
+    return outputs
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,13 @@ import numpy.typing as npt
 from scipy import stats
 from scipy.optimize import minimize
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim, Limit
 from orchestrator.studies.design.front import improvements, nondominated
 from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.surrogates import Fitted
 from orchestrator.studies.design.whale import whale_search
 
-Array = npt.NDArray[np.float64]
 CANDIDATES = 150  # of each kind: all over the space, on its borders, around the best
 DRAWS = 128  # of all responses at the candidates
 NARROWED = 5  # times that the candidates of a recommendation are drawn around the best
@@ -53,7 +53,7 @@ class _Confident:
         for _ in range(NARROWED):
             candidates = np.vstack([best[:1], space.candidates(near, 2 * CANDIDATES, rng)])
             best = near = candidates[np.argsort(-confident_worth(fitted, aim, candidates))[:5]]
-        return best[0]
+        return np.asarray(best[0])
 
 
 class ExpectedImprovement(_Confident):
@@ -74,7 +74,7 @@ class ExpectedImprovement(_Confident):
         gains, kept = aim.gains(drawn), aim.kept(drawn)
         before, after = np.s_[..., : len(done)], np.s_[..., len(done) :]
         mean_gain = _gain(gains[before], kept[before], gains[after], kept[after]).mean(axis=0)
-        return candidates[int(np.argmax(mean_gain))]
+        return np.asarray(candidates[int(np.argmax(mean_gain))])
 
 
 class Whale:
@@ -136,7 +136,7 @@ class Gradient:
         settings = space.ordered(np.array(ends))
         kept = [all(distance(x, limit) > -TOLERANCE for limit in aim.limits) for x in settings]
         worth = predicted_worth(fitted, aim, settings, slack=np.inf)
-        return settings[int(np.argmax(np.where(kept, worth, worth.min() - 1.0)))]
+        return np.asarray(settings[int(np.argmax(np.where(kept, worth, worth.min() - 1.0)))])
 
 
 class Sobol(_Confident):
@@ -144,7 +144,7 @@ class Sobol(_Confident):
 
     def propose(self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator) -> Array:
         """Propose a point of a new scrambled Sobol set."""
-        return space.sample(1, int(rng.integers(2**31)))[0]
+        return np.asarray(space.sample(1, int(rng.integers(2**31)))[0])
 
 
 OPTIMISERS: dict[str, type[Optimiser]] = {
@@ -156,7 +156,8 @@ OPTIMISERS: dict[str, type[Optimiser]] = {
 
 
 def confident_worth(fitted: Fitted, aim: Aim, x: Array) -> Array:
-    """Compute the expected first goal, (p,), of settings, (p, f), that keep the limits with the aim's confidence.
+    """Compute the expected first goal, (p,), of settings, (p, f), that keep the limits with the aim's
+    confidence.
 
     The worth of all others is far below, and higher where they keep the limits more probably.
     """
@@ -191,7 +192,8 @@ def _best_done(fitted: Fitted, aim: Aim, done: Array, count: int = 4) -> Array:
     if len(aim.goals) > 1:
         front = nondominated(gain, margin > 0)
         return done[front] if front.any() else done[np.argsort(-margin)[:count]]
-    return done[np.argsort(-np.where(margin > 0, gain[0], gain[0].min() - 1.0 + margin))[:count]]
+    order = np.argsort(-np.where(margin > 0, gain[0], gain[0].min() - 1.0 + margin))
+    return np.asarray(done[order[:count]])
 
 
 def _draw(fitted: Fitted, x: Array, rng: np.random.Generator) -> Array:
@@ -223,4 +225,4 @@ def reference_point(gains: Array, kept: npt.NDArray[np.bool_]) -> Array:
     lowest gains of the settings done that keep the limits, or of all where none does."""
     known = gains[:, kept] if kept.any() else gains
     low, high = known.min(axis=1), known.max(axis=1)
-    return low - 0.1 * np.maximum(high - low, 1e-9)
+    return np.asarray(low - 0.1 * np.maximum(high - low, 1e-9))

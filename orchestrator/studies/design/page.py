@@ -7,21 +7,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, role_of
 from orchestrator.studies.design.findings import Confirmed, Findings, Interval
 from orchestrator.studies.design.tables import point_rows, published_rows, term_name
 from orchestrator.studies.report import write_page
 
-Array = npt.NDArray[np.float64]
 WIDENED = 1.05  # factor on the noise from which on it is mentioned
+ROUNDING = 1.1  # ratio of implied standard errors that printed digits explain
+NEARLY_FITTED = 0.01  # of R2, below that of the best coefficients
 OUTLIER = 4.0  # studentised residual from which on a run is named
 SHOWN = (
     (
         "trade_off",
         "Trade-off",
-        "The line is what the surrogate expects at best, with its 95 % band. Small dots are random settings, as "
+        "The line is what the surrogate expects at best, with its 95 % band. Small dots are "
+        "random settings, as "
         "predicted; points with bars are runs.",
     ),
     (
@@ -32,7 +34,8 @@ SHOWN = (
     (
         "surface",
         "The two strongest factors",
-        "The other factors stand as in the best setting (the star), or in the centre. Hatched: a limit is missed.",
+        "The other factors stand as in the best setting (the star), or in the centre. "
+        "Hatched: a limit is missed.",
     ),
     (
         "sensitivity",
@@ -83,10 +86,10 @@ def rivals(findings: Findings) -> Iterator[str]:
                 if difference is not None:
                     response = findings.responses[goal.response]
                     unit = study.file.responses[response].unit
-                    known = abs(difference.value) > difference.half_width
+                    chance = "beyond" if abs(difference.value) > difference.half_width else "within"
                     yield (
                         f"{role_of(BEST, name)} against {words}: {response} differs by {difference} {unit} "
-                        f"({'beyond chance' if known else 'within chance'}; pairs of runs with equal seeds, 95 %)."
+                        f"({chance} chance, from pairs of runs with equal seeds)."
                     )
 
 
@@ -108,7 +111,8 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
     for name, factor in zip(findings.responses, findings.data.widened, strict=True):
         if factor > WIDENED:
             yield (
-                f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own intervals say; all "
+                f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own "
+                "intervals say; all "
                 "intervals are widened by this factor."
             )
     fitted = findings.own.fitted
@@ -130,8 +134,10 @@ def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
     for name, surface in findings.quadratic.items():
         quality, lack = surface.quality(), surface.lack_of_fit()
         words = (
-            f"R² {quality['r2']:.3f}, adjusted {quality['r2_adjusted']:.3f}, predicted {quality['r2_predicted']:.3f}; "
-            f"F {quality['f']:.4g}, p {quality['p']:.2g}; standard error of one run {quality['standard_error']:.3g}."
+            f"R² {quality['r2']:.3f}, adjusted {quality['r2_adjusted']:.3f}, predicted "
+            f"{quality['r2_predicted']:.3f}; "
+            f"F {quality['f']:.4g}, p {quality['p']:.2g}; standard error of one run "
+            f"{quality['standard_error']:.3g}."
         )
         if lack is not None:
             verdict = (
@@ -140,7 +146,7 @@ def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
             words += f" Lack of fit: F {lack['f']:.4g}, p {lack['p']:.2g}: the quadratic {verdict}."
         if scales[name].scale != "plain":
             words += f" The response is on a {scales[name].scale} scale (see the documentation)."
-        rows = [{**row, "term": term_name(row["term"], factors)} for row in surface.anova()]  # type: ignore[arg-type]
+        rows = [{**row, "term": term_name(row["term"], factors)} for row in surface.anova()]
         yield {"response": name, "words": words, "rows": rows}
 
 
@@ -151,20 +157,19 @@ def published_in_words(findings: Findings) -> Iterator[str]:
         mine = [row for row in errors if (row["source"], row["response"]) == (source, response)]
         implied = [float(row["standard error implied"] or 0.0) for row in mine]
         own = float(mine[0]["standard error of the fit"] or 0.0)
-        follows = max(implied) < 1.1 * min(implied)
+        verdict = "follows" if max(implied) < ROUNDING * min(implied) else "does not follow"
         yield (
-            f"{source}, {response}: every printed p implies a standard error of one run, and all must agree. They "
-            f"imply {min(implied):.3g} to {max(implied):.3g}; the surface has {own:.3g}. "
-            f"{'The table follows from the data.' if follows else 'The table does not follow from the data.'}"
+            f"{source}, {response}: every printed p implies a standard error of one run, and all must "
+            f"agree. They imply {min(implied):.3g} to {max(implied):.3g}; the surface has {own:.3g}. "
+            f"The table {verdict} from the data."
         )
     for source, response in dict.fromkeys((row["source"], row["response"]) for row in formulas):
         row = next(row for row in formulas if (row["source"], row["response"]) == (source, response))
         printed, refitted = float(row["R2 as printed"] or 0.0), float(row["R2 refitted"] or 0.0)
-        follows = refitted - printed < 0.01
+        verdict = "follows" if refitted - printed < NEARLY_FITTED else "does not follow"
         yield (
-            f"{source}, {response}: on these data the printed formula has R² {printed:.4f}, its terms fitted anew "
-            f"{refitted:.4f}. "
-            f"{'The formula follows from the data.' if follows else 'The formula does not follow from the data.'}"
+            f"{source}, {response}: on these data the printed formula has R² {printed:.4f}, its "
+            f"terms fitted anew {refitted:.4f}. The formula {verdict} from the data."
         )
 
 
@@ -175,7 +180,8 @@ def scope(findings: Findings) -> str:
         return f"All of it rests on the table {file.table}; nothing was run."
     level = f"level {file.level}" if file.level else "its default level"
     return (
-        f"All of it holds for the case {file.case} at {level}: a computation with the effects and meshes of that "
+        f"All of it holds for the case {file.case} at {level}: a computation with the effects "
+        "and meshes of that "
         "level, not a measurement on a machine."
     )
 
@@ -210,8 +216,10 @@ def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path
         published_formulas=formulas,
         published_words=list(published_in_words(findings)),
         failures=[row for row in point_rows(findings) if row["why_no_data"]],
-        provenance=f"{len(findings.campaign.outcomes)} runs, of which {len(findings.data.x)} are data. The tables "
-        "are points.csv, costs.csv, fit.json, front.csv and best.csv beside this page; each run has a folder in "
+        provenance=f"{len(findings.campaign.outcomes)} runs, of which {len(findings.data.x)} are data. "
+        "The tables "
+        "are points.csv, costs.csv, fit.json, front.csv and best.csv beside this page; each "
+        "run has a folder in "
         "runs/.",
     )
 

@@ -7,15 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from orchestrator.output.report.drawing import LINES, figure, save
+from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER
 from orchestrator.studies.design.findings import HALF_WIDTH, Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.report import figure_parts
 
-Array = npt.NDArray[np.float64]
 GREY, BLACK, RED, GREEN, BLUE = "#9aa3ad", "#222222", "#c1443c", "#6b7f1f", LINES[0]
 BINS = 12  # of a factor's range, over which predictions are averaged
 GRID = 41  # settings along each side of a surface

@@ -5,12 +5,11 @@ from __future__ import annotations
 from itertools import combinations, product
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import qmc
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.space import Space
 
-Array = npt.NDArray[np.float64]
 # the factors that are moved together, of each block; two at a time up to five factors
 TRIPLES = {
     6: [(0, 1, 3), (1, 2, 4), (2, 3, 5), (0, 3, 4), (1, 4, 5), (0, 2, 5)],
@@ -53,4 +52,4 @@ def latin_hypercube(space: Space, count: int, seed: int) -> Array:
 def factorial(space: Space, levels: int) -> Array:
     """List the full factorial, (levels ** factors, factors), of the settings that the space allows."""
     grid = np.array(list(product(np.linspace(-1.0, 1.0, levels), repeat=space.factors)))
-    return grid[(space.ordered(grid.copy()) == grid).all(axis=1)]
+    return np.asarray(grid[(space.ordered(grid.copy()) == grid).all(axis=1)])

@@ -6,13 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import stats
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.quadratic import Surface, Term, model_matrix
-
-Array = npt.NDArray[np.float64]
 
 
 def term(text: str, factors: Sequence[str]) -> Term:
@@ -35,8 +33,8 @@ def term(text: str, factors: Sequence[str]) -> Term:
 class ImpliedError:
     """What a printed p of a factor's linear term implies.
 
-    In a design whose linear terms are orthogonal to all others, ``p`` and the effect give the standard error of
-    one run, whatever other terms the model has.  All factors must imply the same one, the surface's own.
+    In a design whose linear terms are orthogonal to all others, ``p`` and the effect give the standard error
+    of one run, whatever other terms the model has.  All factors must imply the same one, the surface's own.
     """
 
     factor: str

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import statsmodels.api as sm
 from scipy import stats
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints
 
-Array = npt.NDArray[np.float64]
 Term = tuple[int, ...]  # the factors whose product a term is: () 1, (0,) x0, (0, 0) x0 squared
 
 
@@ -133,7 +134,7 @@ class Surface:
             "p": float(self.fitted.f_pvalue),
         }
 
-    def anova(self) -> list[dict[str, float | str]]:
+    def anova(self) -> list[dict[str, Any]]:
         """List each term's coefficient, standard error, F and p (one degree of freedom each)."""
         f = self.fitted.tvalues**2
         p = stats.f.sf(f, 1, self.fitted.df_resid)

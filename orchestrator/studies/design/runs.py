@@ -7,18 +7,17 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.scalars import value_at
 from orchestrator.output.records import trust
+from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Trial
 from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, summary_of
 
-Array = npt.NDArray[np.float64]
 HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 
 
@@ -68,7 +67,7 @@ class Runs:
         return self._outcome(trial, point)
 
     def _point(self, trial: Trial) -> Point:
-        overlays = self._study.overlays(trial.setting)
+        overlays = self._study.overlays(np.array(trial.setting))
         case = self._runs.check(overlays).case
         return self._runs.point(trial.name, [*overlays, *seed_sets(case, trial.seed)])
 

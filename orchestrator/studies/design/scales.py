@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from orchestrator.ports import Array
+
 ENDS = 0.05  # percent: shares nearer to 0 and 100 are moved here, since their logit is not finite
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-import numpy.typing as npt
 from SALib.analyze import sobol as analysis
 from SALib.sample import sobol as sampling
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.surrogates import Fitted
-
-Array = npt.NDArray[np.float64]
 
 
 def sobol_indices(fitted: Fitted, factors: int, samples: int = 1024, seed: int = 1) -> Array:

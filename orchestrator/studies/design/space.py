@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import qmc
 
-Array = npt.NDArray[np.float64]
+from orchestrator.ports import Array
 
 
 @dataclass(frozen=True)

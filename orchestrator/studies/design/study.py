@@ -17,7 +17,7 @@ from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.table_data import read_table
-from orchestrator.studies.design.tables import write_recommended, write_tables
+from orchestrator.studies.design.tables import term_name, write_recommended, write_tables
 from orchestrator.studies.design.trials import Journal, Outcome
 from orchestrator.studies.points import CaseStudy, Crew
 from orchestrator.studies.report import console_table
@@ -44,8 +44,8 @@ class DesignStudy:
             raise CaseError([CaseProblem(("table",), "the data of a table cannot be run", hint)])
 
     def run(self, search: bool) -> Iterator[str]:
-        """Check every corner as a case, run the centre, the plan and, with ``search``, the search and the confirming
-        runs; yield a line for each.
+        """Check every corner as a case, run the centre, the plan and, with ``search``, the search and the
+        confirming runs; yield a line for each.
 
         Raises
         ------
@@ -127,11 +127,10 @@ def fit_tables(findings: Findings) -> Iterator[Table]:
     for name, surface in findings.quadratic.items():
         quality = surface.quality()
         title = (
-            f"quadratic surface of {name}: R2 {quality['r2']:.6f}, adjusted {quality['r2_adjusted']:.6f}, predicted "
+            f"quadratic surface of {name}: R2 {quality['r2']:.6f}, adjusted "
+            f"{quality['r2_adjusted']:.6f}, predicted "
             f"{quality['r2_predicted']:.6f}, standard error {quality['standard_error']:.6g}"
         )
-        from orchestrator.studies.design.tables import term_name
-
         factors = list(findings.campaign.study.file.factors)
         lines = [
             [
@@ -139,7 +138,7 @@ def fit_tables(findings: Findings) -> Iterator[Table]:
                 f"{row['coefficient']:.6g}",
                 f"{row['f']:.5g}",
                 f"{row['p']:.3g}",
-            ]  # type: ignore[arg-type]
+            ]
             for row in surface.anova()
         ]
         if (lack := surface.lack_of_fit()) is not None:

@@ -19,6 +19,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, 
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.scalars import scalar
 from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Share, Table, Whole
+from orchestrator.ports import Array
 from orchestrator.studies.design import formulas, plans
 from orchestrator.studies.design.aim import Aim, Goal, Limit
 from orchestrator.studies.design.formulas import BadFormula
@@ -26,7 +27,7 @@ from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS
 from orchestrator.studies.design.published import term
 from orchestrator.studies.design.scales import SCALES
-from orchestrator.studies.design.space import Array, SimplerSpace, Space
+from orchestrator.studies.design.space import SimplerSpace, Space
 
 PLANS = ("sobol", "box-behnken", "latin-hypercube", "factorial", "none")
 MOST_CORNERS = 64  # of the ranges that are checked as cases

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
+from orchestrator.ports import Array
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
 
@@ -52,9 +53,7 @@ def read_table(study: Study) -> list[Outcome]:
     ]
 
 
-def _outcome(
-    number: int, setting: np.ndarray, row: pd.Series, columns: dict[str, str], study: Study
-) -> Outcome:
+def _outcome(number: int, setting: Array, row: pd.Series, columns: dict[str, str], study: Study) -> Outcome:
     measured = {}
     for name, column in columns.items():
         if np.isfinite(row[column]):

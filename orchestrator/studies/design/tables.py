@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import tomli_w
 
 from orchestrator.output.records.run_folder import write_json, write_text
+from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text
 from orchestrator.studies.design.campaign import BEST, role_of
@@ -19,7 +19,6 @@ from orchestrator.studies.design.published import compare_formula, implied_error
 from orchestrator.studies.design.quadratic import Surface, Term, model_matrix
 from orchestrator.studies.report import Cell, write_csv, write_parquet
 
-Array = npt.NDArray[np.float64]
 Row = dict[str, Cell]
 
 
@@ -44,8 +43,8 @@ def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
 
 
 def point_rows(findings: Findings) -> list[Row]:
-    """Return a row for each trial: setting, status, responses with their standard deviations as the surrogates
-    take them, and what was predicted before the run."""
+    """Return a row for each trial: setting, status, responses with their standard deviations as the
+    surrogates take them, and what was predicted before the run."""
     data, rows = findings.data, []
     places = {int(number): place for place, number in enumerate(data.numbers)}
     study = findings.campaign.study
@@ -62,13 +61,11 @@ def point_rows(findings: Findings) -> list[Row]:
             measured = outcome.responses.get(name)
             row[name] = measured.value if measured else None
             place = places.get(trial.number)
-            known = measured is not None and place is not None
-            error = float(np.sqrt(data.variance[place, i])) if known else None
-            row[f"{name} deviation"] = error / float(scale.slope(measured.value)) if known else None
-            mean, deviation = trial.predicted.get(name, (None, None))
-            interval = None if mean is None else interval_of(scale, mean, deviation)
-            row[f"{name} predicted"] = interval and interval.value
-            row[f"{name} predicted half width"] = interval and interval.half_width
+            if measured is not None and place is not None:
+                error = float(np.sqrt(data.variance[place, i]))
+                row[f"{name} deviation"] = error / float(scale.slope(measured.value))
+            if name in trial.predicted:
+                row |= _intervals({name: interval_of(scale, *trial.predicted[name])}, " predicted")
         rows.append(row)
     return rows
 
@@ -121,14 +118,14 @@ def fit_table(findings: Findings) -> dict[str, Any]:
 
 
 def surface_table(surface: Surface, findings: Findings) -> dict[str, Any]:
-    """Return one quadratic surface: quality, analysis of variance with coefficients for coded and actual units,
-    lack of fit, groups of terms, residuals, Sobol indices in closed form."""
+    """Return one quadratic surface: quality, analysis of variance with coefficients for coded and actual
+    units, lack of fit, groups of terms, residuals, Sobol indices in closed form."""
     factors = list(findings.campaign.study.file.factors)
     actual = np.linalg.lstsq(
         model_matrix(findings.campaign.study.space.actual(surface.x), surface.terms), surface.y, rcond=None
     )[0]
     terms = [
-        {**row, "term": term_name(row["term"], factors), "coefficient_in_units": float(b)}  # type: ignore[arg-type]
+        {**row, "term": term_name(row["term"], factors), "coefficient_in_units": float(b)}
         for row, b in zip(surface.anova(), actual, strict=True)
     ]
     variance, first, total = surface.sobol_indices()

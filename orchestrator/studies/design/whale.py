@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.space import Space
 
-Array = npt.NDArray[np.float64]
 SPIRAL = 1.0  # b of Eq. 11
 
 
@@ -27,7 +26,8 @@ def whale_search(
     """Search the setting, coded, (factors,), with the largest worth; ``worth`` takes (p, factors)."""
     x = space.sample(whales, int(rng.integers(2**31)))
     values = worth(x)
-    best, best_value = x[np.argmax(values)].copy(), values.max()
+    best: Array = x[np.argmax(values)].copy()
+    best_value = values.max()
     for iteration in range(iterations):
         a = 2.0 * (1.0 - iteration / iterations)
         step = (2.0 * rng.random((whales, 1)) - 1.0) * a  # A
