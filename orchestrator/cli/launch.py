@@ -32,7 +32,7 @@ from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records import run_folder, summary, trust
 from orchestrator.output.records.run_folder import (
     LOG,
-    OF_A_RUN,
+    RUN_LOCK,
     SUMMARY,
     FolderUnusable,
     is_at_work,
@@ -48,7 +48,7 @@ from orchestrator.preflight.judgement.account import Entry, account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import key_of, share_pairs
 from orchestrator.preflight.stability.report import stability_report
-from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
+from orchestrator.run.interruption import ImmediateStop, Interrupted, find_immediate_stop
 from orchestrator.run.origin import origin, refuse_another_run
 from orchestrator.run.origin import warnings as origin_warnings
 from orchestrator.run.run import Run
@@ -118,7 +118,9 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
     if is_at_work(folder):
         raise FolderUnusable(f"{folder}: the run is still going on")
     checkpoint = (
-        checkpoints.newest(folder) if sync_point is None else checkpoints.at_sync_point(folder, sync_point)
+        checkpoints.find_newest(folder)
+        if sync_point is None
+        else checkpoints.find_at_sync_point(folder, sync_point)
     )
     if checkpoint is None and (torn := checkpoints.find_damage(folder)):
         raise FolderUnusable(f"{folder}: no checkpoint that is whole:\n" + "\n".join(torn))
@@ -176,7 +178,7 @@ def _report_refusal(world: Any, error: Exception) -> int:
             message, code = TOO_LARGE, WRONG
         case _:
             message, code = _describe_internal(error), BROKEN
-    return mpi.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
+    return mpi.in_turn(world, lambda: _console().print(run_folder.escape_unprintable(message)), code)
 
 
 def _execute(
@@ -194,7 +196,7 @@ def _execute(
     """
     first = mpi.is_first(world)
     console = _console(quiet=not first)
-    alone = lock(folder / OF_A_RUN) if first else nullcontext()
+    alone = lock(folder / RUN_LOCK) if first else nullcontext()
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if checkpoint is None else f"going on from t = {checkpoint.simulated_s:g} s with"
@@ -267,7 +269,7 @@ def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
         _print_and_log(f"{reason} at t = {run.simulated_s:g} s", console)
-        console.print(run_folder.printable(f"to go on: {resume_hint(folder, world)}"))
+        console.print(run_folder.escape_unprintable(f"to go on: {resume_hint(folder, world)}"))
     except BaseException as error:
         return _end_after_error(run, *_classify(error), folder, world)
     else:
@@ -281,7 +283,7 @@ def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int
 
 def _classify(error: BaseException) -> tuple[int, str, str]:
     """Return exit code, status and reason of a run that ``error`` ended."""
-    if stop := immediate_stop(error):
+    if stop := find_immediate_stop(error):
         code = 128 + stop.signal if isinstance(stop, ImmediateStop) else AT_ONCE
         return code, "interrupted", str(stop) or "stopped at once"
     notes = getattr(error, "__notes__", ())  # the member and the moment, where they are known
@@ -316,7 +318,7 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)
                 console.print(f"WARNING: do not trust this run: {doubt}")
-        console.print(run_folder.printable(f"results in {folder}"))
+        console.print(run_folder.escape_unprintable(f"results in {folder}"))
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
@@ -351,15 +353,15 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
 def _print_and_log(line: str, console: Console) -> None:
     """Print a line on the console and in the log."""
     LOG.info(line)
-    console.print(run_folder.printable(line))
+    console.print(run_folder.escape_unprintable(line))
 
 
 def resume_lines(folder: Path, world: Any) -> Iterator[str]:
     """Yield where a run that failed can be taken up again, and the command."""
-    last = checkpoints.newest(folder)
+    last = checkpoints.find_newest(folder)
     if last is None:
         return
-    good = checkpoints.at_sync_point(folder, last.good)
+    good = checkpoints.find_at_sync_point(folder, last.good)
     if good is None:
         yield f"nothing was saved before; state at t = {last.simulated_s:g} s: {last.folder}"
     else:

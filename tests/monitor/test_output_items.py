@@ -20,7 +20,7 @@ from orchestrator.ports.penetration import Penetrations
 from orchestrator.run.monitor import items
 from orchestrator.run.monitor.item import OutputTime, Subject
 from orchestrator.run.monitor.items import all_items, item_limit, largest_stretch
-from orchestrator.run.monitor.monitor import Watched
+from orchestrator.run.monitor.monitor import LimitedItem
 
 STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)
@@ -58,7 +58,7 @@ def alarms(now: State, balls: ParticleSnapshot, overlap: float, monkeypatch: pyt
         kind = all_items()[name]
         item, limit = kind(subject), item_limit(MonitorSettings(), kind)
         assert limit is not None
-        said += Watched(item, limit).judge(item.observe_output(output), 0.5)
+        said += LimitedItem(item, limit).judge(item.observe_output(output), 0.5)
     return [alarm.what for alarm in said]
 
 

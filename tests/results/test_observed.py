@@ -16,7 +16,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.observed import (
-    checked_by_run,
+    check_effects_by_run,
     loss_factor,
     observed_scene,
     products,
@@ -182,7 +182,7 @@ def test_rotation_is_seen_only_where_frames_can_rotate(data: RunReader, figures:
 
 def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: dict[str, Any]) -> None:
     before = account(data.case, {"large-deflection": "for once"})
-    after = checked_by_run(before, data.case, folder, figures)
+    after = check_effects_by_run(before, data.case, folder, figures)
     sag, load = after["large-deflection"], after["particle-load"].after
     assert sag.before is not None
     assert sag.after is not None

@@ -131,7 +131,7 @@ def test_the_arrays_of_a_checkpoint(folder: Path) -> None:
 
 
 def array_names(folder: Path) -> set[str]:
-    save = checkpoints.newest(folder)
+    save = checkpoints.find_newest(folder)
     assert save is not None
     return checkpoints.array_names(save.state(None))
 

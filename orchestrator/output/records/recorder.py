@@ -1,10 +1,14 @@
-"""What a run writes while it goes on: time series, and snapshots for ParaView.
+"""The records that a run writes while it goes on: time series, and snapshots for ParaView.
 
-Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and
-``bushings/<name>`` every ``output.series_s``; ``point_cycles`` and ``panel_cycles`` at the end of
-every cycle of the machine; ``shapes/<panel>`` every ``output.shapes_s``;
-``panels/<name>`` (centre line), ``energy``, ``bed`` and what deck_record.py adds at every output
-time; ``fed`` and ``removed``: a row for each particle that came or went.
+``history.h5`` gets rows of these groups:
+
+- ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and ``bushings/<name>`` every
+  ``output.series_s``;
+- ``point_cycles`` and ``panel_cycles`` at the end of every cycle of the machine;
+- ``shapes/<panel>`` every ``output.shapes_s``;
+- ``panels/<name>`` (centre line), ``energy``, ``bed`` and the groups of deck_record.py at every output
+  time;
+- ``fed`` and ``removed`` for each particle that came or went.
 """
 
 from __future__ import annotations
@@ -39,7 +43,7 @@ from orchestrator.ports.physics import sphere_mass_kg
 
 
 class Recorder:
-    """Works on every rank (snapshots and accounts are collective); rank 0 writes."""
+    """The recorder of a run, on every rank: snapshots and accounts are collective, and rank 0 writes."""
 
     def __init__(
         self,
@@ -51,7 +55,7 @@ class Recorder:
         world: Any,
         goes_on: bool = False,
     ):
-        """Continues, with ``goes_on``, what an earlier process recorded; restored before the first row."""
+        """Open the records; with ``goes_on``, those of an earlier process, to continue after ``restore``."""
         self._machine, self._ledger = machine, ledger
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
@@ -83,14 +87,14 @@ class Recorder:
         deck = deck_line([start.panel.surface.position_m[line] for line in lines])
         self._deck = DeckRecord(deck, lines, cycle_s(case), openings_m(case)) if deck else None
         if self._deck is not None:
-            self._parts["held"] = self._deck.held
+            self._parts["held"] = self._deck.retained
 
-    def sync_point(self, done: int, time_s: float, state: State) -> None:
-        """Record a sync point; ``done`` counts them."""
+    def record_sync_point(self, done: int, time_s: float, state: State) -> None:
+        """Record a sync point; ``done`` is the number of completed sync intervals."""
         if self._writes:
             forces_N = self._forces.at(state)
-            self._series.sync_point(forces_N)
-            self._cycles.sync_point(time_s, state, forces_N)
+            self._series.add_forces(forces_N)
+            self._cycles.add_sync_point(time_s, state, forces_N)
             if self._shapes_every and done % self._shapes_every == 0:
                 for panel in self._machine.panels:
                     values = columns("shapes", state.panel.surface.part(panel.shape))
@@ -100,11 +104,13 @@ class Recorder:
         particles = self._machine.solvers.particles
         followed = particles.snapshot() if self._follows and particles is not None else None
         if self._writes:
-            self._series.row(time_s, state, followed)
+            self._series.write_row(time_s, state, followed)
 
-    def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
-        """Record an output time: shapes, books, and files for ParaView.  Returns the ledger's terms, and
-        the particles."""
+    def record_output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
+        """Record an output time: shapes, books, and files for ParaView.
+
+        Return the terms of the ledger, and the bed (None without particles).
+        """
         machine, surface = self._machine, state.panel.surface
         terms = self._ledger.energy_J()
         bed = self._book_material(time_s)
@@ -137,7 +143,7 @@ class Recorder:
             self._history.add(group, time_s, values)
 
     def _book_material(self, time_s: float) -> Bed | None:
-        """Write who came and went since the last output time into the books and the event tables."""
+        """Book the particles that came and went since the last output time, and return the bed."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is None or book is None:
             return None
@@ -147,39 +153,38 @@ class Recorder:
         if self._writes:
             self._history.add("overlaps", time_s, columns("overlaps", overlaps))
             for kind, table in (("fed", fed), ("removed", removed)):
-                self._history.events(kind, {"time_s": table.time_s, **columns(kind, table)})
+                self._history.add_events(kind, {"time_s": table.time_s, **columns(kind, table)})
             for feed in book.feed.feeds:
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
             book.add(time_s, fed, removed, present)
         return present, overlaps
 
-    def last_contacts(self) -> None:
-        """Book what happened in contacts since the last output time, where a run ends without another
-        one; collective."""
+    def book_last_contacts(self) -> None:
+        """Book the contacts since the last output time if a run ends between output times; collective."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is not None and book is not None:
             book.look_at_contacts(particles.overlaps(), particles.crossings())
 
-    def material(self) -> dict[str, Any] | None:
-        """Return the material's balance at the last output time, on rank 0."""
+    def material_balance(self) -> dict[str, Any] | None:
+        """Return the material's balance at the last output time, on rank 0; None without particles."""
         book = self._machine.material
         return book.figures() if book is not None else None
 
     def save(self) -> Saved:
-        """Write what is recorded to the disk, and return what later rows depend on."""
+        """Write all rows to the disk, and return the memory on which later rows depend."""
         if not self._writes:
             return {}
         self._history.flush()
         return {name: part.save() for name, part in self._parts.items()}
 
     def restore(self, saved: Saved) -> None:
-        """Go on from what was saved."""
+        """Restore the memory that ``save`` returned."""
         if self._writes:
             for name, part in self._parts.items():
                 part.restore(saved[name])
 
     def close(self) -> None:
-        """Write what is still in memory, and close the file."""
+        """Write the rows that are still in memory, and close the file."""
         if self._writes:
             self._cycles.close()
             self._history.close()

@@ -88,10 +88,10 @@ def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, A
         warnings += [line for line in closing_lines(summary) if line.startswith("WARNING")]
     if lost := results.get("screening", {}).get("lost_particles"):
         warnings.append(f"{lost} particles left elsewhere than through an exit.")
-    return warnings + _logged(folder)
+    return warnings + _log_warnings(folder)
 
 
-def _logged(folder: Path) -> list[str]:
+def _log_warnings(folder: Path) -> list[str]:
     """Return the first few warnings and errors of the log, each once."""
     log = folder / "run.log"
     if not log.is_file():

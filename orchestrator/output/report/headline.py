@@ -47,7 +47,8 @@ def headline(results: dict[str, Any]) -> list[Tile]:
 def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     """Yield figures of screening and bed, masses of the full width."""
     whole, state = 1.0 / float(results["share_of_width"]), results.get("steady")
-    lasting, unsteady = (_lasting(state), not state["is_steady"]) if state else ("the whole run", True)
+    lasting = _describe_window(state) if state else "the whole run"
+    unsteady = not (state and state["is_steady"])
     screening, bed = results.get("screening", {}), results.get("bed")
     for key, (name, unit, kind) in SCREENING.items():
         if key in screening:
@@ -65,7 +66,7 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     motion = results.get("motion")
     if motion is None:
         return
-    over, unsteady = _lasting(motion), not motion["is_settled"]
+    over, unsteady = _describe_window(motion), not motion["is_settled"]
     for name, orbit in motion["relative"].items():
         yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
     largest = (
@@ -77,7 +78,7 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
         yield Tile(name, number(value), "", unit, over, unsteady)
 
 
-def _lasting(window: dict[str, Any]) -> str:
+def _describe_window(window: dict[str, Any]) -> str:
     """Return such as "6 cycles, 0.48 s"; a machine that nothing drives has no cycles."""
     cycles, lasting_s = window["cycles"], window["end_s"] - window["start_s"]
     counted = f"{cycles} cycle{'' if cycles == 1 else 's'}, " if cycles else ""

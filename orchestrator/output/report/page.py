@@ -59,7 +59,7 @@ def _why_open(folder: Path) -> str:
     if is_at_work(folder):
         return "the run is still going on"
     killed = "the run was killed before it could close its books"
-    save = checkpoints.newest(folder)
+    save = checkpoints.find_newest(folder)
     if save is None:
         return f"{killed}, and nothing had been saved; run the case again"
     return (

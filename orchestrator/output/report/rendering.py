@@ -46,11 +46,11 @@ def render_deck(folder: Path, time_s: float, file: Path) -> None:
 def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
     """Return the WebP of the run's last ``lasting_s`` seconds, in at most ``FRAMES`` frames, and
     their times.  Raises FileNotFoundError without snapshots."""
-    shown = _last(snapshots(folder, "surface"), lasting_s)
+    shown = _last_snapshots(snapshots(folder, "surface"), lasting_s)
     if not shown:
         raise FileNotFoundError("the run has no snapshots of the surface")
     particles = dict(snapshots(folder, "particles"))
-    ends = np.vstack([_touched_m(pyvista.read(file)) for _, file in (shown[0], shown[-1])])
+    ends = np.vstack([_triangle_points_m(pyvista.read(file)) for _, file in (shown[0], shown[-1])])
     middle = _read(particles.get(shown[len(shown) // 2][0]))
     fast_m_per_s = _fast_m_per_s(middle) if middle is not None else 1.0
     plotter = pyvista.Plotter(off_screen=True)
@@ -61,7 +61,7 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
         _add_deck(plotter, pyvista.read(surface), ambient=0.3)
         _add_splats(plotter, _read(particles.get(time_s)), fast_m_per_s)
         plotter.add_text(f"t = {time_s:.3f} s", color="black", font_size=10)
-        _look(plotter, ends)
+        _aim_camera(plotter, ends)
         pictures.append(Image.fromarray(plotter.screenshot(return_img=True)))
     plotter.close()
     webp, first = io.BytesIO(), pictures[0]
@@ -80,7 +80,7 @@ def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
     return [(time_s, file) for time_s, file in pairs if file.is_file()]
 
 
-def _last(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tuple[float, Path]]:
+def _last_snapshots(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tuple[float, Path]]:
     if not pairs:
         return []
     last = [pair for pair in pairs if pair[0] > pairs[-1][0] - lasting_s]
@@ -99,7 +99,7 @@ def _fast_m_per_s(particles: Any) -> float:
     return float(np.percentile(particles["speed_m_per_s"], 97)) or 1.0
 
 
-def _touched_m(surface: Any) -> Any:
+def _triangle_points_m(surface: Any) -> Any:
     """Return the (n, 3) points of triangles; others are only looked at, and may be anywhere."""
     return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
 
@@ -125,7 +125,7 @@ def _add_spheres(plotter: Any, particles: Any) -> None:
     plotter.add_mesh(
         particles.glyph(scale="diameter_m", orient=False, geom=sphere),
         smooth_shading=True,
-        **_by_speed(_fast_m_per_s(particles), title_font_size=18, label_font_size=16, **bar),
+        **_speed_colours(_fast_m_per_s(particles), title_font_size=18, label_font_size=16, **bar),
     )
 
 
@@ -142,13 +142,13 @@ def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
         style="points_gaussian",
         render_points_as_spheres=True,
         emissive=False,
-        **_by_speed(fast_m_per_s, title_font_size=15, label_font_size=14, **bar),
+        **_speed_colours(fast_m_per_s, title_font_size=15, label_font_size=14, **bar),
     )
     actor.mapper.scale_array = "diameter_m"
     actor.mapper.scale_factor = 0.5
 
 
-def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
+def _speed_colours(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
     """Return how speeds are coloured, with the place of the colour bar."""
     return {
         "scalars": "speed_m_per_s",
@@ -159,7 +159,7 @@ def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
     }
 
 
-def _look(plotter: Any, points_m: Any) -> None:
+def _aim_camera(plotter: Any, points_m: Any) -> None:
     """Lets the points (n, 3) fill the view, with some room above them for what is thrown."""
     toward = np.array(FILM_VIEW) / np.linalg.norm(FILM_VIEW)
     right = np.cross([0.0, 0.0, 1.0], toward)

@@ -77,7 +77,7 @@ def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s
 
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
     """Return the residence of the oversize, and where along the deck the undersize passes."""
-    removed, counted = events.removed, events.counted
+    removed, counted = events.removed, events.left_in_window
     stay_s = residence_s(events.fed, removed)
     over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE)) & np.isfinite(stay_s)
     sums = np.hstack(

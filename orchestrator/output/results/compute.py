@@ -35,7 +35,7 @@ def compute_results(folder: Path) -> dict[str, Any]:
     folder holds no run.
     """
     with RunReader(folder) as run:
-        table: dict[str, Any] = plain(_gather(run))
+        table: dict[str, Any] = to_json(_gather(run))
         return table
 
 
@@ -45,7 +45,7 @@ def _gather(run: RunReader) -> dict[str, Any]:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table
     events: Events | None = None
-    with _noted(table, "steady"):
+    with _record_failure(table, "steady"):
         events = _add_steady(run, table)
     for part, add in (
         ("screening", _add_screening),
@@ -53,13 +53,13 @@ def _gather(run: RunReader) -> dict[str, Any]:
         ("motion", _add_motion),
         ("wear", _add_wear),
     ):
-        with _noted(table, part):
+        with _record_failure(table, part):
             add(run, events, table)
     return table
 
 
 @contextmanager
-def _noted(table: dict[str, Any], part: str) -> Iterator[None]:
+def _record_failure(table: dict[str, Any], part: str) -> Iterator[None]:
     """Note the error that prevents a part, and go on."""
     try:
         yield
@@ -180,16 +180,16 @@ def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:
     return run.second_half_s
 
 
-def plain(value: Any) -> Any:
+def to_json(value: Any) -> Any:
     """Return a value as JSON has it: estimates as tables, arrays as lists, None for what is not a number."""
     if isinstance(value, Estimate):
-        return plain(value.table())
+        return to_json(value.table())
     if isinstance(value, dict):
-        return {key: plain(inner) for key, inner in value.items()}
+        return {key: to_json(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(inner) for inner in value]
+        return [to_json(inner) for inner in value]
     if isinstance(value, np.ndarray):
-        return [plain(inner) for inner in value.tolist()]
+        return [to_json(inner) for inner in value.tolist()]
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value

@@ -119,7 +119,7 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     imbalance = (in_kg - gone_kg) / in_kg
     slope_kg = float(np.polyfit(np.arange(last - first), mean_kg[window], 1)[0])
     drift = slope_kg * (last - first) / in_kg
-    reason = _why_not(imbalance, drift, last - first, held_kg[last], gone_kg)
+    reason = _why_not_steady(imbalance, drift, last - first, held_kg[last], gone_kg)
     if reason:
         return SteadyState(0, cycles, reason, imbalance, drift)
     return SteadyState(first, last, "", imbalance, drift)
@@ -138,7 +138,7 @@ def find_truncation(values: Array) -> int:
     return int(np.argmin(errors))
 
 
-def _why_not(imbalance: float, drift: float, cycles: int, held_kg: float, gone_kg: float) -> str:
+def _why_not_steady(imbalance: float, drift: float, cycles: int, held_kg: float, gone_kg: float) -> str:
     """Return why a state is not steady.  By Little's law, with more on the deck than left it, particles
     stay longer than the cycles last."""
     largest = 100 * LARGEST_IMBALANCE
@@ -185,7 +185,7 @@ class Events:
         return float(self.edges_s[self.steady.first]), float(self.edges_s[self.steady.last])
 
     @property
-    def counted(self) -> Any:
+    def left_in_window(self) -> Any:
         """(removed,) which of the particles left through an exit within them."""
         inside = within(self.removed.time_s, *self.window_s, float(self.edges_s[1]))
         return inside & (self.removed.exit != LOST)

@@ -52,10 +52,10 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
     }
 
 
-def why_not_settled(run: RunReader, start_s: float, end_s: float, drifted: float | None) -> str:
+def why_not_settled(run: RunReader, start_s: float, end_s: float, drift_share: float | None) -> str:
     """Return why the frames' motion from ``start_s`` to ``end_s`` is no steady one; empty if it is.
 
-    ``drifted`` is the change of the first harmonics.  What is no harmonic is looked at by its range
+    ``drift_share`` is the change of the first harmonics.  What is no harmonic is looked at by its range
     in each cycle, from every sync point.
     """
     if not run.is_driven:
@@ -70,13 +70,13 @@ def why_not_settled(run: RunReader, start_s: float, end_s: float, drifted: float
         early_m, late_m = range_m[: count // 2].mean(), range_m[-(count // 2) :].mean()
         changed = float(abs(late_m - early_m) / early_m) if early_m > 0 else 0.0
         if changed > LARGEST_DRIFT:
-            return _changes(f"the range of {name} in a cycle", changed, count)
-    if drifted is not None and drifted > LARGEST_DRIFT:
-        return _changes("the first harmonic", drifted, round((end_s - start_s) / run.cycle_s))
+            return _describe_change(f"the range of {name} in a cycle", changed, count)
+    if drift_share is not None and drift_share > LARGEST_DRIFT:
+        return _describe_change("the first harmonic", drift_share, round((end_s - start_s) / run.cycle_s))
     return ""
 
 
-def _changes(what: str, share: float, cycles: int) -> str:
+def _describe_change(what: str, share: float, cycles: int) -> str:
     return (
         f"{what} still changes: by {100 * share:.2g} % from the first half of the {cycles} cycles to the "
         f"second; up to {100 * LARGEST_DRIFT:g} % counts as settled"

@@ -41,7 +41,7 @@ FEWEST = 30  # particles of a product whose mean size is compared: the project's
 STILL_M = 1e-9  # a stretch of less than this is none
 
 
-def checked_by_run(
+def check_effects_by_run(
     entries: Mapping[str, Entry], described: Case, folder: Path, results: Mapping[str, Any]
 ) -> dict[str, Entry]:
     """Return the entries with the verdicts that the run's own numbers give, where it has them.
@@ -65,7 +65,7 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
     bed = Observed(
         bed_kg_per_m2=bed_kg_per_m2(run),
         transport_m_per_s=transport_m_per_s(results),
-        deepest=deepest(run),
+        deepest=deepest_contacts(run),
         products=products(run),
         closed=not has_effect(run.case, "apertures"),
     )
@@ -78,11 +78,11 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
     whole = replace(
         bed,
         frames_throw=motion.frames_throw(),
-        rotation=motion.outermost("frame-rotation", motion_by_rotation),
-        sideways=motion.outermost("sideways-motion", motion_out_of_plane),
+        rotation=motion.largest_at_clamps("frame-rotation", motion_by_rotation),
+        sideways=motion.largest_at_clamps("sideways-motion", motion_out_of_plane),
         panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
-        turned=motion.turned(),
+        turned=motion.exciter_power(),
         bearing=bearing(estimated, run, window["start_s"], window["end_s"]),
     )
     moved = replace(estimated, panels=motion.panels(), observed=whole)
@@ -131,7 +131,7 @@ def bearing(scene: Scene, run: RunReader, start_s: float, end_s: float) -> Beari
     return Bearing(normal_N / weight_N, max(0.0, downhill_N / normal_N) if rubs else None)
 
 
-def deepest(run: RunReader) -> Deepest | None:
+def deepest_contacts(run: RunReader) -> Deepest | None:
     """Return the deepest contacts of all steps; None if nothing ever touched."""
     if not run.has("overlaps"):
         return None
@@ -212,7 +212,7 @@ class ObservedMotion:
         factors = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels if self._bend]
         return max((factor for factor in factors if factor is not None), default=None)
 
-    def turned(self) -> Turned | None:
+    def exciter_power(self) -> Turned | None:
         """Return the power of the exciters in the window, and their largest torque before it,
         revolution by revolution; None where none turns at its own speed: a motor's lag would be in
         it."""
@@ -232,7 +232,7 @@ class ObservedMotion:
         spent_J, over_s = np.ptp(given_J[inside]), np.ptp(time_s[inside])
         return Turned(float(spent_J / over_s), float(torque_N_m.max()))
 
-    def outermost(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
+    def largest_at_clamps(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
         """Return a part of the displacement at a frame's outermost clamp over the translation of its
         centre of mass, of the frame for which it is largest; None where the solver leaves out the
         effect, or nothing moves."""
@@ -258,10 +258,10 @@ class ObservedMotion:
 
     def _stretch_m(self, spring: PanelSpring) -> complex:
         """Return the phasor of the panel's second end against the first, along it."""
-        first_m, second_m = map(self._carried, spring.frames, spring.ends_m)
+        first_m, second_m = map(self._place_phasor, spring.frames, spring.ends_m)
         return complex((second_m - first_m) @ spring.along)
 
-    def _carried(self, frame: str, place_m: Array) -> Phasors:
+    def _place_phasor(self, frame: str, place_m: Array) -> Phasors:
         """Return the phasor (3,) of a place on a frame that turns little; the ground stands."""
         if frame not in self._bodies:
             return np.zeros(3, complex)

@@ -110,7 +110,7 @@ def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
 
 def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
     """Return every metric that needs no more than what went in and out."""
-    removed, exits, counted = events.removed, events.exits, events.counted
+    removed, exits, counted = events.removed, events.exits, events.left_in_window
     fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
     group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
     count = len(exits.names)
@@ -130,13 +130,13 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
     names = PLACEMENTS if cut_m is not None else PLACEMENTS[:1]
     table |= {f"{name}_percent": placement(name) for name in names}
     if cut_m is not None:
-        table["recovered_percent"] = _recovered(events, out_kg, cut_m)
+        table["recovered_percent"] = _recovery(events, out_kg, cut_m)
     table["sections"] = _sections(events, out_kg, cut_m is not None)
     table["partition"] = _partition(events, cut_m)
     return table
 
 
-def _recovered(events: Events, out_kg: Array, cut_m: float) -> Estimate:
+def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
     """Return fines passed over fines that came in: unlike the fine placement, fines that stay on the
     deck count as not recovered."""
     fed = events.fed
@@ -179,7 +179,7 @@ def _sections(events: Events, out_kg: Array, divided: bool) -> list[dict[str, An
 
 def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
     """Return classes, partition numbers, d50 and Ep; None as long as nothing has left."""
-    removed, counted = events.removed, events.counted
+    removed, counted = events.removed, events.left_in_window
     if not counted.any():
         return None
     edges = size_classes(removed.diameter_m[counted], cut_m)

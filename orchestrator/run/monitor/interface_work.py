@@ -117,7 +117,7 @@ class Balance:
 
 
 @dataclass(frozen=True)
-class Acting:
+class NonzeroLoad:
     """The components of a load that are not zero: of a surface's many points, particles touch few.
 
     ``where`` (n,) are their places among the flattened components, ``force_N`` (n,) their values.
@@ -135,11 +135,11 @@ class Acting:
         return float(self.force_N.dot(self.moved_m(from_m, to_m)))
 
 
-def acting(load: Load, points: slice) -> Acting:
+def nonzero_load(load: Load, points: slice) -> NonzeroLoad:
     """Return the components of a load that are not zero on some of the points."""
     force_N = load.force_N[points]
     where = np.flatnonzero(force_N != 0.0)
-    return Acting(where, force_N.take(where))
+    return NonzeroLoad(where, force_N.take(where))
 
 
 class ContactWork(SavedAttributes):
@@ -154,28 +154,28 @@ class ContactWork(SavedAttributes):
         self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._whole_m = start.panel.surface.position_m
         self._path_end_m = self._whole_m[points]
-        self._load = self._load_before = acting(start.load, points)
+        self._load = self._load_before = nonzero_load(start.load, points)
 
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
         assert data.particles is not None
         path, load = data.particles
-        _, given, state = data.panel
+        _, panel_load, state = data.panel
         before_m, surface_m = (m[self._points] for m in (self._whole_m, state.surface.position_m))
         start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
-        newest = acting(load, self._points)
+        newest = nonzero_load(load, self._points)
         moved_m = newest.moved_m(before_m, surface_m)
         given_J = newest.force_N.dot(moved_m)
-        if given is not load:
-            given_J = acting(given, self._points).work_J(before_m, surface_m)
+        if panel_load is not load:
+            given_J = nonzero_load(panel_load, self._points).work_J(before_m, surface_m)
         new_J, before_J, twice_before_J = (
-            acted.work_J(self._path_end_m, start_m) for acted in (newest, self._load, self._load_before)
+            each.work_J(self._path_end_m, start_m) for each in (newest, self._load, self._load_before)
         )
         jump_J = (2 * new_J + 5 * before_J - twice_before_J) / 6
         particles_J = newest.work_J(start_m, end_m) + jump_J
         went_J = through_J(newest.force_N, moved_m, data.length_s)
         self.balance.add(float(given_J - particles_J), went_J)
-        everywhere = newest if len(surface_m) == len(load) else acting(load, slice(None))
+        everywhere = newest if len(surface_m) == len(load) else nonzero_load(load, slice(None))
         work_J = everywhere.work_J(self._whole_m, state.surface.position_m)
         self.exchange.add(work_J, everywhere.force_N, data.length_s)
         self._whole_m, self._path_end_m = state.surface.position_m, end_m
@@ -203,10 +203,10 @@ class ClampWork(SavedAttributes):
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
         reaction, clamps = data.frames
-        told, _, state = data.panel
+        target, _, state = data.panel
         all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
         moved_m, force_N = all_moved_m[self._points], all_N[self._points]
-        missed_m = (clamps.position_m - told.position_m)[self._points]
+        missed_m = (clamps.position_m - target.position_m)[self._points]
         at_end_J = float(np.vdot(force_N, missed_m))
         created_J = at_end_J - float(np.vdot(force_N, self._missed_m))
         if reaction is not state.reaction:
