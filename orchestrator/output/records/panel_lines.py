@@ -53,9 +53,9 @@ class PanelLines:
         return np.asarray((length_m - self._clamped_m) / self._free_m - 1.0)
 
     def heights_m(self, line_m: Array) -> tuple[Array, Array]:
-        """Return each line's largest distance from the chord between its ends, and its middle's height over it.
+        """Return each line's largest distance from the chord between its ends, and the height of its middle.
 
-        Both are (panels,) in m; the height is positive towards the bed.
+        Both are (panels,) in m.  The height over the chord is positive towards the bed.
         """
         chord_m = line_m[self._last] - line_m[self._first]
         run_m = np.einsum("pi,pi->p", chord_m, self._along)

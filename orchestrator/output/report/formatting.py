@@ -1,4 +1,4 @@
-"""Numbers as a reader wants them: three digits, the interval, the unit."""
+"""The formatting of numbers for readers: three digits, confidence intervals, and units of time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LEAST = 1e-9  # smaller numbers are rounding
 
 
 def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str:
-    """Return a number with ``digits`` significant digits, no exponent for anything a designer meets."""
+    """Return a number with ``digits`` significant digits; very small or large numbers get an exponent."""
     if value is None or not math.isfinite(value):
         return NONE
     scaled = value * scale
@@ -30,7 +30,7 @@ def whole_number(value: float) -> str:
 
 
 def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
-    """Return such as "82.31 ± 0.42": the value to the second digit of its half width."""
+    """Return an estimate such as "82.31 ± 0.42", rounded to the second digit of its half width."""
     if estimate is None or estimate["value"] is None:
         return NONE
     width, size = estimate["half_width"], abs(estimate["value"] * scale)
@@ -44,7 +44,7 @@ def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in seconds, minutes or hours."""
+    """Return a duration in seconds, minutes or hours, with its unit."""
     if seconds < 120:
         return f"{number(seconds)} s"
     if seconds < 7200:

@@ -1,9 +1,8 @@
-"""Pictures of a run: of its machine from its folder alone, for the page and as files, and of its results,
-for the page.
+"""The pictures of a run: of its machine, for the page and as files, and of its results, for the page.
 
 ``python -m orchestrator.output.report.pictures RUN`` writes the files.  It runs in a process of its
-own: the renderer's libraries do not share memory with the solvers', and a picture that fails loses
-nothing.
+own: the libraries of the renderer then share no memory with the solvers, and a picture that fails loses
+nothing else.
 """
 
 from __future__ import annotations
@@ -22,17 +21,19 @@ from orchestrator.output.report.drawing import FEED, HALF, HELD, OVER, UNDER, WI
 from orchestrator.output.results.run_reader import RunReader
 
 COLUMNS = 4  # panels or bushings side by side
-LOWEST = 3.8  # inches high: a single row of panels is legible
+LOWEST = 3.8  # inches: least height, at which a single row of panels is legible
 MOMENTS = 8  # of a cycle
 MM_IN_1000_H = 1e6  # 1 m/h
 MOST_POINTS = 4000  # of a line
-FEWEST_SECTIONS = 3  # that look well side by side
+FEWEST_SECTIONS = 3  # least width of the axes in sections, so that bars do not become too wide
 SMALLEST_SHARE = 1e-3  # of the largest term of a picture: smaller ones are left out
 
 
 def draw_frames(run: RunReader) -> Any:
-    """Draw the displacement of the frames' centres of mass along and normal to the deck over the
-    run, and their orbits in the last cycle."""
+    """Draw the displacements of the frames' centres of mass along and normal to the deck, and their orbits.
+
+    The displacements are drawn over the whole run, the orbits over the last cycle.
+    """
     drawn, axes = figure(2, 2, WIDE, 5.0, width_ratios=(2, 1))
     for row in axes:
         row[1].remove()
@@ -55,8 +56,10 @@ def draw_frames(run: RunReader) -> Any:
 
 
 def draw_panel_shapes(run: RunReader) -> Any:
-    """Draw the centre lines of the panels at moments of the last cycle (of the whole run where
-    nothing drives it), over the line between their ends as built."""
+    """Draw the centre lines of the panels at moments of the last cycle, or of the whole run without a drive.
+
+    Heights are over the straight line between the panels' ends as built.
+    """
     panels = {panel.name: panel.rectangle for panel in single_panels(run.case)}
     drawn, axes = _grid(len(panels), "height / mm, enlarged", 0.6, 2.3)
     for ax, (name, at) in zip(axes.flat, panels.items(), strict=False):
@@ -67,15 +70,17 @@ def draw_panel_shapes(run: RunReader) -> Any:
         for number in last[np.linspace(0, len(last) - 1, min(MOMENTS, len(last))).astype(int)]:
             phase = time_s[number] / run.cycle_s % 1.0 if run.is_driven else time_s[number] / time_s[-1]
             line_mm = 1e3 * lines_m[number]
-            colour = colormaps["twilight_shifted"](0.1 + 0.8 * phase)  # comes round after a cycle
+            colour = colormaps["twilight_shifted"](0.1 + 0.8 * phase)  # a cyclic map, like the phase
             ax.plot(line_mm @ at.along, line_mm @ at.normal, lw=1.1, color=colour)
         ax.set(title=name, xlabel="along / mm")
     return drawn
 
 
 def draw_bushing_loops(run: RunReader) -> Any:
-    """Draw force against deformation of every bushing in the last cycle, along the axis in which it
-    is deformed most; the area is the energy lost in the cycle."""
+    """Draw the force over the deformation of every bushing in the last cycle, along its most deformed axis.
+
+    The area of a loop is the energy lost in the cycle.
+    """
     names = run.names("bushings")
     drawn, axes = _grid(len(names), "force / kN", 1.0, 2.8)
     for ax, name in zip(axes.flat, names, strict=False):
@@ -92,8 +97,10 @@ def draw_bushing_loops(run: RunReader) -> Any:
 
 
 def draw_energy(run: RunReader) -> Any:
-    """Draw the energy ledger in three parts: what went in and out, what is stored, and what should
-    be zero.  Terms below a thousandth of a part's largest are left out."""
+    """Draw the energy ledger in three parts: energy in and out, stored energy, and terms that should be zero.
+
+    Terms below a thousandth of the largest term of a part are left out.
+    """
     time_s = run.read("energy/time_s")
     terms_J = {name: run.read(f"energy/{name}") for name in run.names("energy") if name != "time_s"}
     parts = {
@@ -113,7 +120,7 @@ def draw_energy(run: RunReader) -> Any:
 
 
 def draw_cost(wall_by_part_s: dict[str, float]) -> Any:
-    """Draw where the wall time went."""
+    """Draw the wall time of every part of the program."""
     drawn, ((axes,),) = figure(1, 1, HALF, 2.6)
     parts = list(wall_by_part_s)[::-1]
     seconds = [wall_by_part_s[part] for part in parts]
@@ -126,7 +133,7 @@ def draw_cost(wall_by_part_s: dict[str, float]) -> Any:
 
 
 def draw_balance(results: dict[str, Any]) -> Any:
-    """Draw the rates in and out by cycle, and the hold-up; the cycles averaged over are shaded."""
+    """Draw the mass rates in and out and the hold-up by cycle, with the steady state shaded."""
     flows, state = results["screening"]["in_time"], results["steady"]
     whole = 1.0 / results["share_of_width"]
     drawn, ((rates, held),) = figure(1, 2, WIDE, 3.2)
@@ -145,7 +152,7 @@ def draw_balance(results: dict[str, Any]) -> Any:
 
 
 def draw_partition(screening: dict[str, Any]) -> Any:
-    """Draw the partition number over size, with the cut size, d50 and the feed's sizes behind."""
+    """Draw the partition number over the diameter, with the cut size, d50 and the sizes of the feed."""
     table = screening["partition"]
     mean, number = np.array(table["mean_m"], float), np.array(table["oversize_percent"], float)
     edges = 1e3 * np.array(table["edges_m"], float)
@@ -165,7 +172,7 @@ def draw_partition(screening: dict[str, Any]) -> Any:
 
 
 def draw_sections(screening: dict[str, Any]) -> Any:
-    """Draw the cumulative and local efficiency of the sections; yields where there is no cut size."""
+    """Draw the yields of the sections and, if there is a cut size, their efficiencies."""
     rows = screening["sections"]
     drawn, ((axes,),) = figure(1, 1, HALF, 3.4)
     place = np.arange(len(rows))
@@ -194,7 +201,7 @@ def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
 
 
 def draw_along_deck(results: dict[str, Any]) -> Any:
-    """Draw bed depth, velocity, mass and, where it is counted, passing rate."""
+    """Draw bed depth, velocity, bed mass and, if it was counted, the passing rate along the deck."""
     profile, whole = results["bed"]["profile"], 1.0 / results["share_of_width"]
     series = [
         ("depth_m", 1e3, "bed depth / mm", HELD),
@@ -220,7 +227,7 @@ def draw_along_deck(results: dict[str, Any]) -> Any:
 
 
 def draw_wear(wear: dict[str, Any]) -> Any:
-    """Draw the depth in 1000 h of all panels' patches, one panel beside the other."""
+    """Draw the depth of wear in 1000 h in the patches of all panels, side by side."""
     maps = {n: MM_IN_1000_H * np.array(p["depth_m_per_h"], float) for n, p in wear["panels"].items()}
     drawn, ((axes,),) = figure(1, 1, WIDE, 2.6)
     deepest = max(float(np.nanmax(values)) for values in maps.values())
@@ -236,7 +243,7 @@ def draw_wear(wear: dict[str, Any]) -> Any:
 
 
 def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the name of every picture that the results have numbers for, and its figure."""
+    """Yield the name and the figure of every picture for which the results have numbers."""
     if screening := results.get("screening"):
         yield "balance", draw_balance(results)
         if screening["partition"]:
@@ -250,7 +257,7 @@ def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
-    """Yield the name of every picture that the run has data for, and its figure."""
+    """Yield the name and the figure of every picture for which the run has data."""
     drawings = {
         "frames": ("frame_motion", draw_frames),
         "panels": ("panel_shapes", draw_panel_shapes),
@@ -263,7 +270,7 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
 
 
 def write_pictures(folder: Path) -> None:
-    """Write all pictures that the folder of a run has data for."""
+    """Write all pictures for which the folder of a run has data."""
     with RunReader(folder) as run:
         end_s = run.end_s
         for name, drawn in draw_machine(run):
@@ -275,7 +282,7 @@ def write_pictures(folder: Path) -> None:
 
 
 def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any]:
-    """Return a figure with axes for so many parts, side by side in rows."""
+    """Return a figure with axes for ``count`` parts, side by side in rows."""
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
     drawn, axes = figure(rows, columns, WIDE, max(edge + height * rows, LOWEST))

@@ -1,4 +1,4 @@
-"""The deck with its particles, rendered from the snapshots of a run: a picture and a short film.
+"""The rendering of the deck with its particles from the snapshots of a run: a picture and a short film.
 
 ``python -m orchestrator.output.report.rendering RUN SECONDS FILE`` writes the film as animated WebP.
 """
@@ -15,7 +15,7 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-PANELS, WALLS = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels can be told apart
+PANELS, WALLS = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels differ in colour
 PICTURE_VIEW = (0.45, -1.0, 0.75)  # from the side and above
 FILM_VIEW = (0.12, -1.0, 0.28)  # nearly from the side, a little from above
 FRAMES = 32
@@ -26,7 +26,7 @@ QUALITY = 65
 
 
 def render_deck(folder: Path, time_s: float, file: Path) -> None:
-    """Write a picture of the last surface, with the particles as spheres coloured by speed."""
+    """Write a picture of the last surface, with the particles as spheres in the colours of their speeds."""
     plotter = pyvista.Plotter(off_screen=True, window_size=(1280, 720))
     plotter.enable_anti_aliasing("ssaa")
     surface = pyvista.read(snapshots(folder, "surface")[-1][1])
@@ -44,8 +44,10 @@ def render_deck(folder: Path, time_s: float, file: Path) -> None:
 
 
 def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
-    """Return the WebP of the run's last ``lasting_s`` seconds, in at most ``FRAMES`` frames, and
-    their times.  Raises FileNotFoundError without snapshots."""
+    """Return the WebP of the run's last ``lasting_s`` seconds and the times of its frames.
+
+    The film has at most ``FRAMES`` frames.  Raises FileNotFoundError if the run has no snapshots.
+    """
     shown = _last_snapshots(snapshots(folder, "surface"), lasting_s)
     if not shown:
         raise FileNotFoundError("the run has no snapshots of the surface")
@@ -65,13 +67,13 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
         pictures.append(Image.fromarray(plotter.screenshot(return_img=True)))
     plotter.close()
     webp, first = io.BytesIO(), pictures[0]
-    kept = {"save_all": True, "append_images": pictures[1:], "duration": FRAME_MS, "loop": 0}
-    first.save(webp, "WEBP", quality=QUALITY, method=4, **kept)
+    animation = {"save_all": True, "append_images": pictures[1:], "duration": FRAME_MS, "loop": 0}
+    first.save(webp, "WEBP", quality=QUALITY, method=4, **animation)
     return webp.getvalue(), [time_s for time_s, _ in shown]
 
 
 def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
-    """Return times and files of a ParaView series; none if there is no such series."""
+    """Return the times and files of a ParaView series; empty if there is no such series."""
     index = folder / f"{series}.pvd"
     if not index.is_file():
         return []
@@ -93,19 +95,19 @@ def _read(file: Path | None) -> Any:
 
 
 def _fast_m_per_s(particles: Any) -> float:
-    """Return where the colours end: nearly all particles are slower, and a few that fall do not dim them."""
+    """Return the upper end of the colour scale: a few particles that fall do not dim the slower ones."""
     if particles.n_points == 0:
         return 1.0
     return float(np.percentile(particles["speed_m_per_s"], 97)) or 1.0
 
 
 def _triangle_points_m(surface: Any) -> Any:
-    """Return the (n, 3) points of triangles; others are only looked at, and may be anywhere."""
+    """Return the points (n, 3) of triangles; other points, such as probes, may lie anywhere."""
     return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
 
 
 def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
-    """Add panels in two colours, walls as their edges."""
+    """Add the panels in two colours, and the edges of walls."""
     panel = surface.cell_data["panel"]
     for number in (0, 1):
         cells = np.flatnonzero((panel >= 0) & (panel % 2 == number))
@@ -117,7 +119,7 @@ def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
 
 
 def _add_spheres(plotter: Any, particles: Any) -> None:
-    """Add particles as meshes; the colour bar stands uphill, where the fewest particles are in the way."""
+    """Add particles as meshes; the colour bar stands uphill, where it hides the fewest particles."""
     if particles.n_points == 0:
         return
     sphere = pyvista.Sphere(radius=0.5, theta_resolution=16, phi_resolution=16)
@@ -130,7 +132,7 @@ def _add_spheres(plotter: Any, particles: Any) -> None:
 
 
 def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
-    """Add particles as splats, which cost a fraction of meshed spheres."""
+    """Add particles as splats, which cost much less than meshed spheres."""
     if particles is None or particles.n_points == 0:
         return
     spheres = pyvista.PolyData(np.asarray(particles.points))
@@ -149,7 +151,7 @@ def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
 
 
 def _speed_colours(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
-    """Return how speeds are coloured, with the place of the colour bar."""
+    """Return the arguments that colour a mesh by speed, with the place of the colour bar."""
     return {
         "scalars": "speed_m_per_s",
         "cmap": "viridis",
@@ -160,7 +162,7 @@ def _speed_colours(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
 
 
 def _aim_camera(plotter: Any, points_m: Any) -> None:
-    """Lets the points (n, 3) fill the view, with some room above them for what is thrown."""
+    """Make the points (n, 3) fill the view, with some room above them for thrown particles."""
     toward = np.array(FILM_VIEW) / np.linalg.norm(FILM_VIEW)
     right = np.cross([0.0, 0.0, 1.0], toward)
     right /= np.linalg.norm(right)
