@@ -1,4 +1,4 @@
-"""All results of a run, from its folder: the table ``results`` of ``summary.json``."""
+"""The computation of all results of a run from its folder: the table ``results`` of ``summary.json``."""
 
 from __future__ import annotations
 
@@ -27,12 +27,11 @@ NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
 
 def compute_results(folder: Path) -> dict[str, Any]:
-    """Return the results as plain numbers, lists and None, documented in docs/run-folder.md.
+    """Return the results as a table of numbers, lists and None, documented in docs/run-folder.md.
 
-    ``missing`` says what the run cannot have, and why: a case without particles has no bed.
-    ``failed`` says what it ought to have and could not be computed, by the name of the part, with
-    the error; one part that fails loses no other.  Raises OSError, OtherFormat or CaseError if the
-    folder holds no run.
+    ``missing`` gives the reason for each part that the run cannot have: a case without particles has no
+    bed.  ``failed`` gives the error for each part that could not be computed; the other parts are still
+    there.  Raises OSError, OtherFormat or CaseError if the folder holds no run.
     """
     with RunReader(folder) as run:
         table: dict[str, Any] = to_json(_gather(run))
@@ -60,7 +59,7 @@ def _gather(run: RunReader) -> dict[str, Any]:
 
 @contextmanager
 def _record_failure(table: dict[str, Any], part: str) -> Iterator[None]:
-    """Note the error that prevents a part, and go on."""
+    """Record in ``table["failed"]`` an error that prevents a part, and go on; an OSError is raised."""
     try:
         yield
     except OSError:
@@ -71,13 +70,13 @@ def _record_failure(table: dict[str, Any], part: str) -> Iterator[None]:
 
 
 def describe_error(error: Exception) -> str:
-    """Name the error, and the line of the program that raised it."""
+    """Return the type and the message of an error with the line of the program that raised it."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
 
 
 def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:
-    """Add the steady state, and return what went in and out, where that was counted."""
+    """Add the steady state, and return the events; None if the run did not count particles in and out."""
     tables = read_events(run.history)
     if tables is None:
         return None
@@ -173,15 +172,17 @@ def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> N
 
 
 def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:
-    """Return begin and end of the cycles from which motion is taken: the steady state of the bed, or
-    else the second half of the whole cycles."""
+    """Return the begin and the end of the cycles over which motion is evaluated.
+
+    They are the steady state of the bed, or else the second half of the whole cycles.
+    """
     if events is not None and not events.steady.reason:
         return events.window_s
     return run.second_half_s
 
 
 def to_json(value: Any) -> Any:
-    """Return a value as JSON has it: estimates as tables, arrays as lists, None for what is not a number."""
+    """Return a value for JSON: estimates become tables, arrays lists, and NaN and infinity None."""
     if isinstance(value, Estimate):
         return to_json(value.table())
     if isinstance(value, dict):
