@@ -95,7 +95,7 @@ def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
     assert found is not None
     assert checkpoints.array_names(found.state(None)) == {"place_m"}
     _set_version(found.folder / checkpoints.ABOUT, 1)
-    with pytest.raises(OtherFormat, match=r"save\.json: has format 1; this flipflow reads format"):
+    with pytest.raises(OtherFormat, match=r"checkpoint\.json: has format 1; this flipflow reads format"):
         checkpoints.find_newest(tmp_path)
 
 
