@@ -153,7 +153,7 @@ class Run:
         try:
             yield
         except SolverFailed as error:
-            if self._stability.unsafe:
+            if self._stability.is_unsafe:
                 error.add_note(self._stability.advice())
             raise
 

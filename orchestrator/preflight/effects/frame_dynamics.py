@@ -1,4 +1,7 @@
-"""Free frames move as forces make them, driven ones as told: there is nothing to estimate."""
+"""Motion of frames by forces.
+
+Forces move free frames, and drives prescribe the motion of the others, so nothing is estimated.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Panels vary across where they are wide against their length, as clamps hinder their contraction."""
+"""Variation of the panels across their width.
+
+It matters if panels are wide against their length, because the clamps hinder their contraction.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,8 @@ from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
 WIDE = 1.0
-"""A panel that nothing varies across is off by 2 and 9 % at width / length 0.15 and 1.2
-(docs/theory/panel_strip.md)."""
+"""Width over length above which it matters.  A panel without variation across is wrong by 2 and 9 % at
+0.15 and 1.2 (docs/theory/panel_strip.md)."""
 
 
 def judge(scene: Scene) -> Verdict:
@@ -30,7 +33,7 @@ def judge(scene: Scene) -> Verdict:
 
 
 def overlay(case: Case) -> Overlay:
-    """Return a solver without it, with its own step; it has at least two cells along."""
+    """Return the keys of a solver without the variation, with its own step; empty with one cell along."""
     if case.panel.cells[0] < 2:
         return {}
     uniform = solvers.without("panel", "variation-across")
