@@ -283,13 +283,13 @@ def plan(
     plan = choose_settings(loaded, case, level, study, wanted, budget_s, sets)
     if not print_choice(plan, case, sets, loaded):
         raise typer.Exit(FAILED)
-    if write is not None and plan.chosen is not None:
+    if write is not None and plan.choice is not None:
         from orchestrator.preflight.cost import in_words
         from orchestrator.preflight.level_file import write_level
 
-        about = f"planned: {100 * plan.chosen.error:.2g} % in {in_words(plan.wall_s)}"
+        about = f"planned: {100 * plan.choice.error:.2g} % in {in_words(plan.wall_s)}"
         with reported_errors():
-            file = write_level(loaded, write, [*sets, *plan.chosen.sets], about)
+            file = write_level(loaded, write, [*sets, *plan.choice.sets], about)
         CONSOLE.print(f"written: {file}")
 
 

@@ -130,7 +130,7 @@ class Recorder:
                 worn["worn_depth_m"] = self._wear.point_depth_m(worn_m3)
             self._surface.add(time_s, surface_mesh(surface, triangles, machine.panel_of_triangle, worn))
         if bed is not None:
-            particles = bed[0]
+            particles = bed.particles
             self._history.add("bed", time_s, _describe_bed(particles))
             if self._deck is not None:
                 self._add_groups(time_s, self._deck.at(time_s, surface, particles))
@@ -157,7 +157,7 @@ class Recorder:
             for feed in book.feed.feeds:
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
             book.add(time_s, fed, removed, present)
-        return present, overlaps
+        return Bed(present, overlaps)
 
     def book_last_contacts(self) -> None:
         """Book the contacts since the last output time if a run ends between output times; collective."""

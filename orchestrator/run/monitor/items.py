@@ -84,8 +84,8 @@ class DeepOverlaps(MonitorItem):
     message = "particles overlap by {value:.2g} of a radius: contacts too soft or steps too long"
 
     def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        if output.bed is not None and len(output.bed[0].id):
-            overlaps = output.bed[1]
+        if output.bed is not None and len(output.bed.particles.id):
+            overlaps = output.bed.overlaps
             yield Observation(2 * max(overlaps.between_per_diameter, overlaps.surface_per_diameter))
 
 
@@ -231,9 +231,9 @@ class LongSteps(MonitorItem):
         self._step_s = particle_step_s(subject.case)
 
     def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        if output.bed is None or not len(output.bed[0].id):
+        if output.bed is None or not len(output.bed.particles.id):
             return
-        particles, surface = output.bed[0], output.state.panel.surface
+        particles, surface = output.bed.particles, output.state.panel.surface
         radius_m = particles.diameter_m / 2
         share = self._step_s * np.linalg.norm(particles.velocity_m_per_s, axis=1) / radius_m
         farthest = int(np.argmax(share))
