@@ -94,9 +94,11 @@ class Checkpoint:
 
 
 def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any) -> None:
-    """Write a new checkpoint into the folder of a run, of every rank of ``world``; ``about`` needs
-    ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one cannot
-    write; the checkpoints before stay."""
+    """Write a checkpoint of all ranks of ``world`` into the folder of a run.
+
+    ``about`` must have the number of ``sync_points``, and the number at the last ``good`` checkpoint.  Raises
+    OSError on every rank if one of them cannot write; earlier checkpoints then stay.
+    """
     folder = _folder(run, about["sync_points"])
     aside = folder.with_name(f".{folder.name}")
     try:

@@ -44,11 +44,11 @@ class ChainMotion(CompiledBody):
         }
         rows = {
             "mass_kg": chain.mass_kg,
-            "free": np.flatnonzero(chain.held < 0).astype(np.int32),
+            "free": np.flatnonzero(chain.clamp_of_row < 0).astype(np.int32),
             "across": across,
             "share": self.share,
         }
-        held = np.flatnonzero(chain.held >= 0)
+        held = np.flatnonzero(chain.clamp_of_row >= 0)
         constants = _links(chain) | rows
         super().__init__(kernel.Chain, step_s, chain.mass_kg, held, branches, constants, memory)
         self.rest(position_m)
@@ -79,11 +79,11 @@ def shares(chain: Chain) -> Array:
     They belong to a quantity that varies linearly between the clamps' inner edges and is the held rows' own
     under the clamps.
     """
-    held = np.flatnonzero(chain.held >= 0)
+    held = np.flatnonzero(chain.clamp_of_row >= 0)
     share = (np.arange(len(chain.rows_m))[:, None] == held).astype(float)
     along = np.clip(chain.rows_m / chain.rows_m[chain.springs][-1], 0.0, 1.0)
-    free = chain.held < 0
-    second = int((chain.held == 0).sum())
+    free = chain.clamp_of_row < 0
+    second = int((chain.clamp_of_row == 0).sum())
     share[free, second - 1], share[free, second] = 1 - along[free], along[free]
     return np.asarray(share)
 

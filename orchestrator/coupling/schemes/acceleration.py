@@ -13,8 +13,8 @@ import numpy as np
 from orchestrator.ports import Array
 from orchestrator.ports.state import SavedAttributes
 
-FIRST_SHARE = 0.5  # of the residual, before anything is known of how the answer depends on the try
-SMALLEST = 1e-3  # singular value of unit columns over the largest: below, they say nothing new
+FIRST_SHARE = 0.5  # of the residual, as long as the effect of a try on the answer is unknown
+SMALLEST = 1e-3  # least singular value of unit columns over the largest: smaller ones add nothing new
 
 
 class Aitken(SavedAttributes):
@@ -47,7 +47,7 @@ class Aitken(SavedAttributes):
 class LeastSquares(SavedAttributes):
     """A quasi-Newton method by least squares.
 
-    The columns of V are all changes of the residual that this interval has shown, those of W the changes of
+    The columns of V are all changes of the residual in this interval, and the columns of W are the changes of
     the answer.  The combination c of the columns of V comes nearest to -r:
 
         c = argmin |V c + r|,    tried <- answer + W c.

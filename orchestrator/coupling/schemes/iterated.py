@@ -80,10 +80,10 @@ class Iterated:
         if solvers.particles is None:
             panel, load = solvers.panel.advance(interval, known.clamps, now.load), now.load
         else:
-            panel, load = self._solved(solvers, interval, now, known)
+            panel, load = self._solve_interval(solvers, interval, now, known)
         return finish_interval(solvers, interval, now, panel, load)
 
-    def _solved(
+    def _solve_interval(
         self, solvers: Solvers, interval: Interval, now: State, known: Forecast
     ) -> tuple[PanelState, Load]:
         assert solvers.particles is not None
@@ -97,7 +97,7 @@ class Iterated:
             load = solvers.particles.advance(interval, path)
             off_N = norm_N(load.force_N - tried.force_N)
             solved = off_N <= max(self._effort.tolerance * norm_N(load.force_N), self._effort.floor_N)
-            solved = solved or known.settled  # any other load would be answered alike
+            solved = solved or known.is_settled  # any other load would have the same answer
             if solved or run == self._effort.most:
                 break
             tried = Load(self._acceleration.next(tried.force_N, load.force_N))

@@ -10,7 +10,7 @@ for all masses M of the surface at once: H / (2 M) is the mean velocity that a c
 gives a free mass, and s is the share of it that the panel showed in the last interval.  The
 particles then move on that chord, the panel under the mean load that they give, and momentum is
 exact.  The chord starts where the particles last saw the surface, so that their path has no jumps.
-The name is that of Robin's condition, which ties force to velocity (for fluids: Badia, S., Nobile,
+The scheme is named after Robin's condition, which ties force to velocity (for fluids: Badia, S., Nobile,
 F. and Vergara, C., Journal of Computational Physics 227, 2008, 7027-7051,
 doi 10.1016/j.jcp.2008.04.006).
 
@@ -83,7 +83,7 @@ class SurfaceCompliance:
         by conjugate gradients.  Their preconditioner has each Z spread over the masses under it, which is
         never less than the matrix.
         """
-        shapes, wanted = self.inertia.shapes, self._on_masses(excess_N)
+        shapes, right_side = self.inertia.shapes, self._on_masses(excess_N)
         free = 2 / length_s * self.inertia.mass_kg[:, None] / share
         impedance = np.einsum("pii->p", response.impedance_N_s_per_m)
         lumped = free + (self.spread @ impedance)[:, None]
@@ -92,20 +92,20 @@ class SurfaceCompliance:
         onto = csr_array(under.T)
 
         def product(u: Array) -> Array:
-            u = u.reshape(wanted.shape)
+            u = u.reshape(right_side.shape)
             resisting_N = (Z @ (under @ u)[:, :, None])[:, :, 0]
             return np.ravel(free * u + self.inertia.yielding(onto @ resisting_N))
 
-        square = (wanted.size, wanted.size)
+        square = (right_side.size, right_side.size)
         u, _ = cg(
             LinearOperator(square, matvec=product, dtype=float),
-            np.ravel(wanted),
+            np.ravel(right_side),
             tol=SOLVED,
             atol=0.0,
             maxiter=MOST_ITERATIONS,
             M=LinearOperator(square, matvec=lambda r: r / np.ravel(lumped), dtype=float),
         )
-        return np.asarray(shapes @ u.reshape(wanted.shape))
+        return np.asarray(shapes @ u.reshape(right_side.shape))
 
     def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
         """Return which share of free masses' motion the surface showed, (3,) by direction.

@@ -22,17 +22,17 @@ from orchestrator.ports.clock import Interval
 def particles_first(solvers: Solvers, interval: Interval, now: State) -> State:
     """Advance with loads handed up within the interval; motion is known ahead, or extrapolated."""
     known = forecast(solvers, interval, now)
-    load = _particles_on(solvers, interval, known.path(extrapolated_path(now, interval)), now)
+    load = _advance_particles(solvers, interval, known.path(extrapolated_path(now, interval)), now)
     panel = solvers.panel.advance(interval, known.clamps, load)
     return finish_interval(solvers, interval, now, panel, load)
 
 
 def serial_staggered(solvers: Solvers, interval: Interval, now: State) -> State:
-    """Advance with motion handed down within the interval; the load is that of the last interval."""
+    """Advance with motion handed down within the interval, under the load of the last interval."""
     clamps = solvers.frames.advance(interval, now.panel.reaction)
     panel = solvers.panel.advance(interval, clamps, now.load)
     path = HermitePath(now.panel.surface, panel.surface, interval.length_s)
-    load = _particles_on(solvers, interval, path, now)
+    load = _advance_particles(solvers, interval, path, now)
     return State(clamps, mean_acceleration(now.clamps, clamps, interval), panel, load)
 
 
@@ -43,7 +43,7 @@ def extrapolated_path(now: State, interval: Interval) -> HermitePath:
     return HermitePath(start, Motion(end_m, start.velocity_m_per_s), length_s)
 
 
-def _particles_on(solvers: Solvers, interval: Interval, path: HermitePath, now: State) -> Load:
+def _advance_particles(solvers: Solvers, interval: Interval, path: HermitePath, now: State) -> Load:
     if solvers.particles is None:
         return now.load  # zero for ever
     return solvers.particles.advance(interval, path)

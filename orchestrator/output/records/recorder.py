@@ -55,7 +55,7 @@ class Recorder:
         world: Any,
         goes_on: bool = False,
     ):
-        """Open the records; with ``goes_on``, those of an earlier process, to continue after ``restore``."""
+        """Open the records; with ``goes_on``, continue an earlier process's records after ``restore``."""
         self._machine, self._ledger = machine, ledger
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)

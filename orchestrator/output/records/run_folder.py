@@ -35,13 +35,13 @@ class OtherFormat(FolderUnusable):
     """An error about a file that another version of flipflow wrote in another format."""
 
 
-def check_format(file: Path, written: Any, wanted: int) -> None:
-    """Raise OtherFormat if the version ``written`` in a file is not the ``wanted`` version of its format."""
-    if written != wanted:
-        version = "no version of its format, as older ones" if written is None else f"format {written}"
+def check_format(file: Path, version: Any, expected: int) -> None:
+    """Raise OtherFormat if the ``version`` of a file's format is not the ``expected`` version."""
+    if version != expected:
+        description = "no version of its format, as older ones" if version is None else f"format {version}"
         raise OtherFormat(
-            f"{file}: has {version}; this flipflow reads format {wanted}: run the case again, or read it "
-            "with the flipflow that wrote it (provenance.json names its version)"
+            f"{file}: has {description}; this flipflow reads format {expected}: run the case again, or "
+            "read it with the flipflow that wrote it (provenance.json names its version)"
         )
 
 

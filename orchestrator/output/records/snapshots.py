@@ -45,9 +45,9 @@ class Series:
         self._time_s, self._rows = [], ""
         for time_s in saved["time_s"].tolist():
             self._note(time_s)
-        kept = {self._folder / self._file(number) for number in range(len(self._time_s))}
+        current = {self._folder / self._file(number) for number in range(len(self._time_s))}
         for file in (self._folder / self._name).glob("*.vtu"):
-            if file not in kept:
+            if file not in current:
                 file.unlink()
         self._write_list()
 

@@ -75,9 +75,9 @@ def _energy_created(summary: Summary) -> Iterator[str]:
     limit = _monitor_items(summary).get("created_in_total", {}).get("limit", LARGEST_SHARE_CREATED)
     if abs(share) > limit:
         advice = summary.get("stability", {}).get("advice") or "Shorten coupling.sync_interval_s."
-        made = "created" if share > 0 else "destroyed"
+        verb = "created" if share > 0 else "destroyed"
         yield (
-            f"The coupling {made} {100 * abs(share):.2g} % of the energy that was exchanged and "
+            f"The coupling {verb} {100 * abs(share):.2g} % of the energy that was exchanged and "
             f"lost, more than {100 * limit:g} %. {advice}"
         )
 
@@ -111,9 +111,9 @@ def _energy_of_solvers(summary: Summary) -> Iterator[str]:
         return
     for member, share in defect_shares(summary).items():
         if abs(share) > LARGEST_SHARE_OF_A_SOLVER:
-            whose, made = f"{member.removesuffix('s')}s'", "made" if share > 0 else "destroyed"
+            whose, verb = f"{member.removesuffix('s')}s'", "made" if share > 0 else "destroyed"
             yield (
-                f"The time steps of the {whose} solver {made} {100 * abs(share):.2g} % "
+                f"The time steps of the {whose} solver {verb} {100 * abs(share):.2g} % "
                 f"of the energy that it turned over, more than "
                 f"{100 * LARGEST_SHARE_OF_A_SOLVER:g} %; shorten its step or the sync interval."
             )

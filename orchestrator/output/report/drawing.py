@@ -47,17 +47,17 @@ def figure(rows: int = 1, columns: int = 1, width: float = HALF, height: float =
     return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, **more)
 
 
-def save(drawn: Any, file: Path) -> None:
+def save(fig: Any, file: Path) -> None:
     """Write a figure into a file, and close the figure."""
-    drawn.savefig(file, dpi=110)
-    plt.close(drawn)
+    fig.savefig(file, dpi=110)
+    plt.close(fig)
 
 
-def embed(drawn: Any) -> str:
+def embed(fig: Any) -> str:
     """Return a figure as a data URI with its SVG, and close the figure."""
     svg = io.BytesIO()
-    drawn.savefig(svg, format="svg", metadata={"Date": None})
-    plt.close(drawn)
+    fig.savefig(svg, format="svg", metadata={"Date": None})
+    plt.close(fig)
     return data_uri(svg.getvalue(), "image/svg+xml")
 
 

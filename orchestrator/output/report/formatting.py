@@ -36,10 +36,10 @@ def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
     width, size = estimate["half_width"], abs(estimate["value"] * scale)
     if width is None or size < LEAST:
         return number(estimate["value"], scale)
-    shown = max(abs(width * scale), LEAST)
+    half_width = max(abs(width * scale), LEAST)
     most = MOST_DIGITS - 1 - math.floor(math.log10(size))
-    decimals = max(min(1 - math.floor(math.log10(shown)), most), 0)
-    text = f"{estimate['value'] * scale:.{decimals}f} ± {shown:.{decimals}f}"
+    decimals = max(min(1 - math.floor(math.log10(half_width)), most), 0)
+    text = f"{estimate['value'] * scale:.{decimals}f} ± {half_width:.{decimals}f}"
     return text.replace("-", "−")
 
 

@@ -120,7 +120,7 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
     """Return the HTML of a run's report from its ``results``; the function ``film`` makes the film."""
     with RunReader(folder) as run:
         summary = run.summary
-        shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
+        animation = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
         cost = ("cost", draw_cost(summary["wall_by_part_s"]))
         drawings = chain([cost], draw_results(results), draw_machine(run))
         return fill_template(
@@ -136,9 +136,9 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             not_steady=NOT_STEADY,
             driven=run.is_driven,
             warnings=facts.collect_warnings(folder, summary, results),
-            pictures={name: embed(drawn) for name, drawn in drawings},
-            film=shown,
-            film_uri=data_uri(shown.content, "image/webp"),
+            pictures={name: embed(fig) for name, fig in drawings},
+            film=animation,
+            film_uri=data_uri(animation.content, "image/webp"),
             left_out=list(facts.left_out_facts(summary)),
             share_created=share_created,
             duration=duration,

@@ -48,17 +48,17 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
 
     The film has at most ``FRAMES`` frames.  Raises FileNotFoundError if the run has no snapshots.
     """
-    shown = _last_snapshots(snapshots(folder, "surface"), lasting_s)
-    if not shown:
+    frames = _last_snapshots(snapshots(folder, "surface"), lasting_s)
+    if not frames:
         raise FileNotFoundError("the run has no snapshots of the surface")
     particles = dict(snapshots(folder, "particles"))
-    ends = np.vstack([_triangle_points_m(pyvista.read(file)) for _, file in (shown[0], shown[-1])])
-    middle = _read(particles.get(shown[len(shown) // 2][0]))
+    ends = np.vstack([_triangle_points_m(pyvista.read(file)) for _, file in (frames[0], frames[-1])])
+    middle = _read(particles.get(frames[len(frames) // 2][0]))
     fast_m_per_s = _fast_m_per_s(middle) if middle is not None else 1.0
     plotter = pyvista.Plotter(off_screen=True)
     plotter.set_background("white")
     pictures = []
-    for time_s, surface in shown:
+    for time_s, surface in frames:
         plotter.clear()
         _add_deck(plotter, pyvista.read(surface), ambient=0.3)
         _add_splats(plotter, _read(particles.get(time_s)), fast_m_per_s)
@@ -69,7 +69,7 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
     webp, first = io.BytesIO(), pictures[0]
     animation = {"save_all": True, "append_images": pictures[1:], "duration": FRAME_MS, "loop": 0}
     first.save(webp, "WEBP", quality=QUALITY, method=4, **animation)
-    return webp.getvalue(), [time_s for time_s, _ in shown]
+    return webp.getvalue(), [time_s for time_s, _ in frames]
 
 
 def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:

@@ -32,13 +32,13 @@ def rows_too_seldom(
     step_s = float(np.diff(time_s).max())
     rows = cycle_s / step_s
     every = step_s < 1.5 * sync_interval_s
-    wanted = fewest_at_all if every else FEWEST_ROWS
-    if rows >= wanted * (1 - 1e-9):
+    needed = fewest_at_all if every else FEWEST_ROWS
+    if rows >= needed * (1 - 1e-9):
         return ""
     key = "coupling.sync_interval_s" if every else "output.series_s"
     return (
         f"the series have {rows:.3g} rows in {span} of {cycle_s:.3g} s; "
-        f"{wanted} are needed: {key} of at most {cycle_s / wanted:.2g} s"
+        f"{needed} are needed: {key} of at most {cycle_s / needed:.2g} s"
     )
 
 

@@ -69,7 +69,7 @@ def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, fl
 def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
     """Return the edges (classes + 1,) of size classes, spaced evenly in the logarithm.
 
-    An edge lies at the cut size.  Neighbouring classes are joined until each has at least
+    An edge lies at a cut size within the range.  Neighbouring classes are joined until each has at least
     ``FEWEST_IN_CLASS`` particles; classes next to the cut size may have fewer.
     """
     low, high = float(diameter_m.min()), float(diameter_m.max())
@@ -79,15 +79,17 @@ def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
     if cut_m is not None and low < cut_m < high:
         edges[1 + np.abs(np.log(edges[1:-1] / cut_m)).argmin()] = cut_m
     counts = np.histogram(diameter_m, edges)[0]
-    kept, inside = [edges[0]], 0
+    class_edges, inside = [edges[0]], 0
     for edge, count in zip(edges[1:], counts, strict=True):
         inside += count
         if inside >= FEWEST_IN_CLASS or edge == cut_m:
-            kept.append(edge)
+            class_edges.append(edge)
             inside = 0
-    if kept[-1] < edges[-1]:
-        kept[-1 if len(kept) > 1 and kept[-1] != cut_m else len(kept) :] = [edges[-1]]
-    return np.array(kept)
+    if class_edges[-1] < edges[-1]:
+        if len(class_edges) > 1 and class_edges[-1] != cut_m:  # too few particles for a class of their own
+            class_edges.pop()
+        class_edges.append(edges[-1])
+    return np.array(class_edges)
 
 
 def partition(under_kg: Array, over_kg: Array) -> Array:

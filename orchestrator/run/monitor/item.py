@@ -41,7 +41,7 @@ class OutputTime(NamedTuple):
 
 
 class MonitorItem:
-    """One quantity that the monitor observes; the base of all items.
+    """A quantity that the monitor observes, and the base class of all items.
 
     An item observes every few sync intervals (``observe``), at output times (``observe_output``), or
     both.  It reports the value of the quantity.  The monitor compares the value with the limit of the case,

@@ -62,7 +62,7 @@ class LimitedItem:
         self._worst, self._times, self._first_s = 0.0, 0, 0.0
 
     def judge(self, observations: Iterable[Observation], time_s: float) -> list[Alarm]:
-        """Note the observations, and return those beyond the limit."""
+        """Record the observations, and return an alarm for each observation beyond the limit."""
         then, limit, key = self._limit
         alarms = []
         for value, where in observations:
@@ -82,9 +82,11 @@ class LimitedItem:
         return {"worst": self._worst, "limit": self._limit.limit, "times": self._times, "first_s": first_s}
 
     def save(self) -> Saved:
+        """Return the observations so far and the item's memory for a checkpoint."""
         return save_attributes(self, "_worst", "_times", "_first_s") | {"item": self.item.save()}
 
     def restore(self, saved: Saved) -> None:
+        """Restore the memory that ``save`` returned."""
         restore_attributes(self, saved, "_worst", "_times", "_first_s")
         self.item.restore(saved.get("item", {}))
 
