@@ -45,7 +45,7 @@ from orchestrator.preflight.stability.report import case_with_scheme
 
 
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
-    """Plan a case, open its solvers and put them together as a machine.
+    """Return the machine of a case, with its solvers open.
 
     Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
     process; ``stopwatch`` measures the time of every solver.  Raises SolverMissing or SolverFailed where a

@@ -119,9 +119,9 @@ class Ledger:
         It is |defect| over the sum of the sizes of the terms that should balance.  ``pending`` is the impulse
         that the scheme still holds back.
 
-        The two clamps of a taut panel pull against each other; where nothing else happens, the terms are the
-        rounding error of that pull.  A millionth of the impulse that went through the points (the sum of its
-        sizes) is therefore added to the sizes.
+        The two clamps of a taut panel pull against each other.  If nothing else happens, the terms are the
+        rounding errors of this pull.  A millionth of the summed impulses through the points is therefore
+        added to the sizes.
         """
         frames, panel, particles = self._members.frames, self._members.panel, self._members.particles
         ports = {"frames": [frames.received_N_s], "panel": [panel.received_N_s, -panel.given_N_s]}

@@ -1,7 +1,7 @@
-"""Several panels as one: points are concatenated, and the coupling loop does not change.
+"""A set of panels that the coupling loop treats as a single panel with concatenated points.
 
-Under MPI each panel lives on one rank: that rank advances it, then all ranks exchange the results, so that
-every rank knows the whole surface and all reactions.
+Under MPI, each panel belongs to one rank.  This rank advances it, and then all ranks exchange the results, so
+that every rank knows the whole surface and all reactions.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class PanelSet:
             panel.close()
 
     def _exchange(self, own: Mapping[int, Any]) -> list[Any]:
-        """Return one value per panel, in order, from the ranks that own the panels."""
+        """Return the values of all panels, in order, from the ranks that own the panels."""
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]

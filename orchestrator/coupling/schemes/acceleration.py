@@ -79,7 +79,7 @@ class LeastSquares(SavedAttributes):
         W = np.diff(self._answers, axis=0).T
         if len(self._answers) == 2:
             self._share = secant_share(W[:, 0] - V[:, 0], V[:, 0])
-        size_N = np.linalg.norm(V, axis=0)  # of one size, so that the last, small ones count, too
+        size_N = np.linalg.norm(V, axis=0)  # scales all columns to the same size, so that small ones count
         c = np.linalg.lstsq(V / size_N, -residual_N.ravel(), rcond=SMALLEST)[0] / size_N
         return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
 
@@ -91,5 +91,5 @@ def secant_share(tried_N: Array, residual_N: Array) -> float:
 
 
 def first_share(share: float) -> float:
-    """Return the first share of an interval after one that ended with ``share``."""
+    """Return the first share of an interval; the last interval ended with ``share``."""
     return share if 0 < share <= 1 else FIRST_SHARE

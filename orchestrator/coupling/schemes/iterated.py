@@ -1,14 +1,14 @@
 """Schemes that repeat each interval until particles and panel agree on the load.
 
-The particles move on the chord of the surface's motion, the straight path from its present place to the
-panel's place at the interval's end, and the panel ends there under their mean load.  Then that load does the
-same work on both sides: no energy is created.  (Where a drive carries the surface, its true path is known and
-takes the chord's place.)  The load F is the unknown, a fixed point of
+The particles see the surface move on a chord, the straight path from its present place to the panel's place
+at the interval's end, and the panel ends there under their mean load.  This load then does the same work on
+both sides, so that no energy is created.  (If a drive carries the surface, its true path is known and
+replaces the chord.)  The load F is the unknown, a fixed point of
 
     F -> load of the particles on the chord which the panel moves along under F,
 
-and the iteration starts from the load of the last interval; ``acceleration.py`` has the methods. Every
-iterate hands over all momentum, since the panel at last moves under the load that the particles gave.
+and the iteration starts from the load of the last interval; ``acceleration.py`` has the methods.  Momentum is
+exact after any number of iterations, since the panel finally moves under the load that the particles gave.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Acceleration(Restorable, Protocol):
 
 
 class Iterated:
-    """The iteration, and the counts of its runs."""
+    """A scheme that iterates on the load in each interval, and counts the runs."""
 
     def __init__(self, effort: Effort, acceleration: Acceleration) -> None:
         self._effort, self._acceleration = effort, acceleration

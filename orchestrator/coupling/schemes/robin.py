@@ -108,11 +108,11 @@ class SurfaceCompliance:
         return np.asarray(shapes @ u.reshape(right_side.shape))
 
     def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
-        """Return which share of free masses' motion the surface showed, (3,) by direction.
+        """Return the share of free masses' motion that the surface showed, (3,) by direction.
 
         The share is the work of the load ``more`` on the mean velocity ``gave_m_per_s`` (points, 3) that it
         really caused, over its work on free masses: 1 for a free mass, less where the panel's stiffness holds
-        it; ``before`` where nothing changed.
+        it.  The share is ``before`` if the load did not change.
         """
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
@@ -127,15 +127,15 @@ class SurfaceCompliance:
 
 
 def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
-    """Return the force (points, 3) by which the particles push a moving surface less than one at rest."""
+    """Return the force (points, 3) that the particles' push loses because the surface moves."""
     return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
 
 
 class Robin:
-    """The scheme with its memory.
+    """The scheme ``robin`` with its memory.
 
-    It remembers where the particles last saw the surface (None before the first interval), and the share s
-    for each direction in space.
+    It remembers the places where the particles last saw the surface (None before the first interval), and the
+    share s for each direction in space.
     """
 
     def __init__(self) -> None:

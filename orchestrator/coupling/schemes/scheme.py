@@ -66,7 +66,7 @@ class Pending:
 
 
 class Memory(Restorable, Protocol):
-    """The memory of a scheme from interval to interval, alike on every rank."""
+    """The memory of a scheme from interval to interval, the same on every rank."""
 
     def figures(self) -> dict[str, Any]:
         """Return the scheme's entry of ``summary.json``."""
@@ -77,8 +77,8 @@ class Memory(Restorable, Protocol):
 class Scheme:
     """A coupling scheme.
 
-    ``advance`` carries the state over an interval; with ``late``, loads act one interval late; ``memory`` is
-    None where the scheme remembers nothing but the state.
+    ``advance`` carries the state over an interval.  With ``late``, loads act one interval late.  ``memory``
+    is None if the scheme remembers nothing beside the state.
     """
 
     advance: Callable[[Solvers, Interval, State], State]

@@ -1,15 +1,15 @@
 """Schemes that run each solver once in an interval.
 
-``particles_first`` (the default): every member acts on the motion of the heavier one above it, as
-it is *known* (what a drive carries) or else *extrapolated*, and hands its mean load of the *same*
-interval up: particles, then panels, then frames.  Momentum is exact at every interface; the energy
-created in an elastic contact falls with the third power of the interval between two rigid bodies,
-with the second on a panel.
+``particles_first`` (the default) advances particles, then panels, then frames.  Every member acts on the
+motion of the heavier member above it, which is *known* from a drive or else *extrapolated*, and hands up
+its mean load over the *same* interval.  Momentum is exact at every interface.  The energy created in an
+elastic contact falls with the third power of the interval between two rigid bodies, and with the second
+power on a panel.
 
-``serial_staggered``: the conventional order (Farhat, C. and Lesoinne, M., Computer Methods in
-Applied Mechanics and Engineering 182, 2000, 499-515, doi 10.1016/S0045-7825(99)00206-6):
-frames, panels, particles, each load one interval late.  Momentum is exact, but a load that lags
-acts like negative damping: first order, and it adds energy.
+``serial_staggered`` is the conventional order (Farhat, C. and Lesoinne, M., Computer Methods in
+Applied Mechanics and Engineering 182, 2000, 499-515, doi 10.1016/S0045-7825(99)00206-6): frames, then
+panels, then particles, with each load one interval late.  Momentum is exact, but a load that lags
+acts like negative damping: the scheme is of first order and adds energy.
 """
 
 from __future__ import annotations
@@ -45,5 +45,5 @@ def extrapolated_path(now: State, interval: Interval) -> HermitePath:
 
 def _advance_particles(solvers: Solvers, interval: Interval, path: HermitePath, now: State) -> Load:
     if solvers.particles is None:
-        return now.load  # zero for ever
+        return now.load  # zero from the start
     return solvers.particles.advance(interval, path)
