@@ -1,4 +1,4 @@
-"""What ``flipflow plan`` prints: the cheapest settings for a tolerance and a time."""
+"""The output of ``flipflow plan``: the cheapest settings for a tolerance and a time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def choose_settings(
     budget_s: float,
     overrides: list[str],
 ) -> Plan:
-    """Return the plan that a stored study and a short run on this machine lead to."""
+    """Return the plan that follows from a stored study and a short run on this machine."""
     with reported_errors():
         measured = find_study(loaded, given)
         if measured is None:

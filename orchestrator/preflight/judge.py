@@ -105,7 +105,7 @@ def load_judged(path: Path, level: str | None = None, overrides: Sequence[str] =
     try:
         return judge(load(path, level, overrides))
     except InvalidTables as error:
-        others = [replace(problem, file=error.asked.file) for problem in _wrong_effects(error.asked)]
+        others = [replace(problem, file=error.asked.file) for problem in _effects_problems(error.asked)]
         raise CaseError([*error.problems, *others]) from error
 
 
@@ -117,9 +117,9 @@ def judge(loaded: LoadedCase) -> JudgedCase:
     without the effects that it leaves out.
     """
     layers = loaded.layers.copy()
-    if problems := [*_wrong_level(loaded.level)]:
+    if problems := [*_level_problems(loaded.level)]:
         raise CaseError(problems)
-    choice, case = Choice(problems=tuple(_wrong_effects(loaded.asked))), loaded.case
+    choice, case = Choice(problems=tuple(_effects_problems(loaded.asked))), loaded.case
     broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole))
     if loaded.asked.effects is not None and not broken:
         choice = _choose(layers, loaded)
@@ -159,7 +159,7 @@ def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
         without = loaded.level.without if loaded.level is not None else ()
         laws = [word for word in asked if word in OF_LAW]
         names = {OF_LAW.get(word, word) for word in asked}
-        if problems := (*_unmet(case, names, without), *_other_laws(layers, laws)):
+        if problems := (*_unavailable_effects(case, names, without), *_law_conflicts(layers, laws)):
             return Choice(problems=problems)
         for law in laws:
             layers.lay(EFFECTS[OF_LAW[law]].laws[law], source)
@@ -184,14 +184,14 @@ def _choose_by_verdicts(
         f"{judged.effect} matters, and the case does not have it: "
         f"{judged.verdict.in_numbers}; {judged.verdict.why}; {judged.key}"
         for judged in effects
-        if judged.lacking
+        if judged.is_lacking
     )
     unknown = tuple(name for name in worth_a_trial if name not in pairs)
     choice = Choice(lacking=tuple(lacking), pairs=pairs, asked=results, undecided=unknown)
     return choice, with_dependents(find_dispensable(effects), 'effects = "auto"')
 
 
-def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
+def _level_problems(level: Level | None) -> Iterator[CaseProblem]:
     """Yield problems of a level that leaves out an effect without naming it, or names one that it has."""
     if level is None:
         return
@@ -212,10 +212,10 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
             yield CaseProblem(("without",), what, did_you_mean(word, needed), source)
 
 
-def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
+def _effects_problems(asked: AskedEffects) -> Iterator[CaseProblem]:
     """Yield problems of unknown names in ``effects`` and ``effects_for``."""
     if asked.effects is not None and asked.effects != "auto":
-        yield from _misnamed(asked.effects)
+        yield from _unknown_effects(asked.effects)
     # the check of the tables reports an effects_for that is no list
     for name in asked.effects_for if isinstance(asked.effects_for, list | tuple) else ():
         try:
@@ -224,7 +224,7 @@ def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
             yield CaseProblem(("effects_for",), str(error.args[0]))
 
 
-def _misnamed(asked: Any) -> Iterator[CaseProblem]:
+def _unknown_effects(asked: Any) -> Iterator[CaseProblem]:
     """Yield problems of a value that is no list of effects' names, and of laws that exclude each other."""
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
         yield CaseProblem(KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted')
@@ -238,7 +238,9 @@ def _misnamed(asked: Any) -> Iterator[CaseProblem]:
             yield CaseProblem(KEY, what, "name one of them")
 
 
-def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iterator[CaseProblem]:
+def _unavailable_effects(
+    case: Case, names: Collection[str], without: Collection[str]
+) -> Iterator[CaseProblem]:
     """Yield problems of effects that ``effects`` names and the case does not describe or leaves out."""
     for name, effect in EFFECTS.items():
         if name not in names:
@@ -254,7 +256,7 @@ def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iter
             yield CaseProblem(KEY, f'"{name}" is left out by {why}', hint)
 
 
-def _other_laws(layers: Layers, laws: Sequence[str]) -> Iterator[CaseProblem]:
+def _law_conflicts(layers: Layers, laws: Sequence[str]) -> Iterator[CaseProblem]:
     """Yield problems of laws that ``effects`` names while the case chooses others."""
     for law in laws:
         for table, keys in EFFECTS[OF_LAW[law]].laws[law].items():

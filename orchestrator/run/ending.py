@@ -24,7 +24,7 @@ from orchestrator.output.results.observed import check_effects_by_run
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.preflight.judgement.account import Entry, at_end
+from orchestrator.preflight.judgement.account import Entry, lines_at_end
 from orchestrator.preflight.stability.report import StabilityReport
 from orchestrator.run.progress import Progress
 
@@ -112,7 +112,7 @@ class Ending:
         """
         after = check_effects_by_run(self.effects, self.loaded.described, self.folder, figures["results"])
         figures["effects"] = {name: entry.figures() for name, entry in after.items()}
-        for line in at_end(after):
+        for line in lines_at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
             if figures["status"] != "failed":
                 self.console.print(line)

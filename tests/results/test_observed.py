@@ -23,7 +23,7 @@ from orchestrator.output.results.observed import (
     spring_N_per_m,
 )
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.preflight.judgement.account import Entry, account, at_end
+from orchestrator.preflight.judgement.account import Entry, account, lines_at_end
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.preflight.scene.observed import Bearing, Deepest, Observed, Products
@@ -186,7 +186,7 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: di
     sag, load = after["large-deflection"], after["particle-load"].after
     assert sag.before is not None
     assert sag.after is not None
-    assert (sag.before.matters, sag.after.matters, sag.crossed) == (True, False, True)
+    assert (sag.before.matters, sag.after.matters, sag.is_crossed) == (True, False, True)
     assert load is not None
     softness = after["contact-stiffness"].after
     assert softness is not None
@@ -198,7 +198,7 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: di
     one_ball_kg_per_m2 = math.pi / 6 * 1430 * 0.02  # which is more than the bed on the mean
     assert load.value == pytest.approx(one_ball_kg_per_m2 / 4.6, rel=1e-6)
     assert after["variation-across"].after is None, "no run tells"
-    (number, warning) = at_end(after)
+    (number, warning) = lines_at_end(after)
     assert number.startswith("left out: large-deflection; by the run sag / thickness 0, threshold")
     assert warning.startswith("WARNING: large-deflection, which is left out, may be left out by")
 
@@ -229,12 +229,12 @@ def test_the_verdict_by_what_a_run_has_seen(
 def test_what_turns_out_to_matter_is_a_warning() -> None:
     before = Verdict("Bond", 0.02, "0.1", False, "why")
     matters = replace(before, value=0.3, matters=True)
-    lines = list(at_end({"adhesion": Entry("auto", False, before, matters)}))
+    lines = list(lines_at_end({"adhesion": Entry("auto", False, before, matters)}))
     assert lines[1] == (
         "WARNING: adhesion, which is left out, matters by the run; the estimate before it was 0.02"
     )
-    assert list(at_end({"adhesion": Entry("", True, before, matters)})) == []
-    assert len(list(at_end({"adhesion": Entry("auto", False, before, before)}))) == 1
+    assert list(lines_at_end({"adhesion": Entry("", True, before, matters)})) == []
+    assert len(list(lines_at_end({"adhesion": Entry("auto", False, before, before)}))) == 1
 
 
 def test_a_run_of_less_than_a_cycle_tells_no_motion(tmp_path: Path) -> None:

@@ -168,8 +168,8 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
         if pull > STRONGEST_PULL:
             what = f"{who} would stick with {pull:.2g} times their weight"
             yield CaseProblem(key, what, "is the unit right? Surface energies are given in mJ/m2, too")
-    both = surface_materials(case) & set(smallest_diameters_m(case))
-    for name in sorted(both) if adhesion_law(case) == "sjkr" else ():
+    shared = surface_materials(case) & set(smallest_diameters_m(case))
+    for name in sorted(shared) if adhesion_law(case) == "sjkr" else ():
         what = f"particles and surfaces are both made of {name}; sjkr cannot tell them apart"
         hint = "give the surface a material of its own with the same values"
         yield CaseProblem(("materials", name), what, hint)
@@ -198,8 +198,8 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
     Check as well that each box has room for its rate.
     """
     low, high = np.array(case.domain_m)
-    every = inlets(case, material_numbers(case))
-    for name, inlet in every.items():
+    by_name = inlets(case, material_numbers(case))
+    for name, inlet in by_name.items():
         key: Key = ("bed", "feeds", name)
         if inlet.start_s >= case.duration_s:
             what = f"{inlet.start_s:g} s is not before the end, duration_s = {case.duration_s:g} s"
@@ -214,7 +214,7 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
             largest = f"the largest rate is {inlet.largest_rate_kg_per_s:.3g} kg/s"
             hint = f"{largest}; a larger box or velocity_m_per_s takes more"
             yield CaseProblem((*key, "rate_kg_per_s"), what, hint)
-    for (one, first), (two, second) in combinations(every.items(), 2):
+    for (one, first), (two, second) in combinations(by_name.items(), 2):
         if not apart(first, second):
             yield CaseProblem(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
 

@@ -84,9 +84,9 @@ def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
     # edges as pairs of points, as the triangles run through them
     edges = facets.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     _, alike = np.unique(edges, axis=0, return_counts=True)
-    both, sharing = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    pairs, sharing = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     if (sharing > 2).any():
-        middle = np.round(facets.position_m[both[np.argmax(sharing > 2)]].mean(axis=0), 4).tolist()
+        middle = np.round(facets.position_m[pairs[np.argmax(sharing > 2)]].mean(axis=0), 4).tolist()
         what = f"{(sharing > 2).sum()} edges with more than two triangles, the first at {middle}"
         yield what, "remove double or inner triangles"
     elif (alike > 1).any():
@@ -128,9 +128,9 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     beyond = ((particles.position_m < low) | (particles.position_m > high)).any(axis=1)
     outside = np.flatnonzero(beyond)
     if len(outside):
-        key, name = _named(case, outside[0])
+        key, name = _describe_particle(case, outside[0])
         place = np.round(particles.position_m[outside[0]], 4).tolist()
-        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_more(outside)}")
+        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}")
     yield from _overlapping(case, particles)
     for name, corners_m in _surfaces(case, folder):
         yield from _in_surface(case, particles, name, corners_m)
@@ -175,8 +175,10 @@ def _in_surface(case: Case, particles: ParticleList, surface: str, corners_m: Ar
     inside = np.flatnonzero(depth_m > ALLOWED * particles.diameter_m)
     if len(inside):
         deepest = inside[np.argmax(depth_m[inside])]
-        key, name = _named(case, deepest)
-        yield CaseProblem(key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_more(inside)}")
+        key, name = _describe_particle(case, deepest)
+        yield CaseProblem(
+            key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_count_of_others(inside)}"
+        )
 
 
 def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
@@ -212,17 +214,17 @@ def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
     pairs = np.flatnonzero(distance_m < radii_m * (1 - ALLOWED))
     if len(pairs):
         deepest = pairs[np.argmax((radii_m - distance_m)[pairs])]
-        key, name = _named(case, one[deepest])
-        other = _named(case, two[deepest])[1]
+        key, name = _describe_particle(case, one[deepest])
+        other = _describe_particle(case, two[deepest])[1]
         depth_m = (radii_m - distance_m)[deepest]
-        yield CaseProblem(key, f"{name} overlaps {other} by {depth_m:.3g} m{_more(pairs)}")
+        yield CaseProblem(key, f"{name} overlaps {other} by {depth_m:.3g} m{_count_of_others(pairs)}")
 
 
-def _more(numbers: Indices) -> str:
+def _count_of_others(numbers: Indices) -> str:
     return f" ({len(numbers) - 1} more)" if len(numbers) > 1 else ""
 
 
-def _named(case: Case, number: int) -> tuple[Key, str]:
+def _describe_particle(case: Case, number: int) -> tuple[Key, str]:
     """Return the key that places particle ``number`` (from 0), and the particle's name for messages."""
     singles = list(case.bed.particles)
     if number < len(singles):

@@ -27,7 +27,7 @@ class Entry:
     after: Verdict | None = None
 
     @property
-    def crossed(self) -> bool:
+    def is_crossed(self) -> bool:
         """Whether the run contradicts the estimate; it cannot contradict what two runs have measured."""
         if self.before is None or self.after is None or self.before.measured:
             return False
@@ -40,7 +40,7 @@ class Entry:
             "present": self.present,
             "before": _figures(self.before),
             "after": _figures(self.after),
-            "crossed": self.crossed,
+            "crossed": self.is_crossed,
         }
 
 
@@ -63,7 +63,7 @@ def account(
     return entries | {name: Entry(why, False) for name, why in left_out.items() if name not in entries}
 
 
-def at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
+def lines_at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
     """Yield a line for each effect that is left out, with the reason and the estimate."""
     for name, entry in entries.items():
         if entry.left_out:
@@ -73,7 +73,7 @@ def at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
             yield f"left out: {name}: {entry.left_out}{estimate}"
 
 
-def at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
+def lines_at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
     """Yield the deciding numbers, by the run, of the effects that were left out.
 
     Yield a warning as well for each number on the other side of its threshold.
@@ -85,7 +85,7 @@ def at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
             yield f"left out: {name}; the run does not tell what it would have changed"
             continue
         yield f"left out: {name}; by the run {entry.after.in_numbers}"
-        if entry.crossed:
+        if entry.is_crossed:
             yield (
                 f"WARNING: {name}, which is left out, {describe_verdict(entry.after.matters)} by the run; "
                 f"the estimate before it was {entry.before.value_in_words}"

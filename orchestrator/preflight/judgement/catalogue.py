@@ -54,12 +54,12 @@ class Judged:
     verdict: Verdict
 
     @property
-    def lacking(self) -> bool:
+    def is_lacking(self) -> bool:
         """Whether the effect matters, and the case does not have it."""
         return self.verdict.matters is True and not self.present
 
     @property
-    def spare(self) -> bool:
+    def is_spare(self) -> bool:
         """Whether the case has the effect, could do without it, and has a key that leaves it out."""
         return self.verdict.matters is False and self.present and bool(self.key)
 

@@ -49,7 +49,7 @@ def weigh_effects(
             judged[name] = replace(judged[name], verdict=measured_verdict(judged[name].verdict, pair, asked))
     separates = any(is_of_separation(name) for name in asked)
     parts = {part_of(name, case) for name in asked}
-    doubted = {name: _doubted(effect, _doubt(effect, parts, separates)) for name, effect in judged.items()}
+    doubted = {name: _add_doubt(effect, _doubt(effect, parts, separates)) for name, effect in judged.items()}
     return {name: _consistent(case, effect, doubted.values()) for name, effect in doubted.items()}
 
 
@@ -70,7 +70,7 @@ def with_doubt(judged: Judged) -> Judged:
     The estimate is uncertain if its error may exceed the distance to the threshold; then a pair of runs
     can decide.
     """
-    return _doubted(judged, NEAR if is_undecided(judged) and judged.verdict.matters else "")
+    return _add_doubt(judged, NEAR if is_undecided(judged) and judged.verdict.matters else "")
 
 
 def measured_verdict(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verdict:
@@ -95,7 +95,7 @@ def measured_verdict(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verd
     )
 
 
-def _doubted(judged: Judged, because: str) -> Judged:
+def _add_doubt(judged: Judged, because: str) -> Judged:
     return replace(judged, verdict=judged.verdict.doubted(because)) if because else judged
 
 
@@ -133,5 +133,5 @@ def _consistent(case: Case, judged: Judged, every: Collection[Judged]) -> Judged
         goes = other.effect in also_lost or judged.effect in all_needs(other.effect)
         if goes and other.present and other.verdict.matters is not False:
             says = describe_verdict(other.verdict.matters)
-            return _doubted(judged, f"{other.effect} goes with it: {says}")
+            return _add_doubt(judged, f"{other.effect} goes with it: {says}")
     return judged

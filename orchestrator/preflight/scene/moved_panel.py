@@ -118,7 +118,7 @@ class MovedPanel:
         The panel pulls only while it is taut.
         """
         ratio = self.tension_m / self.stroke_m if self.stroke_m else math.copysign(2, self.tension_m)
-        return self.taut_stiffness_N_per_m * one_sided(ratio)
+        return self.taut_stiffness_N_per_m * one_sided_share(ratio)
 
 
 def sine_arch_m(length_m: float, approach_m: float) -> float:
@@ -126,7 +126,7 @@ def sine_arch_m(length_m: float, approach_m: float) -> float:
     return 2 / math.pi * math.sqrt(length_m * max(0.0, approach_m))
 
 
-def one_sided(ratio: float) -> float:
+def one_sided_share(ratio: float) -> float:
     """Return the share of a one-sided spring's stiffness in the first harmonic of its force.
 
     Its stretch is tension + amplitude * sin, and ``ratio`` is tension / amplitude.  Gelb, A. and Vander
