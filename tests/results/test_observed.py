@@ -98,7 +98,7 @@ def test_power_and_torque_of_the_exciters_by_hand(data: RunReader, figures: dict
     }
     screen = screen.model_copy(update={"exciters": at_once})
     data = with_case(data, data.case.model_copy(update={"screen": screen}))
-    found = seen(data, figures).observed.turned
+    found = seen(data, figures).observed.exciter_load
     assert found is not None
     assert found.power_W == pytest.approx(2.0, rel=1e-6)
     assert found.largest_N_m == pytest.approx(2.0 / 78.5, rel=1e-6)

@@ -33,7 +33,7 @@ from orchestrator.preflight.scene.clamp_motion import (
     motion_out_of_plane,
 )
 from orchestrator.preflight.scene.moved_panel import MovedPanel
-from orchestrator.preflight.scene.observed import Bearing, Deepest, Observed, Products, Shape, Turned
+from orchestrator.preflight.scene.observed import Bearing, Deepest, ExciterLoad, Observed, Products, Shape
 from orchestrator.preflight.scene.scene import Scene, deck_m2, scene
 from orchestrator.preflight.scene.shaking import PanelSpring, free_frames, solve_shakings
 
@@ -85,7 +85,7 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
         sideways=motion.largest_at_clamps("sideways-motion", motion_out_of_plane),
         panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
-        turned=motion.exciter_power(),
+        exciter_load=motion.exciter_load(),
         bearing=bearing(estimated, run, window["start_s"], window["end_s"]),
     )
     moved = replace(estimated, panels=motion.panels(), observed=whole)
@@ -219,7 +219,7 @@ class ObservedMotion:
         factors = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels if self._bend]
         return max((factor for factor in factors if factor is not None), default=None)
 
-    def exciter_power(self) -> Turned | None:
+    def exciter_load(self) -> ExciterLoad | None:
         """Return the mean power of the exciters in the window, and their largest mean torque in a revolution.
 
         Return None without exciters, with a motor, whose lag would be part of the power, or with too few
@@ -239,7 +239,7 @@ class ObservedMotion:
         if inside.sum() < 2 or not len(torque_N_m):
             return None
         spent_J, over_s = np.ptp(given_J[inside]), np.ptp(time_s[inside])
-        return Turned(float(spent_J / over_s), float(torque_N_m.max()))
+        return ExciterLoad(float(spent_J / over_s), float(torque_N_m.max()))
 
     def largest_at_clamps(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
         """Return the largest part of the motion at a clamp over its frame's translation, and its place.

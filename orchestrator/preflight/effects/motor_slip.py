@@ -25,7 +25,7 @@ ENOUGH = 1 / 3  # share of the motor's torque below which the load surely lets i
 
 def judge(scene: Scene) -> Verdict | None:
     """Return the verdict on the change of the stroke or on the torque; None without motors."""
-    exciters, turned = scene.plan.exciters, scene.observed.turned
+    exciters, exciter_load = scene.plan.exciters, scene.observed.exciter_load
     motors = [(exciter, exciter.motor) for exciter in exciters if exciter.motor is not None]
     if not motors:
         return None
@@ -41,7 +41,7 @@ def judge(scene: Scene) -> Verdict | None:
     torque_share, at_rad_per_s = max(_torque_share(scene, exciter, motor) for exciter, motor in motors)
     if slipping.matters or torque_share <= ENOUGH:
         return slipping
-    takes = "took" if turned is not None else "takes, if it stays there,"
+    takes = "took" if exciter_load is not None else "takes, if it stays there,"
     passing = (
         f"at {at_rad_per_s:.3g} rad/s, on its way up, the machine {takes} {torque_share:.2g} of the torque "
         "that the motor has"
@@ -59,8 +59,8 @@ def judge(scene: Scene) -> Verdict | None:
 def _slip(scene: Scene, exciter: ExciterPlan, motor: MotorPlan) -> tuple[float, float]:
     """Return the mean slip and the mean power over the rated power, to which the slip is proportional."""
     power_W = sum(_power_W(exciter, shaking) for shaking in scene.shaken)
-    if scene.observed.turned is not None:
-        power_W = scene.observed.turned.power_W
+    if scene.observed.exciter_load is not None:
+        power_W = scene.observed.exciter_load.power_W
     power_W += motor.bearing_N_m_s * exciter.speed_rad_per_s**2
     share = power_W / motor.rated_power_W
     return motor.rated_slip * share, share
@@ -85,8 +85,8 @@ def _torque_share(scene: Scene, exciter: ExciterPlan, motor: MotorPlan) -> tuple
         load_N_m += motor.bearing_N_m_s * speed_rad_per_s
         shares.append((load_N_m / available_N_m(speed_rad_per_s), speed_rad_per_s))
     most, at_rad_per_s = max(shares)
-    if scene.observed.turned is not None:
-        most = scene.observed.turned.largest_N_m / available_N_m(at_rad_per_s)
+    if scene.observed.exciter_load is not None:
+        most = scene.observed.exciter_load.largest_N_m / available_N_m(at_rad_per_s)
     return most, at_rad_per_s
 
 
@@ -110,6 +110,6 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("frame-dynamics",),
     key="screen.exciters.<name>.motor",
-    checked_by="turned",
+    checked_by="exciter_load",
     saves=True,
 )

@@ -43,7 +43,7 @@ class Products:
 
 
 @dataclass(frozen=True)
-class Turned:
+class ExciterLoad:
     """The mean power of the exciters on the frames, and their largest mean torque over a cycle of the run-up.
 
     The torque is the mean power of a cycle over the speed of the shafts in that cycle.
@@ -65,7 +65,7 @@ class Observed:
     is the stiffness of all panels along themselves, pull over stretch; with it, the scene's springs
     have the stiffness of the run, and ``shaken`` is the frames' motion with them.  ``loss_factor`` is
     the largest loss factor of the panels at the frequencies of their pull.  ``closed`` says that the
-    panels of the run have no openings.  ``turned`` has the power and torque of the run's exciters.
+    panels of the run have no openings.  ``exciter_load`` has the power and torque of the run's exciters.
     """
 
     frames_throw: float | None = None
@@ -79,4 +79,4 @@ class Observed:
     deepest: Deepest | None = None
     products: Products | None = None
     closed: bool = False
-    turned: Turned | None = None
+    exciter_load: ExciterLoad | None = None
