@@ -187,7 +187,7 @@ class Run:
                     terms_J, bed = recorder.record_output(time_s, state)
                 finally:  # even if the material stops the run
                     figures["material"] = recorder.material_balance()
-                figures["particles"] = len(bed[0].id) if bed is not None else 0
+                figures["particles"] = len(bed.particles.id) if bed is not None else 0
                 monitor.observe_output(time_s, state, terms_J, bed)
         self._progress.count_sync_point(done, time_s, steps)
 
