@@ -14,7 +14,7 @@ import numpy as np
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
 from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
 from orchestrator.case.bed.sources import combine_feeds, initial_particles, largest_diameter_m
-from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit
+from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit_vector
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
 from orchestrator.ports import Array
@@ -133,8 +133,8 @@ def _exciters(case: Case) -> list[ExciterPlan]:
         ExciterPlan(
             body=exciter.frame,
             position_m=to_world(case, exciter.position_m),
-            axis=to_world(case, unit(exciter.axis)),
-            start=to_world(case, unit(exciter.start)),
+            axis=to_world(case, unit_vector(exciter.axis)),
+            start=to_world(case, unit_vector(exciter.start)),
             mass_moment_kg_m=exciter.mass_moment_kg_m,
             speed_rad_per_s=exciter.speed_rad_per_s,
             run_up_s=exciter.run_up_s,

@@ -85,7 +85,7 @@ def names_able_to(port: Port, can: Callable[[Any], bool]) -> str:
     return " or ".join(able)
 
 
-def without(port: Port, effect: str) -> str:
+def name_without(port: Port, effect: str) -> str:
     """Return the solver that leaves out an effect and few others; "" if no solver leaves it out."""
     able = [name for name in names(port) if effect in adapter(port, name).leaves_out]
     return min(able, key=lambda name: len(adapter(port, name).leaves_out), default="")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from orchestrator.case.file.deck_layout import as_given
+from orchestrator.case.file.deck_layout import move_to_deck
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.plausible import unusual_sizes
 from orchestrator.preflight.checks import TABLE_RULES, bed, machine, panels, steps, surfaces
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """Return the problems of a case that must be solved before it can run."""
     case, folder = loaded.case, loaded.folder
-    whole = case.whole  # the case as the user gave it; checks that a slice affects take the case itself
+    # ``whole`` is the case as the user gave it; checks that a slice affects take the case itself.
+    whole = case.whole_machine
     if problems := find_table_problems(loaded):
         return problems
     rounds = (  # generators, which start only if the rounds before have found no problem
@@ -62,7 +63,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
 def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """Return the problems of the first round, which reads no files and places no particles."""
-    problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole)]
+    problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole_machine)]
     return _as_given(loaded, [*loaded.choice.problems, *problems])
 
 
@@ -85,7 +86,7 @@ def find_problems_at_rest(
 def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProblem]:
     """Return the problems with the keys that the user wrote."""
     decks = loaded.layers.merged["screen"].get("decks", {})
-    return loaded.layers.named([as_given(problem, decks) for problem in problems])
+    return loaded.layers.named([move_to_deck(problem, decks) for problem in problems])
 
 
 def warnings(loaded: JudgedCase) -> list[str]:
@@ -95,7 +96,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
     """
     case = loaded.case
     return [
-        *unusual_sizes(case.whole),
+        *unusual_sizes(case.whole_machine),
         *machine.sudden_drives(case),
         *bed.feeds_that_hardly_feed(case),
         *bed.fines(case),

@@ -120,7 +120,7 @@ def judge(loaded: LoadedCase) -> JudgedCase:
     if problems := [*_level_problems(loaded.level)]:
         raise CaseError(problems)
     choice, case = Choice(problems=tuple(_effects_problems(loaded.asked))), loaded.case
-    broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole))
+    broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole_machine))
     if loaded.asked.effects is not None and not broken:
         choice = _choose(layers, loaded)
         case = validate(layers)

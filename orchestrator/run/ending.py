@@ -55,7 +55,7 @@ class Ending:
             "level": self.loaded.level,
             "left_out": self.loaded.left_out,
             "effects": {name: entry.figures() for name, entry in self.effects.items()},
-            "share_of_width": share(case.whole),
+            "share_of_width": share(case.whole_machine),
             "cycle_s": cycle_s(case),
             "stability": self.stability.as_json(),
             "wall_s": wall_s,

@@ -172,7 +172,7 @@ def _sets(loaded: JudgedCase, level: str, effect: str, limit_s: float, cheaper: 
         raise NoPair(f"{effect} cannot be left out of the case at level {level or 'none'}")
     sets = (*sets, *_output_sets(case))
     if cheaper and effect != ACROSS and case.panel.adapter.varies_across:
-        narrow = solvers.without("panel", ACROSS)
+        narrow = solvers.name_without("panel", ACROSS)
         cells = f"panel.cells=[{min(STRIP_CELLS, max(2, case.panel.cells[0]))}, 1]"
         sets = (*sets, f"panel.solver={narrow}", "panel.integrator=explicit", "panel.step_s=0.0", cells)
     every = (*sets, _with_effects(_present(folder, level, sets)))

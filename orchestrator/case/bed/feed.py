@@ -192,7 +192,7 @@ class Feeds:
         Raises ValueError for overlapping boxes, because their particles could overlap, too.
         """
         for one, other in combinations(inlets, 2):
-            if not apart(one, other):
+            if not are_apart(one, other):
                 raise ValueError(f"feed boxes overlap: {one.box_m.tolist()} and {other.box_m.tolist()}")
         self._every = every
         self.feeds = [RateFeed(inlet) for inlet in inlets]
@@ -262,7 +262,7 @@ def _rows(particles: ParticleList, first_id: int, time_s: float) -> Fed:
     )
 
 
-def apart(one: Inlet, two: Inlet) -> bool:
+def are_apart(one: Inlet, two: Inlet) -> bool:
     """Return whether the bounds of two boxes, along the axes of either, show that they do not overlap."""
     for axes in (one.axes, two.axes):
         first, second = one.corners_m @ axes, two.corners_m @ axes

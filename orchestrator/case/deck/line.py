@@ -89,7 +89,7 @@ def _flow(centre_lines: Sequence[Array], middles: list[Array]) -> Array | None:
 
 
 @dataclass(frozen=True)
-class Over:
+class DeckPlaces:
     """The places of points relative to the deck at one moment.
 
     ``station_m`` (n,) is the station in the panels' material.  ``height_m`` (n,) is measured normal to
@@ -103,7 +103,7 @@ class Over:
     inside: npt.NDArray[np.bool_]
 
 
-def over(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: Array) -> Over:
+def locate(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: Array) -> DeckPlaces:
     """Return the places of points (n, 3) relative to the deck.
 
     ``line_m`` and ``velocity_m_per_s`` (points, 3) are the present positions and velocities of the
@@ -118,7 +118,7 @@ def over(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: Arr
     sine = climb / np.maximum(np.hypot(run, climb), 1e-12)
     speed_u = np.interp(at, u, velocity_m_per_s @ deck.along)
     speed_z = np.interp(at, u, velocity_m_per_s[:, 2])
-    return Over(
+    return DeckPlaces(
         np.interp(at, u, deck.station_m),
         (position_m[:, 2] - np.interp(at, u, z)) * cosine,
         speed_z * cosine - speed_u * sine,

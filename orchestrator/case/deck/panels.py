@@ -81,7 +81,7 @@ def span_m(panel: PanelTable) -> float:
     return panel.span_m if panel.span_m is not None else panel.length_m + (panel.tension_m or 0.0)
 
 
-def unit(vector: Sequence[float] | Array) -> Array:
+def unit_vector(vector: Sequence[float] | Array) -> Array:
     """Return the unit vector in the direction of a vector that is not zero."""
     array = np.asarray(vector, dtype=float)
     return np.asarray(array / np.linalg.norm(array))
@@ -89,7 +89,7 @@ def unit(vector: Sequence[float] | Array) -> Array:
 
 def _rectangle(case: Case, row: PanelTable, number: int) -> Rectangle:
     """Return the place, in the world, of a panel with this number in its row."""
-    along, across = unit(row.along), unit(row.across)
+    along, across = unit_vector(row.along), unit_vector(row.across)
     corner = np.asarray(row.corner_m) + number * (row.pitch_m or 0.0) * along
     return Rectangle(
         corner_m=to_world(case, corner),

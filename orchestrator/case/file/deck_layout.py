@@ -78,7 +78,7 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
         yield CaseProblem((*key, "pitch_m"), what, hint)
 
 
-def as_given(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
+def move_to_deck(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
     """Return a problem in a deck's panel or surface at the deck's key, and any other problem unchanged."""
     match problem.key:
         case ("screen", "panels" | "surfaces", str(part), *inner):

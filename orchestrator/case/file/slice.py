@@ -61,11 +61,11 @@ def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Arra
 
     Returns the surface unchanged without a slice.  Walls beside a slice with walls are moved to its sides.
     """
-    if case.slice is None or case.whole is case:
+    if case.slice is None or case.whole_machine is case:
         return position_m, triangles
-    low, high = full_width_m(case.whole)
+    low, high = full_width_m(case.whole_machine)
     move_in_m = (high - low - case.slice.width_m) / 2.0 if case.slice.sides == "walls" else None
-    return cut_triangles(position_m, triangles, bounds_m(case.whole), move_in_m)
+    return cut_triangles(position_m, triangles, bounds_m(case.whole_machine), move_in_m)
 
 
 def cut_to_slice(case: Case) -> Case:

@@ -203,14 +203,14 @@ class Case(Table):
         return adapters
 
     @property
-    def whole(self) -> Case:
+    def whole_machine(self) -> Case:
         """The case of the whole machine, from which this slice was cut; else the case itself."""
         return self._whole or self
 
     @property
-    def as_given(self) -> Case:
+    def original(self) -> Case:
         """The case of the whole machine with particles as fine as the user gave them."""
-        return self.whole._fine or self.whole
+        return self.whole_machine._fine or self.whole_machine
 
     def with_coarse(self, update: dict[str, object]) -> Case:
         """Return a copy with updated tables for coarse particles, which knows this case as its original."""
@@ -236,7 +236,7 @@ def damped_contacts(case: Case) -> bool:
     return has_particles(case) and any(row.restitution < 1 for row in case.contacts)
 
 
-def absent(case: Case) -> dict[str, str]:
+def missing_features(case: Case) -> dict[str, str]:
     """Return the features that the case lacks, with the reason for each."""
     screen = case.screen
     features = {

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
-from orchestrator.case.deck.line import DeckLine, Over, join_lines, over
+from orchestrator.case.deck.line import DeckLine, DeckPlaces, join_lines, locate
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.state import SavedAttributes
@@ -28,12 +28,12 @@ def bins_m(deck: DeckLine) -> Array:
     return np.linspace(0.0, deck.length_m, BINS_PER_PANEL * len(deck.panels) + 1)
 
 
-def on_deck(particles: ParticleSnapshot, places: Over) -> Mask:
+def on_deck(particles: ParticleSnapshot, places: DeckPlaces) -> Mask:
     """Return whether each particle is over the deck, or at most one radius deep in it."""
     return np.asarray(places.inside & (places.height_m > -0.5 * particles.diameter_m))
 
 
-def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: Over) -> dict[str, Array]:
+def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: DeckPlaces) -> dict[str, Array]:
     """Return the bins' middles ``along_m``, their ``mass_kg``, ``velocity_m_per_s`` and ``depth_m``.
 
     The velocity is the mean by mass along the deck's slope at t = 0.  The depth is the height over the
@@ -100,7 +100,7 @@ class RetainedParticles(SavedAttributes):
         self._anchor_m = np.empty((0, 2))
         self._since_s, self._fastest_m_per_s = np.empty(0), np.empty(0)
 
-    def at(self, time_s: float, particles: ParticleSnapshot, places: Over) -> dict[str, float]:
+    def at(self, time_s: float, particles: ParticleSnapshot, places: DeckPlaces) -> dict[str, float]:
         """Return the number of ``stickers``, their ``mass_kg``, and the number of ``openings`` that hold one.
 
         The particles must be sorted by id.
@@ -158,7 +158,7 @@ class DeckRecord:
     ) -> dict[str, dict[str, Array | float]]:
         """Return the values of the groups ``profile`` and ``held`` at a time."""
         line = surface.part(self._points)
-        places = over(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
+        places = locate(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
         return {
             "profile": dict(compute_profile(self._deck, particles, places)),
             "held": dict(self.retained.at(time_s, particles, places)),

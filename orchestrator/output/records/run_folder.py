@@ -53,7 +53,7 @@ def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
     """
     folder = make_folder(out) if out else _next_folder(Path("runs"), loaded.name)
     try:
-        for name, surface in loaded.case.whole.screen.surfaces.items():
+        for name, surface in loaded.case.whole_machine.screen.surfaces.items():
             if surface.stl is not None:
                 shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
         if loaded.case.panel.recording is not None:
@@ -73,7 +73,7 @@ def write_case(folder: Path, loaded: JudgedCase) -> None:
 
 def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
     """Return the case for the run's folder, with its level, every ``--set`` and every default applied."""
-    table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
+    table = loaded.case.original.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
             surface["stl"] = f"{name}.stl"

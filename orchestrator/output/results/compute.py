@@ -39,7 +39,7 @@ def compute_results(folder: Path) -> dict[str, Any]:
 
 
 def _gather(run: RunReader) -> dict[str, Any]:
-    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(run.case.whole)}
+    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(run.case.whole_machine)}
     if len(run.edges_s) < 2:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table

@@ -11,7 +11,7 @@ import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
 from orchestrator.case.bed.contact_times import smallest_diameters_m
-from orchestrator.case.bed.feed import RateFeed, apart
+from orchestrator.case.bed.feed import RateFeed, are_apart
 from orchestrator.case.bed.size_distribution import classes, faults, finer_share
 from orchestrator.case.bed.sources import batch_s, inlets, largest_diameter_m
 from orchestrator.case.deck.panels import single_panels, to_world, walls
@@ -215,7 +215,7 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
             hint = f"{largest}; a larger box or velocity_m_per_s takes more"
             yield CaseProblem((*key, "rate_kg_per_s"), what, hint)
     for (one, first), (two, second) in combinations(by_name.items(), 2):
-        if not apart(first, second):
+        if not are_apart(first, second):
             yield CaseProblem(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
 
 

@@ -31,6 +31,6 @@ EFFECT = Effect(
     part="frames",
     judge=judge,
     described=has_moved_by_forces,
-    overlay=lambda case: {"frames": {"solver": solvers.without("frames", "frame-dynamics")}},
+    overlay=lambda case: {"frames": {"solver": solvers.name_without("frames", "frame-dynamics")}},
     key="frames.solver",
 )

@@ -23,7 +23,7 @@ def overlay(case: Case) -> Overlay:
     """Return the key of a solver whose frames only translate; empty with drives, which it does not know."""
     frames = case.screen.frames.values()
     driven = any(frame.drive or frame.mass_kg is None for frame in frames)
-    return {} if driven else {"frames": {"solver": solvers.without("frames", "frame-rotation")}}
+    return {} if driven else {"frames": {"solver": solvers.name_without("frames", "frame-rotation")}}
 
 
 EFFECT = Effect(

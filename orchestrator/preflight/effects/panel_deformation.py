@@ -54,7 +54,7 @@ def _answering(scene: Scene) -> tuple[str, float, str]:
 EFFECT = Effect(
     part="panels",
     judge=judge,
-    overlay=lambda case: {"panel": {"solver": solvers.without("panel", "panel-deformation")}},
+    overlay=lambda case: {"panel": {"solver": solvers.name_without("panel", "panel-deformation")}},
     key="panel.solver",
     checked_by="frames_throw",
     saves=True,

@@ -32,7 +32,7 @@ def overlay(case: Case) -> Overlay:
     """Return the key of a solver whose frames stay in the plane; empty if a drive leaves the plane."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
     leaves = any(d.amplitude_m[1] or d.rotation_rad[0] or d.rotation_rad[2] for d in drives)
-    return {} if leaves else {"frames": {"solver": solvers.without("frames", "sideways-motion")}}
+    return {} if leaves else {"frames": {"solver": solvers.name_without("frames", "sideways-motion")}}
 
 
 EFFECT = Effect(

@@ -19,7 +19,7 @@ def judge(scene: Scene) -> Verdict:
     aspect = max(panel.panel.rectangle.width_m / panel.length_m for panel in scene.panels)
     why = "particles spread unevenly across, and corners, are not in this number"
     if scene.case.slice is not None:
-        rows = scene.case.whole.screen.panels.values()
+        rows = scene.case.whole_machine.screen.panels.values()
         whole = max(row.width_m / row.length_m for row in rows)
         why = f"of the slice; the whole machine's panels have {whole:.2g}"
     return Verdict(
@@ -36,7 +36,7 @@ def overlay(case: Case) -> Overlay:
     """Return the keys of a solver without the variation, with its own step; empty with one cell along."""
     if case.panel.cells[0] < 2:
         return {}
-    uniform = solvers.without("panel", "variation-across")
+    uniform = solvers.name_without("panel", "variation-across")
     return {"panel": {"solver": uniform, "integrator": "explicit", "step_s": 0.0}}
 
 

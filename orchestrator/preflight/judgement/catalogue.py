@@ -12,7 +12,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from pkgutil import iter_modules
 
-from orchestrator.case.tables.case import Case, absent
+from orchestrator.case.tables.case import Case, missing_features
 from orchestrator.preflight import effects
 from orchestrator.preflight.scene.effect import PARTS, Effect, Part, Verdict, has_part
 from orchestrator.preflight.scene.observed import Observed
@@ -153,7 +153,10 @@ def why_left_out(case: Case, name: str) -> str:
 
 def find_left_out_by_level(bare: Case, at_level: Case) -> dict[str, str]:
     """Return the reasons why a level leaves effects out of the bare case, by effect."""
-    before, after = absent(bare) | find_left_out(bare), absent(at_level) | find_left_out(at_level)
+    before, after = (
+        missing_features(bare) | find_left_out(bare),
+        missing_features(at_level) | find_left_out(at_level),
+    )
     reasons = {name: why for name, why in after.items() if name not in before}
     for name, effect in EFFECTS.items():
         if effect.overlay(bare) and effect.is_described(bare) and not effect.described(at_level):

@@ -146,7 +146,7 @@ def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, A
     wanted = {"contact-stiffness": ("stiffness", ""), "single-particles": ("number", "")}
     ports: tuple[solvers.Port, ...] = ("panel", "frames")
     for port in ports:
-        if name := solvers.without(port, effect):
+        if name := solvers.name_without(port, effect):
             wanted[effect] = (port, name)
     if effect not in wanted:
         return None
@@ -365,7 +365,7 @@ class Plan:
         if not has_particles(case) or case.bed.particles or left_s <= 0:
             return
         try:
-            low, high = full_width_m(case.whole)
+            low, high = full_width_m(case.whole_machine)
         except CaseError:
             return
         now_m = case.slice.width_m if case.slice else high - low

@@ -413,13 +413,13 @@ def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
 def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
     """Yield the series of slices, up to the whole width.  Raises NotOffered."""
     try:
-        low, high = full_width_m(case.whole)
+        low, high = full_width_m(case.whole_machine)
     except CaseError as error:
         raise NotOffered(str(error.problems[0])) from None
     solver = case.particles.adapter
-    if case.whole.slice is None and solver is not None and not solver.periodic:
+    if case.whole_machine.slice is None and solver is not None and not solver.periodic:
         raise NotOffered(f"solver {case.particles.solver} knows no slice between periodic sides")
-    own_m = case.whole.slice.width_m if case.whole.slice else high - low
+    own_m = case.whole_machine.slice.width_m if case.whole_machine.slice else high - low
     every_m = {degree: own_m * 2.0**degree for degree in _degrees(points)}
     widths_m = {
         degree: width_m for degree, width_m in every_m.items() if width_m <= (high - low) * (1 + 1e-9)
