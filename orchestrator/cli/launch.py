@@ -77,8 +77,10 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
 
 
 def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
-    """Go on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
-    Returns the exit code."""
+    """Resume a run on every rank, and return the exit code.
+
+    The run continues from its last checkpoint or from the checkpoint of a ``sync_point``.
+    """
     world = mpi.communicator()
     try:
         checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))

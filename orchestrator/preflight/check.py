@@ -90,7 +90,7 @@ def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProbl
 
 
 def warnings(loaded: JudgedCase) -> list[str]:
-    """Return warnings, with numbers, of what is allowed but doubtful in a case without problems.
+    """Return warnings, with numbers, about allowed but doubtful settings of a case without problems.
 
     The sync interval has its own report (stability/report.py).
     """

@@ -30,7 +30,7 @@ def overlay(case: Case) -> Overlay:
     return overlay_of_rows("screen.bushings", case.screen.bushings, {"damping_N_s_per_m": [0.0, 0.0, 0.0]})
 
 
-def describe_damping(case: Case) -> bool:
+def describes_damping(case: Case) -> bool:
     damped = any(any(row.damping_N_s_per_m) for row in case.screen.bushings.values())
     return damped and has_moved_by_forces(case)
 
@@ -38,7 +38,7 @@ def describe_damping(case: Case) -> bool:
 EFFECT = Effect(
     part="frames",
     judge=judge,
-    described=describe_damping,
+    described=describes_damping,
     overlay=overlay,
     needs=("frame-dynamics",),
     key="screen.bushings.<name>.damping_N_s_per_m",

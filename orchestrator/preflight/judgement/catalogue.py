@@ -20,7 +20,7 @@ from orchestrator.preflight.scene.scene import scene
 
 
 def _find_effects() -> dict[str, Effect]:
-    """Return every effect by its name: those in ``effects``, then those of installed packages."""
+    """Return every effect by its name, first the project's own and then those of installed packages."""
     by_name: dict[str, Effect] = {}
     for module in iter_modules(effects.__path__):
         effect = import_module(f"{effects.__name__}.{module.name}").EFFECT

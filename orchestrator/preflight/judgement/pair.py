@@ -48,7 +48,7 @@ class Change:
 
     @property
     def in_words(self) -> str:
-        """Both values and the uncertainty as text."""
+        """The two values and the uncertainty as text."""
         values = ("none" if value is None else f"{value:.3g}" for value in (self.with_it, self.without))
         chance = "" if self.uncertain is None else f", +- {100 * self.uncertain:.2g} % by chance"
         return "{} with it, {} without".format(*values) + chance

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from orchestrator.ports.adapters import FramesAdapter
 
 RESONANT = (0.7, 1.4)  # over the lowest frequency: an oscillator may respond twice as much or more
-ROUNDS = 200  # of the iteration between panels' stiffness and frames' stroke
+ROUNDS = 200  # largest number of iterations between panels' stiffness and frames' stroke
 NOTHING_MOVES = "nothing moves the panels' ends: what particles do to them, only a run tells"
 
 
