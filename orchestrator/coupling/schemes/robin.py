@@ -72,8 +72,10 @@ class SurfaceCompliance:
         known = np.diff(shapes.indptr) > 0
         return SurfaceCompliance(inertia, csr_array(shapes.T), csr_array(spread.T), known)
 
-    def to(self, excess_N: Array, response: ContactTangent, length_s: float, share: Array) -> Array:
-        """Return the mean velocity (points, 3) by which the points yield over an interval to ``excess_N``
+    def yielding_velocity_m_per_s(
+        self, excess_N: Array, response: ContactTangent, length_s: float, share: Array
+    ) -> Array:
+        """Return the mean velocity (points, 3) at which the points yield over an interval to ``excess_N``
         (points, 3).
 
         The velocity is shapes u, where the masses' velocity u solves
@@ -177,7 +179,7 @@ class Robin:
         trial_m_per_s = (trial.position_m - start_m) / length_s
         velocity_m_per_s = np.where(known, trial_m_per_s, surface.velocity_m_per_s)
         excess_N = tangent.push_N - resisting_force(tangent, velocity_m_per_s) - now.load.force_N
-        velocity_m_per_s += compliance.to(excess_N, tangent, length_s, self._share)
+        velocity_m_per_s += compliance.yielding_velocity_m_per_s(excess_N, tangent, length_s, self._share)
         end_m = start_m + length_s * velocity_m_per_s
         return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
