@@ -26,7 +26,7 @@ def build(plan: FramesPlan) -> Frames:
 
 
 def objections(plan: FramesPlan) -> Iterator[Objection]:
-    """Yield drives that may turn a frame over."""
+    """Yield objections to drives that may turn a frame over."""
     for drive in plan.drives:
         largest_rad = np.linalg.norm(drive.rotation_rad)
         if largest_rad > LARGEST_TILT_RAD:

@@ -4,9 +4,9 @@ The rows lie at s = ``rows_m`` along the strip, and the middle of each row is a 
 rows of the free length acts an axial spring with the law of a uniaxially stretched incompressible
 Mooney-Rivlin bar (Treloar, The Physics of Rubber Elasticity, 3rd ed. 1975, ch. 5)
 
-    N = A P(l),    P = 2 (l - l^-2) (C10 + C01 / l),    l = length / rest length,
+    N = A P(l),    P = 2 (l - l^-2) (C10 + C01 / l),    l = length / rest length.
 
-and at every row but the outermost a bending spring on the second difference of positions
+A bending spring acts at every row but the outermost, on the second difference of positions,
 
     energy = 1/2 E I  cell  |kappa|^2,    I = width thickness^3 / 12,
 
@@ -65,11 +65,12 @@ class Chain:
         return curvature_1_m
 
     def tension_N(self, length_m: Array) -> Array:
+        """Return the tensions (c,) of axial springs of these lengths in N."""
         """Return the tensions (c,) of axial springs of the lengths ``length_m`` (c,)."""
         return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
 
     def elastic_N(self, position_m: Array) -> Array:
-        """Return the elastic force (r, 3) on the rows."""
+        """Return the elastic force (r, 3) on the rows in N."""
         along, length_m = self.spring_directions(position_m)
         moment = self.bending_N_m3[:, None] * self.curvature_1_m(position_m)
         force_N = -self.curvature_1_m2.T @ moment
@@ -80,6 +81,7 @@ class Chain:
         return np.asarray(force_N)
 
     def membrane_J(self, position_m: Array) -> float:
+        """Return the energy of the axial springs in J."""
         """Return the energy stored in the axial springs."""
         stretch = self.spring_directions(position_m)[1] / self.rest_m
         density_Pa = self.material.c10_Pa * (stretch**2 + 2 / stretch - 3)
@@ -87,6 +89,7 @@ class Chain:
         return float(self.rest_m * (self.area_m2 @ density_Pa))
 
     def bending_J(self, position_m: Array) -> float:
+        """Return the energy of the bending springs in J."""
         """Return the energy stored in the bending springs."""
         return float(self.bending_N_m3 @ (self.curvature_1_m(position_m) ** 2).sum(axis=1)) / 2
 

@@ -1,10 +1,10 @@
 """A panel as a width-uniform strip: one chain of rows along the length.
 
-Each row moves as one line; its two surface points (y = 0 and y = width) stand to either side of
-its middle.  The middle obeys Newton's law (``chain.py``, ``motion.py``).  The half widths
-have no inertia: they follow the clamps', linearly along the free length, and hand the difference
-of a row's two loads to the clamps at once.  So linear momentum is exact and virtual work is
-conserved, while twist about the length is not resolved.
+Each row moves as one line; its two surface points (y = 0 and y = width) stand to either side of its middle.
+The middle obeys Newton's law (``chain.py``, ``motion.py``).  The half widths have no inertia: they follow the
+half widths at the clamps, linearly along the free length, and pass the difference of a row's two loads to the
+clamps at once.  So linear momentum is exact and virtual work is conserved, but twist about the length is not
+resolved.
 
 Equations, limits and measurements: docs/theory/panel_strip.md.
 """
@@ -26,7 +26,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan, SolverFailed
 
 SANE_STRETCH = (0.2, 5.0)
-MARGIN = 0.8  # of the largest stable step, for compression, which stiffens the chain
+MARGIN = 0.8  # part of the largest stable step, since compression stiffens the chain
 
 
 def build(plan: PanelPlan) -> Strip:
