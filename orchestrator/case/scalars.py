@@ -22,10 +22,15 @@ Summary = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Value:
-    """A number, and half the width of its 95 % confidence interval where the run gives one."""
+    """A number with its uncertainty, where the run gives it.
+
+    ``half_width`` is half the width of the 95 % confidence interval over time; ``counting`` is the standard
+    deviation of a share from the number of its particles alone.
+    """
 
     value: float
     half_width: float | None = None
+    counting: float | None = None
 
 
 @dataclass(frozen=True)
@@ -56,13 +61,14 @@ def _inner(table: Any, path: str) -> Any:
 
 
 def _number(entry: Any) -> Value | None:
-    """Return the value of a number or of an estimate, {"value", "half_width", "batches"}; else None."""
-    half_width = None
+    """Return the value of a number or of an estimate, {"value", "half_width", ...}; else None."""
+    half_width = counting = None
     if isinstance(entry, Mapping) and "value" in entry:
-        entry, half_width = entry["value"], entry.get("half_width")
+        half_width, counting = entry.get("half_width"), entry.get("counting")
+        entry = entry["value"]
     if isinstance(entry, bool) or not isinstance(entry, int | float) or not math.isfinite(entry):
         return None
-    return Value(float(entry), None if half_width is None else float(half_width))
+    return Value(float(entry), half_width, counting)
 
 
 def _at(path: str) -> Callable[[Summary], Value | None]:
@@ -121,6 +127,12 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             1e-6,
             _largest(_FRAMES, "major_m"),
         ),
+        "power": ("mean power of the drives / W", 1e-3, _at("results.power.drives_W")),
+        "work_per_feed": (
+            "work of the drives over the mass fed / (J/kg)",
+            1e-3,
+            _at("results.power.drives_J_per_kg"),
+        ),
     },
     "panels": {
         "middle_amplitude": ("largest half range of a probe on a panel / m", 1e-6, _middle),
@@ -135,6 +147,11 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             "largest pull of a panel on its clamps / N",
             1e-1,
             _largest(_PANELS, "tension_largest_N"),
+        ),
+        "wear": (
+            "largest depth worn off a panel / (m/h)",
+            1e-12,
+            _largest("results.wear.panels", "largest_m_per_h"),
         ),
         "stretch": ("largest stretch of a panel / %", 1e-3, _largest(_PANELS, "stretch_largest_percent")),
     },
@@ -168,8 +185,8 @@ def is_of_separation(name: str) -> bool:
 
 _PARTS = {
     "particles": ("material.", "results.screening.", "results.bed."),
-    "frames": ("results.motion.frames.", "results.motion.relative."),
-    "panels": ("results.motion.panels.", "results.motion.panel_points."),
+    "frames": ("results.motion.frames.", "results.motion.relative.", "results.power."),
+    "panels": ("results.motion.panels.", "results.motion.panel_points.", "results.wear."),
 }
 
 

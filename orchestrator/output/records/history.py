@@ -244,10 +244,12 @@ def write_results(history_file: Path, results: Mapping[str, Any]) -> None:
 def _put(group: Any, table: Mapping[str, Any]) -> None:
     for name, value in table.items():
         key = str(name).replace("/", "|")
-        if isinstance(value, Mapping) and set(value) == {"value", "half_width", "batches"}:
+        if isinstance(value, Mapping) and set(value) >= {"value", "half_width", "batches"}:
             dataset = _number(group, key, value["value"])
             dataset.attrs["half_width"] = np.array(value["half_width"], float)
             dataset.attrs["batches"] = value["batches"]
+            if "counting" in value:
+                dataset.attrs["counting"] = value["counting"]
         elif isinstance(value, Mapping):
             _put(group.create_group(key), value)
         elif isinstance(value, list) and value and isinstance(value[0], Mapping):

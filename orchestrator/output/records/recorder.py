@@ -5,6 +5,7 @@
 - ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and ``bushings/<name>`` every
   ``output.series_s``;
 - ``point_cycles`` and ``panel_cycles`` at the end of every cycle of the machine;
+- ``energy_cycles`` at the last sync point of every cycle of the machine;
 - ``shapes/<panel>`` every ``output.shapes_s``;
 - ``panels/<name>`` (centre line), ``energy``, ``bed`` and the groups of deck_record.py at every output
   time;
@@ -27,7 +28,7 @@ from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.output.cycles import counted_cycle_s, cycle_s
+from orchestrator.output.cycles import counted_cycle_s, cycle_numbers, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.history import History, columns
@@ -60,6 +61,7 @@ class Recorder:
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
         interval_s, shapes_s = case.coupling.sync_interval_s, case.output.shapes_s
+        self._interval_s, self._cycle_s = interval_s, counted_cycle_s(case)
         self._every = steps_in(case.output.series_s or interval_s, interval_s)
         self._shapes_every = steps_in(shapes_s, interval_s) if shapes_s else 0
         if self._writes:
@@ -99,6 +101,10 @@ class Recorder:
                 for panel in self._machine.panels:
                     values = columns("shapes", state.panel.surface.part(panel.shape))
                     self._history.add(f"shapes/{panel.name}", time_s, values)
+        if self._ends_cycle(time_s):
+            terms = self._ledger.energy_J()
+            if self._writes:
+                self._history.add("energy_cycles", time_s, _with_unit(terms))
         if done % self._every:
             return
         particles = self._machine.solvers.particles
@@ -117,7 +123,7 @@ class Recorder:
         worn_m3 = None if machine.wearing is None else machine.wearing.worn_m3()
         if not self._writes:
             return terms, bed
-        self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
+        self._history.add("energy", time_s, _with_unit(terms))
         for panel in machine.panels:
             line_m = surface.position_m[panel.centre_line]
             self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line_m})
@@ -137,6 +143,11 @@ class Recorder:
             self._particles.add(time_s, particle_mesh(particles))
         self._history.flush()
         return terms, bed
+
+    def _ends_cycle(self, time_s: float) -> bool:
+        """Return whether the next sync point belongs to another cycle, or this one is the start."""
+        here, then = cycle_numbers(np.array([time_s, time_s + self._interval_s]), self._cycle_s)
+        return bool(time_s == 0.0 or here != then)
 
     def _add_groups(self, time_s: float, groups: Mapping[str, Mapping[str, Array | float]]) -> None:
         for group, values in groups.items():
@@ -188,6 +199,10 @@ class Recorder:
         if self._writes:
             self._cycles.close()
             self._history.close()
+
+
+def _with_unit(terms_J: Mapping[str, float]) -> dict[str, float]:
+    return {f"{name}_J": value for name, value in terms_J.items()}
 
 
 def _describe_bed(particles: ParticleSnapshot) -> dict[str, Any]:

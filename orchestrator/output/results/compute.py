@@ -17,6 +17,7 @@ from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
 from orchestrator.output.results.estimate import Estimate
 from orchestrator.output.results.events import Events, read_events
+from orchestrator.output.results.power import power_metrics
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
 from orchestrator.output.results.screening import screening
@@ -51,6 +52,7 @@ def _gather(run: RunReader) -> dict[str, Any]:
         ("bed", _add_bed),
         ("motion", _add_motion),
         ("wear", _add_wear),
+        ("power", _add_power),
     ):
         with _record_failure(table, part):
             add(run, events, table)
@@ -169,6 +171,19 @@ def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> N
         table["missing"]["wear"] = "fewer than two output times in the part that is averaged over"
     else:
         table["wear"] = metrics
+
+
+def _add_power(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
+    if not run.is_driven:
+        table["missing"]["power"] = NO_CYCLE
+        return
+    has_bed = has_particles(run.case)
+    is_steady = table["motion"]["is_settled"] and (not has_bed or table["steady"]["is_steady"])
+    metrics = power_metrics(run, *motion_window(run, events), events, is_steady)
+    if metrics is None:
+        table["missing"]["power"] = "no whole cycle in the part that is averaged over"
+    else:
+        table["power"] = metrics
 
 
 def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:

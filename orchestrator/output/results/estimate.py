@@ -27,16 +27,19 @@ class Estimate:
     """A value with the half width of its 95 % confidence interval.
 
     ``value`` is None if it is not defined.  ``half_width`` is None if it is unknown, because there are too
-    few batches or no steady state.
+    few batches or no steady state.  ``counting`` is the standard deviation of a share that its number of
+    particles alone explains; it is None for what is no share.
     """
 
     value: float | None
     half_width: float | None = None
     batches: int = 0
+    counting: float | None = None
 
     def table(self) -> dict[str, float | int | None]:
         """Return the estimate as a table of the results."""
-        return {"value": self.value, "half_width": self.half_width, "batches": self.batches}
+        table = {"value": self.value, "half_width": self.half_width, "batches": self.batches}
+        return table if self.counting is None else table | {"counting": self.counting}
 
 
 def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
@@ -102,6 +105,18 @@ def _sum_by_cycle(values: Array, cycle: Indices) -> Array:
 def share(part: float, whole: float) -> float:
     """Return the part over the whole; NaN if the whole is not positive."""
     return float(part) / float(whole) if whole > 0 else float("nan")
+
+
+def counting_deviation(part: float, mass_kg: Array) -> float:
+    """Return the standard deviation of a share by mass, ``part``, of particles that go one way or the other.
+
+    ``mass_kg`` (particles,) are the masses of all of them.  Each goes its way by itself, so that their number
+    counts; unequal masses count as fewer (Kish, Survey Sampling, Wiley 1965, section 11.7).
+    """
+    if not len(mass_kg):
+        return float("nan")
+    number = float(mass_kg.sum()) ** 2 / float(mass_kg @ mass_kg)
+    return float(np.sqrt(max(part * (1.0 - part), 0.0) / number))
 
 
 def half_width(values: Array) -> float:

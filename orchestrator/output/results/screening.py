@@ -7,11 +7,14 @@ docs/theory/screening.md has the definitions.
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from orchestrator.output.results.estimate import Estimate, share
+from orchestrator.output.cycles import within
+from orchestrator.output.results.estimate import Estimate, counting_deviation, share
 from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, hold_up_kg, per_cycle
 from orchestrator.ports import Array, Indices
 
@@ -49,6 +52,28 @@ def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
         "misplaced": share(over[FINE] + under[COARSE], feed_kg),
         "fines_in_oversize": share(over[FINE], float(over.sum())),
     }
+
+
+def counting_deviations(mass_kg: Array, group: Indices, exits: Exits) -> dict[str, float]:
+    """Return the standard deviations by counting of ``placements``, from the particles that left.
+
+    ``mass_kg`` and ``group`` are (particles,); a group is twice the exit's number, plus ``COARSE`` or
+    ``FINE``.  The efficiency is the sum of two shares of different particles, so that their variances add.
+    """
+    out_kg = np.bincount(group, mass_kg, 2 * len(exits.names)).astype(float).reshape(-1, 2)
+    shares, fine = placements(out_kg, exits), group % 2 == FINE
+    over = np.isin(group // 2, exits.of(OVERSIZE))
+    of = {"fine_placement": fine, "coarse_placement": ~fine, "fines_in_oversize": over}
+    all_of_them = np.ones(len(group), dtype=bool)
+    table = {
+        name: counting_deviation(share, mass_kg[of.get(name, all_of_them)]) for name, share in shares.items()
+    }
+    table["efficiency"] = math.hypot(table["fine_placement"], table["coarse_placement"])
+    return table
+
+
+def _known(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, float]:
@@ -139,7 +164,10 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
         **_flows(events, out_kg),
     }
     names = PLACEMENTS if cut_m is not None else PLACEMENTS[:1]
-    table |= {f"{name}_percent": placement(name) for name in names}
+    chance = counting_deviations(removed.mass_kg[counted], group[counted], exits)
+    table |= {
+        f"{name}_percent": replace(placement(name), counting=_known(100.0 * chance[name])) for name in names
+    }
     if cut_m is not None:
         table["recovered_percent"] = _recovery(events, out_kg, cut_m)
     table["sections"] = _sections(events, out_kg, cut_m is not None)
@@ -157,7 +185,11 @@ def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
     came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came)[:, 0]
     passed_kg = out_kg[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
     pairs = np.column_stack([passed_kg, came_kg])
-    return events.figure(lambda sums: 100.0 * share(sums[0], sums[1]), pairs)
+    estimate = events.figure(lambda sums: 100.0 * share(sums[0], sums[1]), pairs)
+    mass_kg = fed.mass_kg[(came == 0) & within(fed.time_s, *events.window_s, float(events.edges_s[1]))]
+    if estimate.value is None or not len(mass_kg):
+        return estimate
+    return replace(estimate, counting=100.0 * counting_deviation(estimate.value / 100.0, mass_kg))
 
 
 def _flows(events: Events, out_kg: Array) -> dict[str, Any]:

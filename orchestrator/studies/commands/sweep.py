@@ -127,7 +127,7 @@ def _numbers(value: Any, where: str) -> Iterator[tuple[str, float]]:
     parts: dict[str, Any] = {}
     if isinstance(value, int | float):
         yield where.removeprefix("."), value
-    elif isinstance(value, dict) and set(value) == {"value", "half_width", "batches"}:
+    elif isinstance(value, dict) and set(value) >= {"value", "half_width", "batches"}:
         parts = {"": value["value"], ".half_width": value["half_width"]}
     elif isinstance(value, dict):
         parts = {f".{key}": part for key, part in value.items()}
