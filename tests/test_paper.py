@@ -133,7 +133,7 @@ def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], said: st
     (line,) = compared(case, ROW.replace(*change))
     assert line.measured is None
     assert not line.is_good
-    assert said in line.answer
+    assert said in line.value_in_words
 
 
 def test_a_run_without_first_harmonics_says_why(case: Path) -> None:
@@ -142,14 +142,14 @@ def test_a_run_without_first_harmonics_says_why(case: Path) -> None:
     seldom = "the series have 1.8 rows in a cycle of 0.0898 s; 20 are needed"
     write_summary(folder, {"status": "done", "results": {"missing": {"orbits": seldom}}})
     (line,) = compared(case, ROW)
-    assert line.answer.endswith(seldom)
+    assert line.value_in_words.endswith(seldom)
 
 
 def test_a_run_that_failed_is_no_value(case: Path) -> None:
     compared(case, ROW)
     write_summary(case.parent / "out/speed/speed_rad_per_s-70", {"status": "failed"})
     (line,) = compared(case, ROW)
-    assert (line.answer, line.verdict) == ("speed_rad_per_s-70: failed", "NOT MET")
+    assert (line.value_in_words, line.verdict) == ("speed_rad_per_s-70: failed", "NOT MET")
 
 
 @pytest.mark.parametrize(
@@ -230,4 +230,4 @@ def test_results_and_their_change_over_a_sweep(case: Path) -> None:
     ]
     *known, unknown = compared(case, "".join(rows))
     assert [line.verdict for line in known] == ["met"] * 5
-    assert "absent" in unknown.answer
+    assert "absent" in unknown.value_in_words

@@ -95,7 +95,7 @@ def test_only_good_points_are_drawn_as_data(points: list[Any], tmp_path: Path) -
         ("a.x_m", ["good", "open", "cross"]),
         ("bed.velocity_m_per_s", ["good", "good", "cross"]),
     ):
-        assert [sweep._kind(row, column) for row in table[:3]] == kinds
+        assert [sweep._look(row, column) for row in table[:3]] == kinds
     picture = sweep.write_sweep(VARY, points, tmp_path)[1]
     pixels = matplotlib.image.imread(picture)[..., :3]
     assert 0.01 < (np.abs(pixels - pixels[0, 0]).max(axis=-1) > 0.1).mean() < 0.9

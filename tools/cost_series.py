@@ -1,8 +1,8 @@
-"""How well ``flipflow check`` predicts: ``python -m tools.cost_series [CASE ...]``.
+"""The accuracy of the predictions of ``flipflow check``: ``python -m tools.cost_series [CASE ...]``.
 
-Shipped cases are run for a short time, and the processor time that they took is compared with what
-was predicted, part by part.  Processor time hardly depends on what else the machine does; another
-processor's is another one.  Measured figures: docs/measured/cost.md.
+The tool runs shipped cases for a short time, and compares their processor time with the predicted time, part
+by part.  Processor time hardly depends on other work of the machine, but it differs between processors.
+Measured figures: docs/measured/cost.md.
 """
 
 from __future__ import annotations
@@ -37,50 +37,52 @@ CASES = {
 }
 
 IN_THE_SUITE = ("quickstart draft", "ball-on-panel draft", "panel-cycle default")
-"""Three cases that take seconds."""
+"""Three cases whose runs take seconds, for the test suite."""
 
 
 @dataclass(frozen=True)
-class Compared:
-    """Processor time by part, of a thin and of a thick bed as predicted, and as taken."""
+class CostComparison:
+    """The processor time of a case by part, in s: predicted for a thin and for a thick bed, and measured."""
 
     name: str
     thin_s: dict[str, float]
     thick_s: dict[str, float]
-    taken_s: dict[str, float]
+    measured_s: dict[str, float]
 
     @property
     def ratio(self) -> float:
-        """Predicted over taken; of a range its nearest end, 1 inside."""
-        low, high, taken = (sum(x.values()) for x in (self.thin_s, self.thick_s, self.taken_s))
-        return min(max(low / taken, min(1.0, high / taken)), max(high / taken, 1.0))
+        """The predicted over the measured time: 1 inside the predicted range, else by its nearest end."""
+        low, high, measured = (sum(x.values()) for x in (self.thin_s, self.thick_s, self.measured_s))
+        return min(max(low / measured, min(1.0, high / measured)), max(high / measured, 1.0))
 
     def row(self) -> str:
-        sums = [sum(x.values()) for x in (self.thin_s, self.thick_s, self.taken_s)]
+        """Return the row of the Markdown table."""
+        sums = [sum(x.values()) for x in (self.thin_s, self.thick_s, self.measured_s)]
         parts = ", ".join(
-            f"{name} {self.thick_s.get(name, 0.0):.2f}/{taken_s:.2f}"
-            for name, taken_s in self.taken_s.items()
+            f"{name} {self.thick_s.get(name, 0.0):.2f}/{measured_s:.2f}"
+            for name, measured_s in self.measured_s.items()
         )
-        said = f"{sums[0]:.1f}" if sums[0] == sums[1] else f"{sums[0]:.1f} to {sums[1]:.1f}"
-        return f"| {self.name} | {said} | {sums[2]:.1f} | {self.ratio:.2f} | {parts} |"
+        predicted = f"{sums[0]:.1f}" if sums[0] == sums[1] else f"{sums[0]:.1f} to {sums[1]:.1f}"
+        return f"| {self.name} | {predicted} | {sums[2]:.1f} | {self.ratio:.2f} | {parts} |"
 
 
-def compared(name: str) -> Compared:
-    """Run one of ``CASES``."""
+def compare(name: str) -> CostComparison:
+    """Run one of ``CASES``, and return its predicted and measured times."""
     folder, level, sets = CASES[name]
     sets = [*sets, "output.pictures=false"]
     path = ROOT / "cases" / folder
     case = load_judged(path, level, sets).case
     at_start = particles_at_start(case)
     thin_s, thick_s = (predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK))
-    return Compared(name, thin_s, thick_s, parts_s(time_run(path, level, sets)))
+    return CostComparison(name, thin_s, thick_s, parts_s(time_run(path, level, sets)))
 
 
 def main(names: list[str]) -> None:
+    """Print the table of the named cases, or of all cases."""
     print("| case | predicted / s | taken / s | ratio | parts: predicted/taken |")
     print("| --- | --- | --- | --- | --- |")
     for name in names or CASES:
-        print(compared(name).row(), flush=True)
+        print(compare(name).row(), flush=True)
 
 
 if __name__ == "__main__":

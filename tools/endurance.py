@@ -1,9 +1,9 @@
-"""What a long run holds: ``python -m tools.endurance OUT [--set KEY=VALUE …]`` runs the
-quickstart's level "hour" into OUT and samples its process and its folder; OUT.csv has a row every
-ten seconds, OUT.log what the run said.
+"""The memory, files and energy of a long run.
 
-``python -m tools.endurance --table OUT`` says how each of them grew, and what the machine's energy
-did.  Measured figures: docs/reliability.md, "Long runs".
+``python -m tools.endurance OUT [--set KEY=VALUE …]`` runs the quickstart's level "hour" into OUT and samples
+its process and its folder.  OUT.csv gets a row every ten seconds, and OUT.log the output of the run.
+``python -m tools.endurance --table OUT`` prints the growth of each figure and the course of the machine's
+energy.  Measured figures: docs/reliability.md, "Long runs".
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ COLUMNS = ("wall_s", "simulated_s", "processor_s", "resident_MiB", "files_open",
 
 
 def main(words: list[str]) -> int:
+    """Run or print the table, as the words of the command line say, and return the exit code."""
     if words[0] == "--table":
         print(table(Path(words[1])))
         return 0
-    return sampled(Path(words[0]), words[1:])
+    return run_and_sample(Path(words[0]), words[1:])
 
 
-def sampled(out: Path, more: list[str]) -> int:
-    """Run to the end, and return the exit code."""
+def run_and_sample(out: Path, more: list[str]) -> int:
+    """Run the case to its end, sample it meanwhile, and return its exit code."""
     sets = [word for key in QUICK for word in ("--set", key)]
     words = ["run", "cases/quickstart", "--level", "hour", "--out", str(out), *sets, *more]
-    said = out.with_suffix(".log").open("w")  # a pipe would be full after an hour
-    run, start = started(*words, said=said), time.monotonic()
-    with said, out.with_suffix(".csv").open("w", newline="") as file:
+    log = out.with_suffix(".log").open("w")  # a pipe would be full after an hour
+    run, start = started(*words, said=log), time.monotonic()
+    with log, out.with_suffix(".csv").open("w", newline="") as file:
         rows = csv.writer(file)
         rows.writerow(COLUMNS)
         while run.poll() is None:
@@ -50,14 +51,14 @@ def sampled(out: Path, more: list[str]) -> int:
 
 
 def sample(process: int, out: Path) -> list[float]:
-    """In the order of ``COLUMNS``, but for the wall time."""
+    """Return the figures of a process and its folder, in the order of ``COLUMNS`` after the wall time."""
     system = Path(f"/proc/{process}")
     pages = int((system / "statm").read_text().split()[1])
     ticks = (system / "stat").read_text().rpartition(")")[2].split()[11:13]
-    said = re.findall(r" t = ([0-9.]+) of ", (out / "run.log").read_text())
+    times_s = re.findall(r" t = ([0-9.]+) of ", (out / "run.log").read_text())
     sizes = [size(file) for file in out.rglob("*")]
     return [
-        float(said[-1]) if said else 0.0,
+        float(times_s[-1]) if times_s else 0.0,
         sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK"),
         pages * os.sysconf("SC_PAGE_SIZE") / 2**20,
         len(list((system / "fd").iterdir())),
@@ -67,7 +68,7 @@ def sample(process: int, out: Path) -> list[float]:
 
 
 def size(file: Path) -> int:
-    """0 for what has just gone."""
+    """Return the size of a file in bytes; 0 for a file that has just been removed."""
     try:
         return file.stat().st_size
     except FileNotFoundError:
@@ -75,8 +76,10 @@ def size(file: Path) -> int:
 
 
 def table(out: Path) -> str:
-    """A Markdown table: each figure by tenths of the run, and its growth by the hour of simulated
-    time in the second half (least squares)."""
+    """Return a Markdown table of each figure by tenths of the run, with the lines of the energy.
+
+    The last row has the growth per hour of simulated time in the second half, by least squares.
+    """
     data = np.loadtxt(out.with_suffix(".csv"), delimiter=",", skiprows=1)
     simulated = data[:, 1]
     rows = ["| simulated / s | " + " | ".join(COLUMNS[2:]) + " |", "|" + " --- |" * 6]
@@ -89,12 +92,12 @@ def table(out: Path) -> str:
 
 
 def energy(out: Path) -> str:
-    """Means of the books' stored energies, and changes of the others, by tenths of the run."""
+    """Return the means of stored energies, and the changes of other accounts, by tenths of the run."""
     with h5py.File(out / "history.h5") as history:
-        books = {name: series[:] for name, series in history["energy"].items()}
-    time_s = books.pop("time_s")
+        accounts = {name: series[:] for name, series in history["energy"].items()}
+    time_s = accounts.pop("time_s")
     rows = []
-    for name, values in books.items():
+    for name, values in accounts.items():
         if not values.any():
             continue
         tenths = np.array_split(values, 10)
@@ -102,8 +105,8 @@ def energy(out: Path) -> str:
             figures, what = [part.mean() for part in tenths], "mean"
         else:
             figures, what = [part[-1] - part[0] for part in tenths], "change"
-        said = " ".join(f"{figure:.4g}" for figure in figures)
-        rows.append(f"{name} ({what} in each tenth of {time_s[-1]:g} s): {said}")
+        numbers = " ".join(f"{figure:.4g}" for figure in figures)
+        rows.append(f"{name} ({what} in each tenth of {time_s[-1]:g} s): {numbers}")
     return "\n".join(rows)
 
 

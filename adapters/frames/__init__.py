@@ -1,3 +1,3 @@
-"""Solvers of the frames: one module each, but for the parts that several share."""
+"""Solvers of the frames: one module or package for each, and ``common`` for the parts that several share."""
 
 SHARED = frozenset({"common"})

@@ -39,8 +39,10 @@ def build(plan: PanelPlan) -> RecordedPanel:
 
 
 class RecordedPanel(CarriedSurface):
-    """``MeshedPanel``; surface points are the recorded grid's, clamp points the corners of its
-    clamps, row by row: y = 0 before y = width."""
+    """A ``MeshedPanel`` that plays back a recording.
+
+    Its surface points are the points of the recorded grid.  Its clamp points are the corners of the clamps,
+    row by row: y = 0 before y = width."""
 
     STATE = (*CarriedSurface.STATE, "_supplied_J")
 
@@ -86,7 +88,7 @@ class RecordedPanel(CarriedSurface):
     def _clamps_work_J(
         self, clamps: Motion, surface: Motion, load_N: Array, through_N: Array, reaction_N: Array
     ) -> float:
-        """Return mean forces times the ways of the clamps.
+        """Return the work of the clamps in J: mean forces times the displacements of the clamps.
 
         The work of the forces that keep the shape, which also feeds the pull and moves the panel against its
         clamps, is booked.

@@ -2,7 +2,7 @@
 
 Each clamp is a rectangle of four points (two if it has no depth: ``clamp_m`` = 0); the surface
 between the inner edges is bilinear in its four corners.  All its points are clamps, so they
-move as the frames do, and the panel's reaction is what it takes to move them:
+move as the frames do, and the panel's reaction has the forces that move them:
 
     reaction = load + m (gravity - mean acceleration)      at each point.
 
@@ -34,7 +34,7 @@ def build(plan: PanelPlan) -> RigidPanel:
 
 
 class RigidPanel(CarriedSurface):
-    """``MeshedPanel`` whose surface points are its clamp points, row by row: y = 0, y = width."""
+    """A ``MeshedPanel`` whose surface points are its clamp points, row by row: y = 0 before y = width."""
 
     def __init__(self, plan: PanelPlan) -> None:
         rectangle = plan.rectangle

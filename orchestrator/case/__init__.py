@@ -1,4 +1,4 @@
-"""A case: its tables, the files it is read from, its deck and bed, and the plans that solvers need.
+"""The case: its tables, the files that it is read from, its deck and bed, and the plans for solvers.
 
-Nothing here judges physics; the rooms above ask this one what the user has described.
+Nothing here judges the physics: the packages above this one ask it what the user has described.
 """

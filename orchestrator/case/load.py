@@ -1,7 +1,7 @@
-"""Reads a case: ``case.toml``, overlaid by ``levels/<level>.toml``, overlaid by ``--set``.
+"""The reader of cases: it lays ``levels/<level>.toml`` over ``case.toml``, and ``--set`` over both.
 
-An overlay may give any key; file/layers.py says how it is laid over what is there.  Nothing is judged
-here: what the key ``effects`` leaves out is decided afterwards, in orchestrator/preflight/judge.py.
+An overlay may give any key; file/layers.py says how tables are merged.  Nothing is judged here:
+orchestrator/preflight/judge.py decides afterwards which effects the key ``effects`` leaves out.
 """
 
 from __future__ import annotations
@@ -33,8 +33,10 @@ EFFECTS = ("effects", "effects_for")
 
 @dataclass(frozen=True)
 class Level:
-    """A level of a case: its name, what it says that it leaves out (``without``), and the case's
-    tables ``before`` and ``after`` it was laid over them."""
+    """A level of a case: its name and the effects that it declares left out (``without``).
+
+    ``before`` holds the case's tables without the level, and ``after`` the tables with it.
+    """
 
     name: str
     without: tuple[str, ...]
@@ -44,8 +46,10 @@ class Level:
 
 @dataclass(frozen=True)
 class AskedEffects:
-    """The keys ``effects`` and ``effects_for`` as they were given, and the file or option that gave
-    the first."""
+    """The values of ``effects`` and ``effects_for`` as the user gave them.
+
+    ``file`` is the file or option that gave ``effects``.
+    """
 
     effects: Any
     effects_for: Any
@@ -56,8 +60,8 @@ class AskedEffects:
 class LoadedCase:
     """A case as its files and ``--set`` give it.
 
-    ``layers`` knows which file gave a key, and has none of those in ``asked``; ``level`` is None for
-    the bare case; ``origin`` is what the case was read from.
+    ``layers`` knows which file gave each key, but does not contain the keys in ``asked``.  ``level``
+    is None for a case without a level.  ``origin`` describes what the case was read from.
     """
 
     name: str
@@ -70,7 +74,7 @@ class LoadedCase:
 
 
 class InvalidTables(CaseError):
-    """Tables that make no case; what they ask of the judgement can be looked at nevertheless."""
+    """An error for tables that do not make a valid case; ``asked`` still says which effects they ask for."""
 
     def __init__(self, problems: Sequence[CaseProblem], asked: AskedEffects) -> None:
         super().__init__(problems)
@@ -78,10 +82,10 @@ class InvalidTables(CaseError):
 
 
 def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> LoadedCase:
-    """Read the case in ``path`` (its folder or its case.toml) at a level (None: its default).
+    """Read the case in ``path`` (its folder or its case.toml) at a level; None takes its default level.
 
-    Raises CaseError with every problem that the tables find; what needs more than the tables is
-    found by orchestrator/preflight/check.py.
+    Raises CaseError with every problem that the tables reveal; orchestrator/preflight/check.py
+    checks everything that the tables cannot reveal.
     """
     file = path if path.is_file() else path / "case.toml"
     if not file.is_file():
@@ -136,7 +140,7 @@ def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
 
 
 def validate(layers: Layers) -> Case:
-    """Return the complete case of all layers.  Raises CaseError with every problem found."""
+    """Return the complete case of all layers.  Raises CaseError with every problem of the case."""
     try:
         return complete(Case.model_validate(layers.merged))
     except ValidationError as error:
@@ -147,13 +151,15 @@ def validate(layers: Layers) -> Case:
 
 
 def complete(bare: Case) -> Case:
-    """The case with branches fitted, decks laid out, particles as coarse as wanted, and cut to its
-    slice.  Raises CaseError."""
+    """Return the case with fitted branches, laid-out decks and coarse particles, cut to its slice.
+
+    Raises CaseError with the problems of the first of these steps that fails.
+    """
     return cut_to_slice(coarsen(lay_out_decks(fit_loss_curves(bare))))
 
 
 def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
-    """Lay the level over the case."""
+    """Lay the level of this name over the case.  Raises CaseError for a file that is no level."""
     before = dict(layers.merged)
     file = level_file(folder, name)
     source = f"levels/{name}.toml" if file.parent == folder / "levels" else name

@@ -1,4 +1,4 @@
-"""Who ran what, where and with which versions."""
+"""The provenance of a run: its command, its machine and the versions of all software."""
 
 from __future__ import annotations
 
@@ -22,9 +22,12 @@ DEBIAN, PYPI, CHECKOUT = "Debian", "PyPI", "this checkout"
 
 @dataclass(frozen=True)
 class Distribution:
-    """``name`` in lower case with dashes; ``origin``: Debian, PyPI, this checkout, or the folder
-    of one that was neither linked by set-up nor installed by pip; ``debian_package`` of those
-    from Debian, else empty."""
+    """A Python distribution on the import path; its ``name`` is in lower case with dashes.
+
+    ``origin`` is Debian, PyPI, this checkout, or the folder of a distribution that neither the set-up
+    linked nor pip installed.  ``debian_package`` is the package with its version, empty for all
+    distributions that are not from Debian.
+    """
 
     name: str
     version: str
@@ -37,50 +40,55 @@ class Distribution:
 
 @cache
 def distributions() -> dict[str, Distribution]:
-    """Every distribution on the import path, by name; of two with one name, the one that Python
-    imports."""
-    found: dict[str, Distribution] = {}
-    for one in metadata.distributions():
-        name = normalise(one.metadata["Name"] or "")
-        found.setdefault(name, Distribution(name, one.version, *_origin(one)))
-    return dict(sorted(found.items()))
+    """Return every distribution on the import path, by name.
+
+    If two have the same name, the distribution that Python imports is returned.
+    """
+    known: dict[str, Distribution] = {}
+    for installed in metadata.distributions():
+        name = normalise(installed.metadata["Name"] or "")
+        known.setdefault(name, Distribution(name, installed.version, *_origin(installed)))
+    return dict(sorted(known.items()))
 
 
 def normalise(name: str) -> str:
-    """Python's packaging rules: letters' case, dots, dashes and underscores make no difference."""
+    """Return a distribution's name in the normal form of Python's packaging rules.
+
+    Upper and lower case are equal in these rules, and so are dots, dashes and underscores.
+    """
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
-def _origin(one: metadata.Distribution) -> tuple[str, str]:
-    """The origin, and the Debian package with its version where it is Debian's."""
-    package = one.read_text("debian-package")
+def _origin(distribution: metadata.Distribution) -> tuple[str, str]:
+    """Return the origin, and the Debian package with its version or an empty string."""
+    package = distribution.read_text("debian-package")
     if package is not None:
         return DEBIAN, f"{package.strip()} {debian_version(package.strip()) or 'not installed'}"
-    direct = json.loads(one.read_text("direct_url.json") or "{}")
+    direct = json.loads(distribution.read_text("direct_url.json") or "{}")
     if direct.get("dir_info", {}).get("editable"):
         return CHECKOUT, ""
-    if (one.read_text("INSTALLER") or "").strip() == "pip":
+    if (distribution.read_text("INSTALLER") or "").strip() == "pip":
         return PYPI, ""
-    return str(one.locate_file("")), ""
+    return str(distribution.locate_file("")), ""
 
 
 def debian_version(package: str) -> str | None:
-    """As Debian calls it; None where it is not installed, or where there is no dpkg."""
+    """Return Debian's version of a package; None if the package or dpkg itself is not installed."""
     return _debian_versions().get(package)
 
 
 @cache
 def _debian_versions() -> dict[str, str]:
-    """Of all packages; asking for each one takes ten times as long."""
+    """Return the versions of all Debian packages; a query for each package takes ten times as long."""
     try:
-        said = _output("dpkg-query", "-W", "-f", "${Package} ${Version}\n")
+        output = _output("dpkg-query", "-W", "-f", "${Package} ${Version}\n")
     except (OSError, subprocess.CalledProcessError):
         return {}
-    return dict(line.split() for line in said.splitlines() if line.count(" ") == 1)
+    return dict(line.split() for line in output.splitlines() if line.count(" ") == 1)
 
 
 def pins() -> dict[tuple[str, str], str]:
-    """The versions that are meant, by origin and name; empty where no checkout says them."""
+    """Return the pinned versions, by origin and name; nothing outside of a checkout."""
     return {
         (origin, normalise(name)): version
         for origin, file in ((DEBIAN, PINS / "debian.txt"), (PYPI, PINS / "constraints.txt"))
@@ -89,37 +97,39 @@ def pins() -> dict[tuple[str, str], str]:
     }
 
 
-def departures(found: dict[str, Distribution] | None = None) -> list[str]:
-    """What is not as it is pinned, one sentence each; ``found``: by default, what is there."""
-    found = distributions() if found is None else found
+def departures(known: dict[str, Distribution] | None = None) -> list[str]:
+    """Return a sentence for each departure of ``known`` distributions from the pinned versions.
+
+    By default, ``known`` are all distributions on the import path.
+    """
+    known = distributions() if known is None else known
     pinned = pins()
     if not pinned:
         return []
-    said = [
+    sentences = [
         f"{one.name} is {one}, "
         + (f"but {version} is pinned" if version else "and no pin of docker/ names it from there")
-        for one in found.values()
+        for one in known.values()
         if one.origin != CHECKOUT and (version := pinned.get((one.origin, one.name))) != one.version
     ]
-    missing = [name for origin, name in pinned if origin == DEBIAN and name not in found]
-    return said + [f"{name} is not there, docker/debian.txt names it" for name in missing]
+    missing = [name for origin, name in pinned if origin == DEBIAN and name not in known]
+    return sentences + [f"{name} is not there, docker/debian.txt names it" for name in missing]
 
 
 def warnings() -> list[str]:
-    """One line for a user, where anything is not as it is pinned."""
-    said = departures()
-    if not said:
+    """Return a warning for the user in one line if any version departs from its pin, else no line."""
+    sentences = departures()
+    if not sentences:
         return []
-    more = f", and {len(said) - 1} more (provenance.json has them)" if len(said) > 1 else ""
-    return [f"not the program that was tested: {said[0]}{more}; bash docker/setup.sh mends it"]
+    more = f", and {len(sentences) - 1} more (provenance.json has them)" if len(sentences) > 1 else ""
+    return [f"not the program that was tested: {sentences[0]}{more}; bash docker/setup.sh mends it"]
 
 
 PACKAGES = ("flipflow", "numpy", "scipy", "pydantic", "exudyn", "fenics-dolfinx", "mpi4py", "h5py")
 
 
 def provenance(ranks: int) -> dict[str, Any]:
-    """What a run folder says of where it comes from."""
-    found = distributions()
+    """Return the content of ``provenance.json`` for a run on so many ranks."""
     return {
         "command": sys.argv,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -130,22 +140,25 @@ def provenance(ranks: int) -> dict[str, Any]:
         "ranks": ranks,
         "versions": versions(),
         "commit": commit(),
-        "distributions": {name: str(one) for name, one in found.items()},
+        "distributions": {name: str(one) for name, one in distributions().items()},
         "not_as_pinned": departures(),
     }
 
 
 def versions() -> dict[str, str | None]:
-    """Of this program and of what it stands on; None where it is not installed."""
-    found = distributions()
+    """Return the versions of this program and of its main libraries; None for one not installed."""
+    known = distributions()
     return {
-        **{name: found[name].version if name in found else None for name in PACKAGES},
-        "libliggghts3": debian_version("libliggghts3"),  # LIGGGHTS does not tell its own version
+        **{name: known[name].version if name in known else None for name in PACKAGES},
+        "libliggghts3": debian_version("libliggghts3"),  # LIGGGHTS does not tell its own version.
     }
 
 
 def commit() -> str | None:
-    """The commit of the checkout that this program runs from, with "+" for local changes."""
+    """Return the commit of the checkout that this program runs from, with "+" for local changes.
+
+    Returns None outside of a checkout or without git.
+    """
     git = ("git", "-C", str(Path(__file__).parent))
     try:
         commit = _output(*git, "rev-parse", "HEAD")
@@ -155,5 +168,5 @@ def commit() -> str | None:
 
 
 def _output(*command: str) -> str:
-    """What a command prints.  Raises OSError or CalledProcessError."""
+    """Return the output of a command.  Raises OSError or CalledProcessError."""
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

@@ -1,8 +1,8 @@
-"""Recordings of panels: their file, with a group for each panel (docs/theory/panel_recorded.md), and
-what of it the recorded panels of a case play back, and when.
+"""Recordings of panels: their file, and the plans to play them back on the recorded panels of a case.
 
-The machine's angle is that of its slowest exciter once it has run up, or, in a machine without,
-the slowest drive's speed times time.
+The file has a group for each panel (docs/theory/panel_recorded.md).  The machine's angle is the
+angle of its slowest exciter after the run-up; in a machine without exciters it is the speed of the
+slowest drive times time.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports.recording import Playback, RecordedGrid, Recording
 
 FORMAT = 2
-"""Version of the file, as its attribute ``format_version``; files of older versions have none."""
-ALIKE = 1e-6  # relative difference of lengths that counts as none
+"""Version of the file in its attribute ``format_version``; files of older versions have no such attribute."""
+ALIKE = 1e-6  # Lengths with a smaller relative difference count as equal.
 SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
 
 
 class UnreadableRecording(Exception):
-    """There is no such file, or it is no recording; the message says what is wrong."""
+    """An error for a file that does not exist or is no recording; the message says what is wrong."""
 
 
 class NoMatch(Exception):
-    """A recording does not fit; the message says which panel, and why."""
+    """An error for a recording that does not fit; the message names the panel and the reason."""
 
 
 @dataclass(frozen=True)
 class RecordedShape:
-    """What is recorded of one panel, and its lengths in m by name."""
+    """The recording of one panel, and the panel's lengths in m by name (``shape``)."""
 
     recording: Recording
     shape: dict[str, float]
@@ -44,15 +44,15 @@ class RecordedShape:
 
 @dataclass(frozen=True)
 class File:
-    """``speed_rad_per_s`` of the machine that was recorded, and its panels by name."""
+    """The content of a recording: the speed of the recorded machine, and its panels by name."""
 
     speed_rad_per_s: float
     panels: Mapping[str, RecordedShape]
 
 
 def write(path: Path, content: File) -> None:
-    """Write a recording, whole or not at all.  Raises OSError."""
-    import h5py  # here because checks of cases without recordings do not need it
+    """Write a recording, either completely or not at all.  Raises OSError."""
+    import h5py  # It is imported here because checks of cases without recordings do not need it.
 
     aside = path.with_name(f".{path.name}")
     with h5py.File(aside, "w") as file:
@@ -73,7 +73,7 @@ def read(path: Path) -> File:
     """Read a recording.  Raises UnreadableRecording."""
     if not path.is_file():
         raise UnreadableRecording(f"{path}: no such file; flipflow record makes one from a run's folder")
-    import h5py  # here because checks of cases without recordings do not need it
+    import h5py  # It is imported here because checks of cases without recordings do not need it.
 
     try:
         with h5py.File(path) as file:
@@ -90,6 +90,7 @@ def read(path: Path) -> File:
 
 
 def _panel(group: Any) -> RecordedShape:
+    """Read the recording of one panel from its group in the file."""
     shape = {name: float(value) for name, value in group.attrs.items() if name.endswith("_m")}
     grid = RecordedGrid(group["rows_m"][:], group["columns_m"][:])
     series = {name: np.asarray(group[name][:]) for name in SERIES}
@@ -98,8 +99,11 @@ def _panel(group: Any) -> RecordedShape:
 
 @dataclass(frozen=True)
 class Turning:
-    """How a machine turns: its speed, when the angle of the running machine passes 0, when it
-    starts, and how long it runs up."""
+    """The rotation of a machine.
+
+    ``speed_rad_per_s`` is the speed after the run-up.  ``zero_s`` is a time at which the angle of the
+    running machine is 0.  The machine starts at ``start_s`` and runs up for ``run_up_s``.
+    """
 
     speed_rad_per_s: float
     zero_s: float
@@ -108,7 +112,7 @@ class Turning:
 
 
 def turning(case: Case) -> Turning | None:
-    """Return how the machine of a case turns; None where nothing turns it."""
+    """Return the rotation of a case's machine; None if the machine has no exciters and no drives."""
     exciters = [
         Turning(
             exciter.speed_rad_per_s,
@@ -127,9 +131,9 @@ def turning(case: Case) -> Turning | None:
 
 
 def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
-    """What the panels play back, by their names; empty unless they are recorded ones.  The motion
-    grows within the run-up, but not faster than in a cycle.
+    """Return the playback of each panel, by name; nothing for panels that are not recorded.
 
+    The motion grows during the run-up, or during one cycle if the run-up is shorter.
     Raises NoMatch and UnreadableRecording.
     """
     if not case.panel.adapter.plays_back:
@@ -149,7 +153,7 @@ def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
 
 
 def _find_recording(panel: SinglePanel, recorded: Mapping[str, RecordedShape]) -> Recording:
-    """Return the recording of the panel's name, or the only recording.  Raises NoMatch."""
+    """Return the recording with the panel's name, or else the only recording.  Raises NoMatch."""
     only = next(iter(recorded.values())) if len(recorded) == 1 else None
     shape = recorded.get(panel.name, only)
     if shape is None:

@@ -1,6 +1,6 @@
-"""Scalar results of a run by short names: the one table that says what each name means.
+"""The scalar results of a run: one table defines the meaning of each short name.
 
-A name with dots that is not in the table is taken as a path of keys in ``summary.json``, such as
+A name with dots that is not in the table is a path of keys in ``summary.json``, such as
 ``results.screening.feed_kg_per_s``.
 """
 
@@ -22,17 +22,25 @@ Summary = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Value:
-    """A number, and half the width of its 95 % confidence interval where the run gives one."""
+    """A number with its uncertainty, where the run gives it.
+
+    ``half_width`` is half the width of the 95 % confidence interval over time; ``counting`` is the standard
+    deviation of a share from the number of its particles alone.
+    """
 
     value: float
     half_width: float | None = None
+    counting: float | None = None
 
 
 @dataclass(frozen=True)
 class Scalar:
-    """A result: ``words`` say what it is, with its unit; ``floor`` is the size below which a value
-    is nothing that a run resolves; ``of`` takes it from a summary, None where the run does not
-    have it; ``part`` is the part of the machine that it is of, "" where its path does not tell."""
+    """A result of a run.
+
+    ``words`` describe it and give its unit.  A run does not resolve values below ``floor``.  ``of``
+    takes the value from a summary and returns None where the run does not have it.  ``part`` is the
+    part of the machine that the result describes; "" if its path does not tell.
+    """
 
     words: str
     floor: float
@@ -41,6 +49,7 @@ class Scalar:
 
 
 def _inner(table: Any, path: str) -> Any:
+    """Return the entry at a path of keys with dots; None where there is no such entry."""
     for word in path.split("."):
         if isinstance(table, Mapping):
             table = table.get(word)
@@ -52,51 +61,57 @@ def _inner(table: Any, path: str) -> Any:
 
 
 def _number(entry: Any) -> Value | None:
-    """The value of a number or of an estimate, {"value", "half_width", "batches"}."""
-    half_width = None
+    """Return the value of a number or of an estimate, {"value", "half_width", ...}; else None."""
+    half_width = counting = None
     if isinstance(entry, Mapping) and "value" in entry:
-        entry, half_width = entry["value"], entry.get("half_width")
+        half_width, counting = entry.get("half_width"), entry.get("counting")
+        entry = entry["value"]
     if isinstance(entry, bool) or not isinstance(entry, int | float) or not math.isfinite(entry):
         return None
-    return Value(float(entry), None if half_width is None else float(half_width))
+    return Value(float(entry), half_width, counting)
 
 
 def _at(path: str) -> Callable[[Summary], Value | None]:
+    """Return a function that takes the number at a path from a summary."""
     return lambda summary: _number(_inner(summary, path))
 
 
 def _all(summary: Summary, table: str, key: str) -> list[Value]:
-    """A number of every entry of a table."""
+    """Return the numbers that the entries of a table have at ``key``."""
     numbers = [_number(_inner(entry, key)) for entry in (_inner(summary, table) or {}).values()]
     return [number for number in numbers if number is not None]
 
 
 def _largest(table: str, key: str) -> Callable[[Summary], Value | None]:
+    """Return a function that takes the largest number of the entries of a table from a summary."""
     return lambda summary: max(_all(summary, table, key), key=lambda number: number.value, default=None)
 
 
 def _mean(table: str, key: str) -> Callable[[Summary], Value | None]:
-    """The mean over the entries of a table; its half width is the mean of theirs: an upper bound."""
+    """Return a function that takes the mean number of the entries of a table from a summary.
 
-    def of(summary: Summary) -> Value | None:
+    The half width of the mean is the mean of their half widths, which is an upper bound.
+    """
+
+    def mean(summary: Summary) -> Value | None:
         values = _all(summary, table, key)
         if not values:
             return None
         widths = [number.half_width for number in values if number.half_width is not None]
-        wide = fmean(widths) if len(widths) == len(values) else None
-        return Value(fmean(number.value for number in values), wide)
+        half_width = fmean(widths) if len(widths) == len(values) else None
+        return Value(fmean(number.value for number in values), half_width)
 
-    return of
+    return mean
 
 
 def _stroke(summary: Summary) -> Value | None:
-    """The stroke of two frames against each other; of a machine with one frame, its own."""
+    """Return the stroke of two frames against each other; for a single frame, its own amplitude."""
     relative = _largest("results.motion.relative", "along_m")(summary)
     return relative or _largest("results.motion.frames", "amplitude_m.0")(summary)
 
 
 def _middle(summary: Summary) -> Value | None:
-    """The size of the motion of the probe on a panel that moves most."""
+    """Return the half range of the probe that moves most of all probes on panels."""
     names = _inner(summary, "results.motion.panel_points") or {}
     half_ranges_m = [_inner(summary, f"probes.{name}.half_range_m") for name in names]
     sizes_m = [math.hypot(*vector) for vector in half_ranges_m if vector and None not in vector]
@@ -112,6 +127,12 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             1e-6,
             _largest(_FRAMES, "major_m"),
         ),
+        "power": ("mean power of the drives / W", 1e-3, _at("results.power.drives_W")),
+        "work_per_feed": (
+            "work of the drives over the mass fed / (J/kg)",
+            1e-3,
+            _at("results.power.drives_J_per_kg"),
+        ),
     },
     "panels": {
         "middle_amplitude": ("largest half range of a probe on a panel / m", 1e-6, _middle),
@@ -126,6 +147,11 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             "largest pull of a panel on its clamps / N",
             1e-1,
             _largest(_PANELS, "tension_largest_N"),
+        ),
+        "wear": (
+            "largest depth worn off a panel / (m/h)",
+            1e-12,
+            _largest("results.wear.panels", "largest_m_per_h"),
         ),
         "stretch": ("largest stretch of a panel / %", 1e-3, _largest(_PANELS, "stretch_largest_percent")),
     },
@@ -147,27 +173,28 @@ SCALARS = {name: Scalar(*row, part) for part, rows in _ROWS.items() for name, ro
 
 
 def value_at(summary: Summary, name: str) -> Value | None:
-    """Return a number of a run's summary by a short name, or by keys with dots; None where the run
-    does not have it."""
+    """Return a number of a run's summary by its short name or its path; None if the run does not have it."""
     return (SCALARS[name].of if name in SCALARS else _at(name))(summary)
 
 
 def is_of_separation(name: str) -> bool:
-    """Whether a result is of what came in and went out."""
+    """Return whether a result describes how the screen separates the feed into its products."""
     separated = ("efficiency", "recovery", "undersize", "oversize")
     return name in separated or name.startswith("results.screening.")
 
 
 _PARTS = {
     "particles": ("material.", "results.screening.", "results.bed."),
-    "frames": ("results.motion.frames.", "results.motion.relative."),
-    "panels": ("results.motion.panels.", "results.motion.panel_points."),
+    "frames": ("results.motion.frames.", "results.motion.relative.", "results.power."),
+    "panels": ("results.motion.panels.", "results.motion.panel_points.", "results.wear."),
 }
 
 
 def part_of(name: str, case: Case) -> str:
-    """What part of the machine a result is of: "particles", "panels", "frames", or "" where its
-    name does not tell.  A probe is of what it is fixed to."""
+    """Return the part of the machine that a result describes: "particles", "panels" or "frames".
+
+    A probe belongs to the part that it is fixed to.  Returns "" if the name does not tell the part.
+    """
     if name in SCALARS:
         return SCALARS[name].part
     words = name.split(".")
@@ -178,7 +205,7 @@ def part_of(name: str, case: Case) -> str:
 
 
 def scalar(name: str) -> Scalar:
-    """The result of a short name, or of a path of keys with dots.  Raises KeyError with what is near."""
+    """Return the result with a short name or a path.  Raises KeyError, which suggests a similar name."""
     if name in SCALARS:
         return SCALARS[name]
     if re.fullmatch(r"probes\..*\.amplitude_m\..*", name):

@@ -1,6 +1,6 @@
-"""From the case to plans: what each solver needs, in plain records and world axes.
+"""The plans made from a case: plain records in world axes with everything that each solver needs.
 
-Materials are numbered by ``material_numbers`` wherever a plan or a surface has an index.
+Wherever a plan or a surface has a material's index, ``material_numbers`` defines it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
 from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
 from orchestrator.case.bed.sources import combine_feeds, initial_particles, largest_diameter_m
-from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit
+from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit_vector
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
 from orchestrator.ports import Array
@@ -58,7 +58,10 @@ def material_numbers(case: Case) -> dict[str, int]:
 
 
 def by_pair(case: Case, numbers: dict[str, int], field: str, otherwise: float = 0.0) -> Array:
-    """(k, k) table of a field of ``contacts``; ``otherwise`` for pairs that never meet."""
+    """Return a field of ``contacts`` for each pair of k materials, (k, k).
+
+    Pairs that the case does not give have the value ``otherwise``.
+    """
     table = np.full((len(numbers), len(numbers)), otherwise)
     for contact in case.contacts:
         if set(contact.between) <= set(numbers):
@@ -68,10 +71,11 @@ def by_pair(case: Case, numbers: dict[str, int], field: str, otherwise: float = 
 
 
 def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_N: Array) -> FramesPlan:
-    """``points_m`` (n, 3) in the world at t = 0 with their ``carrier`` frames, ``reaction_N``
-    (n, 3) the panels' force on them at t = 0.
+    """Return the plan for the frames' solver.
 
-    Frames that forces do not move get drives only: no bushings, no exciters.
+    ``points_m`` (n, 3) are points in the world at t = 0, and ``carrier`` names the frame of each.
+    ``reaction_N`` (n, 3) is the panels' force on them at t = 0.  The plan of a solver whose frames
+    are not moved by forces contains drives, but no bushings and no exciters.
     """
     forces = case.frames.adapter.moved_by_forces
     frames = case.screen.frames
@@ -91,7 +95,7 @@ def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_
 
 
 def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
-    """Driven frames need no mass: it is 0 where the case gives none."""
+    """Return the plan of a frame; its mass is 0 where the case gives none, as driven frames need none."""
     tensor = np.diag(frame.inertia_kg_m2 or (0.0, 0.0, 0.0))
     upper = np.zeros((3, 3))
     upper[[0, 0, 1], [1, 2, 2]] = frame.products_of_inertia_kg_m2
@@ -123,14 +127,14 @@ def bushings(case: Case) -> list[BushingPlan]:
 
 
 def _exciters(case: Case) -> list[ExciterPlan]:
-    """Return the plans of the exciters, in world axes; without motors, shafts turn at full speed."""
+    """Return the plans of the exciters, in world axes, with motors if the frames' solver has them."""
     motors = case.frames.adapter.motors
     return [
         ExciterPlan(
             body=exciter.frame,
             position_m=to_world(case, exciter.position_m),
-            axis=to_world(case, unit(exciter.axis)),
-            start=to_world(case, unit(exciter.start)),
+            axis=to_world(case, unit_vector(exciter.axis)),
+            start=to_world(case, unit_vector(exciter.start)),
             mass_moment_kg_m=exciter.mass_moment_kg_m,
             speed_rad_per_s=exciter.speed_rad_per_s,
             run_up_s=exciter.run_up_s,
@@ -144,6 +148,7 @@ def _exciters(case: Case) -> list[ExciterPlan]:
 
 
 def _motor(motor: tables.Motor | None) -> MotorPlan | None:
+    """Return the plan of a motor; None for an exciter without a motor."""
     if motor is None:
         return None
     return MotorPlan(
@@ -157,8 +162,9 @@ def _motor(motor: tables.Motor | None) -> MotorPlan | None:
 
 
 def _drive(case: Case, name: str, drive: tables.Drive) -> DrivePlan:
-    amplitude_m, phase_rad = _turned(case, drive.amplitude_m, drive.phase_rad)
-    rotation_rad, rotation_phase_rad = _turned(case, drive.rotation_rad, drive.rotation_phase_rad)
+    """Return the plan of the drive of the frame ``name``, in world axes."""
+    amplitude_m, phase_rad = _turn_oscillation(case, drive.amplitude_m, drive.phase_rad)
+    rotation_rad, rotation_phase_rad = _turn_oscillation(case, drive.rotation_rad, drive.rotation_phase_rad)
     return DrivePlan(
         body=name,
         center_m=to_world(case, drive.center_m),
@@ -171,14 +177,14 @@ def _drive(case: Case, name: str, drive: tables.Drive) -> DrivePlan:
     )
 
 
-def _turned(case: Case, size: Sequence[float], phase_rad: Sequence[float]) -> tuple[Array, Array]:
-    """Sizes and phases along the world axes of an oscillation given along the deck axes."""
+def _turn_oscillation(case: Case, size: Sequence[float], phase_rad: Sequence[float]) -> tuple[Array, Array]:
+    """Turn the sizes (3,) and phases (3,) of an oscillation from the deck axes to the world axes."""
     phasor = axes(case) @ (np.array(size) * np.exp(1j * np.array(phase_rad)))
     return np.abs(phasor), np.angle(phasor)
 
 
 def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> tuple[PanelPlan, ...]:
-    """Return a plan for each panel, in the order of the case, with ``playbacks`` by the panels' names."""
+    """Return a plan for each panel, in the order of the case; ``playbacks`` has the panels' names as keys."""
     return tuple(
         PanelPlan(
             name=panel.name,
@@ -199,24 +205,26 @@ def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> 
     )
 
 
-UNKNOWNS = 3  # of a node
+UNKNOWNS = 3  # Each node of a mesh has so many.
 
 
 def mesh_sizes(case: Case) -> dict[str, MeshSize]:
-    """The size of each panel's mesh, by name; empty for solvers whose meshes are small.  Raises
-    ValueError for openings that the solver cannot resolve."""
+    """Return the size of each panel's mesh, by name; nothing for solvers whose meshes are small.
+
+    Raises ValueError for openings that the solver cannot resolve.
+    """
     size = case.panel.adapter.mesh_size
     return {} if size is None else {plan.name: size(plan) for plan in panel_plans(case)}
 
 
 def memory_GiB(case: Case) -> float:
-    """The memory that the meshes of all panels need together, good to a factor of two."""
+    """Return an estimate of the memory that all panels' meshes need; it is right within a factor of two."""
     each_GiB = case.panel.adapter.memory_GiB
     return 0.0 if each_GiB is None else sum(each_GiB(plan) for plan in panel_plans(case))
 
 
 def meshes(case: Case) -> Iterator[str]:
-    """Lines for ``flipflow check``: panels with equal meshes together."""
+    """Yield a line for ``flipflow check`` about each size of mesh and the number of panels that have it."""
     sizes = list(mesh_sizes(case).values())
     for size in dict.fromkeys(sizes):
         yield (
@@ -228,8 +236,10 @@ def meshes(case: Case) -> Iterator[str]:
 def particles_plan(
     case: Case, surface: TriangleSurface, communicator: Any = None, folder: Path | None = None
 ) -> ParticlesPlan | None:
-    """``surface`` as the particles will touch it, its materials numbered by
-    ``material_numbers``; None for a case without particles."""
+    """Return the plan for the particles' solver; None for a case without particles.
+
+    ``surface`` is the surface that particles touch; ``material_numbers`` has numbered its materials.
+    """
     if not has_particles(case):
         return None
     numbers = material_numbers(case)
@@ -261,16 +271,16 @@ def particles_plan(
 
 def exits(case: Case) -> tuple[ExitPlan, ...]:
     """Return the exits as boxes in the world, in the order of the case."""
-    found = []
+    plans = []
     for name, row in case.screen.exits.items():
         low, high = np.array(row.box_m)
         center_m = to_world(case, (low + high) / 2.0)
-        found.append(ExitPlan(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
-    return tuple(found)
+        plans.append(ExitPlan(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
+    return tuple(plans)
 
 
 def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
-    """(k, k), or None where nothing wears."""
+    """Return the specific wear of each pair of k materials, (k, k); None if nothing wears."""
     rate_m3_per_N_m = by_pair(case, numbers, "specific_wear_m3_per_N_m")
     return rate_m3_per_N_m if rate_m3_per_N_m.any() and case.particles.wear != "none" else None
 

@@ -1,8 +1,8 @@
-"""Solvers by name: which ones there are, what their adapters tell of them, and how one is opened.
+"""The solvers by name: lists of their names, access to their adapters, and a function that opens one.
 
 Every module in ``adapters/<port>`` that is not one of the port's shared parts is a solver, and so
-is every entry point of an installed package in the group ``flipflow.<port>``.  A door is imported
-when a case calls for it, so that what is absent costs nothing.
+is every entry point of an installed package in the group ``flipflow.<port>``.  An adapter is imported
+only when a case asks for it, so that a solver which is not installed does no harm.
 """
 
 from __future__ import annotations
@@ -27,44 +27,47 @@ if TYPE_CHECKING:
 
 Port = Literal["panel", "frames", "particles"]
 NONE = "none"
-"""``particles.solver`` of a machine that runs empty."""
+"""The value of ``particles.solver`` for a machine that runs empty."""
 
 
 @dataclass(frozen=True)
 class SolverName:
-    """A value that is the name of a solver of ``port``: a mark for a case's table."""
+    """An annotation for a field of a case's table whose value is the name of a solver of ``port``."""
 
     port: Port
 
     @property
     def allowed(self) -> tuple[str, ...]:
-        """The values that a case may give."""
+        """The names that a case may give."""
         return (NONE, *names(self.port)) if self.port == "particles" else names(self.port)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return no_info_after_validator_function(self._checked, str_schema(strict=True))
+        return no_info_after_validator_function(self._check, str_schema(strict=True))
 
-    def _checked(self, name: str) -> str:
+    def _check(self, name: str) -> str:
         if name in self.allowed:
             return name
-        *most, last = (repr(one) for one in self.allowed)
+        *most, last = (repr(allowed) for allowed in self.allowed)
         expected = f"{', '.join(most)} or {last}"
         raise PydanticKnownError("literal_error", {"expected": expected})
 
 
 @cache
 def names(port: Port) -> tuple[str, ...]:
-    """The solvers of a port, as cases name them."""
+    """Return the names of a port's solvers, as cases give them, in alphabetical order."""
     folder = import_module(f"adapters.{port}")
     own = {module.name for module in iter_modules(folder.__path__)} - folder.SHARED
-    doors = {name.replace("_", "-") for name in own if not name.startswith("_")}
-    return tuple(sorted(doors | {entry.name for entry in _installed(port)}))
+    own_solvers = {name.replace("_", "-") for name in own if not name.startswith("_")}
+    return tuple(sorted(own_solvers | {entry.name for entry in _entry_points(port)}))
 
 
 @cache
 def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
-    """The adapter of a solver.  Raises SolverMissing for an installed one that cannot be loaded."""
-    for entry in _installed(port):
+    """Return the adapter of a solver.
+
+    Raises SolverMissing if the solver belongs to an installed package and cannot be loaded.
+    """
+    for entry in _entry_points(port):
         if entry.name == solver:
             try:
                 return cast("Adapter[Any, Any, Any]", entry.load())
@@ -72,27 +75,27 @@ def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
                 raise SolverMissing(
                     f"the solver {solver} of {entry.value} cannot be loaded: {error}"
                 ) from error
-    door = import_module(f"adapters.{port}.{solver.replace('-', '_')}")
-    return cast("Adapter[Any, Any, Any]", door.ADAPTER)
+    module = import_module(f"adapters.{port}.{solver.replace('-', '_')}")
+    return cast("Adapter[Any, Any, Any]", module.ADAPTER)
 
 
 def names_able_to(port: Port, can: Callable[[Any], bool]) -> str:
-    """The solvers of a port that can do something, as words for a hint: "planar" or "exudyn"."""
+    """Return text for a hint, such as '"planar" or "exudyn"', that names the solvers which pass ``can``."""
     able = [f'"{name}"' for name in names(port) if can(adapter(port, name))]
     return " or ".join(able)
 
 
-def without(port: Port, effect: str) -> str:
-    """The solver that leaves out an effect and little else, "" if there is none."""
+def name_without(port: Port, effect: str) -> str:
+    """Return the solver that leaves out an effect and few others; "" if no solver leaves it out."""
     able = [name for name in names(port) if effect in adapter(port, name).leaves_out]
     return min(able, key=lambda name: len(adapter(port, name).leaves_out), default="")
 
 
 def open_solver(port: Port, solver: str, plan: Any) -> Any:
-    """The open solver of ``plan``.
+    """Open a solver for ``plan`` and return it.
 
-    Raises SolverMissing, SolverFailed, and CaseError where the adapter refuses the plan with a
-    ValueError, for example a step above its limit.
+    Raises SolverMissing and SolverFailed, and CaseError if the adapter refuses the plan with a
+    ValueError, for example because the step is above its limit.
     """
     build = adapter(port, solver).build
     try:
@@ -103,5 +106,6 @@ def open_solver(port: Port, solver: str, plan: Any) -> Any:
         raise CaseError([refusal]) from error
 
 
-def _installed(port: Port) -> tuple[EntryPoint, ...]:
+def _entry_points(port: Port) -> tuple[EntryPoint, ...]:
+    """Return the entry points of the port's solvers in installed packages."""
     return tuple(entry_points(group=f"flipflow.{port}"))

@@ -1,1 +1,1 @@
-"""The command line and what stands behind each command."""
+"""The command line: its commands and their output."""

@@ -1,4 +1,4 @@
-"""The console of all commands: what they print, and how they report what went wrong."""
+"""The console of all commands, with their exit codes and their reports of errors."""
 
 from __future__ import annotations
 
@@ -22,8 +22,10 @@ TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.
 
 @contextmanager
 def reported_errors() -> Iterator[None]:
-    """Report what goes wrong inside, and end the program with its exit code.  An internal error is
-    raised as it is."""
+    """Report an error inside the context, and end the program with the error's exit code.
+
+    An internal error is raised as it is.
+    """
     try:
         yield
     except KeyboardInterrupt:
@@ -37,7 +39,7 @@ def reported_errors() -> Iterator[None]:
 
 
 def _code(error: Exception) -> int | None:
-    """Return the exit code of an error; None for what only an internal error raises."""
+    """Return the exit code of an error; None for an internal error."""
     from orchestrator.case.file.errors import CaseError
     from orchestrator.output.records.run_folder import FolderUnusable
     from orchestrator.ports.plans import SolverFailed, SolverMissing
@@ -53,7 +55,7 @@ def _code(error: Exception) -> int | None:
 
 
 def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Return every problem that keeps a case from being run."""
+    """Return every problem that prevents a run of a case."""
     from orchestrator.preflight.check import find_problems
 
     problems = find_problems(loaded)
@@ -70,8 +72,10 @@ def check_or_report(
     overrides: list[str] | None,
     find: Callable[[JudgedCase], list[CaseProblem]] = find_all_problems,
 ) -> JudgedCase:
-    """Return the case if it has no problem (by default, of any kind); else reports all of them and
-    ends the program."""
+    """Return the case at a level if ``find`` finds no problem in it.
+
+    Otherwise report all problems and end the program.
+    """
     from orchestrator.case.file.errors import CaseError
     from orchestrator.preflight.judge import load_judged
 

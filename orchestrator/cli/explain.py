@@ -1,4 +1,4 @@
-"""What ``flipflow explain`` prints: a table of effects, and what follows from it."""
+"""The output of ``flipflow explain``: a table of effects, and the conclusions from it."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from orchestrator.studies.pairs import TriedEffects
 if TYPE_CHECKING:
     from orchestrator.studies.accuracy.plan import StoredStudy
 
-NARROW = 130  # too narrow for all columns
-WIDTH = 196  # of the table where no terminal sets one
+NARROW = 130  # width of the console below which not all columns fit
+WIDTH = 196  # width of the table if no terminal sets one
 COLUMNS = ("effect", "here", "number", "value", "threshold", "auto", "verdict", "change / cost")
 SHORT = ("effect", "here", "value", "auto")
 NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels: nothing to decide"}
@@ -35,10 +35,10 @@ def print_explanation(
     tried: TriedEffects | None = None,
     asked: Sequence[str] = (),
 ) -> None:
-    """Print the verdicts on all effects of a case whose tables have no problems.
+    """Print the verdicts on all effects of a case without problems in its tables.
 
-    What a ``study`` of accuracy measured of it, or what runs that were ``tried`` say of the results
-    ``asked`` for, takes the place of estimates.
+    The measurements of a ``study`` of accuracy replace estimates.  So do the runs that were ``tried``,
+    with their changes of the results ``asked`` for.
     """
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
@@ -63,9 +63,9 @@ def print_explanation(
 def judge_effects(
     loaded: JudgedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
 ) -> dict[str, Judged]:
-    """Judge the effects of the case as it describes itself, part by part.
+    """Return the judgements of the effects of a case, with all that it describes, part by part.
 
-    ``pairs`` of runs decide for the results ``asked`` for; by default those that the case has.
+    ``pairs`` of runs decide for the results ``asked`` for.  By default, the remembered pairs decide.
     """
     if pairs is None:
         pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
@@ -105,8 +105,8 @@ def effects_table(effects: Mapping[str, Judged], columns: tuple[str, ...]) -> Ta
 
 
 def _by_auto(judged: Judged, left_out: Collection[str]) -> str:
-    """Return what ``effects = "auto"`` does with an effect."""
-    if judged.lacking:
+    """Return the word for what ``effects = "auto"`` does with an effect."""
+    if judged.is_lacking:
         return "warns"
     if not judged.present:
         return "-"
@@ -114,7 +114,7 @@ def _by_auto(judged: Judged, left_out: Collection[str]) -> str:
 
 
 def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
-    """Yield what was run, what could not be, and for what the budget did not last."""
+    """Yield lines about the effects that were tried, those without runs, and those beyond the budget."""
     done = [name for name, pair in tried.pairs.items() if not pair.refused]
     spent = f"{tried.spent_s:.0f} s of processor time"
     yield f"for {', '.join(asked)}: {len(done)} effects tried out or remembered, {spent}"
@@ -131,17 +131,17 @@ def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
 
 
 def summary_lines(loaded: JudgedCase, verdicts: list[Judged]) -> Iterator[str]:
-    """Yield what the case lacks, and what it could do without."""
-    lacking = [f"  {each.effect}: {each.verdict.why}; {each.key}" for each in verdicts if each.lacking]
+    """Yield lines about the effects that the case lacks, and those without which it could do."""
+    lacking = [f"  {row.effect}: {row.verdict.why}; {row.key}" for row in verdicts if row.is_lacking]
     spare = [
-        f"  {each.effect}: {each.verdict.why}; {each.key}; it costs {each.verdict.cost}"
-        for each in verdicts
-        if each.spare
+        f"  {row.effect}: {row.verdict.why}; {row.key}; it costs {row.verdict.cost}"
+        for row in verdicts
+        if row.is_spare
     ]
     yield "matters, and the case does not have it:" if lacking else "nothing that matters is lacking"
     yield from lacking
     yield "may be left out, and the case has it:" if spare else "nothing could be left out"
     yield from spare
-    if loaded.case.coupling.scheme == AUTO:  # which one it is takes the solvers to say
+    if loaded.case.coupling.scheme == AUTO:  # only solvers can tell which scheme it is
         yield "coupling.scheme: the program's choice, which flipflow check names, with the reason"
     yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"

@@ -1,9 +1,9 @@
-"""A run as the command line starts or resumes it: what is printed, what goes wrong, and the exit code.
+"""A run that the command line starts or resumes: its output, its errors and its exit code.
 
-0 done, 1 an internal error, 2 the case or the output folder is wrong, 3 a solver is
-missing, 4 a solver failed or the run became unstable or its results could not be written, 5 done
-but not to be trusted, 6 done but its results could not be made, 129 (SIGHUP), 130 (SIGINT), 138
-(SIGUSR1) or 143 (SIGTERM) interrupted.
+The exit code is 0 if the run is done, 1 after an internal error, 2 if the case or the output folder is
+wrong, 3 if a solver is missing, 4 if a solver failed, the run became unstable or its results could not
+be written, 5 if the run is done but not to be trusted, 6 if it is done but its results could not be
+made, and 129 (SIGHUP), 130 (SIGINT), 138 (SIGUSR1) or 143 (SIGTERM) if it was interrupted.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records import run_folder, summary, trust
 from orchestrator.output.records.run_folder import (
     LOG,
-    OF_A_RUN,
+    RUN_LOCK,
     SUMMARY,
     FolderUnusable,
     is_at_work,
@@ -44,11 +44,11 @@ from orchestrator.output.report.headline import headline
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.judgement.account import Entry, account, at_start
+from orchestrator.preflight.judgement.account import Entry, account, lines_at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import key_of, share_pairs
 from orchestrator.preflight.stability.report import stability_report
-from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
+from orchestrator.run.interruption import ImmediateStop, Interrupted, find_immediate_stop
 from orchestrator.run.origin import origin, refuse_another_run
 from orchestrator.run.origin import warnings as origin_warnings
 from orchestrator.run.run import Run
@@ -68,7 +68,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
         _require_runnable(loaded)
         loaded = _decide_effects(loaded, path, level, overrides, world)
         entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
-        if world is not None:  # no folder where another rank refuses
+        if world is not None:  # no folder is made if another rank refuses the case
             world.Barrier()
         folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
     except Exception as error:
@@ -77,8 +77,10 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
 
 
 def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
-    """Go on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
-    Returns the exit code."""
+    """Resume a run on every rank, and return the exit code.
+
+    The run continues from its last checkpoint or from the checkpoint of a ``sync_point``.
+    """
     world = mpi.communicator()
     try:
         checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
@@ -95,8 +97,10 @@ def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None
 def _decide_effects(
     loaded: JudgedCase, path: Path, level: str | None, overrides: Sequence[str], world: Any
 ) -> JudgedCase:
-    """Return the case with what short runs with and without effects say of those that "auto" cannot
-    decide about.  The first rank makes or remembers them, and all ranks choose alike."""
+    """Return the case after short runs with and without the effects about which "auto" cannot decide.
+
+    The first rank makes the runs or finds them in the memory, and all ranks make the same choice.
+    """
     if not loaded.choice.asked:
         return loaded
     say = _console().print
@@ -112,13 +116,18 @@ def _decide_effects(
 
 
 def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
-    """Return the last checkpoint that is whole, or the one of a sync point.  Raises FolderUnusable."""
+    """Return the last undamaged checkpoint, or the checkpoint of a sync point.
+
+    Raises FolderUnusable if there is none.
+    """
     if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
         raise FolderUnusable(f"{folder}: is not the folder of a run")
     if is_at_work(folder):
         raise FolderUnusable(f"{folder}: the run is still going on")
     checkpoint = (
-        checkpoints.newest(folder) if sync_point is None else checkpoints.at_sync_point(folder, sync_point)
+        checkpoints.find_newest(folder)
+        if sync_point is None
+        else checkpoints.find_at_sync_point(folder, sync_point)
     )
     if checkpoint is None and (torn := checkpoints.find_damage(folder)):
         raise FolderUnusable(f"{folder}: no checkpoint that is whole:\n" + "\n".join(torn))
@@ -141,15 +150,17 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
 
 
 def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, world: Any) -> list[str]:
-    """Make the folder as it was at the checkpoint, and return warnings about that.  Raises
-    FolderUnusable for what is another run."""
+    """Restore the folder as it was at the checkpoint, and return warnings about that.
+
+    Raises FolderUnusable if the case is that of another run.
+    """
     now = origin(loaded, folder, world)
     refuse_another_run(checkpoint, now)
     killed = [] if (folder / SUMMARY).exists() else [KILLED]
     checkpoints.remove_later(folder, checkpoint)
     checkpoint.put_back(folder)
-    for of_the_end in ("failure.txt", SUMMARY):
-        (folder / of_the_end).unlink(missing_ok=True)
+    for written_at_end in ("failure.txt", SUMMARY):
+        (folder / written_at_end).unlink(missing_ok=True)
     write_case(folder, loaded)
     provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
     resumed = [*provenance.get("resumed", []), {"at_s": checkpoint.simulated_s, **now["provenance"]}]
@@ -158,15 +169,17 @@ def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, wo
 
 
 def _require_runnable(loaded: JudgedCase) -> None:
-    """Raise CaseError for a case with problems, and SolverMissing where this rank lacks what
-    solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
+    """Raise CaseError for a case with problems, and SolverMissing if this rank lacks the panels' solver.
+
+    PETSc starts on all ranks together, so none may go on without it.
+    """
     if problems := find_all_problems(loaded):
         raise CaseError(problems)
     loaded.case.panel.adapter.load()
 
 
 def _report_refusal(world: Any, error: Exception) -> int:
-    """Print once why nothing is run, and return the exit code."""
+    """Print once why nothing will run, and return the exit code."""
     match error:
         case SolverMissing():
             message, code = str(error), MISSING
@@ -176,7 +189,7 @@ def _report_refusal(world: Any, error: Exception) -> int:
             message, code = TOO_LARGE, WRONG
         case _:
             message, code = _describe_internal(error), BROKEN
-    return mpi.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
+    return mpi.in_turn(world, lambda: _console().print(run_folder.escape_unprintable(message)), code)
 
 
 def _execute(
@@ -187,14 +200,14 @@ def _execute(
     checkpoint: Checkpoint | None = None,
     warned: Sequence[str] = (),
 ) -> int:
-    """Run the case in its folder, or go on from ``checkpoint``, and return the exit code.
+    """Run the case in its folder, or continue from ``checkpoint``, and return the exit code.
 
-    ``entries`` are the account of its effects, ``warned`` further warnings.  Raises FolderUnusable
-    where another process is at work.
+    ``entries`` is the account of its effects, and ``warned`` has further warnings.  Raises
+    FolderUnusable if another process is at work in the folder.
     """
     first = mpi.is_first(world)
     console = _console(quiet=not first)
-    alone = lock(folder / OF_A_RUN) if first else nullcontext()
+    alone = lock(folder / RUN_LOCK) if first else nullcontext()
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if checkpoint is None else f"going on from t = {checkpoint.simulated_s:g} s with"
@@ -206,9 +219,9 @@ def _execute(
                 *provenance.warnings(),
                 *warnings(loaded),
                 *stability.warnings(),
-                *at_start(entries),
+                *lines_at_start(entries),
             ]
-        except MemoryError as error:  # of panels' meshes; nothing has been computed
+        except MemoryError as error:  # the panels' meshes are too large; nothing has been computed
             if first and checkpoint is None:
                 run_folder.remove_folder(folder)
             return _report_refusal(world, error)
@@ -222,12 +235,14 @@ def _execute(
 
 
 class _StandardError(io.TextIOBase):
-    """Standard error, which may go away during a run: a terminal that hangs up, a pipe that nobody
-    reads any more.  What nobody reads is in run.log.  From then on the stream leads
-    nowhere, or Python would end with exit code 120 over what it could not write."""
+    """Standard error that survives the loss of its reader during a run.
+
+    A terminal may hang up, or a pipe may lose its reader; run.log has all lines anyway.  The stream then
+    leads to the null device, because otherwise Python would end with exit code 120.
+    """
 
     def __init__(self) -> None:
-        # while it shows a bar, Rich puts something in the place of standard error that prints here
+        # while Rich shows a bar, it replaces standard error by a proxy, which would print to this console
         self._stream = getattr(sys.stderr, "rich_proxied_file", sys.stderr)
 
     def write(self, text: str) -> int:
@@ -261,13 +276,13 @@ def _console(quiet: bool = False) -> Console:
 
 
 def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int:
-    """Run, and turn whatever happens into a message, a finished folder and an exit code."""
+    """Run to the end or to an error, finish the folder, print a message and return the exit code."""
     try:
         run.go()
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
         _print_and_log(f"{reason} at t = {run.simulated_s:g} s", console)
-        console.print(run_folder.printable(f"to go on: {resume_hint(folder, world)}"))
+        console.print(run_folder.escape_unprintable(f"to go on: {resume_hint(folder, world)}"))
     except BaseException as error:
         return _end_after_error(run, *_classify(error), folder, world)
     else:
@@ -280,11 +295,14 @@ def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int
 
 
 def _classify(error: BaseException) -> tuple[int, str, str]:
-    """Return exit code, status and reason of a run that ``error`` ended."""
-    if stop := immediate_stop(error):
+    """Return the exit code, the status and the reason of a run that ``error`` ended.
+
+    Raise ``error`` itself if it is no exception of a kind that ends runs.
+    """
+    if stop := find_immediate_stop(error):
         code = 128 + stop.signal if isinstance(stop, ImmediateStop) else AT_ONCE
         return code, "interrupted", str(stop) or "stopped at once"
-    notes = getattr(error, "__notes__", ())  # the member and the moment, where they are known
+    notes = getattr(error, "__notes__", ())  # the member and the moment, if they are known
     match error:
         case CaseError():
             return WRONG, "refused", str(error)
@@ -303,9 +321,11 @@ def _describe_internal(error: Exception) -> str:
 
 
 def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
-    """Write what a run leaves at its end, and return its exit code: another one than ``code`` where the
-    summary says that the run is doubtful or incomplete, or cannot be written.  Prints the closing table,
-    and where everything is."""
+    """Finish the run's folder, print the closing table and the folder, and return the exit code.
+
+    The exit code differs from ``code`` if the summary calls the run doubtful or incomplete, or cannot be
+    written.
+    """
     try:
         figures = run.finish(status, reason)
         if trust.came_to_its_end(figures["status"]):
@@ -316,7 +336,7 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)
                 console.print(f"WARNING: do not trust this run: {doubt}")
-        console.print(run_folder.printable(f"results in {folder}"))
+        console.print(run_folder.escape_unprintable(f"results in {folder}"))
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
@@ -325,10 +345,12 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
 
 
 def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
-    """End all ranks, wherever they wait; the first one to fail prints why.  What was refused before
-    anything was computed leaves no folder."""
+    """End all ranks, wherever they wait; the first rank that fails prints the reason.
+
+    A run that is refused before it has computed anything leaves no folder.
+    """
     if not run_folder.claim(folder / "failure.txt", reason, world.rank if world else 0):
-        time.sleep(60)  # the rank that speaks ends this one, too, when it has written its summary
+        time.sleep(60)  # the rank that failed first ends this one as soon as its summary is written
     else:
         LOG.error(reason)
         console = _console()
@@ -351,15 +373,15 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
 def _print_and_log(line: str, console: Console) -> None:
     """Print a line on the console and in the log."""
     LOG.info(line)
-    console.print(run_folder.printable(line))
+    console.print(run_folder.escape_unprintable(line))
 
 
 def resume_lines(folder: Path, world: Any) -> Iterator[str]:
-    """Yield where a run that failed can be taken up again, and the command."""
-    last = checkpoints.newest(folder)
+    """Yield lines about the last good state of a failed run, with the command that resumes it there."""
+    last = checkpoints.find_newest(folder)
     if last is None:
         return
-    good = checkpoints.at_sync_point(folder, last.good)
+    good = checkpoints.find_at_sync_point(folder, last.good)
     if good is None:
         yield f"nothing was saved before; state at t = {last.simulated_s:g} s: {last.folder}"
     else:
@@ -368,8 +390,8 @@ def resume_lines(folder: Path, world: Any) -> Iterator[str]:
 
 
 def resume_hint(folder: Path, world: Any, checkpoint: Checkpoint | None = None) -> str:
-    """Return the command that takes the run up again, from ``checkpoint`` or the last one."""
-    # Open MPI's mpirun wants a word of root where the environment does not allow root
+    """Return the command that resumes the run from ``checkpoint``, or from the last checkpoint."""
+    # Open MPI's mpirun refuses to run as root unless the environment or this option allows it
     allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
     as_root = [] if allowed else ["--allow-run-as-root"]
     with_ranks = [] if world is None else ["mpirun", *as_root, "-n", str(world.size)]

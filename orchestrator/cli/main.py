@@ -1,4 +1,4 @@
-"""The command line ``flipflow`` and its commands; what each needs is imported when it is called."""
+"""The command line ``flipflow`` and its commands; each command imports its modules when it is called."""
 
 from __future__ import annotations
 
@@ -60,7 +60,8 @@ docs/run-folder.md."""
 app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
 
 
-def _say_versions(wanted: bool) -> None:
+def _print_versions(wanted: bool) -> None:
+    """Print the versions of all programs and end the program, if they are ``wanted``."""
     if not wanted:
         return
     from orchestrator.case.provenance import commit, versions, warnings
@@ -76,10 +77,10 @@ def _say_versions(wanted: bool) -> None:
 @app.callback(help=HELP)
 def program(
     version: Annotated[
-        bool, typer.Option("--version", callback=_say_versions, is_eager=True, help="say the versions")
+        bool, typer.Option("--version", callback=_print_versions, is_eager=True, help="print the versions")
     ] = False,
 ) -> None:
-    """Take what all commands share."""
+    """Take the options that all commands share."""
 
 
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")]
@@ -95,8 +96,9 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
     The case is checked first; nothing is written if it is wrong.  The folder of the run holds
     the log, time series, files for ParaView, pictures and summary.json (docs/run-folder.md).
 
-    Ctrl-C ends the run at the next sync point with all results written, to be resumed; twice, at
-    once.  Under mpirun, kill -USR1 to mpirun gives it the time that takes.
+    Ctrl-C ends the run at the next sync point; all results are written, and the run can be resumed.
+    A second Ctrl-C ends it at once.  Under mpirun, send SIGUSR1 to mpirun instead (kill -USR1),
+    which leaves the run enough time.
     """
     from orchestrator.cli.launch import run as launch
 
@@ -134,9 +136,9 @@ def check(
     ] = False,
     overrides: Overrides = None,
 ) -> None:
-    """Check a case without running it, and say what is in it.
+    """Check a case without running it, and print what is in it.
 
-    Exit code 0: it can be run; 2: it cannot, with every problem in one message.
+    Exit code 0: the case can be run; 2: it cannot, and one message has every problem.
     """
     from orchestrator.cli.overview import overview
 
@@ -165,16 +167,15 @@ def explain(
     budget: Annotated[float, typer.Option(min=0, help="with --for: processor time for all runs / s")] = 300.0,
     overrides: Overrides = None,
 ) -> None:
-    """Say which effects a case calls for, by estimates before any run.
+    """Print which effects a case calls for, by estimates before any run.
 
-    For each effect: whether the case has it at this level, the dimensionless number that decides,
-    the threshold, what follows, and which key changes it.  At the end: what matters and is
-    lacking, and what could be left out.  No solver is started or needed.  Where flipflow study accuracy
-    has measured what an effect amounts to, its figures take the estimate's place.
+    A table shows for each effect whether the case has it at this level, the dimensionless number
+    that decides, its threshold, the verdict, and the key that changes it.  The lines below name the
+    effects that matter and are lacking, and those that could be left out.  No solver is started or
+    needed.  Measurements by flipflow study accuracy replace estimates.
 
-    With --for, a verdict is the change of these results in short runs with and without the effect
-    at a cheap level, except where an estimate surely says that it may be left out.  The runs are
-    remembered.
+    With --for, short runs at a cheap level with and without an effect decide by the change of these
+    results, unless an estimate is sure that the effect may be left out.  The runs are remembered.
 
     Exit code 0: done, whatever the verdicts; 2: the case has problems.
     """
@@ -192,15 +193,15 @@ def explain(
 def report(run: RunPath) -> None:
     """Make one HTML page about a run: RUN/report.html.
 
-    It holds everything in itself (figures, tables, a film of the deck) and can be sent to anybody.
-    Works for interrupted and failed runs, too, and says what is missing.
+    The page contains all figures, tables and a film of the deck, and can be sent to anybody.
+    Pages of interrupted and failed runs say what is missing.
 
-    Exit code 0: made; 2: the folder is no run, or has not ended.
+    Exit code 0: the page is made; 2: the folder is no run, or the run has not ended.
     """
-    from orchestrator.output.report.page import report as made
+    from orchestrator.output.report.page import report as make_report
 
     with reported_errors():
-        CONSOLE.print(made(run))
+        CONSOLE.print(make_report(run))
 
 
 @app.command()
@@ -211,23 +212,22 @@ def record(
         int | None, typer.Option(min=1, help="cycles to record [default: until the panels repeat, up to 8]")
     ] = None,
 ) -> None:
-    """Record the panels of a run, to be played back by panel.solver = "recorded".
+    """Record the panels of a run for playback by panel.solver = "recorded".
 
-    The run must have been made with --set output.shapes_s=<time between rows>, and last until the
-    machine moves steadily.  Another case plays the file back with --set panel.solver=recorded
-    --set panel.recording=<file>, a path from that case's folder, if its panels have the same
-    lengths.
+    The run must have been made with --set output.shapes_s=<time between rows>, and must last until
+    the machine moves steadily.  Another case whose panels have the same lengths plays the file back
+    with --set panel.solver=recorded --set panel.recording=<file>, a path from that case's folder.
 
-    Exit code 0: written; 2: the folder does not hold what is needed.
+    Exit code 0: the file is written; 2: the folder lacks what the recording needs.
     """
     from orchestrator.case import recordings
     from orchestrator.output.records.run_folder import SUMMARY
     from orchestrator.output.records.trust import is_trusted
     from orchestrator.studies.points import status
-    from orchestrator.studies.record import record as recorded
+    from orchestrator.studies.record import record as record_panels
 
     with reported_errors():
-        recording = recorded(run, cycles)
+        recording = record_panels(run, cycles)
     try:
         recordings.write(out, recording.file)
     except OSError as error:
@@ -270,26 +270,26 @@ def plan(
 ) -> None:
     """Choose settings for a tolerance and a time.
 
-    From a stored study of accuracy and a short run on this machine: the cheapest settings within
-    the tolerance, the wall time that they will take here and their error; where that does not fit
-    the budget, what would make it fit.
+    A stored study of accuracy and a short run on this machine give the cheapest settings within the
+    tolerance, their wall time on this machine and their error.  If the time does not fit the budget,
+    the command prints what would.
 
-    Exit code 0: it fits; 4: it does not; 2: the case, the study or the command is wrong.
+    Exit code 0: the time fits; 4: it does not; 2: the case, the study or the command is wrong.
     """
     from orchestrator.cli.plan import choose_settings, parse_share, parse_time_s, print_choice
 
-    wanted, budget_s = parse_share(tolerance), parse_time_s(budget)
+    largest_error, budget_s = parse_share(tolerance), parse_time_s(budget)
     loaded, sets = check_or_report(case, level, overrides), overrides or []
-    plan = choose_settings(loaded, case, level, study, wanted, budget_s, sets)
+    plan = choose_settings(loaded, case, level, study, largest_error, budget_s, sets)
     if not print_choice(plan, case, sets, loaded):
         raise typer.Exit(FAILED)
-    if write is not None and plan.chosen is not None:
+    if write is not None and plan.choice is not None:
         from orchestrator.preflight.cost import in_words
         from orchestrator.preflight.level_file import write_level
 
-        about = f"planned: {100 * plan.chosen.error:.2g} % in {in_words(plan.wall_s)}"
+        about = f"planned: {100 * plan.choice.error:.2g} % in {in_words(plan.wall_s)}"
         with reported_errors():
-            file = write_level(loaded, write, [*sets, *plan.chosen.sets], about)
+            file = write_level(loaded, write, [*sets, *plan.choice.sets], about)
         CONSOLE.print(f"written: {file}")
 
 
@@ -298,7 +298,7 @@ app.add_typer(study, name="study")
 
 @app.command(hidden=True, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
 def ladder() -> None:
-    """Say which command compares models now."""
+    """Name the command that compares models now."""
     raise typer.BadParameter(
         "flipflow ladder is a part of study accuracy now: flipflow study accuracy CASE "
         "--parameters panel-mesh,panel-model,frames-model,particles-model,stiffness,number"
@@ -306,7 +306,7 @@ def ladder() -> None:
 
 
 def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
-    """Return the study of accuracy that is given, or lies beside the case; None where there is none."""
+    """Return the given study of accuracy, or the study in the case's folder; None if there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():
         return None
     from orchestrator.studies.accuracy.plan import find_study
@@ -315,7 +315,7 @@ def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 
 
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
-    """Make runs with and without effects for results that are ``asked`` for; None where none are."""
+    """Return runs with and without effects for the results ``asked`` for; None if none are asked for."""
     from orchestrator.case.scalars import scalar
     from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, try_all_effects
 
@@ -331,7 +331,7 @@ def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> Tried
 
 
 def _case_lines(folder: Path) -> Iterator[str]:
-    """Yield a line for each case in a folder, and one for its levels."""
+    """Yield a line for each case in a folder, followed by a line with its levels."""
     from orchestrator.case.file.errors import CaseError, visible
     from orchestrator.case.file.layers import read_toml
     from orchestrator.case.load import level_names, load
@@ -349,5 +349,5 @@ def _case_lines(folder: Path) -> Iterator[str]:
 
 
 def main() -> None:
-    """Run the command line; the entry point ``flipflow``."""
+    """Run the command line; this function is the entry point ``flipflow``."""
     app()

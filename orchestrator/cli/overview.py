@@ -1,4 +1,4 @@
-"""What ``flipflow check`` prints: what is in a case, in words and derived numbers."""
+"""The output of ``flipflow check``: the contents of a case in words and derived numbers."""
 
 from __future__ import annotations
 
@@ -20,13 +20,15 @@ from orchestrator.preflight.check import warnings
 from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.preflight.judgement.account import account, at_start
+from orchestrator.preflight.judgement.account import account, lines_at_start
 from orchestrator.preflight.stability.report import stability_report, with_scheme
 
 
 def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
-    """Yield lines about a case without problems; with ``detail`` all that limits its sync interval, in
-    the theory's terms."""
+    """Yield lines about a case without problems.
+
+    With ``detail``, they have all limits of the sync interval in the theory's terms.
+    """
     case = loaded.case
     stability = stability_report(case)
     level = f"level {loaded.level}" if loaded.level else "no level"
@@ -36,7 +38,9 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
         yield from _particles(loaded)
     yield from _times(loaded)
     yield from _cost(with_scheme(case, stability.scheme), particles_at_start(case))
-    yield from at_start(account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked))
+    yield from lines_at_start(
+        account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
+    )
     if loaded.choice.undecided and (names := _tried_before(loaded)):
         yield (
             f'effects = "auto" cannot decide about {", ".join(names)}: '
@@ -76,7 +80,7 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
 
 
 def _damping(case: Case) -> Iterator[str]:
-    """Yield what branches make of the loss factors that were measured."""
+    """Yield lines that compare the loss factors of Maxwell branches with the measured ones."""
     for name, material in case.materials.items():
         law = material.hyperelastic
         if law is None or not law.loss_curve:
@@ -91,13 +95,13 @@ def _damping(case: Case) -> Iterator[str]:
 
 
 def _triangles_on_panels(case: Case) -> str:
-    """Return how many triangles the particles meet."""
+    """Return a text with the number of triangles on the panels."""
     try:
         counts = [len(grid.triangles) for grid in surface_grids(case).values()]
     except SolverMissing:
         return "unknown number on the panels (gmsh is missing)"
-    each = sorted(set(counts))
-    return f"{' or '.join(map(str, each))} on each panel, {sum(counts)} on all"
+    sizes = sorted(set(counts))
+    return f"{' or '.join(map(str, sizes))} on each panel, {sum(counts)} on all"
 
 
 def _particles(loaded: JudgedCase) -> Iterator[str]:
@@ -113,7 +117,7 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
 
 
 def _cost(case: Case, at_start: int) -> Iterator[str]:
-    """Yield what the whole run will take, and the parts that take a tenth or more of it."""
+    """Yield lines about the time of the whole run, and of the parts that take more than a tenth of it."""
     ranges = [predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK)]
     least, most = (sum(parts.values()) for parts in ranges)
     fed = most > 1.1 * least

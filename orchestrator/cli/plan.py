@@ -1,4 +1,4 @@
-"""What ``flipflow plan`` prints: the cheapest settings for a tolerance and a time."""
+"""The output of ``flipflow plan``: the cheapest settings for a tolerance and a time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def choose_settings(
     budget_s: float,
     overrides: list[str],
 ) -> Plan:
-    """Return the plan that a stored study and a short run on this machine lead to."""
+    """Return the plan that follows from a stored study and a short run on this machine."""
     with reported_errors():
         measured = find_study(loaded, given)
         if measured is None:
@@ -32,7 +32,7 @@ def choose_settings(
                 f"known; as it is it would take about {in_words(longest_s)} here. First: flipflow "
                 f"study accuracy {case} --level {loaded.level}"
             )
-        if measured.of_nothing:
+        if measured.is_empty:
             refuse(
                 f"{measured.file}: nothing happened in that study that could be resolved: its errors "
                 "of 0 % promise nothing. Study the case for as long as it takes until something "
@@ -48,9 +48,9 @@ def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCas
     other = [word for word in plan.study.table["sets"] if word not in overrides]
     if other := [word for word in other if not word.startswith("duration_s=")]:
         CONSOLE.print(f"warning: the study was made with {' '.join(other)}")
-    chosen = plan.chosen
+    chosen = plan.choice
     if chosen is None:
-        least = min((settings.error for settings in plan.study.measured()), default=None)
+        least = min((settings.error for settings in plan.study.measured_candidates()), default=None)
         best = "" if least is None else f"; the best has {100 * least:.2g} %"
         CONSOLE.print(f"no settings of the study are within {100 * plan.tolerance:g} %{best}")
     else:

@@ -1,5 +1,8 @@
-"""``flipflow study``: every module of ``orchestrator/studies/commands`` is one of its commands, and every
-module that an installed package names as an entry point of the group ``flipflow.studies``."""
+"""The command ``flipflow study``.
+
+Every module of ``orchestrator/studies/commands`` is one of its commands, and so is every module that an
+installed package names as an entry point of the group ``flipflow.studies``.
+"""
 
 from __future__ import annotations
 
@@ -19,18 +22,18 @@ from orchestrator.studies import commands
 from orchestrator.studies.options import StudyOutput, with_options
 
 GROUP = "flipflow.studies"
-WIDE = 150  # columns, of what goes into a file
+WIDE = 150  # columns of an output that no terminal shows
 
 
 class Studies(TyperGroup):
-    """The studies that there are; each is imported when it is asked for."""
+    """The group of all studies; each study is imported when a user calls it."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Return their names: those of the modules and of entry points."""
+        """Return the names of all studies, of modules and of entry points."""
         return sorted({*_own_modules(), *entry_points(group=GROUP).names})
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a study as a command.  Raises BadParameter where there is none of this name."""
+        """Return a study as a command.  Raises BadParameter if there is no study of this name."""
         if cmd_name not in (names := self.list_commands(ctx)):
             from orchestrator.case.file.errors import did_you_mean
 
@@ -38,7 +41,7 @@ class Studies(TyperGroup):
         own = _own_modules().get(cmd_name)
         module = import_module(own) if own else entry_points(group=GROUP)[cmd_name].load()
         alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-        alone.command(cmd_name)(_spoken(with_options(module.command, cmd_name)))
+        alone.command(cmd_name)(_printing(with_options(module.command, cmd_name)))
         return typer.main.get_command(alone)
 
 
@@ -50,27 +53,28 @@ def _own_modules() -> dict[str, str]:
 study = typer.Typer(cls=Studies, help="Many runs, and what they say together.", no_args_is_help=True)
 
 
-def _spoken(command: Callable[..., StudyOutput]) -> Callable[..., None]:
-    """Return the function that carries a study's command out and say what it yields."""
+def _printing(command: Callable[..., StudyOutput]) -> Callable[..., None]:
+    """Return a function that runs the command of a study and prints its output."""
 
     @functools.wraps(command)
-    def speak(*args: Any, **options: Any) -> None:
+    def run_and_print(*args: Any, **options: Any) -> None:
         with reported_errors():
-            if not _say_all(command(*args, **options)):
+            if not _print_all(command(*args, **options)):
                 raise typer.Exit(FAILED)
 
-    return speak
+    return run_and_print
 
 
-def _say_all(told: StudyOutput) -> bool:
+def _print_all(output: StudyOutput) -> bool:
+    """Print all that a study yields, and return whether it succeeded."""
     if not CONSOLE.is_terminal:
         CONSOLE.width = WIDE
     while True:
         try:
-            each = next(told)
+            item = next(output)
         except StopIteration as end:
             return bool(end.value)
-        if isinstance(each, Path):
-            CONSOLE.print(f"written: {each}")
+        if isinstance(item, Path):
+            CONSOLE.print(f"written: {item}")
         else:
-            CONSOLE.print(each, soft_wrap=isinstance(each, str))
+            CONSOLE.print(item, soft_wrap=isinstance(item, str))

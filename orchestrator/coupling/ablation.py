@@ -1,8 +1,8 @@
-"""Ablation: hand-overs turned off one by one, to see what each of them does (``[exchange]`` in a case).
+"""Ablation: hand-overs turned off one by one to show their effect (``[exchange]`` in a case).
 
-Each is a wrapper around one solver, put on while the machine is built; a run with every
-hand-over on knows nothing of this file.  What is turned off is physics left out: momentum and
-energy no longer close across that interface, and the run's log says so.
+Each class wraps one solver while the machine is built; a run with every hand-over on uses none of them.
+A hand-over that is off leaves out physics: momentum and energy no longer close across its
+interface, and the run's log says so.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from orchestrator.ports.clock import Interval
 class UnpushedFrames(FramesWrapper):
     """Frames that do not feel the panels.
 
-    Their motion depends on nothing that has to be awaited, so they are moved as soon as somebody asks where
-    they go, and ``advance`` returns the same motion again.
+    Their motion depends on no other member.  The first call of ``ahead`` therefore moves them, and
+    ``advance`` returns the same motion.
     """
 
     def __init__(self, frames: Frames) -> None:
@@ -51,7 +51,7 @@ class UnpushedFrames(FramesWrapper):
 
 
 class UnloadedPanel(PanelWrapper):
-    """A panel without the particles' load, whose masses the particles do not learn."""
+    """A panel that does not feel the particles' load, and whose masses are unknown to the particles."""
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return super().advance(interval, clamps, Load.zero(len(load)))

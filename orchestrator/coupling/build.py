@@ -45,7 +45,7 @@ from orchestrator.preflight.stability.report import case_with_scheme
 
 
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
-    """Plan a case, open its solvers and put them together as a machine.
+    """Return the machine of a case, with its solvers open.
 
     Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
     process; ``stopwatch`` measures the time of every solver.  Raises SolverMissing or SolverFailed where a
@@ -69,24 +69,24 @@ def _open_machine(
     surface, centres = opened_surface.triangle_surface(), opened_surface.centres()
     triangle_panels, gone_through = opened_surface.panel_of_triangle(), opened_surface.penetrations()
     # plans of the other solvers
-    particles_wanted = particles_plan(case, surface, world, folder)
-    start_list = particles_wanted.particles if particles_wanted is not None else no_particles()
+    plan_of_particles = particles_plan(case, surface, world, folder)
+    start_list = plan_of_particles.particles if plan_of_particles is not None else no_particles()
     problems = find_problems_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
     if problems:
         raise CaseError(problems)
-    frames_wanted = _plan_frames(case, panel_set)
+    plan_of_frames = _plan_frames(case, panel_set)
     # solvers
-    material, particles, wearing = _particles(case, particles_wanted, stopwatch)
+    material, particles, wearing = _particles(case, plan_of_particles, stopwatch)
     if particles is not None:
         opened.callback(particles.close)
-    opened_frames = _frames(case, frames_wanted, world)
+    opened_frames = _frames(case, plan_of_frames, world)
     members = MeteredSolvers(
         MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(panel_set, "panels", "mapping", stopwatch),
         particles,
     )
     return Machine(
-        solvers=_ablated(case, members),
+        solvers=_ablate_hand_overs(case, members),
         members=members,
         scheme=create_scheme(case.coupling.scheme, case_effort(case)),
         stopwatch=stopwatch,
@@ -103,17 +103,17 @@ def _open_machine(
 
 
 def _plan_frames(case: Case, panel_set: PanelSet) -> FramesPlan:
-    held_N = panel_set.initial().reaction.force_N
+    reaction_N = panel_set.initial().reaction.force_N
     if not case.exchange.panel_reaction:  # frames at rest do not hold what they do not feel
-        held_N = np.zeros_like(held_N)
-    return frames_plan(case, panel_set.mount.position_m, panel_set.mount.frame, held_N)
+        reaction_N = np.zeros_like(reaction_N)
+    return frames_plan(case, panel_set.mount.position_m, panel_set.mount.frame, reaction_N)
 
 
 def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
-    def opened() -> Frames:
+    def open_frames() -> Frames:
         return cast(Frames, solvers.open_solver("frames", case.frames.solver, plan))
 
-    return opened() if world is None else FramesOnFirstRank(world, opened)
+    return open_frames() if world is None else FramesOnFirstRank(world, open_frames)
 
 
 def _particles(
@@ -130,18 +130,18 @@ def _particles(
     return book, metered, None if plan.wear_m3_per_N_m is None else cast(Wearing, opened)
 
 
-def _ablated(case: Case, members: MeteredSolvers) -> Solvers:
+def _ablate_hand_overs(case: Case, members: MeteredSolvers) -> Solvers:
     """Return the solvers as the coupling sees them, with the hand-overs that the case wants."""
-    wanted = case.exchange
+    exchange = case.exchange
     frames: Frames = members.frames
     panel: Panel = members.panel
     particles: Particles | None = members.particles
-    if not wanted.panel_reaction:
+    if not exchange.panel_reaction:
         frames = UnpushedFrames(frames)
-    if not wanted.frame_motion:
+    if not exchange.frame_motion:
         panel = PanelBetweenStillClamps(panel)
-    if not wanted.particle_load:
+    if not exchange.particle_load:
         panel = UnloadedPanel(panel)
-    if particles is not None and not wanted.panel_motion:
+    if particles is not None and not exchange.panel_motion:
         particles = ParticlesOnStillSurface(particles, panel.initial().surface)
     return Solvers(frames, panel, particles)

@@ -1,7 +1,7 @@
-"""Deformation and force of every bushing, from the motion of the frames that it joins.
+"""The deformation and the force of every bushing, from the motion of the frames that it joins.
 
 A frame is rigid: each of its points is its centre of mass plus a fixed combination of the arms of
-1 m that start there (``coupling/surface_parts.py``), and moves as the same combination of theirs.
+1 m that start there (``coupling/surface_parts.py``).  The same combination gives the point's velocity.
 """
 
 from __future__ import annotations

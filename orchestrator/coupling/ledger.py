@@ -4,8 +4,8 @@ Energy: for each member  d(stored) + lost - supplied = received + defect.  In na
 members receive from each other add up to zero; in a staggered run the remainder is the energy that the
 coupling created.  The defects and the created energy measure the run's quality.
 
-Momentum: for each member  d(momentum) = outside impulse + impulse through its ports, and the impulse that one
-member gave is received by the other (or it is in transit, one interval late).
+Momentum: for each member  d(momentum) = outside impulse + impulse through its ports.  The impulse that a
+member gives reaches the other member at once, or is in transit for one interval.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from orchestrator.coupling.schemes.scheme import Pending
 from orchestrator.ports import Account, Array
 
 ROUNDED = 1e-6
-"""A share of the impulse through all points, in sizes: beside it, rounding of their sum (1e-16 of it) is
-1e-10 at most."""
+"""The share of the summed impulses through all points that is added to a residual's scale: rounding of their
+sum, a share of 1e-16, then appears as 1e-10 at most."""
 
 LOSING = {"particles-panel": ("particles",), "panel-frames": ("panel", "frames")}
-"""Members whose losses are a scale for what is created at an interface: particles lose what the
-panels gave them, panels and frames what drives the machine."""
+"""The members whose losses count in the scale for the energy created at an interface: particles lose energy
+from the panels, and panels and frames lose energy from the machine's drive."""
 
 
 def created_shares(terms_J: Mapping[str, float], exchanged_J: Mapping[str, float]) -> dict[str, float]:
@@ -119,18 +119,18 @@ class Ledger:
         It is |defect| over the sum of the sizes of the terms that should balance.  ``pending`` is the impulse
         that the scheme still holds back.
 
-        The two clamps of a taut panel pull against each other; where nothing else happens, the terms are the
-        rounding error of that pull.  A millionth of the impulse that went through the points (the sum of its
-        sizes) is therefore added to the sizes.
+        The two clamps of a taut panel pull against each other.  If nothing else happens, the terms are the
+        rounding errors of this pull.  A millionth of the summed impulses through the points is therefore
+        added to the sizes.
         """
         frames, panel, particles = self._members.frames, self._members.panel, self._members.particles
         ports = {"frames": [frames.received_N_s], "panel": [panel.received_N_s, -panel.given_N_s]}
-        held = pending.reaction_N_s - self._opening_pending.reaction_N_s
-        crossing = {"panel-frames": [panel.given_N_s, -frames.received_N_s, -held]}
+        in_transit = pending.reaction_N_s - self._opening_pending.reaction_N_s
+        crossing = {"panel-frames": [panel.given_N_s, -frames.received_N_s, -in_transit]}
         if particles is not None:
             ports["particles"] = [-particles.given_N_s]
-            held = pending.load_N_s - self._opening_pending.load_N_s
-            crossing["particles-panel"] = [particles.given_N_s, -panel.received_N_s, -held]
+            in_transit = pending.load_N_s - self._opening_pending.load_N_s
+            crossing["particles-panel"] = [particles.given_N_s, -panel.received_N_s, -in_transit]
         residual = {name: _relative(terms, ROUNDED * panel.through_N_s) for name, terms in crossing.items()}
         for name, member in self._members.by_name().items():
             now, opening = member.account(), self._opening[name]
@@ -143,12 +143,12 @@ class Ledger:
     def angular_momentum_residual(self, pending: Pending) -> dict[str, float]:
         """Return the relative residual of angular momentum about the world's origin.
 
-        Members that tell their angular momentum balance to rounding.  Interfaces keep the error that mean
+        Members that report their angular momentum balance to rounding.  Interfaces keep the error that mean
         loads on mean places leave (docs/theory/coupling.md).
         """
         frames, panel = self._members.frames, self._members.panel
-        held = pending.reaction_N_m_s - self._opening_pending.reaction_N_m_s
-        residual = {"panel-frames": _relative([panel.given_N_m_s, -frames.received_N_m_s, -held])}
+        in_transit = pending.reaction_N_m_s - self._opening_pending.reaction_N_m_s
+        residual = {"panel-frames": _relative([panel.given_N_m_s, -frames.received_N_m_s, -in_transit])}
         for member, account in self._accounts().items():
             angular, opening = account.angular, self._opening[member].angular
             if angular is None or opening is None:
@@ -161,8 +161,8 @@ class Ledger:
             terms = [has, -had, -outside, *(-impulse for impulse in received.values())]
             residual[member] = _relative(terms)
             if member == "particles":
-                held = pending.load_N_m_s - self._opening_pending.load_N_m_s
-                terms = [-received["surface"], -panel.received_N_m_s, -held]
+                in_transit = pending.load_N_m_s - self._opening_pending.load_N_m_s
+                terms = [-received["surface"], -panel.received_N_m_s, -in_transit]
                 residual["particles-panel"] = _relative(terms)
         return residual
 

@@ -36,10 +36,10 @@ class PanelPoints:
 
 @dataclass(frozen=True)
 class PlacedProbe:
-    """A point whose time series is wanted.
+    """A point whose time series is recorded.
 
-    ``on`` is "clamps" (a point carried by a frame), "surface" (a point of a panel) or
-    "particle"; ``index`` the point's number there, or the particle's id.
+    ``on`` is "clamps" (a point that a frame carries), "surface" (a point of a panel) or
+    "particle"; ``index`` is the number of the point there, or the id of the particle.
     """
 
     name: str
@@ -49,12 +49,12 @@ class PlacedProbe:
 
 @dataclass(frozen=True)
 class Machine:
-    """All that the run, its records and its reports need to know.
+    """The machine of a run: its open solvers, its scheme, and the places of its points.
 
-    ``centres``: frame name -> number of its centre of mass among the carried points; the next three
-    are the ends of the arms that tell its rotation (``coupling/surface_parts.py``).
-    ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
-    ``material`` is None where the case has no particles, ``wearing`` where nothing wears.
+    ``centres`` maps the name of a frame to the number of its centre of mass among the carried points; the
+    next three points are the ends of the arms that show its rotation (``coupling/surface_parts.py``).
+    ``panel_of_triangle`` (triangles,) are panel numbers in the order of ``panels``, or -1 for walls.
+    ``material`` is None if the case has no particles, and ``wearing`` is None if nothing wears.
     """
 
     solvers: Solvers

@@ -1,7 +1,7 @@
 """The mapping between the particles' triangles and the finite-element nodes: one matrix H.
 
-Motion goes down by H, load goes up by its transpose, so that the virtual work of both sides is the same
-whatever the two meshes are; H's rows sum to one, so that force is conserved, too.
+H maps motion down and its transpose maps load up, so that the virtual work of both sides is the same for any
+two meshes.  The rows of H sum to one, so that force is conserved, too.
 """
 
 from __future__ import annotations

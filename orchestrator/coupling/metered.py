@@ -1,6 +1,6 @@
-"""Solvers with a meter: time spent, impulse handed over, and a name on every failure.
+"""Solvers with a meter, which measures their time and impulses and adds their name to every failure.
 
-A metered solver is again a solver; the coupling does not know the difference.
+A metered solver is a solver, too, and the coupling treats both alike.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class MeteredFrames(FramesWrapper):
 
 
 class TimedPanel(PanelWrapper):
-    """A panel whose failures say its ``name``, and whose time is booked under ``part``."""
+    """A panel whose failures have its ``name``, and whose time counts as the stopwatch's ``part``."""
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
         super().__init__(panel)

@@ -1,8 +1,8 @@
-"""Processes: one program on every MPI rank, one voice.
+"""The MPI ranks of a run: one program on every rank, and one rank that speaks to the user.
 
-``mpirun -n N flipflow run …`` starts N copies.  LIGGGHTS decomposes the particles over all of
-them, panels are dealt out, frames are solved on rank 0 and their motion is broadcast.  A failure
-on any rank ends all of them: the first rank to fail speaks, then aborts the others, which may be
+``mpirun -n N flipflow run …`` starts N copies.  LIGGGHTS decomposes the particles over all ranks, each
+panel belongs to one rank, and rank 0 solves the frames and broadcasts their motion.  A failure on any
+rank ends all ranks: the first rank to fail reports it and then aborts the others, which may be
 waiting for it in a collective call.
 """
 
@@ -31,7 +31,7 @@ def communicator() -> Any:
 
 
 def is_first(world: Any) -> bool:
-    """Tell whether this is the rank that writes files and speaks to the user."""
+    """Return whether this is the rank that writes files and speaks to the user."""
     return world is None or world.rank == 0
 
 
@@ -77,16 +77,16 @@ class FramesOnFirstRank:
         self._frames = open_frames() if world.rank == 0 else None
 
     def initial(self) -> Motion:
-        return self._shared(lambda frames: frames.initial())
+        return self._broadcast(lambda frames: frames.initial())
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        return self._shared(lambda frames: frames.advance(interval, reaction))
+        return self._broadcast(lambda frames: frames.advance(interval, reaction))
 
     def ahead(self, interval: Interval) -> Known | None:
-        return self._shared(lambda frames: find_driven_points(frames, interval))
+        return self._broadcast(lambda frames: find_driven_points(frames, interval))
 
     def account(self) -> Account:
-        return self._shared(lambda frames: frames.account())
+        return self._broadcast(lambda frames: frames.account())
 
     def save(self) -> Saved:
         """Return nothing on ranks that have no frames."""
@@ -100,6 +100,6 @@ class FramesOnFirstRank:
         if self._frames is not None:
             self._frames.close()
 
-    def _shared(self, ask: Callable[[Frames], Shared]) -> Shared:
+    def _broadcast(self, ask: Callable[[Frames], Shared]) -> Shared:
         answer = ask(self._frames) if self._frames is not None else None
         return cast(Shared, self._world.bcast(answer))

@@ -1,7 +1,7 @@
-"""Several panels as one: points are concatenated, and the coupling loop does not change.
+"""A set of panels that the coupling loop treats as a single panel with concatenated points.
 
-Under MPI each panel lives on one rank: that rank advances it, then all ranks exchange the results, so that
-every rank knows the whole surface and all reactions.
+Under MPI, each panel belongs to one rank.  This rank advances it, and then all ranks exchange the results, so
+that every rank knows the whole surface and all reactions.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class PanelSet:
         rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
         self._own: dict[int, Panel] = {i: open_panel(i) for i in range(rank, count, size)}
         self._follow = {i: surface_ahead(panel) for i, panel in self._own.items()}
-        states = self._exchanged({i: panel.initial() for i, panel in self._own.items()})
-        mounts = self._exchanged({i: panel.mount for i, panel in self._own.items()})
+        states = self._exchange({i: panel.initial() for i, panel in self._own.items()})
+        mounts = self._exchange({i: panel.mount for i, panel in self._own.items()})
         self.surface = consecutive_slices([len(state.surface) for state in states])
         self.clamps = consecutive_slices([len(mount.frame) for mount in mounts])
         self._initial = concatenate_states(states)
@@ -49,16 +49,16 @@ class PanelSet:
             i: panel.advance(interval, clamps.part(self.clamps[i]), Load(load.force_N[self.surface[i]]))
             for i, panel in self._own.items()
         }
-        return concatenate_states(self._exchanged(own))
+        return concatenate_states(self._exchange(own))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
         own = {i: ahead(interval, clamps.part(self.clamps[i])) for i, ahead in self._follow.items()}
-        parts = self._exchanged(own)
+        parts = self._exchange(own)
         motion = concatenate_motions([part.motion for part in parts])
         return Known(motion, np.concatenate([part.which for part in parts]))
 
     def inertia(self) -> Inertia:
-        parts = self._exchanged({i: surface_inertia(panel) for i, panel in self._own.items()})
+        parts = self._exchange({i: surface_inertia(panel) for i, panel in self._own.items()})
         return Inertia(
             csr_array(block_diag([part.shapes for part in parts])),
             np.concatenate([part.mass_kg for part in parts]),
@@ -66,7 +66,7 @@ class PanelSet:
         )
 
     def account(self) -> Account:
-        return sum_accounts(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
+        return sum_accounts(self._exchange({i: panel.account() for i, panel in self._own.items()}))
 
     def save(self) -> Saved:
         """Return the states of the panels on this rank."""
@@ -80,8 +80,8 @@ class PanelSet:
         for panel in self._own.values():
             panel.close()
 
-    def _exchanged(self, own: Mapping[int, Any]) -> list[Any]:
-        """Return one value per panel, in order, from the ranks that own the panels."""
+    def _exchange(self, own: Mapping[int, Any]) -> list[Any]:
+        """Return the values of all panels, in order, from the ranks that own the panels."""
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]
@@ -110,13 +110,13 @@ def concatenate_motions(motions: Sequence[Motion]) -> Motion:
 
 
 def sum_accounts(accounts: Sequence[Account]) -> Account:
-    """Return the sum of accounts, name by name, without angular momentum, which no panel tells."""
+    """Return the sum of accounts, entry by entry, without angular momentum, which no panel reports."""
 
-    def added(name: str) -> Any:
+    def add_entries(name: str) -> Any:
         values = [getattr(account, name) for account in accounts]
         if isinstance(values[0], np.ndarray):
             return np.sum(values, axis=0)
         keys = dict.fromkeys(key for value in values for key in value)
         return {key: sum(value.get(key, 0.0) for value in values) for key in keys}
 
-    return Account(**{f.name: added(f.name) for f in fields(Account) if f.name != "angular"})
+    return Account(**{f.name: add_entries(f.name) for f in fields(Account) if f.name != "angular"})

@@ -1,15 +1,15 @@
-"""A panel that can come to lie on beams below it: a wrapper around any panel solver.
+"""The wrapper of a panel that can come to lie on beams below it.
 
-A stop is a flat top under a length of the panel, carried by a frame.  What has come through it is
-pushed back along the top's normal with the pressure
+A stop is a flat top under a length of the panel, carried by a frame.  Points of the panel that have come
+through it are pushed back along the top's normal with the pressure
 
     p = max(k g + c dg/dt, 0),   g > 0 the depth,
 
-of a Winkler layer with a damper.  It acts on points of the panel's mesh through the solver's own
+of a Winkler layer with a damper.  The pressure acts on points of the panel's mesh through the solver's own
 interpolation and on three points of the top, so that force, torque and virtual work pass without
-loss.  It is taken in the middle of the interval, as the motion at its start predicts it, and is
-constant over it: exact in momentum, of second order in energy, stable up to k = 4 m / dt^2 for a
-mass m per area (docs/theory/panel_stops.md).
+loss.  It is evaluated in the middle of the interval, as the motion at the start predicts it, and is
+constant over the interval.  The method is exact in momentum, of second order in energy, and stable up to
+k = 4 m / dt^2 for a mass m per area (docs/theory/panel_stops.md).
 """
 
 from __future__ import annotations
@@ -112,23 +112,22 @@ class StoppedPanel(PanelWrapper):
             )
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Return the surface motion that the panel's own clamps tell; the tops carry nothing that particles
-        touch."""
+        """Return the surface motion that follows from the panel's own clamps; particles touch no tops."""
         return super().ahead(interval, clamps.part(slice(self._clamps)))
 
     def initial(self) -> PanelState:
-        return self._with(super().initial(), np.zeros_like(self._corners.position_m))
+        return self._add_stop_reaction(super().initial(), np.zeros_like(self._corners.position_m))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         check_point_count("stopped panel's clamps and stops", clamps, len(self.mount.frame))
         own, corners = clamps.part(slice(self._clamps)), clamps.part(slice(self._clamps, None))
-        middle, elastic_N, damping_N = self._pushed(corners, interval.length_s)
+        middle, elastic_N, damping_N = self._stop_forces(corners, interval.length_s)
         force_N = (elastic_N + damping_N)[:, None] * middle.normal
         state = super().advance(interval, own, Load(load.force_N + self._HT @ force_N))
         self._book(state.surface, corners, middle, force_N, damping_N)
         on_corners_N = np.zeros((len(corners) // 3, 3, 3))
         np.add.at(on_corners_N, self._tops.stop, middle.share[:, :, None] * -force_N[:, None, :])
-        return self._with(state, on_corners_N.reshape(-1, 3))
+        return self._add_stop_reaction(state, on_corners_N.reshape(-1, 3))
 
     def account(self) -> Account:
         """Return the account of the panel and of the layers on the stops."""
@@ -151,7 +150,7 @@ class StoppedPanel(PanelWrapper):
         super().restore(saved["panel"])
         restore_attributes(self, saved, *self.STATE)
 
-    def _with(self, state: PanelState, on_corners_N: Array) -> PanelState:
+    def _add_stop_reaction(self, state: PanelState, on_corners_N: Array) -> PanelState:
         return PanelState(state.surface, Load(np.vstack([state.reaction.force_N, on_corners_N])))
 
     def _feet(self, of_corners_m: Array, place_m: Array) -> Foot:
@@ -163,7 +162,7 @@ class StoppedPanel(PanelWrapper):
         """Return the depths (n,) by which the points have come through their tops now."""
         return -self._feet(self._corners.position_m, self._H @ self._surface.position_m).height_m
 
-    def _pushed(self, end: Motion, length_s: float) -> tuple[Foot, Array, Array]:
+    def _stop_forces(self, end: Motion, length_s: float) -> tuple[Foot, Array, Array]:
         """Return the points' places in the middle of the interval, and the springs' and the dampers' forces
         (n,) along the normals."""
         start, velocity_m_per_s = self._corners.position_m, self._H @ self._surface.velocity_m_per_s

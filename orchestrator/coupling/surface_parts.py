@@ -1,7 +1,7 @@
 """The surface of a machine: its parts, and the indices of their points and triangles in the whole.
 
-The parts are panels, walls, and points that are only looked at.  Each is a ``Panel`` to the
-coupling: a finite-element panel seen through the particles' triangles, a wall that a frame carries,
+The parts are panels, walls, and points that are only observed.  The coupling treats each part as a
+``Panel``: a finite-element panel seen through the particles' triangles, a wall that a frame carries,
 or points on a frame that nothing touches.
 """
 
@@ -39,13 +39,13 @@ NO_POINTS = np.empty(0, dtype=np.int64)
 
 @dataclass(frozen=True)
 class SurfacePart:
-    """One part of the surface: the call that opens it, and what is known of its points before.
+    """A part of the surface: the call that opens it, and the data of its points before the call.
 
-    ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its clamps.
+    ``drawn_m`` (n, 3) are its surface points as drawn; a panel is drawn straight between its clamps.
     ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the points of its
-    ``RecordedGrid``, where it is recorded) hold the part's own point numbers; ``points`` maps the names of
-    points looked at (probes, centres of mass) to their numbers.  The last three times ``stops`` of its clamps
-    are points of beams below it.
+    ``RecordedGrid`` if it is recorded) hold the part's own point numbers.  ``points`` maps the names of
+    observed points (probes, centres of mass) to their numbers.  The last three times ``stops`` clamp points
+    belong to beams below the part.
     """
 
     name: str
@@ -61,7 +61,7 @@ class SurfacePart:
 
 
 def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[SurfacePart]:
-    """Return one part per panel, in the order of the case, alike on every rank of ``world``."""
+    """Return a part for each panel, in the order of the case; every rank of ``world`` gets the same parts."""
     plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
@@ -82,10 +82,10 @@ def _panel(
     shape_m = recorded if case.output.shapes_s > 0 else np.empty((0, 2))
     coordinates = np.vstack([touched.coordinates_m, *at.values(), shape_m])
     solver = case.panel.solver
-    # on every rank, also on those that will own no panel: PETSc starts up collectively
+    # load the adapter on every rank, even on ranks without a panel: PETSc starts up collectively
     solvers.adapter("panel", solver).load()
 
-    def opened() -> Panel:
+    def open_panel() -> Panel:
         own = cast(MeshedPanel, solvers.open_solver("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
@@ -95,7 +95,7 @@ def _panel(
     first = len(touched.coordinates_m)
     return SurfacePart(
         name=plan.name,
-        open=opened,
+        open=open_panel,
         drawn_m=plan.rectangle.mounted(coordinates),
         points={name: first + number for number, name in enumerate(at)},
         stops=len(plan.stops),
@@ -118,7 +118,7 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
 
 
 def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
-    """Return one part per rigid surface."""
+    """Return a part for each rigid surface."""
 
     def part(wall: Wall) -> SurfacePart:
         opened = carried(wall.position_m, wall.frame)
@@ -128,11 +128,11 @@ def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
     return [part(wall) for wall in walls(case, case_folder)]
 
 
-def _looked_at(case: Case, frame: str) -> SurfacePart:
-    """Return the part of a frame's points that are only looked at.
+def _frame_points(case: Case, frame: str) -> SurfacePart:
+    """Return the part of a frame's points that are only observed.
 
-    These are its centre of mass (under the frame's name), the ends of three arms of 1 m from there along the
-    world's axes, which tell its rotation, and its probes.
+    They are its centre of mass (under the frame's name), the ends of three arms of 1 m from there along the
+    world's axes, which show its rotation, and its probes.
     """
     probes = {
         name: probe.point_m
@@ -154,7 +154,7 @@ def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
 
 @dataclass(frozen=True)
 class OpenSurface:
-    """The open surface of a machine: all parts (panels in the case's order, walls, frames) as one.
+    """The open surface of a machine, with all parts: panels in the case's order, walls, and frames.
 
     Particles touch the parts that have a material; points on frames belong to the surface, but to no
     triangle.
@@ -170,7 +170,7 @@ class OpenSurface:
         parts = [
             *panel_parts(case, case_folder, stopwatch, world),
             *wall_parts(case, case_folder),
-            *(_looked_at(case, frame) for frame in case.screen.frames),
+            *(_frame_points(case, frame) for frame in case.screen.frames),
         ]
         return OpenSurface(case, parts, PanelSet(len(parts), lambda i: parts[i].open(), world))
 
@@ -215,25 +215,27 @@ class OpenSurface:
     def _points_of(
         self, part: SurfacePart, single: SinglePanel, surface: slice, clamps: slice
     ) -> PanelPoints:
-        at, end_of_held = single.rectangle, clamps.stop - 3 * part.stops
-        held = np.arange(clamps.start, end_of_held)
-        first = (self.together.mount.position_m[held] - at.corner_m) @ at.along < at.span_m / 2
+        at, end_of_clamps = single.rectangle, clamps.stop - 3 * part.stops
+        clamp_points = np.arange(clamps.start, end_of_clamps)
+        first = (self.together.mount.position_m[clamp_points] - at.corner_m) @ at.along < at.span_m / 2
         return PanelPoints(
             name=part.name,
             surface=surface,
             clamps=clamps,
             centre_line=surface.start + part.centre_line,
             shape=surface.start + part.shape,
-            first_clamp=held[first],
-            second_clamp=held[~first],
-            stops=np.arange(end_of_held, clamps.stop),
+            first_clamp=clamp_points[first],
+            second_clamp=clamp_points[~first],
+            stops=np.arange(end_of_clamps, clamps.stop),
             edges=surface.start + part.edges.points,
             edge_length_m=part.edges.length_m,
         )
 
     def penetrations(self) -> Penetrations:
-        """Return the search for panels that penetrate anything with triangles, where no clamp and no stop
-        holds them."""
+        """Return the search for panels that penetrate a body of triangles.
+
+        Points of a panel that a clamp or a stop holds do not count.
+        """
         singles = zip(single_panels(self.case), self.parts, self.together.surface, strict=False)
         probed = [
             ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
@@ -248,7 +250,7 @@ class OpenSurface:
         return {part.name: clamps.start for part, clamps in places if part.name in frames}
 
     def probes(self) -> tuple[PlacedProbe, ...]:
-        """Return the case's probes; points of frames are read from the clamps, which are exact."""
+        """Return the case's probes; probes on frames use the clamp points, which are exact."""
         placed = []
         for number, part in enumerate(self.parts):
             on_frame = part.name in self.case.screen.frames

@@ -1,7 +1,7 @@
-"""Solvers that stand before another solver of the same port, to which every call goes on.
+"""Wrappers: solvers that stand before another solver of the same port and pass every call on to it.
 
-A wrapper in this room (metered, mapped, with a hand-over off) alters the calls that it is about.
-Wrappers answer the optional calls, too, also for a solver that has none of them.
+Each wrapper of this package (metered, mapped, with a hand-over off) changes the calls that concern it.
+Wrappers answer the optional calls of a port even if their solver does not.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Wrapped = TypeVar("Wrapped", bound=Solver)
 
 
 class Wrapper(Generic[Wrapped]):
-    """The calls that wrappers of all ports hand on."""
+    """The wrapper of a solver of any port, with the calls that all ports share."""
 
     def __init__(self, solver: Wrapped) -> None:
         self._solver = solver
@@ -55,7 +55,7 @@ class Wrapper(Generic[Wrapped]):
 
 
 class FramesWrapper(Wrapper[Frames]):
-    """Frames that hand every call on."""
+    """A wrapper that passes every call on to its frames."""
 
     def initial(self) -> Motion:
         return self._solver.initial()
@@ -68,7 +68,7 @@ class FramesWrapper(Wrapper[Frames]):
 
 
 class PanelWrapper(Wrapper[Panel]):
-    """A panel that hands every call on."""
+    """A wrapper that passes every call on to its panel."""
 
     def __init__(self, panel: Panel) -> None:
         super().__init__(panel)
@@ -89,7 +89,7 @@ class PanelWrapper(Wrapper[Panel]):
 
 
 class ParticlesWrapper(Wrapper[Particles]):
-    """Particles that hand every call on."""
+    """A wrapper that passes every call on to its particles."""
 
     def initial(self) -> Load:
         return self._solver.initial()

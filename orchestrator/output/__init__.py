@@ -1,1 +1,1 @@
-"""What a run leaves behind: its folder and records, the results computed from them, the report."""
+"""The output of a run: its folder and records, the results computed from them, and the report."""

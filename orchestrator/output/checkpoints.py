@@ -1,8 +1,9 @@
 """Checkpoints on the disk: the folder ``checkpoints/<sync point>/`` in the folder of a run.
 
-Each holds the arrays of every rank, a copy of what the run had recorded by then, and
-``checkpoint.json``, which says what it is of and has the checksum of every other file.  A checkpoint is
-written aside and renamed when all of it is on the disk; the last ``KEPT`` stay, and the last good one.
+Each folder holds the arrays of every rank, a copy of the records up to that moment, and
+``checkpoint.json``, which describes the run and has the checksum of every other file.  A checkpoint is
+written under another name and renamed when all of it is on the disk.  The last ``KEPT`` checkpoints stay,
+and so does the last good one.
 """
 
 from __future__ import annotations
@@ -28,23 +29,23 @@ FORMER_FOLDER = "saves"  # of checkpoints up to format 3, which cannot be resume
 FORMAT = 4
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
 them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
-SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")
+ORIGIN_KEYS = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
 class TornCheckpoint(Exception):
-    """A checkpoint that is not as it was written; the message says what is wrong with it."""
+    """An error about a checkpoint whose files are not as they were written."""
 
 
 def array_names(saved: Saved) -> set[str]:
-    """Return the names of all arrays in a state, as a checkpoint has them."""
-    return set(_flat(saved))
+    """Return the names of all arrays of a state in a checkpoint."""
+    return set(_flatten(saved))
 
 
-def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
-    """Return the arrays by names with slashes; one that ends with a slash stands for "nothing in here"."""
+def _flatten(saved: Saved, within: str = "") -> dict[str, Any]:
+    """Return the arrays by names with slashes; a name that ends with a slash stands for an empty table."""
     table: dict[str, Any] = {} if saved else {within: np.empty(0)}
     for name, value in saved.items():
-        table |= _flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
+        table |= _flatten(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
     return table
 
 
@@ -58,12 +59,12 @@ class Checkpoint:
 
     @property
     def sync_points(self) -> int:
-        """The number of its sync point."""
+        """The number of sync intervals before the checkpoint."""
         return int(self.about["sync_points"])
 
     @property
     def good(self) -> int:
-        """The sync point of the last checkpoint, up to this one, at which nothing was amiss; -1 of none."""
+        """The sync point of the last checkpoint, up to this one, at which nothing was amiss; -1 if none."""
         return int(self.about.get("good", self.sync_points))
 
     @property
@@ -72,7 +73,7 @@ class Checkpoint:
         return float(self.about["progress"]["figures"]["simulated_s"])
 
     def state(self, world: Any) -> Saved:
-        """Return this rank's arrays."""
+        """Return the arrays of this rank as nested tables."""
         saved: Saved = {}
         with np.load(self.folder / _of_rank(world), allow_pickle=False) as file:
             for path in file.files:
@@ -93,31 +94,35 @@ class Checkpoint:
 
 
 def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any) -> None:
-    """Write a new checkpoint into the folder of a run, of every rank of ``world``; ``about`` needs
-    ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one cannot
-    write; the checkpoints before stay."""
+    """Write a checkpoint of all ranks of ``world`` into the folder of a run.
+
+    ``about`` must have the number of ``sync_points``, and the number at the last ``good`` checkpoint.  Raises
+    OSError on every rank if one of them cannot write; earlier checkpoints then stay.
+    """
     folder = _folder(run, about["sync_points"])
     aside = folder.with_name(f".{folder.name}")
     try:
         first_rank_does(world, lambda: _open(aside))
         sums = _write_arrays(aside / _of_rank(world), state, world)
         first_rank_does(world, lambda: _complete(aside, folder, copies, about, sums))
-    except OSError:  # what is half written takes the room that the run's last words need
+    except OSError:  # half a checkpoint takes the room that the run's last messages need
         first_rank_does(world, lambda: shutil.rmtree(aside, ignore_errors=True))
         raise
 
 
 def _open(aside: Path) -> None:
     shutil.rmtree(aside, ignore_errors=True)
-    aside.parent.mkdir(exist_ok=True)  # but not the run's own folder, should that have gone
+    aside.parent.mkdir(exist_ok=True)  # without parents: a run's folder that is gone stays gone
     aside.mkdir()
 
 
 def _write_arrays(mine: Path, state: Saved, world: Any) -> dict[str, str]:
-    """Write the arrays of every rank, and return their checksums.  What one of them cannot write, all
-    raise, when none is at work on its own any more."""
+    """Write the arrays of every rank, and return their checksums.
+
+    If one rank cannot write, all raise its OSError after every rank has finished.
+    """
     try:
-        np.savez(mine, **_flat(state))
+        np.savez(mine, **_flatten(state))
         written: dict[str, str] | OSError = {mine.name: _sync(mine)}
     except OSError as error:
         written = error
@@ -132,7 +137,7 @@ def _write_arrays(mine: Path, state: Saved, world: Any) -> dict[str, str]:
 def _complete(
     aside: Path, folder: Path, copies: Sequence[Path], about: dict[str, Any], sums: dict[str, str]
 ) -> None:
-    """Write the rest, give the checkpoint its name, and remove an older one."""
+    """Write the other files, give the checkpoint its name, and remove older checkpoints."""
     for copy in copies:
         shutil.copyfile(copy, aside / copy.name)
         sums = sums | {copy.name: _sync(aside / copy.name)}
@@ -149,8 +154,8 @@ def _complete(
             shutil.rmtree(old)
 
 
-def newest(run: Path) -> Checkpoint | None:
-    """Return the last checkpoint that is whole."""
+def find_newest(run: Path) -> Checkpoint | None:
+    """Return the last checkpoint that is whole, or None if there is none."""
     torn: list[str] = []
     for folder in reversed(_in_order(run)):
         try:
@@ -161,7 +166,7 @@ def newest(run: Path) -> Checkpoint | None:
 
 
 def find_damage(run: Path) -> list[str]:
-    """Return what is wrong with the checkpoints that are not whole."""
+    """Return a message about each checkpoint that is not whole."""
     damage = []
     for folder in _in_order(run):
         try:
@@ -171,8 +176,8 @@ def find_damage(run: Path) -> list[str]:
     return damage
 
 
-def at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:
-    """Return the checkpoint of a sync point, if there is one and it is whole."""
+def find_at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:
+    """Return the checkpoint of a sync point, or None if there is none or it is not whole."""
     folder = _folder(run, sync_points)
     try:
         return Checkpoint(folder, _read_about(folder))
@@ -197,7 +202,7 @@ def _read_about(folder: Path) -> dict[str, Any]:
         check_format(folder / ABOUT, about.get("format_version"), FORMAT)
         for key in ("name", "level", "case", "files"):
             about[key]
-        for key in SAID_OF_ORIGIN:
+        for key in ORIGIN_KEYS:
             about["provenance"][key]
         int(about["provenance"]["ranks"])
         int(about["sync_points"])
@@ -216,7 +221,7 @@ def _read_about(folder: Path) -> dict[str, Any]:
 
 
 def _in_order(run: Path) -> list[Path]:
-    """Return the folders of all checkpoints in the order of time."""
+    """Return the folders of all checkpoints in order of time."""
     return sorted(folder for folder in (run / FOLDER).glob("*") if folder.name.isdigit())
 
 
@@ -234,7 +239,7 @@ def _checksum(file: Path) -> str:
 
 
 def _sync(path: Path) -> str:
-    """Wait until a file or folder is on the disk to stay, and return the checksum of a file."""
+    """Wait until a file or folder is safely on the disk, and return the checksum of a file."""
     number = os.open(path, os.O_RDONLY)
     try:
         os.fsync(number)

@@ -1,7 +1,7 @@
-"""The machine's cycle, and which cycle a time belongs to: one definition for records and results.
+"""The machine's cycle, and the cycle to which a time belongs: one definition for records and results.
 
 Cycle n, counted from 0, holds the times later than n and up to n + 1 cycles after the start; the
-start itself belongs to the first cycle.  So rows at even steps fall into cycles of equally many.
+start itself belongs to the first cycle.  Rows at equal steps therefore spread evenly over the cycles.
 """
 
 from __future__ import annotations
@@ -15,12 +15,14 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
 
 CYCLES_WITHOUT_DRIVE = 50
-ROUNDING = 1e-7  # of a cycle: a time that is nearer to the end of one is at its end
+ROUNDING = 1e-7  # of a cycle: a time that is nearer than this to the end of a cycle counts as its end
 
 
 def cycle_s(case: Case) -> float:
-    """Return the machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
-    frames), or the whole run where there is none."""
+    """Return the period of the slowest exciter or drive, or the duration of the run if there is none.
+
+    Exciters count only if forces move the frames.
+    """
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
     speeds = [drive.speed_rad_per_s for drive in drives]
     if case.frames.adapter.moved_by_forces:
@@ -29,29 +31,31 @@ def cycle_s(case: Case) -> float:
 
 
 def is_driven(case: Case) -> bool:
-    """Return whether something gives the machine a cycle."""
+    """Return whether an exciter or a drive gives the machine a cycle."""
     return cycle_s(case) != case.duration_s
 
 
 def counted_cycle_s(case: Case) -> float:
-    """Return what results are counted by: the machine's cycle, or a fiftieth of the run where
+    """Return the period by which results are counted: the machine's cycle, or a fiftieth of the run if
     nothing drives the machine."""
     return cycle_s(case) if is_driven(case) else case.duration_s / CYCLES_WITHOUT_DRIVE
 
 
 def cycle_numbers(time_s: Array | float, cycle_s: float, start_s: float = 0.0) -> Indices:
-    """Return the number, from 0, of the cycle after ``start_s`` that each time belongs to."""
+    """Return the number of each time's cycle, counted from 0 after ``start_s``."""
     number = np.ceil((time_s - start_s) / cycle_s - ROUNDING) - 1
     return np.asarray(np.maximum(number, 0), np.int64)
 
 
 def count_whole_cycles(lasting_s: float, cycle_s: float) -> int:
-    """Return how many whole cycles a time lasts."""
+    """Return the number of whole cycles in the span ``lasting_s``."""
     return max(0, math.floor(lasting_s / cycle_s + ROUNDING))
 
 
 def within(time_s: Array, start_s: float, end_s: float, cycle_s: float) -> npt.NDArray[np.bool_]:
-    """Return which times are later than ``start_s`` and not later than ``end_s``, the ends of
-    cycles: those that belong to the cycles between them."""
+    """Return whether each time lies in the cycles between ``start_s`` and ``end_s``, both ends of cycles.
+
+    A time at ``start_s`` lies outside, and a time at ``end_s`` inside.
+    """
     rounding_s = ROUNDING * cycle_s
     return np.asarray((time_s > start_s + rounding_s) & (time_s <= end_s + rounding_s))

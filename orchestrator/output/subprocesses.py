@@ -1,5 +1,8 @@
-"""This program in processes of its own, which import what it imports: nothing from the folder that
-they are started in, where a case may have laid anything."""
+"""Processes that run parts of this program.
+
+They import the same modules as this process, and nothing from the folder in which they start, where a
+case may have put any file.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +16,14 @@ ROOT = Path(__file__).parents[2]
 
 
 LAUNCHERS = ("OMPI_", "ORTE_", "PMI_", "PMIX_")
-"""Beginnings of the variables by which a process knows that it is one of several under mpirun."""
+"""The prefixes of the environment variables that tell a process its rank under mpirun."""
 
 
 def python(*words: str, alone: bool = False, **more: Any) -> subprocess.CompletedProcess[str]:
-    """Run ``python WORDS`` to its end; ``more`` as for subprocess.run.  ``alone``: as a program of one
-    process, also where this one is a rank under mpirun."""
+    """Run ``python WORDS`` to its end, with the arguments ``more`` of subprocess.run.
+
+    With ``alone``, the program runs as a single process even if this process is a rank under mpirun.
+    """
     paths = [str(ROOT), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     own = {"PYTHONPATH": os.pathsep.join(paths)}
     env = os.environ | own | more.pop("env", {})

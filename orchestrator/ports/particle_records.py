@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -146,7 +146,11 @@ class Crossings:
         return replace(first, number=self.number + later.number)
 
 
-Bed = tuple[ParticleSnapshot, Overlaps]
+class Bed(NamedTuple):
+    """The bed at an output time: its particles and their overlaps since the output time before."""
+
+    particles: ParticleSnapshot
+    overlaps: Overlaps
 
 
 def sort_removed(parts: Sequence[Removed]) -> Removed:

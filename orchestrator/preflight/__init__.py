@@ -1,5 +1,6 @@
-"""What is said of a case before it runs: its problems, the effects that it calls for, how long a
-sync interval stays stable, and what the run will cost.
+"""The examination of a case before it runs.
 
-The case comes in as tables and leaves as it will be run, with reasons for all that was left out.
+It finds the problems of a case and the effects that matter in it, bounds the sync interval, and
+estimates the cost of the run.  A case comes in as tables and leaves as it will be run, with a
+reason for everything that is left out.
 """

@@ -1,7 +1,7 @@
-"""Checks of a case before anything starts: small functions, each with its own rule and test.
+"""The checks of a case before anything starts: small functions, each with its own rule and test.
 
-They come in rounds, because each builds on the one before: names and tables that fit together,
-then files, then what is computed from both.  A last one is made when the panels are open and their
+They run in rounds, because each round builds on the one before: first names and tables, then
+files, then quantities computed from both.  A last round follows when the panels are open and their
 shapes at rest are known.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from orchestrator.case.file.deck_layout import as_given
+from orchestrator.case.file.deck_layout import move_to_deck
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.plausible import unusual_sizes
 from orchestrator.preflight.checks import TABLE_RULES, bed, machine, panels, steps, surfaces
@@ -23,18 +23,19 @@ if TYPE_CHECKING:
 
 
 def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Return all that must be put right before the case can run."""
+    """Return the problems of a case that must be solved before it can run."""
     case, folder = loaded.case, loaded.folder
-    whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
+    # ``whole`` is the case as the user gave it; checks that a slice affects take the case itself.
+    whole = case.whole_machine
     if problems := find_table_problems(loaded):
         return problems
-    rounds = (  # of generators, each of which begins when the rounds before have found nothing
+    rounds = (  # generators, which start only if the rounds before have found no problem
         (
             surfaces.stl_files(whole, folder),
             surfaces.panels_inside(whole),
             machine.solvers_objections(whole),
-            machine.possible_inertia(whole),
-            machine.held_frames(whole),
+            machine.inertia_tensors(whole),
+            machine.frame_weights(whole),
             bed.feeds(case),
             bed.exits(whole),
             bed.crowded_boxes(case),
@@ -44,7 +45,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
         (
             panels.fitting_recording(case, folder),
             panels.triangles(case),
-            panels.too_large(case),
+            panels.mesh_memory(case),
             bed.adhesive_contacts(case),
         ),
         (
@@ -61,8 +62,8 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
 
 def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Return the problems of the first round alone, which reads no files and places no particles."""
-    problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole)]
+    """Return the problems of the first round, which reads no files and places no particles."""
+    problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole_machine)]
     return _as_given(loaded, [*loaded.choice.problems, *problems])
 
 
@@ -73,30 +74,35 @@ def find_problems_at_rest(
     penetrations: Penetrations,
     particles: ParticleList,
 ) -> list[CaseProblem]:
-    """Return what the panels, open and at rest, reach into; ``surface`` is all that particles touch."""
-    problems = list(surfaces.beyond_surfaces(loaded.case, penetrations, surface))
-    problems += surfaces.in_hanging_panels(loaded.case, surface, panel_of_triangle, particles)
+    """Return the problems of open panels at rest, which must not reach into surfaces, particles or feeds.
+
+    ``surface`` has all the triangles that particles touch.
+    """
+    problems = list(surfaces.surface_penetrations(loaded.case, penetrations, surface))
+    problems += surfaces.hanging_panels(loaded.case, surface, panel_of_triangle, particles)
     return _as_given(loaded, problems)
 
 
 def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProblem]:
-    """Return the problems with keys as the user gave them."""
+    """Return the problems with the keys that the user wrote."""
     decks = loaded.layers.merged["screen"].get("decks", {})
-    return loaded.layers.named([as_given(problem, decks) for problem in problems])
+    return loaded.layers.named([move_to_deck(problem, decks) for problem in problems])
 
 
 def warnings(loaded: JudgedCase) -> list[str]:
-    """Return what is allowed but doubtful, with numbers; for a case without problems.  The sync
-    interval has a report of its own: stability/report.py."""
+    """Return warnings, with numbers, about allowed but doubtful settings of a case without problems.
+
+    The sync interval has its own report (stability/report.py).
+    """
     case = loaded.case
     return [
-        *unusual_sizes(case.whole),
+        *unusual_sizes(case.whole_machine),
         *machine.sudden_drives(case),
         *bed.feeds_that_hardly_feed(case),
         *bed.fines(case),
-        *bed.too_soft(loaded.described),
+        *bed.soft_contacts(loaded.described),
         *panels.other_speed(case, loaded.folder),
         *bed.doubtful_slice(case, loaded.folder),
-        *panels.beyond_this_machine(case),
+        *panels.machine_memory(case),
         *loaded.choice.lacking,
     ]

@@ -1,11 +1,10 @@
-"""What a run will take: processor time of the whole of it, part by part, before anything runs.
+"""The cost of a run: an estimate of its processor time, part by part, before anything runs.
 
-The parts are those of ``wall_by_part_s``.  Solvers' shares are asked of their adapters
-(``ports/plans.py``); what the orchestrator does itself has its constants here.  All were
+The parts are the same as in ``wall_by_part_s``.  Adapters estimate the shares of their solvers
+(``ports/plans.py``), and the constants here estimate the orchestrator's own work.  All constants were
 measured on drafts of shipped cases on one core of a 2-core AMD EPYC machine, busy with other work;
-``python -m tools.cost_series`` measures what was predicted over what was taken.  How long material
-stays on the deck is known after the run only: the estimate lies between a thin dry layer and a
-thick wet one.
+``python -m tools.cost_series`` compares predicted with measured times.  Only a run tells how long
+material stays on the deck, so the estimate is a range from a thin dry layer to a thick wet one.
 """
 
 from __future__ import annotations
@@ -28,35 +27,36 @@ from orchestrator.ports.plans import FramesWork, PanelsWork, ParticlesWork, Solv
 from orchestrator.preflight.stability.report import case_with_scheme
 
 IMPORT_S = 1.2
-"""Starting Python, reading and checking the case."""
+"""Time to start Python, and to read and check the case."""
 MESHED_S = 1e-4
-"""Of a triangle that particles may touch."""
+"""Time to mesh a triangle that particles may touch."""
 INTERVAL_S = {"rest": 3e-5, "monitor": 3.5e-5, "coupling": 6e-5, "mapping": 6e-5}
-"""Of any sync interval; with particles twice as much but for the mapping."""
+"""Time per sync interval of each part; particles double it except for the mapping."""
 TRIANGLE_S = {"monitor": 1e-8, "coupling": 3e-8, "mapping": 5e-8}
-"""Of any that particles may touch, and an interval."""
+"""Time per sync interval and triangle that particles may touch."""
 MAPPED_PANEL_S = 4.5e-5
+"""Time per sync interval to map the loads of a panel."""
 TRIED_S = 1.5e-4
-"""Saving, taking back and deciding, of an interval that is tried."""
+"""Time to save, take back and decide about an interval that a scheme tries."""
 STOPPED_PANEL_S = 2.5e-4
-"""Of a panel over beams and an interval."""
+"""Time per sync interval of a panel over beams."""
 ROW_S, ROW_PANEL_S, ROW_BODY_S = 1.5e-4, 6e-5, 5e-5
-"""Of the time series."""
+"""Time per row of the time series: in all, per panel, and per frame."""
 OUTPUT_S, OUTPUT_BED_S, OUTPUT_PARTICLE_S, OUTPUT_TRIANGLE_S = 8e-3, 5e-3, 6e-6, 2e-7
-"""Of an output time."""
+"""Time per output time: in all, with particles, per particle, and per triangle."""
 CHECKPOINT_S = 0.04
-"""At the end."""
+"""Time to save the checkpoint at the end."""
 
 
 THICK, THIN = TRANSPORT_M_PER_S, 1.5
-"""Speeds in m/s at which material moves along the deck: a thick bed that creeps, and single dry
-particles, thrown (level dry of cases/ffs0827-slice)."""
-TIMES = 2000  # places in time at which particles are counted
+"""Speeds in m/s at which material moves along the deck: a thick bed creeps, and single dry particles
+are thrown (level dry of cases/ffs0827-slice)."""
+TIMES = 2000  # number of moments at which particles are counted
 
 
 @dataclass(frozen=True)
 class BedCost:
-    """Particles at most and on average, and the particles' steps."""
+    """The largest and the mean number of particles in a run, and the number of the particles' steps."""
 
     most: float
     mean: float
@@ -64,12 +64,15 @@ class BedCost:
 
     @property
     def particle_steps(self) -> float:
+        """The steps of all single particles together."""
         return self.mean * self.steps
 
 
 def bed_cost(case: Case, at_start: int, transport_m_per_s: float) -> BedCost:
-    """Return the cost of a bed with ``at_start`` particles at t = 0, which leave as others do where
-    there are exits."""
+    """Return the cost of a bed with ``at_start`` particles at t = 0.
+
+    If the case has exits, all particles leave after the time that the deck takes to carry them over.
+    """
     time_s = np.linspace(0.0, case.duration_s, TIMES)
     stays_s = stay_s(case, transport_m_per_s)
     count = np.where(time_s < stays_s, float(at_start), 0.0)
@@ -81,8 +84,10 @@ def bed_cost(case: Case, at_start: int, transport_m_per_s: float) -> BedCost:
 
 
 class Tries(NamedTuple):
-    """How often an interval is run on average, by the particles and by the panels; ``point_s`` is
-    the processor time in which the scheme looks for the way of a point of the surface."""
+    """The mean number of times that particles and panels run an interval under a scheme.
+
+    ``point_s`` is the scheme's own processor time per interval and point of the surface.
+    """
 
     particles: float = 1.0
     panel: float = 1.0
@@ -96,13 +101,16 @@ TRIES = {
     "aitken": Tries(2.0, 3.0),
     "quasi-newton": Tries(2.0, 3.0),
 }
-"""Measured over whole runs of quickstart, draft; repeated intervals end with the panels under the
-load that was found."""
+"""Tries by scheme, measured over whole runs of quickstart, draft.  Schemes that repeat intervals run the
+panels once more, under the load on which they have settled."""
 
 
 def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THICK) -> dict[str, float]:
-    """Return the processor time by part, "start" first (importing, which no wall time counts), of a
-    run with ``at_start`` particles at t = 0.  Pictures and the report are made apart."""
+    """Return the processor time by part of a run with ``at_start`` particles at t = 0.
+
+    The first part, "start", is the time of imports, which no wall time counts.  Pictures and the
+    report are not included.
+    """
     case = case_with_scheme(case)
     intervals = case.duration_s / case.coupling.sync_interval_s
     panels, particles = single_panels(case), has_particles(case)
@@ -136,13 +144,12 @@ def predicted_s(case: Case, at_start: int) -> float:
 
 
 def particles_at_start(case: Case) -> int:
-    """Return how many there are at t = 0."""
+    """Return the number of particles at t = 0."""
     return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
 
 
 def in_words(time_s: float) -> str:
-    """Return a time to be read: in seconds below two minutes, in minutes below two hours, in hours
-    below two days, else in days."""
+    """Return a time as text: in s below two minutes, min below two hours, h below two days, else days."""
     for unit, unit_s, end_s in (("s", 1, 120), ("min", 60, 7200), ("h", 3600, 172_800)):
         if time_s < end_s:
             return f"{time_s / unit_s:.0f} {unit}"
@@ -182,8 +189,7 @@ def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> Pa
 
 
 def _triangles(case: Case) -> int:
-    """Return how many triangles of panels particles may touch; as many as without openings where no
-    mesher is there."""
+    """Return the number of triangles of panels, which without a mesher is counted without openings."""
     try:
         return sum(len(grid.triangles) for grid in surface_grids(case).values())
     except SolverMissing:

@@ -1,8 +1,9 @@
-"""From a case that was read to the case that will be run: what it leaves out, and why.
+"""The step from a case that was read to the case that will be run: what it leaves out, and why.
 
-The case key ``effects`` says which of the effects that can be left out a case has.  Absent: what
-the case describes.  A list: exactly these.  "auto": what may be left out is.  What is left out is so
-by other keys of the case, which are laid over it; nothing after this knows of ``effects``.
+The case key ``effects`` chooses among the effects that can be left out.  Without it, a case has the
+effects that it describes.  With a list, it has exactly these.  With "auto", it leaves out every
+effect that may be left out.  Overlays of other keys leave an effect out; later code does not know
+``effects``.
 """
 
 from __future__ import annotations
@@ -52,13 +53,13 @@ NO_PHYSICS = (*NUMERICS, "effects", "effects_for")
 
 @dataclass(frozen=True)
 class Choice:
-    """What ``effects`` did.
+    """The choice that the key ``effects`` made.
 
-    ``left_out`` has what it left out, name -> why; ``lacking`` what matters and the case does not
-    have, in words ("auto" only); ``problems`` are those in the key itself; ``described`` is the case
-    with all that it describes, None where nothing was left out; ``pairs`` are runs with and without
-    an effect that were remembered, by which "auto" chose for the results ``asked`` for;
-    ``undecided`` are effects that only such runs could leave out.
+    ``left_out`` maps the names of the effects that it left out to the reasons.  ``lacking`` describes
+    effects that matter and that the case does not have ("auto" only).  ``problems`` are problems in
+    the key itself.  ``described`` is the case with all that it describes, None without ``effects``.
+    ``pairs`` are remembered runs with and without an effect, by which "auto" chose for the results
+    ``asked`` for.  ``undecided`` names the effects that only such runs could leave out.
     """
 
     left_out: Mapping[str, str] = field(default_factory=dict)
@@ -74,10 +75,10 @@ class Choice:
 class JudgedCase:
     """A case as it will be run.
 
-    ``level`` is "" for the bare case; ``changed`` lists the physics keys (dotted) to which the
-    level, --set or ``effects`` gave another value; ``left_out`` names the physics that solvers,
-    the exchange and ``effects`` leave out, with the reason; ``layers`` knows which file gave a key;
-    ``origin`` is what it was read from.
+    ``level`` is "" for the bare case.  ``changed`` lists the dotted physics keys to which the level,
+    --set or ``effects`` gave another value.  ``left_out`` maps each effect that solvers, the exchange
+    or ``effects`` leave out to the reason.  ``layers`` knows which file gave a key, and ``origin``
+    has the sources from which the case was read.
     """
 
     name: str
@@ -92,7 +93,7 @@ class JudgedCase:
 
     @property
     def described(self) -> Case:
-        """The case with all that it describes, before ``effects`` left out some of it."""
+        """The case with all that it describes, before ``effects`` left out a part of it."""
         return self.choice.described or self.case
 
 
@@ -104,21 +105,22 @@ def load_judged(path: Path, level: str | None = None, overrides: Sequence[str] =
     try:
         return judge(load(path, level, overrides))
     except InvalidTables as error:
-        named = [replace(problem, file=error.asked.file) for problem in _wrong_effects(error.asked)]
-        raise CaseError([*error.problems, *named]) from error
+        others = [replace(problem, file=error.asked.file) for problem in _effects_problems(error.asked)]
+        raise CaseError([*error.problems, *others]) from error
 
 
 def judge(loaded: LoadedCase) -> JudgedCase:
-    """Decide what the case leaves out.
+    """Decide what the case leaves out, and return it as it will be run.
 
-    Problems in ``effects`` are in ``choice``; a case that has others is left as it is.  Raises
-    CaseError for a level that leaves out what it does not name, and where what is left is no case.
+    ``choice`` has the problems in ``effects``.  A case with other problems is left as it is.  Raises
+    CaseError for a level that leaves out an effect without naming it, and if the case is not valid
+    without the effects that it leaves out.
     """
     layers = loaded.layers.copy()
-    if problems := [*_wrong_level(loaded.level)]:
+    if problems := [*_level_problems(loaded.level)]:
         raise CaseError(problems)
-    choice, case = Choice(problems=tuple(_wrong_effects(loaded.asked))), loaded.case
-    broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole))
+    choice, case = Choice(problems=tuple(_effects_problems(loaded.asked))), loaded.case
+    broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole_machine))
     if loaded.asked.effects is not None and not broken:
         choice = _choose(layers, loaded)
         case = validate(layers)
@@ -140,14 +142,14 @@ def judge(loaded: LoadedCase) -> JudgedCase:
 
 
 def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
-    """Return the pairs of runs that are remembered of a case, by effect."""
+    """Return the remembered pairs of runs of a case by effect."""
     read = origin.read() if names else {}
     pairs = {name: recall(key_of(read, name)) for name in names}
     return {name: pair for name, pair in pairs.items() if pair is not None}
 
 
 def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
-    """Lay over the layers what ``effects`` wants."""
+    """Lay the overlays that ``effects`` calls for over the layers, and return the choice."""
     bare, case, asked = Case.model_validate(layers.merged), loaded.case, loaded.asked.effects
     source = f"effects in {loaded.asked.file}"
     if asked == "auto":
@@ -157,14 +159,14 @@ def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
         without = loaded.level.without if loaded.level is not None else ()
         laws = [word for word in asked if word in OF_LAW]
         names = {OF_LAW.get(word, word) for word in asked}
-        if problems := (*_unmet(case, names, without), *_other_laws(layers, laws)):
+        if problems := (*_unavailable_effects(case, names, without), *_law_conflicts(layers, laws)):
             return Choice(problems=problems)
         for law in laws:
             layers.lay(EFFECTS[OF_LAW[law]].laws[law], source)
         others = [name for name in EFFECTS if name not in names and can_leave_out(case, name)]
         choice, spare = Choice(), with_dependents(others, "effects does not name it")
     for name in spare:
-        if not set(EFFECTS[name].needs) & set(spare):  # what goes with something has no keys of its own
+        if not set(EFFECTS[name].needs) & set(spare):  # a dependent effect goes with the one that it needs
             layers.lay(EFFECTS[name].overlay(bare), source)
     left_out = {name: why for name, why in spare.items() if has_effect(case, name)}
     return replace(choice, left_out=left_out, described=case)
@@ -173,24 +175,24 @@ def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
 def _choose_by_verdicts(
     case: Case, origin: Origin, results: tuple[str, ...]
 ) -> tuple[Choice, dict[str, str]]:
-    """Return what "auto" chooses for some results, and the effects to be left out, with the reason."""
-    open_questions = [one for one in weigh_effects(case).values() if is_undecided(one)]
-    trying = [one.effect for one in open_questions if EFFECTS[one.effect].saves]
-    pairs = known_pairs(origin, trying)
-    judged = weigh_effects(case, pairs, results).values()
+    """Return what "auto" chooses for some results, and the effects to leave out with the reasons."""
+    undecided = [judged.effect for judged in weigh_effects(case).values() if is_undecided(judged)]
+    worth_a_trial = [name for name in undecided if EFFECTS[name].saves]
+    pairs = known_pairs(origin, worth_a_trial)
+    effects = weigh_effects(case, pairs, results).values()
     lacking = (
-        f"{one.effect} matters, and the case does not have it: "
-        f"{one.verdict.in_numbers}; {one.verdict.why}; {one.key}"
-        for one in judged
-        if one.lacking
+        f"{judged.effect} matters, and the case does not have it: "
+        f"{judged.verdict.in_numbers}; {judged.verdict.why}; {judged.key}"
+        for judged in effects
+        if judged.is_lacking
     )
-    unknown = tuple(name for name in trying if name not in pairs)
+    unknown = tuple(name for name in worth_a_trial if name not in pairs)
     choice = Choice(lacking=tuple(lacking), pairs=pairs, asked=results, undecided=unknown)
-    return choice, with_dependents(find_dispensable(judged), 'effects = "auto"')
+    return choice, with_dependents(find_dispensable(effects), 'effects = "auto"')
 
 
-def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
-    """Yield what a level leaves out without naming it, and what it names and does not leave out."""
+def _level_problems(level: Level | None) -> Iterator[CaseProblem]:
+    """Yield problems of a level that leaves out an effect without naming it, or names one that it has."""
     if level is None:
         return
     source = f"levels/{level.name}.toml"
@@ -199,7 +201,7 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
             *(lay_out_decks(Case.model_validate(c)) for c in (level.before, level.after))
         )
     except (ValidationError, CaseError):
-        return  # without the level or --set it is no case
+        return  # without the level or --set, the tables are no valid case, and nothing can be compared
     for name, why in needed.items():
         if name not in level.without:
             what = f'"{name}" must be named: the level leaves it out'
@@ -210,11 +212,11 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
             yield CaseProblem(("without",), what, did_you_mean(word, needed), source)
 
 
-def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
-    """Yield names in ``effects`` and ``effects_for`` that there are not."""
+def _effects_problems(asked: AskedEffects) -> Iterator[CaseProblem]:
+    """Yield problems of unknown names in ``effects`` and ``effects_for``."""
     if asked.effects is not None and asked.effects != "auto":
-        yield from _misnamed(asked.effects)
-    # where effects_for is no list, the tables say so
+        yield from _unknown_effects(asked.effects)
+    # the check of the tables reports an effects_for that is no list
     for name in asked.effects_for if isinstance(asked.effects_for, list | tuple) else ():
         try:
             scalar(str(name))  # a short name, or a path of keys with dots
@@ -222,8 +224,8 @@ def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
             yield CaseProblem(("effects_for",), str(error.args[0]))
 
 
-def _misnamed(asked: Any) -> Iterator[CaseProblem]:
-    """Yield what is neither "auto" nor a list of names of effects, and laws that exclude each other."""
+def _unknown_effects(asked: Any) -> Iterator[CaseProblem]:
+    """Yield problems of a value that is no list of effects' names, and of laws that exclude each other."""
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
         yield CaseProblem(KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted')
         return
@@ -236,8 +238,10 @@ def _misnamed(asked: Any) -> Iterator[CaseProblem]:
             yield CaseProblem(KEY, what, "name one of them")
 
 
-def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iterator[CaseProblem]:
-    """Yield what is named and is not there."""
+def _unavailable_effects(
+    case: Case, names: Collection[str], without: Collection[str]
+) -> Iterator[CaseProblem]:
+    """Yield problems of effects that ``effects`` names and the case does not describe or leaves out."""
     for name, effect in EFFECTS.items():
         if name not in names:
             continue
@@ -252,8 +256,8 @@ def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iter
             yield CaseProblem(KEY, f'"{name}" is left out by {why}', hint)
 
 
-def _other_laws(layers: Layers, laws: Sequence[str]) -> Iterator[CaseProblem]:
-    """Yield laws that are named where the case chooses another."""
+def _law_conflicts(layers: Layers, laws: Sequence[str]) -> Iterator[CaseProblem]:
+    """Yield problems of laws that ``effects`` names while the case chooses others."""
     for law in laws:
         for table, keys in EFFECTS[OF_LAW[law]].laws[law].items():
             for key, wanted in keys.items():

@@ -1,4 +1,4 @@
-"""Writes a level from another one and ``--set`` overlays."""
+"""New levels of a case, made from another level and ``--set`` overlays."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
 
 
 def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) -> Path:
-    """Write ``levels/<name>.toml`` of the case: its level with ``sets``, and what it leaves out named.
+    """Write the case's level with ``sets`` to ``levels/<name>.toml``, and return the file.
 
-    Raises CaseError if there is one of that name, and OSError.
+    The key ``without`` of the new level names all effects that it leaves out.  Raises CaseError if
+    the file exists, and OSError if it cannot be written.
     """
     file = loaded.folder / "levels" / f"{name}.toml"
     if file.exists():
@@ -34,8 +35,8 @@ def level_text(loaded: JudgedCase, sets: Sequence[str], about: str) -> str:
     overlay = read_toml(level_file(loaded.folder, loaded.level)) if loaded.level else {}
     overlay = {key: value for key, value in overlay.items() if key not in ("about", "without")}
     level = Layers(overlay, "--set")
-    for each in sets:
-        level.lay(parse_override(each), "--set")
+    for override in sets:
+        level.lay(parse_override(override), "--set")
     bare = read_toml(loaded.folder / "case.toml", loaded.folder)
     whole = Layers(bare, "case.toml")
     whole.lay(level.merged, "--set")

@@ -1,1 +1,1 @@
-"""A run from its first interval to its last: the loop, its monitor, its checkpoints, its end."""
+"""A run: the loop over the sync intervals, its monitor, its checkpoints and its end."""

@@ -1,4 +1,4 @@
-"""When a run writes a checkpoint, and what is in it: everything that decides how the run goes on."""
+"""The checkpoints of a run: when they are due, and the state that decides how the run goes on."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ from orchestrator.run.monitor.monitor import Monitor
 
 
 class Schedule:
-    """When a checkpoint is due: by the simulated time, or by the wall clock of the first rank."""
+    """The schedule of checkpoints, by the simulated time or by the wall clock of the first rank."""
 
     def __init__(self, settings: CheckpointSettings, interval_s: float, world: Any) -> None:
         self._every = steps_in(settings.every_s, interval_s) if settings.every_s else 0
         self._wall_s, self._world = 60.0 * settings.wall_min, world
         self._last_s = time.monotonic()
 
-    def due(self, done: int) -> bool:
-        """Return whether one is due after ``done`` sync intervals; alike on all ranks."""
+    def is_due(self, done: int) -> bool:
+        """Return whether a checkpoint is due after ``done`` sync intervals; all ranks get the same answer."""
         if self._every and done % self._every == 0:
             return True
         return self._wall_s > 0 and first_rank_does(
             self._world, lambda: time.monotonic() - self._last_s >= self._wall_s
         )
 
-    def done(self) -> None:
+    def note_checkpoint(self) -> None:
         """Note that a checkpoint has been written now."""
         self._last_s = time.monotonic()
 
 
 class Checkpointer:
-    """Writes checkpoints of a run into its folder, and takes a run back to one.
+    """The writer of a run's checkpoints, which also restores a run from one of them.
 
-    ``about`` returns what a checkpoint is of, at the moment that it is called.
+    ``about`` returns the description of the run at the moment of the call, for ``checkpoint.json``.
     """
 
     def __init__(
@@ -65,8 +65,10 @@ class Checkpointer:
         self._last = self._good = -1
 
     def save(self, state: State, done: int) -> None:
-        """Write a checkpoint after ``done`` sync intervals, once.  The last one from before anything was
-        amiss stays.  Raises OSError."""
+        """Write a checkpoint after ``done`` sync intervals, unless it is written already.
+
+        The last checkpoint at which the monitor trusted the run is kept.  Raises OSError.
+        """
         if done == self._last:
             return
         if self._monitor.pace.trusted:
@@ -76,15 +78,16 @@ class Checkpointer:
         self._last = done
 
     def _state(self, state: State) -> Saved:
-        """Return all that decides how the run goes on, of this rank."""
+        """Return the state of this rank that decides how the run goes on."""
         members = {name: member.save() for name, member in self._members.items()}
         saved = {"members": members, "coupling": as_arrays(state)}
         return saved | {name: part.save() for name, part in self._parts.items()}
 
     def restore(self, checkpoint: Checkpoint, start: State) -> State:
-        """Take back all that was saved, into a machine freshly opened whose state is ``start``.
-        Returns the state at the sync point of the checkpoint.  Raises ValueError where a checkpoint of
-        this run has other arrays."""
+        """Restore a machine that was opened in the state ``start``, and return the checkpoint's state.
+
+        Raises ValueError if this run saves other arrays than the checkpoint has.
+        """
         saved = checkpoint.state(self._world)
         for name, member in self._members.items():
             member.restore(saved["members"][name])
@@ -92,7 +95,7 @@ class Checkpointer:
             part.restore(saved[name])
         self._last, self._good = checkpoint.sync_points, checkpoint.good
         state: State = like(start, saved["coupling"])
-        # the monitor may be another one: what it observes does not decide how the run goes on
+        # the monitor may have other items now: they do not decide how the run goes on
         then, now = (checkpoints.array_names(each | {"monitor": {}}) for each in (saved, self._state(state)))
         if differing := sorted(then ^ now):
             raise ValueError(f"only one of them has the arrays {', '.join(differing)}")

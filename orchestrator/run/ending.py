@@ -1,4 +1,4 @@
-"""What a run leaves at its end, whatever that was: its summary, its results and its pictures."""
+"""The end of a run, however it ended: its summary, its results and its pictures."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import summary, trust
 from orchestrator.output.records.history import write_results
 from orchestrator.output.records.run_folder import HISTORY, LOG
-from orchestrator.output.results.compute import compute_results, describe_error, plain
+from orchestrator.output.results.compute import compute_results, describe_error, to_json
 from orchestrator.output.results.machine import point_ranges
-from orchestrator.output.results.observed import checked_by_run
+from orchestrator.output.results.observed import check_effects_by_run
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.preflight.judgement.account import Entry, at_end
+from orchestrator.preflight.judgement.account import Entry, lines_at_end
 from orchestrator.preflight.stability.report import StabilityReport
 from orchestrator.run.progress import Progress
 
 
 @dataclass(frozen=True)
 class Ending:
-    """Writes the end of a run; ``effects`` and ``stability`` are what was judged of them before it."""
+    """The writer of a run's end; ``effects`` and ``stability`` are the judgements from before the run."""
 
     loaded: JudgedCase
     effects: Mapping[str, Entry]
@@ -42,7 +42,7 @@ class Ending:
     def write(self, progress: Progress, status: str, reason: str) -> dict[str, Any]:
         """Write ``summary.json`` and the pictures, and return the summary.
 
-        ``status`` is "done", "interrupted" or "failed", with the ``reason``.  A run that is done
+        ``status`` is "done", "interrupted" or "failed"; ``reason`` says why.  A run that is done
         may turn out to be doubtful or incomplete (``trust.py``).
         """
         case, folder, wall_s = self.loaded.case, self.folder, progress.wall_s
@@ -55,7 +55,7 @@ class Ending:
             "level": self.loaded.level,
             "left_out": self.loaded.left_out,
             "effects": {name: entry.figures() for name, entry in self.effects.items()},
-            "share_of_width": share(case.whole),
+            "share_of_width": share(case.whole_machine),
             "cycle_s": cycle_s(case),
             "stability": self.stability.as_json(),
             "wall_s": wall_s,
@@ -80,12 +80,12 @@ class Ending:
     def _add_results(self, figures: dict[str, Any]) -> None:
         """Add the results to ``figures`` and to ``history.h5``.
 
-        What could not be made is reported on the console and in the log, and nothing else is lost.
+        A part that fails is reported on the console and in the log; the other parts are still written.
         """
         failed: dict[str, str] = {}
         history = self.folder / HISTORY
         with _record_error(failed, "probes"), RunReader(self.folder) as reader:
-            figures["probes"] = plain(point_ranges(reader))
+            figures["probes"] = to_json(point_ranges(reader))
         with _record_error(failed, "everything"):
             figures["results"] = compute_results(self.folder)
             failed |= figures["results"]["failed"]
@@ -96,8 +96,7 @@ class Ending:
         self._report_missing(figures, failed)
 
     def _report_missing(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
-        """Report which results an internal error prevented; the ``reason`` of a run that came to its
-        end is the same."""
+        """Report which results an internal error prevented, and make them the ``reason`` if there is none."""
         for part, error in failed.items():
             LOG.error("results not made: %s: %s", part, error)
             self.console.print(f"WARNING: results not made: {part}: {error}")
@@ -106,11 +105,14 @@ class Ending:
             figures["reason"] = figures["reason"] or what
 
     def _check_effects(self, figures: dict[str, Any]) -> None:
-        """Judge the effects again by what the run recorded.  Under a run that failed, that stands
-        in the log only: the last lines of the console are why it failed and how to go on."""
-        after = checked_by_run(self.effects, self.loaded.described, self.folder, figures["results"])
+        """Judge the effects again by the records of the run, and report the verdicts.
+
+        If the run failed, the verdicts go to the log only: the last lines on the console then say why
+        the run failed and how to go on.
+        """
+        after = check_effects_by_run(self.effects, self.loaded.described, self.folder, figures["results"])
         figures["effects"] = {name: entry.figures() for name, entry in after.items()}
-        for line in at_end(after):
+        for line in lines_at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
             if figures["status"] != "failed":
                 self.console.print(line)
@@ -118,8 +120,10 @@ class Ending:
 
 @contextmanager
 def _record_error(failed: dict[str, str], part: str) -> Iterator[None]:
-    """Record the error that prevents a part of the results, and go on; the log has its traceback.
-    OSError is raised: nothing more can be written."""
+    """Record in ``failed`` an error that prevents a part of the results, log its traceback, and go on.
+
+    An OSError is raised again, since then nothing more can be written.
+    """
     try:
         yield
     except OSError:
@@ -130,7 +134,7 @@ def _record_error(failed: dict[str, str], part: str) -> Iterator[None]:
 
 
 def _draw_pictures(folder: Path) -> None:
-    """Draw the pictures in a process of their own; one that fails is a warning in the log."""
-    drawn = python("-m", "orchestrator.output.report.pictures", str(folder), capture_output=True)
-    if drawn.returncode:
-        LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])
+    """Draw the pictures in a process of their own, and log a warning if that fails."""
+    process = python("-m", "orchestrator.output.report.pictures", str(folder), capture_output=True)
+    if process.returncode:
+        LOG.warning("no pictures: %s", process.stderr.strip().splitlines()[-1:])

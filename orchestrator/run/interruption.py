@@ -1,4 +1,4 @@
-"""Signals that ask a run to stop, which it does at the next sync point."""
+"""Signals that ask a run to stop; the run stops at the next sync point."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 
 from orchestrator.coupling.schemes.scheme import State
 
-# SIGHUP comes when a terminal or a connection closes; SIGUSR1 is what mpirun passes on without
-# killing a second later, and what batch systems can send
+# SIGHUP comes when a terminal or a connection closes.  Batch systems can send SIGUSR1, and mpirun passes
+# it on without killing the run a second later
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 
 
 class Interrupted(Exception):
-    """The user asked to stop; raised at a sync point, with the ``state`` there."""
+    """A request of the user to stop, raised at a sync point; ``state`` is the state at this point."""
 
     def __init__(self, number: int, state: State) -> None:
         super().__init__(f"stopped by {signal.Signals(number).name}")
@@ -24,16 +24,18 @@ class Interrupted(Exception):
 
 
 class ImmediateStop(KeyboardInterrupt):
-    """The user asked to stop, and nothing is waited for; the message says why not."""
+    """A request of the user to stop that does not wait for a sync point; the message says why."""
 
     def __init__(self, number: int, why: str) -> None:
         super().__init__(why)
         self.signal = number
 
 
-def immediate_stop(error: BaseException | None) -> KeyboardInterrupt | None:
-    """Return the signal behind an error that did not wait for a sync point, if any.  Libraries that it
-    interrupts may raise another error on top of it."""
+def find_immediate_stop(error: BaseException | None) -> KeyboardInterrupt | None:
+    """Return the interrupt behind an error, or None if there is none.
+
+    A library that an interrupt stops may raise an error of its own on top of it.
+    """
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
             return error
@@ -44,9 +46,9 @@ def immediate_stop(error: BaseException | None) -> KeyboardInterrupt | None:
 class StopRequest:
     """A signal to stop, remembered until the next sync point.
 
-    The second signal does not wait, nor does one in a single process before there is anything to be
-    saved (``waits`` is False): panels of many cells take minutes to open.  SIGHUP stays ignored
-    where it is ignored already: that is what nohup does.
+    The second signal stops the run at once.  So does the first one while ``waits`` is False: in a single
+    process before there is anything to save, since panels of many cells take minutes to open.
+    SIGHUP stays ignored if it is ignored already, as under nohup.
     """
 
     def __init__(self, waits: bool = True) -> None:
@@ -54,7 +56,8 @@ class StopRequest:
         self.waits = waits
 
     @contextmanager
-    def listening(self) -> Iterator[StopRequest]:
+    def listen(self) -> Iterator[StopRequest]:
+        """Handle the signals while inside, and restore the former handlers at the end."""
         nohup = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
         handled = [name for name in SIGNALS if not (nohup and name == signal.SIGHUP)]
         before = {name: signal.signal(name, self._handle) for name in handled}
@@ -72,7 +75,7 @@ class StopRequest:
         self.signal = number
 
     def check(self, world: Any, state: State) -> None:
-        """Raise Interrupted on all ranks as soon as one of them got a signal."""
+        """Raise Interrupted on all ranks if one of them has received a signal."""
         number = self.signal
         if world is not None:
             number = max(world.allgather(number or 0)) or None

@@ -1,7 +1,8 @@
-"""What a checkpoint is of, and whether a run may go on from it.
+"""The origin of a checkpoint: which run it belongs to, and whether a run may go on from it.
 
-The case may be changed in what only looks at the run (``FREE``), and may end later.  Anything else
-would make it another run.  Other versions, or another machine, make other last bits: that is said.
+Tables that only observe the run (``FREE``) may change, and the run may end later.  Any other change
+would make it another run.  Other versions of programs or another computer may change the last bits
+of the results, which a warning says.
 """
 
 from __future__ import annotations
@@ -13,12 +14,12 @@ from typing import Any
 
 from orchestrator.case.file.errors import show_value
 from orchestrator.case.provenance import provenance
-from orchestrator.output.checkpoints import SAID_OF_ORIGIN, Checkpoint
+from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
 from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, resolved_case
 from orchestrator.preflight.judge import JudgedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
-SAME_BITS = tuple(name for name in SAID_OF_ORIGIN if name != "ranks")
+SAME_BITS = tuple(name for name in ORIGIN_KEYS if name != "ranks")
 
 
 def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
@@ -33,7 +34,7 @@ def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
 
 
 def refuse_another_run(checkpoint: Checkpoint, now: Mapping[str, Any]) -> None:
-    """Raise FolderUnusable with all that is different, where ``now`` (of ``origin``) is another run."""
+    """Raise FolderUnusable with a list of the differences if ``now`` (from ``origin``) is another run."""
     about = checkpoint.about
     ranks, then = now["provenance"]["ranks"], about["provenance"]["ranks"]
     differing = [
@@ -66,8 +67,8 @@ def warnings(checkpoint: Checkpoint, now: Mapping[str, Any]) -> list[str]:
 
 
 def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
-    """Return the dotted keys that differ, with both values, None where there is none."""
-    flat = _flat(before), _flat(after)
+    """Return the dotted keys that differ with both values; a value that is missing is None."""
+    flat = _flatten(before), _flatten(after)
     keys = sorted(flat[0].keys() | flat[1].keys())
     values = ((key, flat[0].get(key), flat[1].get(key)) for key in keys)
     return [(key, old, new) for key, old, new in values if old != new]
@@ -79,17 +80,17 @@ def _may_change(key: str, after: Any, simulated_s: float) -> bool:
     return key.split(".")[0] in FREE
 
 
-def _flat(value: Any, within: str = "") -> dict[str, Any]:
+def _flatten(value: Any, within: str = "") -> dict[str, Any]:
     if isinstance(value, Mapping):
         parts = [(f"{within}.{key}" if within else str(key), inner) for key, inner in value.items()]
     elif isinstance(value, list | tuple):
         parts = [(f"{within}.{number}", inner) for number, inner in enumerate(value, start=1)]
     else:
         return {within: value}
-    return {key: inner for name, part in parts for key, inner in _flat(part, name).items()}
+    return {key: inner for name, part in parts for key, inner in _flatten(part, name).items()}
 
 
 def _checksums(run: Path) -> dict[str, str]:
-    """Return checksums of the files that the case names."""
+    """Return the SHA-256 checksums of the files that the case names."""
     named = [*run.glob("*.stl"), *run.glob(RECORDING)]
     return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in named}

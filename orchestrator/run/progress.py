@@ -1,4 +1,4 @@
-"""How far a run is, what that has cost, and how long it will take."""
+"""The progress of a run: how far it is, how much time it has taken, and how much is left."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LINE_EVERY_S = 5.0
 
 
 class Progress:
-    """How far a run is and what it has cost; a run that is resumed counts on.
+    """The progress of a run and its cost; a resumed run goes on counting.
 
     ``figures`` go to ``summary.json``.
     """
@@ -27,29 +27,30 @@ class Progress:
         self.particle_steps = 0
         self.figures: dict[str, Any] = {"sync_intervals": 0, "simulated_s": 0.0, "particles": 0}
         self._started_s, self._before_s = time.perf_counter(), 0.0
-        self.processor_before_s = time.process_time()  # importing, which no wall time counts
+        self.processor_before_s = time.process_time()  # for imports, which the wall time leaves out
 
     @property
     def wall_s(self) -> float:
-        """The wall time of this process, and of those before it up to what they saved."""
+        """The wall time of this process and of earlier ones up to their last checkpoints."""
         return self._before_s + time.perf_counter() - self._started_s
 
     @property
     def done(self) -> int:
-        """The number of sync intervals that are done."""
+        """The number of completed sync intervals."""
         return int(self.figures["sync_intervals"])
 
     @property
     def simulated_s(self) -> float:
+        """The simulated time so far."""
         return float(self.figures["simulated_s"])
 
-    def sync_point(self, done: int, time_s: float, particle_steps: int) -> None:
-        """Count sync point ``done``, after so many more steps of each particle."""
+    def count_sync_point(self, done: int, time_s: float, particle_steps: int) -> None:
+        """Count sync point ``done``, before which each particle took ``particle_steps`` steps."""
         self.particle_steps += particle_steps * self.figures["particles"]
         self.figures |= {"sync_intervals": done, "simulated_s": time_s}
 
     def as_json(self) -> dict[str, Any]:
-        """Return all of it, for a checkpoint."""
+        """Return the progress as a table for a checkpoint."""
         return {
             "figures": self.figures,
             "particle_steps": self.particle_steps,
@@ -58,7 +59,7 @@ class Progress:
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """Take back what ``as_json`` gave."""
+        """Restore the progress from the table that ``as_json`` returned."""
         self.figures = dict(saved["figures"])
         self.particle_steps = saved["particle_steps"]
         self._before_s = saved["wall_s"]
@@ -67,10 +68,10 @@ class Progress:
 
 
 class ProgressBar:
-    """Shows the progress with the time left: a bar on a terminal, a line now and then elsewhere."""
+    """The display of the progress and the time left: a bar on a terminal, elsewhere lines at intervals."""
 
     def __init__(self, first: int, intervals: int, interval_s: float, console: Console) -> None:
-        """``first`` of the ``intervals`` were done before."""
+        """Begin at ``first``, the number of the ``intervals`` that an earlier process completed."""
         self._first, self._intervals, self._interval_s = first, intervals, interval_s
         self._console = console
         self._draws = console.is_terminal and not console.is_dumb_terminal
@@ -93,7 +94,7 @@ class ProgressBar:
         self._bar.stop()
 
     def update(self, done: int) -> None:
-        """Show that ``done`` of all intervals are done."""
+        """Show that ``done`` of all intervals are complete."""
         self._bar.update(self._task, completed=done)
         now = time.monotonic()
         if now - self._last_line < LINE_EVERY_S:

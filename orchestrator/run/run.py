@@ -1,4 +1,4 @@
-"""A run from a loaded case to a finished run folder: the coupling loop and what it records."""
+"""A run from a loaded case to a finished run folder: the coupling loop and its records."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from orchestrator.run.progress import Progress, ProgressBar
 class Run:
     """A coupled run in its folder; every rank of ``world`` (MPI communicator or None) has one.
 
-    With a ``checkpoint`` it goes on from there, in the folder of that run.
+    With a ``checkpoint`` the run goes on from there, in the folder of the run that wrote it.
     """
 
     def __init__(
@@ -64,21 +64,23 @@ class Run:
         self._schedule = Schedule(self._case.checkpoint, self._interval_s, world)
 
     def go(self) -> None:
-        """Run to the end.  Raises CaseError or SolverMissing before anything is computed;
-        SolverFailed, OSError or Interrupted with everything written up to the last output time.
+        """Run to the end.
+
+        Raises CaseError or SolverMissing before anything is computed, and SolverFailed, OSError or
+        Interrupted after everything up to the last output time has been written.
         """
         self._console.print("opening the solvers")
         stopwatch = self._progress.stopwatch
-        with stopwatch("rest"), StopRequest(waits=self._world is not None).listening() as stop:
+        with stopwatch("rest"), StopRequest(waits=self._world is not None).listen() as stop:
             machine = build(self._coupled_as, self._folder, self._world, stopwatch)
             stop.waits = True
             LOG.info("all solvers are open after %.1f s", self._progress.wall_s)
             try:
-                self._coupled(machine, stop)
+                self._run_coupled(machine, stop)
             finally:
                 machine.close()
 
-    def _coupled(self, machine: Machine, stop: StopRequest) -> None:
+    def _run_coupled(self, machine: Machine, stop: StopRequest) -> None:
         state = initial_state(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, Interval(0, self._interval_s)))
         with write_failure_context("results", 0.0):
@@ -93,8 +95,8 @@ class Run:
         except (Interrupted, Stopped) as stopped:
             interrupted, state = stopped, stopped.state
             self._save(checkpointer, state)
-            recorder.last_contacts()
-            self._progress.figures["material"] = recorder.material()
+            recorder.book_last_contacts()
+            self._progress.figures["material"] = recorder.material_balance()
         finally:
             self._progress.figures["monitor"] = monitor.figures(self._progress.done)
             recorder.close()
@@ -105,7 +107,7 @@ class Run:
             raise interrupted
 
     def _start(self, checkpointer: Checkpointer, recorder: Recorder, monitor: Monitor, state: State) -> State:
-        """Return the state that the run goes on from."""
+        """Return the state from which the run starts or goes on."""
         if self.resumes is None:
             self._record(recorder, monitor, state, 0, 0)
             return state
@@ -131,27 +133,27 @@ class Run:
         with ProgressBar(first, self._intervals, self._interval_s, self._console) as bar:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
                 runs = machine.particle_runs
-                with self._advised(), solver_failure_context("the coupling", interval):
+                with self._add_advice(), solver_failure_context("the coupling", interval):
                     state, observed = monitor.advance(interval, state)
                 check_speeds(observed, interval.end_s, self._stability.advice())
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, monitor, observed, interval.index + 1, steps)
-                with self._advised():
+                with self._add_advice():
                     monitor.act(interval, state)
                 bar.update(interval.index + 1)
                 stop.check(self._world, state)
-                if self._schedule.due(interval.index + 1):
+                if self._schedule.is_due(interval.index + 1):
                     self._save(checkpointer, state)
         self._save(checkpointer, state)
         return state
 
     @contextmanager
-    def _advised(self) -> Iterator[None]:
-        """Add to a failure inside what helps, where the case is beyond what is sure to be stable."""
+    def _add_advice(self) -> Iterator[None]:
+        """Add advice to a failure inside if the case lies beyond the limits that ensure stability."""
         try:
             yield
         except SolverFailed as error:
-            if self._stability.unsafe:
+            if self._stability.is_unsafe:
                 error.add_note(self._stability.advice())
             raise
 
@@ -159,10 +161,10 @@ class Run:
         time_s = self._progress.simulated_s
         with self._progress.stopwatch("checkpoints"), write_failure_context("checkpoint", time_s):
             checkpointer.save(state, self._progress.done)
-        self._schedule.done()
+        self._schedule.note_checkpoint()
 
     def _about(self) -> dict[str, Any]:
-        """Return what a checkpoint is of, at this moment; only the first rank has it."""
+        """Return the origin and progress of the run for a checkpoint; only on the first rank."""
         if not is_first(self._world):
             return {}
         return self._origin | {"progress": self._progress.as_json()}
@@ -172,26 +174,28 @@ class Run:
         return origin(self._loaded, self._folder, self._world)
 
     def _record(self, recorder: Recorder, monitor: Monitor, state: State, done: int, steps: int) -> None:
-        """Record sync point ``done``, after so many steps of each particle.  Every ``_every``-th of
-        them is an output time, and so is the last."""
+        """Record sync point ``done``, before which each particle took ``steps`` steps.
+
+        Every ``_every``-th sync point is an output time, and so is the last one.
+        """
         time_s = float(done * exact(self._interval_s))
         figures = self._progress.figures
         with self._progress.stopwatch("output"), write_failure_context("results", time_s):
-            recorder.sync_point(done, time_s, state)
+            recorder.record_sync_point(done, time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 try:
-                    terms_J, bed = recorder.output(time_s, state)
-                finally:  # also when it is the material that stops the run
-                    figures["material"] = recorder.material()
-                figures["particles"] = len(bed[0].id) if bed is not None else 0
+                    terms_J, bed = recorder.record_output(time_s, state)
+                finally:  # even if the material stops the run
+                    figures["material"] = recorder.material_balance()
+                figures["particles"] = len(bed.particles.id) if bed is not None else 0
                 monitor.observe_output(time_s, state, terms_J, bed)
-        self._progress.sync_point(done, time_s, steps)
+        self._progress.count_sync_point(done, time_s, steps)
 
     @property
     def simulated_s(self) -> float:
-        """Return the simulated time so far."""
+        """The simulated time so far."""
         return self._progress.simulated_s
 
     def finish(self, status: str, reason: str = "") -> dict[str, Any]:
-        """Write what the run leaves at its end (``Ending.write``); is called on one rank."""
+        """Write summary, results and pictures (``Ending.write``) on one rank, and return the summary."""
         return self._ending.write(self._progress, status, reason)

@@ -1,10 +1,10 @@
 """Criteria: numbers that runs of a case must have, by ``criteria.toml`` beside the case.
 
-One small language says what a paper printed, what a benchmark promises and which answers are known
-from elsewhere.  A criterion takes a number (``quantities.MEASURES``) from a run, or compares numbers
-of several, and names the band in which it must be, and where band and reference come from.
-Bands are fixed before a case is run; a criterion that is known not to be met stays as it is and says
-so (``known_failure``).  Criteria that the case was fitted to say that, too: they prove nothing.
+One small language describes the numbers that a paper printed, the promises of a benchmark and the answers
+that are known from elsewhere.  A criterion takes a number (``quantities.MEASURES``) from a run, or compares
+the numbers of several runs.  It names the band in which the number must be, and the source of band and
+reference.  Bands are fixed before a case is run.  A criterion that is known to fail stays as it is and gives
+the reason (``known_failure``).  A criterion to which the case was fitted is marked, too: it proves nothing.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from orchestrator.studies.quantities import MEASURES, TAKES, Question, Unknown, 
 
 FILE = "criteria.toml"
 FORMER = ("paper.toml", "expected.toml", "answers.toml")
-"""What earlier versions called the file."""
+"""The names of the file in earlier versions."""
 UNITS = {name: 1.0 for name in ("1", "m", "m/s", "rad/s", "N", "J", "kg", "kg/s", "s", "W")}
 UNITS |= {"mm": 1e-3, "%": 0.01}
 Band = tuple[Number | None, Number | None]
@@ -38,69 +38,69 @@ class WantedRun(Table):
     """One run of the case, or one for each value of a key."""
 
     vary: OneLine = ""
-    """As ``flipflow study sweep --vary``; without it, a single run."""
+    """The varied key and its values, as ``flipflow study sweep --vary`` takes them; without it, there is a
+    single run."""
     sets: tuple[OneLine, ...] = ()
-    """As ``--set``."""
+    """Overlays, as ``--set`` takes them."""
     interval_over_safe: Positive | None = None
     """The sync interval, in multiples of the largest safe one that the stability report gives."""
     resume_at_s: Positive | None = None
-    """The run ends here and is resumed."""
+    """The time at which the run ends, to be resumed afterwards."""
 
 
 class Criterion(Question):
     """One number of a case's runs, and the band in which it must be."""
 
     what: OneLine
-    """What the number is."""
+    """A description of the number."""
     run: Name
-    """The entry of ``runs`` that it is taken from."""
+    """The entry of ``runs`` from which the number is taken."""
     at: OneLine = ""
-    """The value that picks one run of those of a varied key."""
+    """The value of a varied key that selects one run."""
     between: tuple[Number, Number] | None = None
-    """Part of the values of a varied key."""
+    """The range of values of a varied key that counts."""
     compare: OneLine = ""
-    """How numbers are compared with each other (``COMPARISONS``); without it, the number itself
-    counts."""
+    """The comparison of numbers with each other (``COMPARISONS``); without it, the number itself counts."""
     against: OneLine = ""
-    """The run that it is compared with."""
+    """The run with which the number is compared."""
     earlier_s: tuple[Number, Number] | None = None
-    """The part of the series before that it is compared with, where there is no other run."""
+    """The earlier part of the series with which the number is compared, where there is no other run."""
     unit: OneLine = "1"
-    """Unit of this criterion's numbers."""
+    """The unit of this criterion's numbers."""
     reference: Number | None = None
-    """The number as it is known from elsewhere: a paper's, or a closed form's."""
+    """The number as it is known from elsewhere: from a paper or a closed form."""
     exact: Switch = False
-    """Whether the reference is the answer, so that ``flipflow study accuracy`` measures errors
+    """Whether the reference is the exact answer, so that ``flipflow study accuracy`` measures errors
     against it."""
     experiment: Number | None = None
-    """The same, from an experiment."""
+    """The number as an experiment gave it."""
     band: Band | None = None
-    """From, to; none where there is nothing to hold the number against."""
+    """The lower and the upper limit of the number; none where the number is not compared."""
     ratio: Band | None = None
-    """The same in multiples of the reference."""
+    """The lower and the upper limit in multiples of the reference."""
     why: OneLine = ""
-    """Where band and reference come from."""
+    """The source of band and reference."""
     fitted: Switch = False
-    """Whether the case's values were chosen to meet it."""
+    """Whether the case's values were chosen to meet the criterion."""
     known_failure: OneLine = ""
-    """Why it is not met; empty of what must be."""
+    """The reason why the criterion is not met; empty where it must be met."""
 
 
 class Criteria(Table):
-    """``criteria.toml``."""
+    """The content of ``criteria.toml``."""
 
     source: OneLine = ""
-    """Where the numbers are from, of all criteria."""
+    """The common source of the numbers of all criteria."""
     number: Few | None = None
-    """Its place in a list of benchmarks."""
+    """The place of the case in a list of benchmarks."""
     happens: OneLine = ""
-    """What is done to the machine."""
+    """The events in the machine, in words."""
     expected: OneLine = ""
-    """What must come of it."""
+    """The expected consequences, in words."""
     runs: dict[Name, WantedRun]
-    """What must be run, by name."""
+    """The runs that the criteria need, by name."""
     criteria: Annotated[tuple[Criterion, ...], Len(1)]
-    """What must be true."""
+    """The criteria that the runs must meet."""
 
 
 def read_criteria(case: Path) -> Criteria:
@@ -121,17 +121,17 @@ def read_criteria(case: Path) -> Criteria:
         "take": [*TAKES],
         "unit": [*UNITS],
     }
-    wrong = []
+    problems = []
     for number, row in enumerate(criteria.criteria):
         for key, words in known.items():
             if (word := getattr(row, key)) not in words:
                 hint = did_you_mean(word, filter(None, words))
-                wrong.append(CaseProblem(("criteria", number, key), f'no {key} "{word}"', hint, str(file)))
+                problems.append(CaseProblem(("criteria", number, key), f'no {key} "{word}"', hint, str(file)))
         if row.ratio is not None and not row.reference:
             what = "is in multiples of a reference, which is missing"
-            wrong.append(CaseProblem(("criteria", number, "ratio"), what, file=str(file)))
-    if wrong:
-        raise CaseError(wrong)
+            problems.append(CaseProblem(("criteria", number, "ratio"), what, file=str(file)))
+    if problems:
+        raise CaseError(problems)
     return criteria
 
 
@@ -144,8 +144,10 @@ def refuse_former(folder: Path) -> None:
 
 
 def known_answers(case: Path) -> tuple[Criterion, ...]:
-    """Return the criteria of a case, if it has any, whose reference is the exact answer for the
-    case as it is.  Raises CaseError."""
+    """Return the criteria of a case whose reference is the exact answer for the unchanged case.
+
+    A case without criteria has none.  Raises CaseError.
+    """
     folder = case if case.is_dir() else case.parent
     if not (folder / FILE).is_file():
         refuse_former(folder)
@@ -160,7 +162,7 @@ def known_answers(case: Path) -> tuple[Criterion, ...]:
 
 
 def answer_error(row: Criterion, run: Path) -> float | None:
-    """Return the relative error of a run against a known answer; None where the run does not tell it."""
+    """Return the relative error of a run against a known answer; None where the run has no such number."""
     try:
         measured = number_of(row, run) / UNITS[row.unit]
     except Unknown:
@@ -198,7 +200,7 @@ class Runs:
 
     @property
     def values(self) -> Array:
-        """The values.  Raises Unknown if they are no numbers."""
+        """The values of the varied key as an array.  Raises Unknown if they are no numbers."""
         return np.array([_number_in(each) for each in self.points])
 
 
@@ -212,9 +214,9 @@ def _number_in(point: Point) -> float:
 def wanted_runs(
     criteria: Criteria, study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end
 ) -> dict[str, Runs]:
-    """Return the runs that criteria need, checked, by name; nothing is run here.
+    """Check the runs that criteria need, and return them by name; nothing is run here.
 
-    ``ended`` tells of a folder whether its run is over.  Raises CaseError.
+    ``ended`` says whether the run in a folder is over.  Raises CaseError.
     """
     runs = {}
     for name, wanted in criteria.runs.items():
@@ -234,8 +236,10 @@ def wanted_runs(
 
 
 def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> list[str]:
-    """Return ``--set`` overlays of a sync interval of so many times the largest safe one.  Raises
-    CaseError where nothing limits it."""
+    """Return the ``--set`` overlays of a sync interval that is ``multiple`` times the largest safe interval.
+
+    Raises CaseError where nothing limits the interval.
+    """
     loaded = study.check(sets)
     interval_s = multiple * stability_report(loaded.case).safe_s
     if not 0 < interval_s < loaded.case.duration_s:
@@ -245,21 +249,21 @@ def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> lis
 
 
 def _interrupted(whole: Point, resume_at_s: float) -> Point:
-    """Return the point with an interruption, after which it is resumed."""
+    """Return a point that ends the run of ``whole`` at ``resume_at_s`` and resumes it."""
     first = (*whole.words, "--set", f"duration_s={resume_at_s!r}")
     end = f"duration_s={whole.loaded.case.duration_s!r}"
-    then = ("resume", str(whole.folder.resolve()), "--set", end)
+    resume = ("resume", str(whole.folder.resolve()), "--set", end)
 
     def ended(run: Path) -> bool:
         return whole.ended(run) and "resumed" in (run / "provenance.json").read_text(encoding="utf-8")
 
-    return replace(whole, words=first, then=then, ended=ended)
+    return replace(whole, words=first, then=resume, ended=ended)
 
 
 def evaluate(row: Criterion, runs: Mapping[str, Runs]) -> float:
     """Return the number of a criterion, in SI units.  Raises Unknown."""
-    every = runs[row.run]
-    chosen = every.at(row.at) if row.at else every.between(row.between)
+    all_runs = runs[row.run]
+    chosen = all_runs.at(row.at) if row.at else all_runs.between(row.between)
     run = chosen.points[0].folder
     if row.compare in OVER_VALUES:
         numbers = np.array([number_of(row, each.folder) for each in chosen.points])
@@ -290,11 +294,11 @@ OVER_VALUES: dict[str, Callable[[Array, Runs], float]] = {
     "change": lambda numbers, chosen: numbers[-1] - numbers[0],
     "lowest-at": _lowest_at,
 }
-"""From the first value of a varied key to the last."""
+"""Comparisons of the numbers of all values of a varied key, from the first value to the last."""
 WITH_ANOTHER: dict[str, Callable[[float, float], float]] = {
     "ratio": lambda ours, theirs: ours / theirs,
     "difference": lambda ours, theirs: abs(ours - theirs),
 }
-"""With the run ``against``, or with the part ``earlier_s``."""
+"""Comparisons with the run ``against``, or with the part ``earlier_s`` of the series."""
 ROW_BY_ROW = "row-by-row"  # the largest difference of two datasets
 COMPARISONS = (*OVER_VALUES, *WITH_ANOTHER, ROW_BY_ROW)

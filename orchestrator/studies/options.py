@@ -1,4 +1,4 @@
-"""Options that the commands share: a case with its level and overlays, and how a study is run.
+"""Options that the commands share: the case, its level and overlays, the workers and the output folder.
 
 A command of a study has a parameter of type ``CaseStudy`` for all of these options, or one of type ``Crew``
 for the workers' options alone.
@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.table import Table
 
-if TYPE_CHECKING:  # every command of flipflow imports this file, and no quick one needs those
+if TYPE_CHECKING:  # every command of flipflow imports this file, and quick commands need no points
     from orchestrator.studies.points import CaseStudy, Crew
 
 StudyOutput = Generator[str | Table | Path, None, bool]
-"""What a study's command yields to be said, files that it wrote among it; it returns whether all is
-well."""
+"""The output of a study's command: it yields lines, tables and the files that it wrote, and returns whether
+all is well."""
 
 CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
 Level = Annotated[
@@ -48,7 +48,7 @@ Scheduler = Annotated[
 
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:
-    """Return the requested workers; by default as many as the machine bears."""
+    """Return the requested crew; by default it has as many workers as the machine bears."""
     from orchestrator.studies.points import Crew, workers_that_fit
 
     return Crew(workers or workers_that_fit(), scheduler)
@@ -62,34 +62,38 @@ def case_study(
     scheduler: Scheduler = "",
     overrides: Overrides = None,
 ) -> CaseStudy:
-    """Return the requested study."""
+    """Return the study of one case that the options describe."""
     from orchestrator.studies.points import CaseStudy
 
     return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
 
 
 def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[..., StudyOutput]:
-    """Return a study's command as a function of single options, as Typer wants it; ``name`` is the study's
-    name."""
+    """Return a study's command as a function of single options, as Typer needs it.
+
+    ``name`` is the name of the study.
+    """
     from orchestrator.studies.points import CaseStudy, Crew
 
-    # the parameters of these functions are the options that stand for a parameter of the type
+    # the parameters of these functions are the options that replace a parameter of the type
     records: dict[Any, Callable[..., Any]] = {CaseStudy: case_study, Crew: crew}
     hints = get_type_hints(command, include_extras=True)
-    makers, options = {}, []
+    factories, options = {}, []
     for parameter in inspect.signature(command).parameters.values():
-        if make := records.get(hints[parameter.name]):
-            makers[parameter.name] = make
-            types = get_type_hints(make, localns={"CaseStudy": CaseStudy, "Crew": Crew}, include_extras=True)
-            own = inspect.signature(make).parameters.values()
+        if factory := records.get(hints[parameter.name]):
+            factories[parameter.name] = factory
+            types = get_type_hints(
+                factory, localns={"CaseStudy": CaseStudy, "Crew": Crew}, include_extras=True
+            )
+            own = inspect.signature(factory).parameters.values()
             options += [each.replace(annotation=types[each.name]) for each in own]
         else:
             options.append(parameter.replace(annotation=hints[parameter.name]))
 
     def call(**given: Any) -> StudyOutput:
-        for parameter, make in makers.items():
-            made = make(**{key: given.pop(key) for key in inspect.signature(make).parameters})
-            given[parameter] = replace(made, name=name) if isinstance(made, CaseStudy) else made
+        for parameter, factory in factories.items():
+            record = factory(**{key: given.pop(key) for key in inspect.signature(factory).parameters})
+            given[parameter] = replace(record, name=name) if isinstance(record, CaseStudy) else record
         return command(**given)
 
     call.__doc__ = command.__doc__

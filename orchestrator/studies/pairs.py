@@ -1,9 +1,8 @@
-"""Pairs of short runs, with and without an effect, and which effects are worth them.
+"""Pairs of short runs, with and without an effect, and the choice of the effects that are worth a pair.
 
-They serve ``effects = "auto"`` before a run and ``flipflow explain --for``.  The case is taken at its
-level "draft" if it has one that still has the effect, and made cheaper still by settings that do not
-bear on the effect.  Both runs are commands of their own.  A run that a pair shares with another is
-made once.
+Pairs serve ``effects = "auto"`` before a run and ``flipflow explain --for``.  The case is run at its level
+"draft" if it has such a level and the effect is still in it.  Settings that do not bear on the effect make it
+cheaper still.  Both runs are commands of their own.  A run that two pairs share is made once.
 """
 
 from __future__ import annotations
@@ -44,14 +43,15 @@ from orchestrator.preflight.scene.effect import describe_verdict
 from orchestrator.studies.points import RunFailed, run_in_scratch, sample_s
 
 LIMIT_S = 30.0
-"""Processor time that one run of a pair may take, as it is predicted."""
+"""The largest predicted processor time of one run of a pair."""
 PATIENCE = 10.0
-"""A run that takes this many times the limit in wall time is ended: prediction errs by a factor of
-three, and the processor may be busy with other work."""
+"""The multiple of the limit, in wall time, after which a run is ended: predictions err by a factor of three,
+and the processor may be busy with other work."""
 RUNS_IN_BUDGET = 4
-"""Of ``flipflow explain --for``, each as long as is allowed: three at least say something."""
+"""The number of runs in the budget of ``flipflow explain --for``, each as long as the limit allows: three
+runs already say something."""
 FEWEST_CYCLES = 6
-"""Of the machine, after its run-up: half of the cycles are looked at."""
+"""The least number of the machine's cycles after its run-up: half of them are evaluated."""
 STRIP_CELLS = 16
 ACROSS = "variation-across"
 MIDDLE = "flipflow-middle-of"
@@ -67,11 +67,11 @@ class NoPair(Exception):
 
 @dataclass
 class Pairs:
-    """A maker of pairs, which remembers them and shares runs among them.
+    """A maker of pairs that remembers them and shares runs among them.
 
-    ``limit_s``: processor time that a run may take as predicted; ``say`` gets a line before each run;
-    ``forget`` ignores the remembered results.  ``spent_s``: processor time of all runs so far, also of runs
-    that failed.
+    ``limit_s`` is the largest predicted processor time of a run.  ``say`` gets a line before each run.
+    ``forget`` ignores the remembered results.  ``spent_s`` is the processor time of all runs so far, also of
+    runs that failed.
     """
 
     limit_s: float = LIMIT_S
@@ -81,12 +81,12 @@ class Pairs:
     _runs: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Clear caches, since files may have changed after another engine read them."""
+        """Clear the caches, since files may have changed after another object filled them."""
         _load.cache_clear()
         _predicted_s.cache_clear()
 
     def of(self, loaded: JudgedCase, effect: str) -> Pair:
-        """Return the pair of a case and an effect that it has, from memory if it is known."""
+        """Return the pair of a case and one of its effects, from memory if the pair is known."""
         key = key_of(loaded.origin.read(), effect)
         known = None if self.forget else recall(key)
         if known is not None and not (known.refused and known.limit_s < self.limit_s):
@@ -100,8 +100,8 @@ class Pairs:
 
     def _make(self, loaded: JudgedCase, effect: str) -> Pair:
         level, sets = _cheap(loaded, effect, self.limit_s)
-        present, going = _present(loaded.folder, level, sets), with_dependents([effect], "")
-        remaining = [name for name in present if name not in going]
+        present, removed = _present(loaded.folder, level, sets), with_dependents([effect], "")
+        remaining = [name for name in present if name not in removed]
         with_it, without = (
             self._summary(loaded.folder, level, (*sets, _with_effects(names)), f"{loaded.name} {what}")
             for names, what in ((present, "as it is"), (remaining, f"without {effect}"))
@@ -112,21 +112,21 @@ class Pairs:
     def _summary(self, folder: Path, level: str, sets: Sets, what: str) -> dict[str, Any]:
         """Return the summary of the run of a case with ``sets``.  Raises NoPair."""
         loaded = _load(folder, level, sets)
-        if wrong := find_problems(loaded):
-            raise NoPair(f"{what} cannot be run: {wrong[0]}")
-        same = json.dumps([resolved_case(loaded), str(folder)], sort_keys=True, default=str)
-        if same not in self._runs:
+        if problems := find_problems(loaded):
+            raise NoPair(f"{what} cannot be run: {problems[0]}")
+        key = json.dumps([resolved_case(loaded), str(folder)], sort_keys=True, default=str)
+        if key not in self._runs:
             cost_s = _predicted_s(folder, level, sets)
             self.say(f"trial run: {what}, {loaded.case.duration_s:g} s, about {cost_s:.0f} s")
-            began_s = _of_children_s()
+            began_s = _processor_time_of_children_s()
             try:
-                self._runs[same] = _run(folder, level, sets, PATIENCE * self.limit_s, what)
+                self._runs[key] = _run(folder, level, sets, PATIENCE * self.limit_s, what)
             finally:
-                self.spent_s += _of_children_s() - began_s
-        return self._runs[same]
+                self.spent_s += _processor_time_of_children_s() - began_s
+        return self._runs[key]
 
 
-def _of_children_s() -> float:
+def _processor_time_of_children_s() -> float:
     """Return the processor time of all processes that this one has waited for."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
@@ -149,7 +149,7 @@ def _run(folder: Path, level: str, sets: Sets, patience_s: float, what: str) -> 
 
 
 def _cheap(loaded: JudgedCase, effect: str, limit_s: float) -> tuple[str, Sets]:
-    """Return level and overlays at which the pair is run.  Raises NoPair."""
+    """Return the level and the overlays with which the pair is run.  Raises NoPair."""
     why = f"the case does not have {effect}"
     levels = [name for name in (CHEAP_LEVEL,) if name in level_names(loaded.folder)]
     for level in dict.fromkeys([*levels, loaded.level]):
@@ -166,19 +166,19 @@ def _cheap(loaded: JudgedCase, effect: str, limit_s: float) -> tuple[str, Sets]:
 def _sets(loaded: JudgedCase, level: str, effect: str, limit_s: float, cheaper: bool) -> Sets:
     """Return the overlays of the pair.  Raises NoPair and CaseError."""
     folder, sets = loaded.folder, loaded.origin.others
-    # with all that the case describes, whatever its key ``effects`` says: nothing asks in turn
+    # with all described effects: a case whose key ``effects`` is "auto" would ask for pairs in turn
     case = _load(folder, level, (*sets, _with_effects(_present(folder, level, sets)))).case
     if not (has_effect(case, effect) and can_leave_out(case, effect)):
         raise NoPair(f"{effect} cannot be left out of the case at level {level or 'none'}")
     sets = (*sets, *_output_sets(case))
     if cheaper and effect != ACROSS and case.panel.adapter.varies_across:
-        narrow = solvers.without("panel", ACROSS)
+        narrow = solvers.name_without("panel", ACROSS)
         cells = f"panel.cells=[{min(STRIP_CELLS, max(2, case.panel.cells[0]))}, 1]"
         sets = (*sets, f"panel.solver={narrow}", "panel.integrator=explicit", "panel.step_s=0.0", cells)
     every = (*sets, _with_effects(_present(folder, level, sets)))
     trial = _load(folder, level, every)
-    if wrong := find_problems(trial):
-        raise NoPair(str(wrong[0]))
+    if problems := find_problems(trial):
+        raise NoPair(str(problems[0]))
     if not has_effect(trial.case, effect):
         raise NoPair(f"{effect} is gone with cheaper panels")
     cost_s = _predicted_s(folder, level, every)
@@ -187,7 +187,7 @@ def _sets(loaded: JudgedCase, level: str, effect: str, limit_s: float, cheaper: 
 
 @lru_cache(maxsize=256)
 def _load(folder: Path, level: str, sets: Sets) -> JudgedCase:
-    """Return a case as ``load_judged``; pairs of many effects ask for the same ones."""
+    """Return the case that ``load_judged`` returns; pairs of many effects load the same cases."""
     return load_judged(folder, level, sets)
 
 
@@ -208,8 +208,7 @@ def _predicted_s(folder: Path, level: str, sets: Sets) -> float:
 
 
 def _output_sets(case: Case) -> Iterator[str]:
-    """Yield overlays for the output of a short run: rows often enough, a probe on a panel, and nothing
-    else."""
+    """Yield the overlays for the output of a short run: frequent rows and a probe on a panel alone."""
     yield "output.pictures=false"
     yield "checkpoint.wall_min=0.0"
     yield f"output.series_s={float(sample_s(case.coupling.sync_interval_s))!r}"
@@ -220,8 +219,10 @@ def _output_sets(case: Case) -> Iterator[str]:
 
 
 def _shorter(case: Case, cost_s: float, limit_s: float) -> str:
-    """Return a duration as long as the limit allows, of whole output intervals, if enough cycles of
-    the machine are in it.  Raises NoPair."""
+    """Return the overlay of the longest duration, in whole output intervals, that the limit allows.
+
+    Raises NoPair if the duration has too few cycles of the machine.
+    """
     machine = turning(case)
     fewest_s = 0.0
     if machine is not None:
@@ -240,16 +241,18 @@ def _shorter(case: Case, cost_s: float, limit_s: float) -> str:
 
 
 BUDGET_S = 300.0
-"""Processor time for all trial runs of a case together."""
+"""The processor time for all trial runs of a case together."""
 WORTH = 4
-"""Times the processor time that a trial run may take: from here on a run is long enough for trials
-before it."""
+"""The multiple of a trial run's limit from which on a run is long enough for trials before it."""
 
 
 @dataclass(frozen=True)
 class TriedEffects:
-    """Pairs that were made or remembered, effects for which the budget did not last, and the
-    processor time that was spent."""
+    """The pairs that were made or remembered, and the cost of making them.
+
+    ``omitted`` are the effects for which the budget did not last; ``spent_s`` is the processor time of the
+    runs.
+    """
 
     pairs: dict[str, Pair]
     omitted: tuple[str, ...] = ()
@@ -257,10 +260,10 @@ class TriedEffects:
 
 
 def rank_effects(judged: Sequence[Judged]) -> list[str]:
-    """Return effects to be tried, in ascending order of their estimated weight.
+    """Return the effects to be tried, in ascending order of their estimated weight.
 
-    Effects that cannot be judged come first, then effects that matter, from the lowest value over its
-    threshold up.  Effects that may surely be left out are omitted.
+    Effects that cannot be judged come first.  Effects that matter follow, in ascending order of their value
+    over its threshold.  Effects that may surely be left out are omitted.
     """
 
     def place(each: Judged) -> tuple[bool, float]:
@@ -277,7 +280,10 @@ def rank_effects(judged: Sequence[Judged]) -> list[str]:
 
 
 def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> TriedEffects:
-    """Return the pairs of effects in turn, until the budget is used; remembered pairs cost nothing."""
+    """Make the pairs of effects in turn until the budget is used, and return them.
+
+    Remembered pairs cost nothing.
+    """
     tried = known_pairs(loaded.origin, effects)
     omitted = []
     for name in effects:
@@ -289,7 +295,7 @@ def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget
 
 
 def try_all_effects(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
-    """Return the pairs of all effects of the case that a pair could decide about."""
+    """Make and return the pairs of all effects of the case about which a pair could decide."""
     judged = list(weigh_effects(loaded.described).values())
     return try_effects(loaded, rank_effects(judged), pairs, budget_s)
 
@@ -297,8 +303,8 @@ def try_all_effects(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedE
 def effects_to_try(loaded: JudgedCase) -> tuple[str, ...]:
     """Return the effects that "auto" tries out before a run of this case.
 
-    They are the effects that it cannot decide about and that would save time, if the run is long enough;
-    effects that are known already are omitted.
+    They are the effects about which "auto" cannot decide and which would save time.  Effects whose pairs are
+    known are omitted.  There are none if the run is too short to be worth trials.
     """
     names = loaded.choice.undecided
     if not names:
@@ -308,7 +314,10 @@ def effects_to_try(loaded: JudgedCase) -> tuple[str, ...]:
 
 
 def try_before_run(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
-    """Try effects out before a run; the results are remembered, so that the case loaded again has them."""
+    """Try effects out before a run, and return their pairs.
+
+    The pairs are remembered, so that a case that is loaded again has them.
+    """
     names = effects_to_try(loaded)
     if names:
         say(

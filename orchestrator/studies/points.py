@@ -1,9 +1,9 @@
 """Points of a study: runs of a case, each in a process and a folder of its own, never made twice.
 
-A point is a case with ``--set`` overlays.  ``run_points`` makes those that are missing, side by
-side; however it is ended, calling it again goes on with the rest.  A ``Crew`` of workers makes them,
-with Dask: on this machine, or wherever a Dask scheduler has workers.  Each piece of work starts a
-process of its own, so that workers are threads.
+A point is a case with ``--set`` overlays.  ``run_points`` makes the missing runs side by side.  However it is
+ended, another call makes the rest.  A ``Crew`` of workers makes the runs with Dask: on this machine, or
+wherever a Dask scheduler has workers.  Each piece of work starts a process of its own, so that the workers
+are threads.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 
 MAIN = "from orchestrator.cli.main import main; main()"
 MOST_VALUES = 1000
-PER_RUN_MIB = 1000  # of memory: a run with sheets and tens of thousands of particles takes less
+PER_RUN_MIB = 1000  # memory of a run: a run with sheets and tens of thousands of particles takes less
 T = TypeVar("T")
-SAMPLES_PER_S = 2500  # of shapes and series: enough for accelerations to 500 Hz
+SAMPLES_PER_S = 2500  # rate of shapes and series: enough for accelerations up to 500 Hz
 
 
 @dataclass(frozen=True)
 class Crew:
-    """Workers for pieces of work.
+    """A crew of workers.
 
-    ``workers`` run at a time on this machine, or on the ``scheduler`` at an address, which must see the same
-    files under the same names.
+    ``workers`` is the number of runs at a time on this machine.  ``scheduler`` is the address of a Dask
+    scheduler, if its workers make the runs; they must see the same files under the same names.
     """
 
     workers: int = 1
@@ -67,14 +67,16 @@ class Crew:
             return
         from distributed import Client, as_completed
 
-        logging.getLogger("distributed").setLevel(logging.ERROR)  # it does not talk to users
+        logging.getLogger("distributed").setLevel(logging.ERROR)  # its messages are not for users
         here = {
             "n_workers": 1,
             "threads_per_worker": self.workers,
             "processes": False,
             "memory_limit": None,
             "dashboard_address": None,
-            "scheduler_kwargs": {"dashboard_address": "127.0.0.1:0"},  # any port, not to others
+            "scheduler_kwargs": {
+                "dashboard_address": "127.0.0.1:0"
+            },  # any free port, reachable from this machine only
         }
         with Client(self.scheduler) if self.scheduler else Client(**here) as client:
             waiting, running = iter(work), as_completed()
@@ -91,15 +93,17 @@ class Crew:
 
 
 def workers_that_fit() -> int:
-    """Return the number of runs at a time that this machine bears: a processor and a gigabyte of memory for
-    each."""
+    """Return the number of simultaneous runs that this machine bears.
+
+    Each run needs a processor and a gigabyte of memory.
+    """
     processors = len(os.sched_getaffinity(0))
     free_MiB = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**20
     return max(1, min(processors, int(free_MiB / PER_RUN_MIB)))
 
 
 def summary_of(folder: Path) -> dict[str, Any]:
-    """Return the content of ``summary.json`` of a run's folder; empty without a readable file.
+    """Return the content of ``summary.json`` in a run's folder, or {} without a readable file.
 
     Raises OtherFormat where another version of flipflow wrote it.
     """
@@ -121,10 +125,11 @@ def came_to_its_end(folder: Path) -> bool:
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a study: what is asked for, and the folder where it is or will be.
+    """One run of a study.
 
-    ``value`` names it; ``words`` are the command that makes it, ``then`` one more in the same
-    folder; ``ended`` tells of its folder whether nothing is left to be run.
+    ``value`` is its name, ``loaded`` its case and ``folder`` its folder.  The command ``words`` makes the
+    run, and a second command ``then``, if there is one, continues in the same folder.  ``ended`` says whether
+    nothing is left to be run in a folder.
     """
 
     value: str
@@ -149,13 +154,15 @@ class Point:
         return True
 
     def _differing(self) -> str:
-        """Return keys in which the folder's case differs.  Keys introduced later have their defaults
-        there."""
+        """Return the keys in which the folder's case differs, at most three, in words.
+
+        Keys that were introduced later have their defaults in the folder's case.
+        """
         try:
-            there = resolved_case(load_judged(self.folder / "case.toml"))
+            stored = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
             return ", ".join(".".join(map(str, problem.key)) for problem in error.problems[:3])
-        keys = list(find_changes(there, resolved_case(self.loaded)))
+        keys = list(find_changes(stored, resolved_case(self.loaded)))
         return ", ".join(".".join(key) for key in keys[:3])
 
     def status(self) -> str:
@@ -163,8 +170,7 @@ class Point:
         return status(self.folder)
 
     def side_by_side(self) -> int:
-        """Return the number of points that ran at the same time as this point; 0 where nobody wrote it
-        down."""
+        """Return the number of runs that were made at a time when this run was made; 0 if it is unknown."""
         try:
             return int(json.loads(_about(self.folder).read_text())["side_by_side"])
         except (OSError, ValueError, KeyError):
@@ -173,7 +179,7 @@ class Point:
 
 @dataclass(frozen=True)
 class CaseStudy:
-    """A study of one case as a user asks for it, which makes the points of the study.
+    """A user's study of one case, which makes the points of the study.
 
     ``sets`` are ``--set`` overlays of all points; ``out`` is the study's folder, by default
     runs/<case>-<name>.
@@ -192,21 +198,26 @@ class CaseStudy:
         return self.out or Path("runs") / f"{self.case.resolve().name}-{self.name}"
 
     def check(self, sets: Sequence[str] = ()) -> JudgedCase:
-        """Return the case with more overlays.  Raises CaseError with all that is wrong with it."""
+        """Return the case with more overlays.  Raises CaseError with all its problems."""
         loaded = load_judged(self.case, self.level, [*self.sets, *sets])
-        if wrong := find_problems(loaded):
-            raise CaseError(wrong)
+        if problems := find_problems(loaded):
+            raise CaseError(problems)
         return loaded
 
     def point(self, value: str, sets: Sequence[str] = (), folder: str = "") -> Point:
-        """Return the run of the case with more overlays, in a ``folder`` of the study that is
-        called like the value by default.  Raises CaseError for a case that is wrong."""
+        """Return the run of the case with more overlays.
+
+        ``folder`` is the run's folder in the study's folder; by default it has the name ``value``.  Raises
+        CaseError for a case with problems.
+        """
         loaded, place = self.check(sets), self.folder / (folder or value)
         return Point(value, loaded, run_words(self.case, loaded.level, (*self.sets, *sets), place), place)
 
     def run(self, points: Sequence[Point]) -> Iterator[str]:
-        """Run the points that are not done, and yield a line when one has ended.  Raises
-        FolderUnusable."""
+        """Run the points that are not done, and yield a line when a run has ended.
+
+        Raises FolderUnusable.
+        """
         with study_folder(self.folder):
             yield from run_points(points, self.crew)
 
@@ -219,13 +230,13 @@ def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[s
 
 
 class RunFailed(Exception):
-    """An error of a run without any result; the message says why."""
+    """An error of a run that gave no result; the message says why."""
 
 
 def run_in_scratch(
     case: Path, level: str, sets: Sequence[str], patience_s: float | None = None
 ) -> dict[str, Any]:
-    """Return the summary of a run in a folder that is removed afterwards.
+    """Make a run in a folder that is removed afterwards, and return its summary.
 
     Raises RunFailed where the run leaves no summary, or takes longer than ``patience_s``.
     """
@@ -245,7 +256,7 @@ def run_in_scratch(
 
 
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
-    """Run the points that are not done, side by side, and yield a line when one has ended.
+    """Run the points that are not done, side by side, and yield a line when a run has ended.
 
     Files of an unfinished run are kept under another name.  Raises FolderUnusable before anything is run.
     """
@@ -302,20 +313,21 @@ def _put_aside(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Vary:
-    """A ``key`` of the case (dotted, as ``--set`` takes it) and the ``values`` to give it, as
-    text."""
+    """A varied key of a case: the dotted ``key``, as ``--set`` takes it, and its ``values`` as text."""
 
     key: str
     values: tuple[str, ...]
 
     @property
     def name(self) -> str:
-        """The key's last word, which has the unit."""
+        """The last word of the key, which ends in the unit."""
         return self.key.rpartition(".")[2]
 
     def points(self, study: CaseStudy, sets: Sequence[str] = ()) -> list[Point]:
-        """Return the run of each value; nothing is run if one of them is wrong.  Raises
-        CaseError."""
+        """Return the point of each value; nothing is run here.
+
+        Raises CaseError if the case is wrong with one of the values.
+        """
         return [
             study.point(value, [*sets, f"{self.key}={value}"], self._folder(value)) for value in self.values
         ]
@@ -325,21 +337,21 @@ class Vary:
 
 
 def parse_vary(text: str) -> Vary:
-    """Read 'key=a,b,c' or 'key=first:last:step', both ends included.  Raises CaseError."""
+    """Read 'key=a,b,c' or 'key=first:last:step' (both ends included).  Raises CaseError."""
     key, equals, values = text.partition("=")
     if not equals or not key.strip() or not values.strip():
         raise _wrong(text, "is not key=values")
     if values.count(":") == 2:
         each = _range(text, values)
     else:
-        each = tuple(value.strip() for value in _apart(values))
+        each = tuple(value.strip() for value in _split(values))
     if len(set(each)) < len(each) or not all(each):
         raise _wrong(text, "has an empty value or one twice")
     return Vary(key.strip(), each)
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
-    """Return the values of a range in exact fractions: 0.1:0.3:0.1 has three values."""
+    """Return the values of a range, computed in exact fractions: 0.1:0.3:0.1 has three values."""
     try:
         first, last, step = (Fraction(part.strip()) for part in values.split(":"))
     except (ValueError, ZeroDivisionError):
@@ -350,8 +362,8 @@ def _range(text: str, values: str) -> tuple[str, ...]:
     return tuple(repr(float(first + number * step)) for number in range(count))
 
 
-def _apart(values: str) -> list[str]:
-    """Split at commas outside of brackets."""
+def _split(values: str) -> list[str]:
+    """Split text at the commas outside of brackets."""
     parts, depth = [""], 0
     for letter in values:
         depth += (letter in "[{") - (letter in "]}")
@@ -368,7 +380,7 @@ def _wrong(text: str, what: str) -> CaseError:
 
 
 def seed_sets(case: Case, number: int) -> tuple[str, ...]:
-    """Return ``--set`` overlays of another choice of random numbers; 0 is the case's own."""
+    """Return the ``--set`` overlays of another choice of random numbers; number 0 is the case's own."""
     if number == 0:
         return ()
     tables = (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
@@ -378,17 +390,19 @@ def seed_sets(case: Case, number: int) -> tuple[str, ...]:
 
 
 def is_random(case: Case) -> bool:
-    """Return whether seeds change anything."""
+    """Return whether other seeds change the run of a case."""
     return bool(seed_sets(case, 1)) and case.particles.adapter is not None
 
 
 def sample_s(interval_s: float) -> Fraction:
-    """Return the time between two samples: whole sync intervals of this length."""
+    """Return the time between two samples in s: a whole number of sync intervals of length ``interval_s``."""
     return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)
 
 
 def sampling_sets(interval_s: float) -> tuple[str, ...]:
-    """Return ``--set`` overlays of a run for measurement: rows often enough, at whole sync intervals, and no
-    pictures."""
+    """Return the ``--set`` overlays of a run for measurement.
+
+    The run writes frequent rows, at whole sync intervals, and no pictures.
+    """
     every_s = float(sample_s(interval_s))
     return (f"output.series_s={every_s!r}", f"output.shapes_s={every_s!r}", "output.pictures=false")

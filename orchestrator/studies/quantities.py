@@ -1,9 +1,9 @@
-"""The numbers of one run by which criteria judge it and studies compare it; all in SI.
+"""The numbers of one run, in SI units, by which criteria judge it and studies compare it.
 
-A question (``Question``) asks for a number by the name of a measure (``MEASURES``), and says what
-the measure looks at.  The quantities among the measures (``QUANTITIES``) need to be told nothing:
-they are over the last whole cycles of a run (at most four, never the run-up's first half), those of
-panels means over the panels, and studies of accuracy compare runs by them.
+A question (``Question``) asks for a number by the name of a measure (``MEASURES``), and names the data that
+the measure evaluates.  Some measures are quantities (``QUANTITIES``), which need no further data: they are
+taken over the last whole cycles of a run (at most four, and only from its second half), quantities of panels
+are means over the panels, and studies of accuracy compare runs by them.
 """
 
 from __future__ import annotations
@@ -33,23 +33,23 @@ from orchestrator.studies.points import summary_of
 
 
 class Unknown(Exception):
-    """An error of a number that a run does not tell; the message says why."""
+    """An error of a number that a run does not have; the message says why."""
 
 
 class Question(Table):
-    """Which number of a run is asked for."""
+    """A question for one number of a run."""
 
     measure: OneLine
-    """How the number is found (``quantities.MEASURES``)."""
+    """The measure that gives the number (``quantities.MEASURES``)."""
     of: OneLine = ""
-    """What the measure looks at: a dataset of history.h5, keys of summary.json with dots or a short
-    name of a result, a frame, a probe or a pair of frames."""
+    """The data that the measure evaluates: a dataset of history.h5, keys of summary.json with dots or a
+    short name of a result, a frame, a probe or a pair of frames."""
     axis: Literal["", "x", "y", "z", "size"] = ""
     """The component of vectors (x along the deck, z normal to it, for amplitudes), or their size."""
     take: OneLine = "last"
-    """What of a series (``quantities.TAKES``)."""
+    """The statistic of a series that counts (``quantities.TAKES``)."""
     between_s: tuple[Number, Number] | None = None
-    """Part of a series."""
+    """The part of a series that counts, from its start to its end."""
 
 
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -141,7 +141,7 @@ def _energy_J(run: Path) -> dict[str, Array]:
 
 
 def _largest_sum_J(run: Path, **signs: float) -> float:
-    """Return the largest size of the sum over whole accounts, each with its sign."""
+    """Return the largest absolute value, over time, of the sum of whole accounts, each with its sign."""
     accounts = ((name.partition(".")[0], values_J) for name, values_J in _energy_J(run).items())
     terms = [signs[account] * values_J for account, values_J in accounts if account in signs]
     return float(np.abs(np.sum(terms, axis=0)).max())
@@ -157,16 +157,17 @@ def _turned_over_J(run: Path) -> float:
 
 
 Outcome = Literal["stable", "warned", "stopped", "not run"]
-OF_THE_COUPLING = ("created_energy", "created_in_total", "growing_modes")  # of the monitor
+COUPLING_CHECKS = ("created_energy", "created_in_total", "growing_modes")  # of the monitor
 INTERNAL_ERROR = "internal error"
 
 
 def outcome(run: Path) -> Outcome:
     """Return the outcome of a run.
 
-    ``stable``: the run came to its end, the monitor of the coupling had nothing to say of its energy and
-    modes, and it is not doubtful; ``warned``: it came to its end, but a condition failed; ``stopped``: it
-    ended early with a reason (exit code 4); ``not run``: interrupted, missing, or an internal error.
+    ``stable``: the run came to its end, the monitor gave no warning of its energy or its modes, and it is
+    not doubtful.  ``warned``: the run came to its end, but one of these conditions failed.  ``stopped``: the
+    run ended early with a reason (exit code 4).  ``not run``: the run is missing, was interrupted, or ended
+    with an internal error.
     """
     summary = summary_of(run)
     state, reason = str(summary.get("status")), str(summary.get("reason"))
@@ -175,29 +176,29 @@ def outcome(run: Path) -> Outcome:
     if not trust.came_to_its_end(state):
         return "not run"
     monitored = summary.get("monitor", {}).get("figures", {})
-    amiss = any(monitored[key]["times"] for key in OF_THE_COUPLING if key in monitored)
-    return "warned" if amiss or state == trust.DOUBTFUL else "stable"
+    has_warned = any(monitored[key]["times"] for key in COUPLING_CHECKS if key in monitored)
+    return "warned" if has_warned or state == trust.DOUBTFUL else "stable"
 
 
 def _outcome_is(*wanted: Outcome) -> Callable[[Question, Path], float]:
     def measure(question: Question, run: Path) -> float:
-        if (known := outcome(run)) == "not run":
+        if (state := outcome(run)) == "not run":
             raise Unknown(f"{run.name}: not run")
-        return float(known in wanted)
+        return float(state in wanted)
 
     return measure
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that runs are compared by.
+    """A number by which runs are compared.
 
-    ``short`` heads columns.  A value up to ``resolved`` is rounding or what a solver's tolerance
-    leaves, and is not compared: coordinates of a few metres are rounded at 1e-15 m, resting shapes
-    are found to 1e-11 m, and a nanometre at a machine's speed of 100 rad/s is 1e-6 g.
-    ``is_decisive``: it repeats itself well enough to decide, unlike single peaks and shapes of slack
-    panels.  ``is_extensive``: a slice of the width has its share of it.  ``is_defect``: it ought to
-    be nothing, so that it needs no reference.
+    ``words`` describe it; ``short`` is its head of a column.  A value up to ``resolved`` is rounding or the
+    remainder that a solver's tolerance leaves, and is not compared: coordinates of a few metres are rounded
+    at 1e-15 m, resting shapes are computed to 1e-11 m, and a nanometre at a machine's speed of 100 rad/s is
+    1e-6 g.  ``is_decisive``: it repeats itself well enough to decide, unlike single peaks and the shapes of
+    slack panels.  ``is_extensive``: a slice of the width has only its share of it.  ``is_defect``: it ought
+    to be zero, so that it needs no reference.
     """
 
     words: str
@@ -232,17 +233,21 @@ QUANTITIES = {
 COMPARED = tuple(name for name, quantity in QUANTITIES.items() if not quantity.is_defect)
 DECISIVE = tuple(name for name, quantity in QUANTITIES.items() if quantity.is_decisive)
 MOVING = tuple(name for name in DECISIVE if name != "clamp_rms_N")
-"""Clamps pull while nothing happens, too: what tells of them is whether their pull changes."""
+"""The quantities that show motion.  Clamps pull while nothing happens, too, so that only a change of their
+pull counts (``happens``)."""
 CYCLES = 4
 STEADY = 1e-6
-"""A pull whose peak is above its root mean square by no more than this share does not change."""
+"""The share of its peak by which a pull may exceed its root mean square and still count as constant."""
 
 
 @dataclass(frozen=True)
 class Metrics:
-    """``values`` by QUANTITIES (without "shape" and what a case does not have; 0 for what is not
-    resolved, with which nothing is compared), of the whole width where a slice was run; ``shapes_m``
-    (rows, values) to be compared; ``summary`` of the run."""
+    """The metrics of one run.
+
+    ``values`` are by name of QUANTITIES, without "shape" and without quantities that the case does not have.
+    A value that is not resolved is 0 and is not compared.  The values of a slice are for the whole width.
+    ``shapes_m`` (rows, values) are the shapes to be compared, and ``summary`` is the summary of the run.
+    """
 
     values: dict[str, float]
     shapes_m: Array
@@ -250,7 +255,7 @@ class Metrics:
 
 
 def measure(folder: Path) -> Metrics:
-    """Return the metrics of a finished run with ``output.shapes_s``.  Raises KeyError without."""
+    """Return the metrics of a finished run.  Raises KeyError for a run without ``output.shapes_s``."""
     with RunReader(folder) as run:
         summary, case, history = run.summary, run.case, run.history
         end_s, cycle = summary["simulated_s"], cycle_s(case)
@@ -258,7 +263,7 @@ def measure(folder: Path) -> Metrics:
         start_s = max(0.0, end_s - count * cycle)
         panels = [_panel_metrics(history, case, panel, start_s, cycle) for panel in single_panels(case)]
         values = {"frame_m": _frame_m(history, start_s)} if case.screen.frames else {}
-        if case.screen.exits:  # else nothing flows, and a mean velocity is that of a swing
+        if case.screen.exits:  # without exits nothing flows, and a mean velocity is the velocity of a swing
             values |= _exit_values(history, summary, start_s, end_s)
     for name in panels[0][0] if panels else ():
         values[name] = float(np.mean([of_panel[name] for of_panel, _ in panels]))
@@ -268,7 +273,7 @@ def measure(folder: Path) -> Metrics:
     values["energy_defect"] = abs(share_created(summary))
     values["momentum_defect"] = summary["momentum_residual_relative"]
     shapes_m = np.hstack([shape_m for _, shape_m in panels]) if panels else np.empty((0, 0))
-    if not values.get("deflection_m"):  # a shape that is no more than rounding is not compared either
+    if not values.get("deflection_m"):  # a shape that is only rounding is not compared either
         shapes_m = shapes_m[:, :0]
     return Metrics(values, shapes_m, summary)
 
@@ -279,9 +284,10 @@ def is_resolved(name: str, value: float) -> bool:
 
 
 def happens(values: Mapping[str, float | None]) -> bool:
-    """Return whether anything resolvable happens in a run with such ``values`` (by QUANTITIES).
+    """Return whether anything resolvable happens in a run with these ``values`` (by name of QUANTITIES).
 
-    It is something that moves or changes the pull of a clamp, as a particle does on a rigid panel.
+    Something happens if anything moves, or if the pull of a clamp changes, as it does under a particle on a
+    rigid panel.
     """
     if any((value := values.get(name)) is not None and is_resolved(name, value) for name in MOVING):
         return True
@@ -292,13 +298,16 @@ def happens(values: Mapping[str, float | None]) -> bool:
 
 
 def relative(values: Array, reference: Array) -> float:
-    """Return the L2 norm of the difference over that of the reference about its mean over time."""
+    """Return the L2 norm of the difference over the norm of the reference about its mean over time.
+
+    It is infinite where the reference does not change over time.
+    """
     size = float(np.linalg.norm(reference - reference.mean(axis=0)))
     return float(np.linalg.norm(values - reference)) / size if size else math.inf
 
 
 def _frame_m(history: Any, start_s: float) -> float:
-    """Return half the range, as a vector's size, of the frame that moves most."""
+    """Return half the range of motion, as the size of a vector, of the frame that moves most."""
     return max(
         float(np.linalg.norm(np.ptp(group["displacement_m"][:][group["time_s"][:] >= start_s], axis=0) / 2))
         for group in history["frames"].values()
@@ -306,17 +315,19 @@ def _frame_m(history: Any, start_s: float) -> float:
 
 
 def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s: float) -> dict[str, float]:
-    """Return the values that the run's own results tell, as far as they are defined, and the mass that left
-    through exits, over time, if any did."""
+    """Return efficiency and velocity from the run's results, and the mass that left through exits per second.
+
+    Values that are not defined are missing.
+    """
     known = {
         "efficiency_percent": value_at(summary, "efficiency"),
         "velocity_m_per_s": value_at(summary, "velocity"),
     }
     values = {name: value.value for name, value in known.items() if value is not None}
     if "removed" in history and "time_s" in history["removed"]:
-        gone = history["removed"]
-        late = (gone["time_s"][:] > start_s) & (gone["exit"][:] >= 0)
-        mass_kg = sphere_mass_kg(gone["diameter_m"][:], gone["density_kg_per_m3"][:])
+        removed = history["removed"]
+        late = (removed["time_s"][:] > start_s) & (removed["exit"][:] >= 0)
+        mass_kg = sphere_mass_kg(removed["diameter_m"][:], removed["density_kg_per_m3"][:])
         values["passing_kg_per_s"] = float(mass_kg[late].sum() / (end_s - start_s))
     return values
 
@@ -324,8 +335,10 @@ def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s
 def _panel_metrics(
     history: Any, case: Case, panel: SinglePanel, start_s: float, cycle: float
 ) -> tuple[dict[str, float], Array]:
-    """Return values by ``QUANTITIES``, and the shape (rows, values) of the middle line, from
-    ``start_s`` on, of a run with ``output.shapes_s``; ``cycle`` in s."""
+    """Return a panel's values by name of ``QUANTITIES``, and the shape (rows, values) of its middle line.
+
+    Both are taken from ``start_s`` on.  ``cycle`` is the length of a cycle in s.
+    """
     shapes = history[f"shapes/{panel.name}"]
     time_s = shapes["time_s"][:]
     last = time_s >= start_s - 1e-9
@@ -354,7 +367,7 @@ def _panel_metrics(
 
 
 def _cycle_mean(statistic: Callable[[Array], Any], values: Array, time_s: Array, cycle: float) -> float:
-    """Return the mean over the cycles of a statistic of each cycle."""
+    """Return the mean, over the cycles, of a statistic of each cycle."""
     number = cycle_numbers(time_s, cycle, float(time_s[0]))
     return float(np.mean([statistic(values[number == each]) for each in range(max(1, number.max()))]))
 
@@ -373,21 +386,22 @@ ABOUT_TRUST = ("trusted", "clear")
 MEASURES: dict[str, Callable[[Question, Path], float]] = {
     "result": lambda question, run: _value_at(run, question.of),
     "series": _series,
-    "amplitude": _amplitude,  # the first harmonic of a point in m
-    # of a panel, the largest distance of its middle line from the straight line between its ends in
-    # the cycles that end in the run's second half, in m, on either side
+    "amplitude": _amplitude,  # the first harmonic of a point's motion, in m
+    # the largest distance, in m, of a panel's middle line from the straight line between its ends, on
+    # either side, in the cycles that end in the run's second half
     "arch": _arch,
-    # the largest rise from one entry of a list of results to the next (* in the keys): negative if
-    # they fall all the way
+    # the largest rise from one entry of a list of results to the next (* stands for the entry's number
+    # in the keys); it is negative if all entries fall
     "rise": _rise,
     "created": lambda question, run: abs(share_created(summary_of(run))),
-    # the largest size, at any output time, of stored + lost - supplied: the energy, in J, that came
-    # from nowhere, by the coupling or by a solver; and over all that was supplied and lost by the end
+    # the largest absolute value, at any output time, of stored + lost - supplied: the energy, in J,
+    # that coupling or solvers created or lost; as a share, over all energy supplied and lost by the end
     "unexplained": lambda question, run: _unexplained_J(run),
     "share_unexplained": lambda question, run: _unexplained_J(run) / _turned_over_J(run),
-    # the same of stored - supplied, in J: the change of all energy where nothing may take any
+    # the largest absolute value of stored - supplied, in J: the change of all energy in a case that
+    # must not lose any
     "kept": lambda question, run: _largest_sum_J(run, stored=1.0, supplied=-1.0),
     "trusted": _outcome_is("stable"),
-    "clear": _outcome_is("stable", "stopped"),  # 0 if it went on to its end although it warns of itself
+    "clear": _outcome_is("stable", "stopped"),  # 0 for a run that came to its end with a warning
     **{name: _quantity for name in QUANTITIES if name != "shape"},
 }

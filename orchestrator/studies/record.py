@@ -1,10 +1,9 @@
-"""From a run to what plays its motion back: a recording of its panels, and drives of its frames.
+"""A recording of a run's panels, and drives of its frames, which play the run's motion back.
 
-A recording is of the last whole cycles, made periodic.
-
-What a run leaves of its panels (``shapes`` in history.h5) is looked at from between the clamps,
-faded over a quarter of a cycle into what was one window earlier, so that it closes on itself
-with its velocity, and sampled at equal angles of the machine.
+A recording has the last whole cycles of a run, made periodic.  The shapes of the panels (``shapes`` in
+history.h5) are taken relative to their clamps.  At the end of the window they fade, over a quarter of a
+cycle, into the shapes one window earlier, so that shape and velocity are continuous from cycle to cycle.
+They are sampled at equal angles of the machine.
 """
 
 from __future__ import annotations
@@ -28,9 +27,9 @@ from orchestrator.ports import Array
 from orchestrator.ports.recording import RecordedGrid, Recording
 from orchestrator.preflight.judge import load_judged
 
-FADE = 0.25  # of a cycle
-MOST_CYCLES = 8  # looked at for the number after which a panel repeats itself
-ALIKE = 0.01  # of its own motion: a difference that counts as repeating
+FADE = 0.25  # length of the fading, in cycles
+MOST_CYCLES = 8  # the largest number of cycles after which a panel may repeat itself
+ALIKE = 0.01  # the difference, relative to the motion, up to which a panel repeats itself
 
 
 class TooShort(Exception):
@@ -39,11 +38,11 @@ class TooShort(Exception):
 
 @dataclass(frozen=True)
 class Window:
-    """The last whole cycles of a run.
+    """The window of a recording: the last whole cycles of a run.
 
-    They are ``length_s`` long, with the times ``sampled_s`` that belong to equal angles from 0.  The motion
-    at ``earlier_s``, one window before, is faded in with a ``share`` (samples,), which changes at the rate
-    ``rate_per_s``.
+    It is ``length_s`` long and sampled at the times ``sampled_s``, which belong to equal angles from 0.  The
+    motion at ``earlier_s``, one window before, is faded in with a ``share`` (samples,), which changes at the
+    rate ``rate_per_s``.
     """
 
     cycles: int
@@ -60,8 +59,11 @@ class Window:
 
 @dataclass(frozen=True)
 class Recorded:
-    """A recording.  ``change`` has, by panel, the change of the shape from window to window where they are
-    faded, relative to its own motion (rms)."""
+    """A recording of all panels in a ``file``, over a number of ``cycles``.
+
+    ``change`` has, by panel, the change of the shape from window to window (rms) where the windows are
+    faded, relative to the panel's motion.
+    """
 
     cycles: int
     file: recordings.File
@@ -69,9 +71,11 @@ class Recorded:
 
 
 def record(run: Path, cycles: int | None) -> Recorded:
-    """Return a recording of all panels; without ``cycles`` of as many as it takes them to repeat
-    themselves, or to come nearest to it.  Raises CaseError for a run that does not hold what is
-    needed."""
+    """Return a recording of all panels over a number of cycles.
+
+    Without ``cycles``, it has the number of cycles after which the panels repeat themselves, or come nearest
+    to that.  Raises CaseError for a run without the necessary data.
+    """
     case = load_judged(run).case
     machine = turning(case)
     if machine is None:
@@ -86,7 +90,7 @@ def record(run: Path, cycles: int | None) -> Recorded:
                         raise _refusal(run, "no shapes were recorded; run it with --set output.shapes_s=")
                     recording, change[panel.name] = _panel(case, reader.history, panel, machine, count)
                     panels[panel.name] = recordings.RecordedShape(recording, shape_of(panel))
-        except (OSError, KeyError, RuntimeError) as error:  # HDF5's, of a file that is damaged
+        except (OSError, KeyError, RuntimeError) as error:  # HDF5 raises them for a damaged file
             raise _refusal(run, f"history.h5 cannot be read: {error}") from None
         except TooShort as short:
             if best is None:
@@ -151,7 +155,7 @@ def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
 
 
 def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, float]:
-    """Return shape and velocity (samples, points, 3), and the size of the faded difference."""
+    """Return shape in m and velocity in m/s (samples, points, 3), and the relative size of the difference."""
     velocity, before_s = spline.derivative(), np.maximum(window.earlier_s, spline.x[0])
     share, rate_per_s = window.share[:, None, None], window.rate_per_s[:, None, None]
     now_m = spline(window.sampled_s)
@@ -166,13 +170,16 @@ def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, fl
 def _pull(
     history: Any, case: Case, panel: SinglePanel, shapes: dict[str, Array], grid: RecordedGrid
 ) -> tuple[Array, Array, Array]:
-    """Return times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
-    the clamps' forces, less what weight and inertia give by the lever rule."""
+    """Return times (n,) in s, the pull (n, 3) in N in the panel's axes, and the pull at rest (3,).
+
+    The pull is half the difference of the clamps' forces, less the contributions of weight and inertia by the
+    lever rule.
+    """
     at, time_s = panel.rectangle, shapes["time_s"]
     share = panel.apertures.material_share(at) if panel.apertures else 1.0
     per_area = case.materials[panel.table.material].density_kg_per_m3 * panel.table.thickness_m
     mass_kg = grid.mass_kg(at, per_area, share)[:, None]
-    faster = np.diff(shapes["velocity_m_per_s"], axis=0) / np.diff(time_s)[:, None, None]
+    acceleration_m_per_s2 = np.diff(shapes["velocity_m_per_s"], axis=0) / np.diff(time_s)[:, None, None]
     forces = history[f"forces/{panel.name}"]
     difference_N = forces["first_clamp_N"][:] - forces["second_clamp_N"][:]
     impulse_N_s = np.cumsum(np.diff(forces["time_s"][:])[:, None] * difference_N[1:], axis=0)
@@ -183,7 +190,7 @@ def _pull(
     ends = at.end(grid.corners_m(at))
     lever = grid.carried(at) @ (1.0 - 2.0 * ends)  # 1 at the first clamp, -1 at the second
     turn = np.stack([at.along, at.across, at.normal], axis=1)
-    inertial_N = np.einsum("p,npi->ni", lever, weight_N - mass_kg * faster)
+    inertial_N = np.einsum("p,npi->ni", lever, weight_N - mass_kg * acceleration_m_per_s2)
     pull_N = (mean_N - inertial_N) / 2 @ turn
     rest_N = (difference_N[0] - lever @ weight_N) / 2 @ turn
     return (time_s[1:] + time_s[:-1]) / 2, pull_N, rest_N
@@ -194,9 +201,10 @@ def _refusal(run: Path, why: str) -> CaseError:
 
 
 def drives(folder: Path) -> list[str]:
-    """Return ``--set`` overlays of drives that move frames alike, one drive for each frame.
+    """Return the ``--set`` overlays of drives, one for each frame, that move the frames as a run did.
 
-    The drives are the first harmonics of a run in deck axes.  Raises CaseError for a run too short.
+    The drives are the first harmonics of the frames' motion in deck axes.  Raises CaseError for a machine
+    that does not turn and for a run that is too short.
     """
     overlays = []
     with RunReader(folder) as run:
@@ -219,7 +227,7 @@ def drives(folder: Path) -> list[str]:
                 "speed_rad_per_s": repr(machine.speed_rad_per_s),
                 "center_m": _list(np.array(frame.center_of_mass_m)),
                 "amplitude_m": _list(np.abs(moved)),
-                # phases of sines; first_harmonic's are those of cosines
+                # drives have the phases of sines, first_harmonic those of cosines
                 "phase_rad": _list(np.angle(moved) + np.pi / 2),
                 "rotation_rad": _list(np.abs(turned)),
                 "rotation_phase_rad": _list(np.angle(turned) + np.pi / 2),

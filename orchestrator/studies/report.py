@@ -1,5 +1,5 @@
-"""What studies write: tables for the terminal, for other programs and for the manual, pictures of
-several parts, and pages that hold everything in themselves."""
+"""The output of studies: tables for the terminal, for other programs and for the manual, pictures of several
+parts, and pages that embed all their pictures."""
 
 from __future__ import annotations
 
@@ -18,13 +18,16 @@ Cell = str | float | int | None
 
 
 def align_rows(rows: Sequence[Mapping[str, Cell]]) -> list[dict[str, Cell]]:
-    """Return rows that all have all columns; None where a value is not known."""
+    """Return the rows with all columns of all rows; a cell is None where its value is unknown."""
     columns = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in columns} for row in rows]
 
 
 def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
-    """Write rows, whose columns may differ; a cell without a known value is empty."""
+    """Write rows as CSV, and return the file.
+
+    The columns of the rows may differ; a cell without a known value is empty.
+    """
     lines = align_rows(rows)
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.DictWriter(text, [*lines[0]] if lines else [])
@@ -34,7 +37,7 @@ def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
 
 
 def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
-    """Write the rows in typed columns, for programs that want types."""
+    """Write rows as Parquet, whose columns have types, and return the file."""
     import pyarrow
     from pyarrow import parquet
 
@@ -45,7 +48,7 @@ def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
 def console_table(
     title: str, head: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()
 ) -> Table:
-    """Return a table for the terminal; columns that are not ``left`` are numbers."""
+    """Return a table for the terminal; the first column and the columns ``left`` are text, others numbers."""
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     for number, name in enumerate(head):
         text = number == 0 or name in left
@@ -56,21 +59,21 @@ def console_table(
 
 
 def markdown_table(head: Sequence[str], rows: Iterable[Iterable[str]]) -> str:
-    """Return the table in Markdown for the manual."""
+    """Return a table in Markdown for the manual."""
     cells = (" | ".join(cell.replace("|", "\\|") for cell in row) for row in (head, *rows))
     first, *others = (f"| {line} |" for line in cells)
     return "\n".join([first, "|" + "---|" * len(head), *others]) + "\n"
 
 
 def percent(share: float | None) -> str:
-    """Return a share in per cent with two digits; empty where there is none."""
+    """Return a share in per cent with two digits, or an empty text for no share."""
     if share is None:
         return ""
     return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
 
 
 def figure_parts(count: int, columns: int, width: float, height: float) -> tuple[Any, list[Any]]:
-    """Return a figure of ``count`` parts, each so wide and high in inches, and their axes."""
+    """Return a figure of ``count`` parts and their axes; ``width`` and ``height`` of a part are in inches."""
     rows = -(-count // columns)
     drawn, grid = figure(rows, columns, width * columns, height * rows)
     for axis in grid.flat[count:]:
@@ -79,8 +82,11 @@ def figure_parts(count: int, columns: int, width: float, height: float) -> tuple
 
 
 def write_page(template: str, file: Path, **values: Any) -> Path:
-    """Fill a template that extends ``studies/page.html``, named by its place in ``studies/``.  It
-    can embed pictures, given as files: ``picture(file)``."""
+    """Fill a template with values, write it to a file, and return the file.
+
+    ``template`` is its path in ``studies/``; it extends ``studies/page.html`` and may embed the picture in a
+    file by ``picture(file)``.
+    """
     write_text(file, fill_template(f"studies/{template}", picture=_picture, **values))
     return file
 

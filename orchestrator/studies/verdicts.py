@@ -1,4 +1,4 @@
-"""Verdicts on criteria, and the tables of them."""
+"""Verdicts on criteria, and tables of verdicts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ from orchestrator.studies.report import Cell, console_table, markdown_table, per
 
 @dataclass(frozen=True)
 class CriterionResult:
-    """A criterion with what was measured, in its unit; ``why`` says why there is nothing."""
+    """A criterion with the measured number, in the criterion's unit.
+
+    ``measured`` is None where there is no number; ``why`` then gives the reason.
+    """
 
     case: str
     row: Criterion
@@ -34,7 +37,7 @@ class CriterionResult:
 
     @property
     def is_inside(self) -> bool:
-        """Whether there is a number, in the band if there is a band."""
+        """Whether there is a number and it is inside the band, if there is a band."""
         if self.measured is None:
             return False
         low, high = self.row.band or self.row.ratio or (None, None)
@@ -43,12 +46,12 @@ class CriterionResult:
 
     @property
     def is_good(self) -> bool:
-        """Whether the criterion is met, fitted, or not met for the known reason."""
+        """Whether the criterion is met as expected: a known failure must fail, and a fitted criterion may."""
         return self.row.fitted or self.is_inside != bool(self.row.known_failure)
 
     @property
     def verdict(self) -> str:
-        """The verdict of the band on the number, in words."""
+        """The verdict on the number, in words."""
         row = self.row
         if row.known_failure:
             return "MET, but marked as failing" if self.is_inside else "known failure"
@@ -58,7 +61,7 @@ class CriterionResult:
 
     @property
     def error(self) -> float | None:
-        """The error relative to the reference."""
+        """The signed error relative to the reference; None without number or reference."""
         if self.measured is None or not self.row.reference:
             return None
         return self.measured / self.row.reference - 1
@@ -69,8 +72,8 @@ class CriterionResult:
         return " ".join(filter(None, [self.row.run, self.row.at]))
 
     @property
-    def asked(self) -> str:
-        """The band, in words."""
+    def band_in_words(self) -> str:
+        """The band in words, with its unit; empty without a band."""
         row = self.row
         if row.band is None and row.ratio is None:
             return ""
@@ -85,8 +88,8 @@ class CriterionResult:
         return f"{low:g}{unit}" if low == high else f"{low:g} to {high:g}{unit}"
 
     @property
-    def answer(self) -> str:
-        """The measured value, or the reason why there is none, in words."""
+    def value_in_words(self) -> str:
+        """The measured value in words, or the reason why there is no value."""
         if self.measured is None:
             return self.why
         shown = self._in_unit(self.measured)
@@ -110,8 +113,8 @@ class CriterionResult:
             "value": self.measured,
             "unit": row.unit,
             "error": self.error,
-            "asked for": self.asked,
-            "measured": self.answer,
+            "asked for": self.band_in_words,
+            "measured": self.value_in_words,
             "verdict": self.verdict,
             "why": row.why,
             "known failure": row.known_failure,
@@ -128,16 +131,16 @@ class CaseCriteria:
 
     @property
     def points(self) -> list[Point]:
-        """All runs that the case needs."""
+        """All runs that the criteria need."""
         return [point for runs in self.runs.values() for point in runs.points]
 
     def results(self) -> list[CriterionResult]:
-        """Return every criterion, as far as the runs are made."""
+        """Return the result of every criterion; a missing run gives no number."""
         return [judge(self.name, row, self.runs) for row in self.criteria.criteria]
 
 
 def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResult:
-    """Return a criterion with its number, as far as the runs are made."""
+    """Return the result of a criterion; a missing run gives no number."""
     try:
         return CriterionResult(case, row, evaluate(row, runs) / UNITS[row.unit])
     except Unknown as error:
@@ -145,8 +148,10 @@ def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResul
 
 
 def case_criteria(study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end) -> CaseCriteria:
-    """Return the criteria of a case with the runs that they need; nothing is run.  ``ended`` tells of
-    a folder whether its run is over.  Raises CaseError."""
+    """Return the criteria of a case with the runs that they need; nothing is run here.
+
+    ``ended`` says whether the run in a folder is over.  Raises CaseError.
+    """
     criteria = read_criteria(study.case)
     return CaseCriteria(study.case.resolve().name, criteria, wanted_runs(criteria, study, ended))
 
@@ -167,16 +172,23 @@ def verdict_table(title: str, results: Sequence[CriterionResult]) -> Table:
 
 
 def write_verdicts(results: Sequence[CriterionResult], folder: Path, name: str) -> list[Path]:
-    """Write the table of verdicts as CSV and, for the manual, in Markdown."""
+    """Write the table of verdicts as CSV and in Markdown, and return both files."""
     write_text(folder / f"{name}.md", verdict_markdown(results))
     return [write_csv([each.cells for each in results], folder / f"{name}.csv"), folder / f"{name}.md"]
 
 
 def verdict_markdown(results: Sequence[CriterionResult]) -> str:
-    """Return the table of verdicts for the manual."""
+    """Return the table of verdicts in Markdown for the manual."""
     head = ("case, run", "criterion", "why", "asked for", "measured", "")
     rows = (
-        (f"{each.case}, {each.run}", each.row.what, each.row.why, each.asked, each.answer, each.verdict)
+        (
+            f"{each.case}, {each.run}",
+            each.row.what,
+            each.row.why,
+            each.band_in_words,
+            each.value_in_words,
+            each.verdict,
+        )
         for each in results
     )
     return markdown_table(head, rows)

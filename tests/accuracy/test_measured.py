@@ -41,7 +41,7 @@ def test_nothing_random_has_no_interval() -> None:
 def test_one_seed_tells_nothing_about_chance() -> None:
     wrong = errors(point(1.1), point(1.0), scatter([point(1.1), point(1.0)], True))
     assert wrong["deflection_m"].half_width is None
-    assert wrong["deflection_m"].certain
+    assert wrong["deflection_m"].is_certain
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
@@ -51,7 +51,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
     for _ in range(100):
         points = [point(*(1 + 0.05 * GENERATOR.standard_normal(3))) for _ in range(7)]
         spread = scatter(points, True)
-        held += sum(not errors(p, points[0], spread)["deflection_m"].certain for p in points[1:])
+        held += sum(not errors(p, points[0], spread)["deflection_m"].is_certain for p in points[1:])
     assert 0.95 - 0.07 < held / 600 < 0.95 + 0.04
 
 

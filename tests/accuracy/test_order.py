@@ -19,7 +19,7 @@ def test_an_order_is_seen_although_the_reference_is_off_itself(order: float, poi
     found = fit_order(h, [abs(each - y[-1]) for each in y], h[-1])
     assert found is not None
     assert found.order == pytest.approx(order, abs=0.01)
-    assert found.clean
+    assert found.is_clean
     assert found.error(h[-1]) == pytest.approx(3 * (h[-1] / h[0]) ** order, rel=0.03)
 
 
@@ -37,12 +37,12 @@ def test_what_does_not_fall_has_no_order() -> None:
 def test_what_scatters_is_not_clean() -> None:
     rough = [h**2 * factor for h, factor in zip(H, (1.0, 3.0, 0.4, 0.0), strict=True)]
     found = fit_order(H, rough, H[-1])
-    assert found is None or not found.clean
+    assert found is None or not found.is_clean
 
 
 def test_a_misfit_of_one_percent_is_clean() -> None:
     noisy = [h * (1 + 0.01 * (-1) ** n) for n, h in enumerate(H)]
     found = fit_order(H, noisy, 0.0)
     assert found is not None
-    assert found.clean
+    assert found.is_clean
     assert np.isclose(found.order, 1.0, atol=0.05)

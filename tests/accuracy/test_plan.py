@@ -53,9 +53,9 @@ def plan(tolerance: float, budget_s: float, duration_s: float = 0.5) -> Plan:
 )
 def test_the_cheapest_within_the_tolerance(tolerance: float, label: str, processor_s: float) -> None:
     made = plan(tolerance, 100.0)
-    assert made.chosen is not None
-    assert made.chosen.label == label
-    assert made.chosen.error <= tolerance
+    assert made.choice is not None
+    assert made.choice.label == label
+    assert made.choice.error <= tolerance
     assert made.wall_s == pytest.approx(2 * processor_s)
     assert made.fits
 
@@ -101,7 +101,7 @@ def test_what_does_not_fit_says_what_would() -> None:
 
 def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
     made = plan(0.005, 1e6)
-    assert made.chosen is None
+    assert made.choice is None
     assert not made.fits
 
 
@@ -161,7 +161,7 @@ def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "of_nothing"),
+    ("values", "is_empty"),
     [
         ({"deflection_m": 1e-18, "rms_g": 3e-16, "clamp_rms_N": 400.0}, True),
         ({"deflection_m": 1e-6, "clamp_rms_N": 400.0}, False),
@@ -171,8 +171,8 @@ def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
     ],
 )
 def test_a_study_in_which_nothing_happened_is_no_ground_to_plan_on(
-    values: dict[str, float | None], of_nothing: bool
+    values: dict[str, float | None], is_empty: bool
 ) -> None:
     found = study()
     found.table["points"] = [{"point": "base"} | values, {"point": "parameter", "deflection_m": 1.0}]
-    assert found.of_nothing is of_nothing
+    assert found.is_empty is is_empty

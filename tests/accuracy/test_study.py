@@ -11,8 +11,8 @@ from pyarrow import parquet
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.combinations import Asked
-from orchestrator.studies.accuracy.convergence import Converged
+from orchestrator.studies.accuracy.combinations import StudyRequest
+from orchestrator.studies.accuracy.convergence import MeasuredSeries
 from orchestrator.studies.accuracy.plan import find_study, time_by_study
 from orchestrator.studies.accuracy.report import write_study
 from orchestrator.studies.accuracy.study import AccuracyStudy, run_study
@@ -34,11 +34,13 @@ SETS = (
 )
 
 
-def asked(out: Path, parameters: tuple[str, ...], *sets: str) -> Asked:
-    return Asked(CaseStudy(BALL, "draft", (*SETS, *sets), out, Crew(2)), parameters, 3, 1, 600.0, DECISIVE)
+def asked(out: Path, parameters: tuple[str, ...], *sets: str) -> StudyRequest:
+    return StudyRequest(
+        CaseStudy(BALL, "draft", (*SETS, *sets), out, Crew(2)), parameters, 3, 1, 600.0, DECISIVE
+    )
 
 
-def made(wanted: Asked) -> AccuracyStudy:
+def made(wanted: StudyRequest) -> AccuracyStudy:
     """A study with all its runs, each of which is done."""
     steps = run_study(wanted)
     while True:
@@ -60,8 +62,8 @@ def study(out: Path) -> AccuracyStudy:
     return made(asked(out, ("sync", "panel-mesh")))
 
 
-def family(study: AccuracyStudy, parameter: str) -> Converged:
-    return next(one for one in study.converged if one.series.parameter == parameter)
+def family(study: AccuracyStudy, parameter: str) -> MeasuredSeries:
+    return next(one for one in study.measured_series if one.series.parameter == parameter)
 
 
 def test_particles_first_is_of_second_order(study: AccuracyStudy) -> None:
@@ -69,14 +71,14 @@ def test_particles_first_is_of_second_order(study: AccuracyStudy) -> None:
     found = family(study, "sync")
     for name in ("deflection_m", "shape", "energy_defect"):
         assert found.orders[name].order == pytest.approx(found.series.expected, abs=0.25)
-        assert found.orders[name].clean
+        assert found.orders[name].is_clean
 
 
 def test_a_strip_is_of_second_order_in_its_cells(study: AccuracyStudy) -> None:
     """Median of all quantities.  They scatter about 2, as the ball's place lies elsewhere between
     the strip's corners in each mesh."""
     found = family(study, "panel-mesh")
-    assert found.observed == pytest.approx(2.0, abs=0.6)
+    assert found.observed_order == pytest.approx(2.0, abs=0.6)
     assert found.errors[0]["shape"].value > 3 * found.errors[1]["shape"].value
 
 
@@ -101,7 +103,7 @@ def test_serial_staggered_is_of_first_order(out: Path) -> None:
     assert found.series.expected == 1.0
     for name in ("shape", "energy_defect"):
         assert found.orders[name].order == pytest.approx(1.0, abs=0.25)
-    assert found.observed == pytest.approx(1.0, abs=0.25)
+    assert found.observed_order == pytest.approx(1.0, abs=0.25)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +143,7 @@ def test_what_is_proposed_together_keeps_what_it_promises(study: AccuracyStudy) 
         assert one.row is not None
         assert one.row.error is not None
         assert one.row.error.value <= tolerance
-        assert one.proven
+        assert one.is_proven
 
 
 def test_called_again_nothing_is_run_and_the_files_are_there(study: AccuracyStudy, out: Path) -> None:

@@ -51,7 +51,7 @@ def was_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CaseCri
 @pytest.mark.parametrize(("name", "row"), every_criterion())
 def test_it_is_met(was_run: Callable[[str], CaseCriteria], name: str, row: Criterion) -> None:
     result = judge(name, row, was_run(name).runs)
-    assert result.is_inside, f"{result.answer}; asked for: {result.asked}"
+    assert result.is_inside, f"{result.value_in_words}; asked for: {result.band_in_words}"
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -120,7 +120,7 @@ def test_a_run_that_is_not_to_be_trusted_has_no_number_but_that(
     assert evaluate(criterion(measure="clear"), runs) == clear
     result = judge("a", criterion(measure="result", of="n"), runs)
     assert (result.measured, result.verdict) == ((1.0, "met") if state == "done" else (None, "NOT MET"))
-    assert result.answer == ("1" if state == "done" else f"one: {state}")
+    assert result.value_in_words == ("1" if state == "done" else f"one: {state}")
 
 
 def test_the_error_against_an_answer(runs: dict[str, Runs]) -> None:

@@ -16,7 +16,7 @@ from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particl
 from orchestrator.preflight.judge import load_judged
 from tests.cases import CASE, load_case
 from tests.runs.outside import ROOT
-from tools.cost_series import IN_THE_SUITE, compared
+from tools.cost_series import IN_THE_SUITE, compare
 
 FEED = """
 [screen.exits.under]
@@ -114,7 +114,7 @@ def test_times_are_said_in_familiar_units(time_s: float, said: str) -> None:
 def test_runs_take_what_was_predicted() -> None:
     """Processor time of three cases, within a factor of 1.5, on a machine that may be faster or
     slower than the one that was measured on: by their median, a factor of three at most."""
-    ratios = {name: compared(name).ratio for name in IN_THE_SUITE}
+    ratios = {name: compare(name).ratio for name in IN_THE_SUITE}
     machine = median(ratios.values())
     assert 1 / 3 < machine < 3
     for name, ratio in ratios.items():

@@ -23,7 +23,7 @@ CHUTE = 'screen.surfaces.chute={{frame="driving", material="PU", corner_m={}, ed
 def test_extensive_quantities_take_their_share(tmp_path: Path) -> None:
     whole = loaded(tmp_path).case
     case = loaded(tmp_path, SLICE).case
-    assert share(case.whole) == pytest.approx(0.5)
+    assert share(case.whole_machine) == pytest.approx(0.5)
     assert share(whole) == 1.0
     one, all_ = case.screen.frames["driving"], whole.screen.frames["driving"]
     assert one.mass_kg == pytest.approx(0.5 * all_.mass_kg)
@@ -89,7 +89,7 @@ def test_a_chute_is_cut_and_side_walls_are_left_out_or_moved_in(tmp_path: Path) 
     _, left, right = walls(case, tmp_path)
     np.testing.assert_allclose(left.position_m[:, 1], 0.04)
     np.testing.assert_allclose(right.position_m[:, 1], 0.15)
-    assert len(walls(case.whole, tmp_path)[0].triangles) == 2
+    assert len(walls(case.whole_machine, tmp_path)[0].triangles) == 2
 
 
 def area_m2(corners_m: np.ndarray) -> float:
@@ -116,8 +116,8 @@ def test_a_cut_keeps_area_orientation_and_neighbours() -> None:
 
 def test_the_whole_case_is_what_is_written(tmp_path: Path) -> None:
     case = loaded(tmp_path, SLICE).case
-    assert case.whole.screen.panels["deck"].width_m == 0.2
-    assert case.whole.slice is not None
+    assert case.whole_machine.screen.panels["deck"].width_m == 0.2
+    assert case.whole_machine.slice is not None
 
 
 def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:

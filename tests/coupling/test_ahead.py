@@ -150,7 +150,7 @@ def test_what_is_not_driven_is_not_known() -> None:
     free = Solvers(FreeFrame(1.0, v=0.5), HungPlate(1.0, 0.0), None)
     found = forecast(free, Interval(0, LENGTH_S), initial_state(free))
     assert found.surface is None
-    assert not found.settled
+    assert not found.is_settled
     assert found.clamps.position_m[0, 0] == pytest.approx(0.05)
     driven = Solvers(DrivenFrame(1.0), HungPlate(1.0, 0.0), None)
     assert forecast(driven, Interval(0, LENGTH_S), initial_state(driven)).surface is None

@@ -10,7 +10,12 @@ import pytest
 from scipy.integrate import trapezoid
 
 from orchestrator.ports import HermitePath, Motion
-from orchestrator.preflight.stability.limits import HELD, extrapolated_clamps_s, late_contact_s, light_point_s
+from orchestrator.preflight.stability.limits import (
+    MASS_SHARE,
+    extrapolated_clamps_s,
+    late_contact_s,
+    light_point_s,
+)
 from tests.reference.spheres.laws import NormalLaw
 
 PULL_OFF_N = 1.5 * math.pi  # of w = R* = 1
@@ -57,7 +62,7 @@ def test_the_hermite_path_is_off_by_384ths() -> None:
 @pytest.mark.parametrize(("stiffness", "damping"), [(3.0, 0.7), (1.0, 0.0), (0.5, 4.0)])
 def test_a_light_point_leaves_the_unit_circle_at_its_limit(stiffness: float, damping: float) -> None:
     k, g, M = stiffness, damping, 1.0
-    H = light_point_s(k, g, M / HELD)
+    H = light_point_s(k, g, M / MASS_SHARE)
     trace, determinant = 2 - k * H**2 / M - g * H / M, 1 - g * H / M
     assert min(np.roots([1, -trace, determinant]).real) == pytest.approx(-1.0, abs=1e-9)
 

@@ -13,7 +13,7 @@ from orchestrator.cli.explain import judge_effects
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.judgement.account import account, at_start
+from orchestrator.preflight.judgement.account import account, lines_at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect, with_dependents
 from tests.cases import BLOCK, CASE, FEED, LEVEL, case_folder, complaints, load_case, only_complaint
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
@@ -157,7 +157,9 @@ def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None
     centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
     found = load_case(tmp_path, overrides=["effects=auto", centre])
     assert found.case.frames.solver == "two-mass"
-    (line,) = (one for one in at_start(account(found.described, found.left_out)) if "frame-rotation: " in one)
+    (line,) = (
+        one for one in lines_at_start(account(found.described, found.left_out)) if "frame-rotation: " in one
+    )
     assert line == (
         "left out: frame-rotation: frames.solver two-mass: frames translate only; "
         'effects = "auto"; may be left out: rotation x lever / translation 0, threshold 0.1'

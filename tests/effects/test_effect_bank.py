@@ -165,11 +165,11 @@ def test_the_shipped_bank_has_every_shipped_case() -> None:
 
 def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
     """The runs differ in what the effect is made of, and in nothing else."""
-    from tools.effect_bank.trials import tried
+    from tools.effect_bank.trials import try_scene
 
     scene = banks.read(tiny_bank(tmp_path))["high"]
     scene = scene.model_copy(update={"effects": ()})
-    found = tried("high", scene, tmp_path, tmp_path / "out")
+    found = try_scene("high", scene, tmp_path, tmp_path / "out")
     kinds = {trial.without: trial.runs[0].loaded.case for trial in found.trials}
     assert kinds[""].panel.solver == "strip"
     assert kinds[""].materials["PU"].hyperelastic.maxwell
@@ -230,11 +230,11 @@ def test_false_alarms_are_a_share_of_what_was_decided() -> None:
     rows = [row(True, CHANGED)] * 9 + [row(True, UNCHANGED)] * 2 + [row(True, BY_CHANCE)] * 3
     found = Confusion([*rows, row(False, UNCHANGED), row(None, CHANGED)])
     assert found.false_alarms == pytest.approx(2 / 11)
-    assert found.good
+    assert found.is_good
     assert found.count(CANNOT_SAY, CHANGED) == 1
-    assert not Confusion([*rows, row(False, CHANGED)]).good
-    assert not Confusion([*rows, row(True, UNCHANGED)]).good  # 3 of 12
-    assert not Confusion([*rows, row(False, NOT_RUN)]).good
+    assert not Confusion([*rows, row(False, CHANGED)]).is_good
+    assert not Confusion([*rows, row(True, UNCHANGED)]).is_good  # 3 of 12
+    assert not Confusion([*rows, row(False, NOT_RUN)]).is_good
     shown = tables.markdown(found)
     assert "| matters | 9 | 2 | 3 | 0 | 0 |" in shown
 
@@ -253,9 +253,9 @@ def test_json_of_runs_is_read_where_they_came_to_an_end(tmp_path: Path) -> None:
     from tools.effect_bank.trials import Trial
 
     scene = banks.read(tiny_bank(tmp_path))["high"]
-    from tools.effect_bank.trials import tried
+    from tools.effect_bank.trials import try_scene
 
-    runs = tried("high", scene, tmp_path, tmp_path / "out").trials[0].runs
+    runs = try_scene("high", scene, tmp_path, tmp_path / "out").trials[0].runs
     trial = Trial("high", "", runs)
     for status, count in (("failed", 0), ("doubtful", 1), ("done", 1), ("interrupted", 0)):
         runs[0].folder.mkdir(parents=True, exist_ok=True)

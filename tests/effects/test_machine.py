@@ -19,20 +19,20 @@ def test_share_of_the_bed_that_passes_in_the_run(tmp_path: Path) -> None:
     assert "4% to 54% of the bed" in feed.verdict.why
     assert feed.verdict.matters is None
     assert verdict(tmp_path, "removal", TILTED, EXITS).present
-    assert verdict(tmp_path, "feed", TILTED, "duration_s=1.0").lacking
-    assert verdict(tmp_path, "removal", TILTED, "duration_s=1.0").lacking
+    assert verdict(tmp_path, "feed", TILTED, "duration_s=1.0").is_lacking
+    assert verdict(tmp_path, "removal", TILTED, "duration_s=1.0").is_lacking
     assert verdict(tmp_path, "feed", TILTED, EXITS, "duration_s=0.005").verdict.matters is False
     assert verdict(tmp_path, "feed").verdict.matters is None, "a level deck"
 
 
 def test_gravity_is_always_needed_here(tmp_path: Path) -> None:
     assert verdict(tmp_path, "gravity").present
-    assert verdict(tmp_path, "gravity", "gravity_m_per_s2=[0, 0, 0]").lacking
+    assert verdict(tmp_path, "gravity", "gravity_m_per_s2=[0, 0, 0]").is_lacking
 
 
 def test_a_slice_against_the_largest_particle(tmp_path: Path) -> None:
     found = verdict(tmp_path, "full-width", "slice={width_m=0.15}")
     assert found.verdict.value == pytest.approx(7.5)
     assert found.verdict.matters is None
-    assert verdict(tmp_path, "full-width", "slice={width_m=0.08}").lacking
+    assert verdict(tmp_path, "full-width", "slice={width_m=0.08}").is_lacking
     assert "full-width" not in by_name(loaded(tmp_path))

@@ -12,7 +12,7 @@ from orchestrator.case.solver_plans import frames_plan
 from orchestrator.case.tables.frames import Exciter
 from orchestrator.output.results.observed import angle_rad
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
-from orchestrator.preflight.scene.observed import Observed, Turned
+from orchestrator.preflight.scene.observed import ExciterLoad, Observed
 from orchestrator.preflight.scene.scene import scene
 from tests.cases import loaded, only_complaint
 from tests.effects.verdicts import verdict
@@ -96,7 +96,9 @@ def test_a_run_without_the_motor_says_whether_it_would_have_passed(
 ) -> None:
     """By the torque that the machine took on its way up, in place of the steady motion's there."""
     estimated = scene(loaded(tmp_path, [MOTOR, DAMPED, PLANAR]).case)
-    seen = replace(estimated, observed=Observed(turned=Turned(power_W=0.01, largest_N_m=largest_N_m)))
+    seen = replace(
+        estimated, observed=Observed(exciter_load=ExciterLoad(power_W=0.01, largest_N_m=largest_N_m))
+    )
     found = EFFECTS["motor-slip"].judge(seen)
     assert found is not None
     assert found.matters is matters

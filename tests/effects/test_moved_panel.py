@@ -17,7 +17,7 @@ from orchestrator.preflight.scene.moved_panel import (
     clamp_response,
     loss_factor,
     mooney_ratio,
-    one_sided,
+    one_sided_share,
     sine_arch_m,
     stiffness_share,
 )
@@ -77,11 +77,11 @@ def test_one_sided_spring_against_its_first_harmonic(ratio: float) -> None:
     angle = np.linspace(0.0, 2 * math.pi, 200_001)
     force = np.maximum(0.0, ratio + np.sin(angle))
     harmonic = trapezoid(force * np.sin(angle), angle) / math.pi
-    assert one_sided(ratio) == pytest.approx(harmonic, rel=1e-6, abs=1e-9)
+    assert one_sided_share(ratio) == pytest.approx(harmonic, rel=1e-6, abs=1e-9)
 
 
 def test_one_sided_spring_at_its_ends() -> None:
-    assert (one_sided(-3.0), one_sided(0.0), one_sided(3.0)) == (0.0, 0.5, 1.0)
+    assert (one_sided_share(-3.0), one_sided_share(0.0), one_sided_share(3.0)) == (0.0, 0.5, 1.0)
 
 
 def test_slots_take_their_part_of_the_stiffness() -> None:

@@ -127,7 +127,7 @@ def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
     small = pairs.Pairs(limit_s=0.01)
     assert all(small.of(case, name).refused for name in names)
     clock_s = iter(range(0, 1000, 10))
-    monkeypatch.setattr(pairs, "_of_children_s", lambda: float(next(clock_s)))
+    monkeypatch.setattr(pairs, "_processor_time_of_children_s", lambda: float(next(clock_s)))
     monkeypatch.setattr(pairs, "_run", lambda *_: summary(velocity_m_per_s=0.4))
     found = try_effects(case, names, pairs.Pairs(limit_s=30.0), budget_s=15.0)
     assert (found.pairs[names[0]].refused, found.omitted) == ("", names[1:])

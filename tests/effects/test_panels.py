@@ -17,8 +17,8 @@ def test_load_by_hand(tmp_path: Path) -> None:
     found = verdict(tmp_path, "particle-load")
     assert found.verdict.value == pytest.approx(14.97 / 4.6, rel=1e-3)
     assert (found.present, found.verdict.matters) == (True, True)
-    assert verdict(tmp_path, "particle-load", "exchange.particle_load=false").lacking
-    assert verdict(tmp_path, "particle-load", "panel.solver=rigid").lacking
+    assert verdict(tmp_path, "particle-load", "exchange.particle_load=false").is_lacking
+    assert verdict(tmp_path, "particle-load", "panel.solver=rigid").is_lacking
 
 
 def test_deformation_and_deflection_by_hand(tmp_path: Path) -> None:
@@ -26,7 +26,7 @@ def test_deformation_and_deflection_by_hand(tmp_path: Path) -> None:
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
     found = of_driven(tmp_path, "panel-deformation")
     assert found.verdict.value == pytest.approx(sag_m / 0.002, rel=1e-9)
-    assert of_driven(tmp_path, "panel-deformation", "panel.solver=rigid").lacking
+    assert of_driven(tmp_path, "panel-deformation", "panel.solver=rigid").is_lacking
     large = of_driven(tmp_path, "large-deflection").verdict
     assert large.value == pytest.approx(sag_m / 0.004, rel=1e-9)
 
@@ -46,7 +46,7 @@ def test_hyperelasticity_by_hand(tmp_path: Path) -> None:
     assert found.verdict.value == pytest.approx(1 - stress / (21 * 0.005 / 0.3), rel=1e-9)
     assert found.verdict.value == pytest.approx(0.0293, rel=0.01)
     assert found.verdict.matters is False
-    assert not found.spare, "no key takes it out"
+    assert not found.is_spare, "no key takes it out"
 
 
 def test_damping_needs_branches_to_be_judged(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_width_over_length(tmp_path: Path) -> None:
     assert narrow.verdict.value == pytest.approx(0.2 / 0.3)
     assert (narrow.present, narrow.verdict.matters) == (False, None)
     wide = verdict(tmp_path, "variation-across", "panel.solver=strip", "screen.panels.deck.width_m=0.8")
-    assert wide.lacking
+    assert wide.is_lacking
 
 
 def test_a_beam_below_is_reached_where_the_sag_exceeds_the_gap(tmp_path: Path) -> None:

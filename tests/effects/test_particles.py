@@ -34,7 +34,7 @@ def test_rolling_friction_against_the_slope(tmp_path: Path, friction: float, mat
     row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
     found = by_name(load_case(tmp_path, STILL_CASE, [TILTED, row]))["rolling-friction"]
     assert found.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
-    assert (found.present, found.verdict.matters, found.spare) == (True, matters, not matters)
+    assert (found.present, found.verdict.matters, found.is_spare) == (True, matters, not matters)
 
 
 def test_what_is_thrown_hardly_rolls(tmp_path: Path) -> None:
@@ -49,7 +49,7 @@ def test_what_is_thrown_hardly_rolls(tmp_path: Path) -> None:
 def test_rolling_friction_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
     row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
     given = [TILTED, row, "particles.rolling=none"]
-    assert by_name(load_case(tmp_path, STILL_CASE, given))["rolling-friction"].lacking
+    assert by_name(load_case(tmp_path, STILL_CASE, given))["rolling-friction"].is_lacking
 
 
 def test_bond_number_by_hand(tmp_path: Path) -> None:
@@ -67,7 +67,7 @@ def test_adhesion_is_measured_against_the_throw(tmp_path: Path) -> None:
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
     found = of_driven(tmp_path, "adhesion", row)
     assert found.verdict.value == pytest.approx(6.215 / (1 + 6400 * sag_m / 9.81), rel=1e-3)
-    assert of_driven(tmp_path, "adhesion", row, "particles.adhesion=none").lacking
+    assert of_driven(tmp_path, "adhesion", row, "particles.adhesion=none").is_lacking
 
 
 def test_dry_material_needs_no_adhesion(tmp_path: Path) -> None:
@@ -92,7 +92,7 @@ def test_layers_of_coarse_particles_by_hand(tmp_path: Path) -> None:
     given = [FEED, "particles.coarse_graining=2"]
     found = by_name(load_case(tmp_path, BARE, given))["single-particles"]
     assert found.verdict.value == pytest.approx(1.0, rel=1e-9)
-    assert found.lacking
+    assert found.is_lacking
     long = by_name(load_case(tmp_path, BARE, [*given, "duration_s=20"]))
     assert long["single-particles"].verdict.value == pytest.approx(20 / 0.0604 / 29.95, rel=1e-3)
     assert long["single-particles"].verdict.matters is False
@@ -134,7 +134,7 @@ def test_softened_too_much(tmp_path: Path) -> None:
     """Overlaps go with E^-0.4: a hundredth of the stiffness, 6.3 times the overlap."""
     found = of_driven(tmp_path, "contact-stiffness", "particles.largest_youngs_modulus_Pa=1e5")
     assert found.verdict.value > 0.3
-    assert found.lacking
+    assert found.is_lacking
 
 
 def test_stiffness_at_openings_is_the_mass_that_passes_by_overlap(tmp_path: Path) -> None:
@@ -189,4 +189,4 @@ def test_wear_by_hand(tmp_path: Path, rate: float, matters: bool) -> None:
 
 def test_wear_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
     found = of_driven(tmp_path, "wear", "contacts.0.specific_wear_m3_per_N_m=1e-11", "particles.wear=none")
-    assert found.lacking
+    assert found.is_lacking

@@ -15,12 +15,12 @@ from orchestrator.coupling.machine import Machine, PanelPoints
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.ports.geometry import Edges
-from orchestrator.ports.particle_records import Overlaps
+from orchestrator.ports.particle_records import Bed, Overlaps
 from orchestrator.ports.penetration import Penetrations
 from orchestrator.run.monitor import items
 from orchestrator.run.monitor.item import OutputTime, Subject
 from orchestrator.run.monitor.items import all_items, item_limit, largest_stretch
-from orchestrator.run.monitor.monitor import Watched
+from orchestrator.run.monitor.monitor import LimitedItem
 
 STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)
@@ -52,13 +52,13 @@ def alarms(now: State, balls: ParticleSnapshot, overlap: float, monkeypatch: pyt
     monkeypatch.setattr(items, "particle_step_s", lambda case: STEP_s)
     machine = SimpleNamespace(panels=[PANEL], penetrations=UNTOUCHED)
     subject = Subject(cast(Case, None), cast(Machine, machine), now, {})
-    output = OutputTime(now, {}, (balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
+    output = OutputTime(now, {}, Bed(balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
     said = []
     for name in OUTPUT_ITEMS:
         kind = all_items()[name]
         item, limit = kind(subject), item_limit(MonitorSettings(), kind)
         assert limit is not None
-        said += Watched(item, limit).judge(item.observe_output(output), 0.5)
+        said += LimitedItem(item, limit).judge(item.observe_output(output), 0.5)
     return [alarm.what for alarm in said]
 
 

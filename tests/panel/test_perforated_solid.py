@@ -76,8 +76,8 @@ def test_bent_by_its_weight_and_vibrating_without_tension(pattern):
 def test_sheet_and_solid_move_alike():
     """Slack and taut in turn, 40 ms: clamp force within 2 % (relative L2; measured 1.1 %, 0.2 %
     without openings), height of the middle within 10 % (8.3 %, 7.5 % without)."""
-    given = small(ALONG, 0.12, 9.81, integrator="implicit", step_s=2e-4, branches=BRANCHES)
-    thin, thick = moved(given, 200)
+    given = small(ALONG, 0.12, 9.81, integrator="implicit", step_s=4e-4, branches=BRANCHES)
+    thin, thick = moved(given, 100)
     assert np.abs(thick[:, 1]).max() > 20.0  # N: taut
     assert np.abs(thick[:, 0]).max() > 5e-4  # m: slack
     assert difference(thin[:, 1], thick[:, 1]) < 0.02
@@ -111,8 +111,8 @@ def moved(given, intervals):
         middle = panel.interpolation(np.array([[0.06, 0.024]]))
         unloaded, rows = Load.zero(len(panel.initial().surface)), []
         for k in range(intervals):
-            clamps = shaken(panel, (k + 1) * 2e-4, amplitude_m=0.002, speed=157.0)
-            state = panel.advance(Interval(k, 2e-4), clamps, unloaded)
+            clamps = shaken(panel, (k + 1) * 4e-4, amplitude_m=0.002, speed=157.0)
+            state = panel.advance(Interval(k, 4e-4), clamps, unloaded)
             height_m = (middle @ state.surface.position_m)[0, 2] - 0.3
             rows.append([height_m, pull_N(panel, state)])
         panel.close()

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from adapters.panel import strip
-from adapters.panel.strip.chain import chain, nominal_stress_Pa, stiffness_Pa
+from adapters.panel.strip.chain import build_chain, nominal_stress_Pa, stiffness_Pa
 from adapters.panel.strip.motion import ChainMotion
 from orchestrator.ports import Array, Load, Motion, PanelState
 from orchestrator.ports.clock import Interval
@@ -56,7 +56,7 @@ def test_uniaxial_law(material: HyperelasticPlan, stretch: float, stress_MPa: st
 
 def test_tangent_is_the_derivative_of_the_force() -> None:
     """Central differences, 1e-6 relative, on a bent and stretched chain."""
-    links = chain(taut(6))
+    links = build_chain(taut(6))
     rng = np.random.default_rng(9)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
@@ -74,7 +74,7 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
 def test_compiled_force_is_the_chain_s() -> None:
     """Of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
     given = taut(6, branches=BRANCHES)
-    links = chain(given)
+    links = build_chain(given)
     rng = np.random.default_rng(11)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
@@ -84,7 +84,7 @@ def test_compiled_force_is_the_chain_s() -> None:
 
 
 def test_force_is_minus_the_derivative_of_the_energy() -> None:
-    links = chain(taut(6))
+    links = build_chain(taut(6))
     rng = np.random.default_rng(10)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])

@@ -40,6 +40,7 @@ FRAMES_M = {"driving": (0.002, 0.0035), "driven": (0.008, 0.005)}
 PANEL_M = 0.010
 ROTATION = {"number": "rotation", "value": 0.0512, "threshold": "0.1", "matters": False}
 TURNED_RAD = 0.001  # of both frames about the axis across
+POWER_W, LOST_W = 2.0, 1.0  # of the exciter, of a loss
 PULL_N = 50.0  # amplitude of the panels' pull, in phase with their stretch
 OVERLAPS = {"between_per_diameter": 0.01, "surface_per_diameter": 0.02, "surface_m": 4e-5}
 DEPTH_M, VELOCITY_M_S, BIN_KG = 0.05, 0.3, 0.2
@@ -100,7 +101,8 @@ def _machine(history: History, case: Case, cycles: int) -> None:
             values |= {"first_clamp_N": pull, "second_clamp_N": -pull}
             history.add(f"forces/{panel.name}", time, values)
         if i % 8 == 0:
-            history.add("energy", time, {"supplied.frames.exciter_J": 2 * time, "lost.a.b_J": time})
+            terms = {"supplied.frames.exciter_J": POWER_W * time, "lost.a.b_J": LOST_W * time}
+            history.add("energy", time, terms)
             for panel in single_panels(case):
                 line = panel_line(case, panel.name, time)
                 history.add(f"panels/{panel.name}", time, {"centre_line_m": line})
@@ -108,6 +110,10 @@ def _machine(history: History, case: Case, cycles: int) -> None:
 
 def _cycles(history: History, case: Case, cycles: int) -> None:
     """What every sync point of each cycle shows together: all cycles are alike."""
+    for number in range(cycles + 1):
+        time_s = number * CYCLE_S
+        terms = {"supplied.frames.exciter_J": POWER_W * time_s, "lost.a.b_J": LOST_W * time_s}
+        history.add("energy_cycles", time_s, terms | {"stored.a.b_J": 3.0})
     for number in range(cycles):
         end_s = (number + 1) * CYCLE_S
         for name, size in FRAMES_M.items():

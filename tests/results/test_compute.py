@@ -14,11 +14,14 @@ from orchestrator.output.results.compute import compute_results
 from tests.results.synthetic import (
     BIN_KG,
     CYCLE_S,
+    CYCLES,
     DEPTH_M,
     FILLED,
     LEAVES,
+    LOST_W,
     MASS_KG,
     PANEL_M,
+    POWER_W,
     VELOCITY_M_S,
     WEAR_M_H,
     WORN_ROW,
@@ -81,6 +84,29 @@ def test_separation(found: dict[str, Any]) -> None:
     assert value(two["cumulative_efficiency_percent"]) == pytest.approx(recovery)
     local = 100 * fines[1] / fines[1:].sum()
     assert value(two["local_efficiency_percent"]) == pytest.approx(local)
+
+
+def test_power(found: dict[str, Any]) -> None:
+    """The exciter supplies 2 W at a constant rate, and ten particles a cycle are fed."""
+    power = found["power"]
+    for entry, expected in ((power["drives_W"], POWER_W), (power["lost_W"]["a.b"], LOST_W)):
+        assert value(entry) == pytest.approx(expected)
+        assert entry["half_width"] == pytest.approx(0.0, abs=1e-9)
+    assert value(power["drives_J_per_kg"]) == pytest.approx(POWER_W * CYCLE_S / OUT_KG.sum())
+    assert (power["start_s"], power["end_s"]) == pytest.approx((found["motion"]["start_s"], CYCLES * CYCLE_S))
+
+
+def test_counting(found: dict[str, Any]) -> None:
+    """Of the fines in 50 cycles, 350 of 2 and 2.8 mm pass and 50 of 2.8 mm do not."""
+    screening = found["screening"]
+    cycles = screening["particles"] / LEAVES.sum()
+    fines = np.repeat(MASS_KG[:2], np.round(cycles * LEAVES[:, :2].sum(axis=0)).astype(int))
+    share = value(screening["fine_placement_percent"]) / 100
+    expected = 100 * np.sqrt(share * (1 - share) * (fines @ fines)) / fines.sum()
+    for name in ("fine_placement", "efficiency", "recovered"):  # all coarse stay: no scatter of theirs
+        assert screening[f"{name}_percent"]["counting"] == pytest.approx(expected)
+    assert screening["coarse_placement_percent"]["counting"] == 0.0
+    assert "counting" not in screening["feed_kg_per_s"]
 
 
 def test_partition(found: dict[str, Any]) -> None:

@@ -59,7 +59,7 @@ def recorded(path: Path, stop_after: int | None = None) -> Path:
     record = CycleRecord(MACHINE, start, [AT], CYCLE_S, history)
     for number in range(int(2.5 * SYNC_POINTS) + 1):
         time_s = number * CYCLE_S / SYNC_POINTS
-        record.sync_point(time_s, *at(time_s))
+        record.add_sync_point(time_s, *at(time_s))
         if number == stop_after:
             saved = record.save()
             record = CycleRecord(MACHINE, start, [AT], CYCLE_S, history)

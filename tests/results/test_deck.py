@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.case.deck.line import DeckLine, deck_line, join_lines, over
+from orchestrator.case.deck.line import DeckLine, deck_line, join_lines, locate
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import axes
 from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
@@ -67,7 +67,7 @@ def test_heights_are_normal_to_the_slope(slope_deg: float) -> None:
     turn = np.radians(slope_deg)
     normal = np.array([np.sin(turn), 0.0, np.cos(turn)])
     foot = 0.25 * np.array([np.cos(turn), 0.0, -np.sin(turn)])
-    seen = over(deck, line, np.tile(2.0 * normal, (len(line), 1)), (foot + 0.02 * normal)[None])
+    seen = locate(deck, line, np.tile(2.0 * normal, (len(line), 1)), (foot + 0.02 * normal)[None])
     assert seen.height_m == pytest.approx([0.02], rel=1e-12)
     assert seen.rise_m_per_s == pytest.approx([2.0], rel=1e-12)
     assert seen.inside.all()
@@ -79,8 +79,8 @@ def test_stations_stick_to_the_panel() -> None:
     deck, line = deck_of(straight(10.0))
     shift = np.array([0.006, 0.0, 0.004])
     place = np.array([[0.2, 0.05, 0.0]])
-    before = over(deck, line, 0 * line, place)
-    after = over(deck, line + shift, 0 * line, place + shift)
+    before = locate(deck, line, 0 * line, place)
+    after = locate(deck, line + shift, 0 * line, place + shift)
     assert after.station_m == pytest.approx(before.station_m, rel=1e-12)
     assert after.height_m == pytest.approx(before.height_m, rel=1e-12)
 
@@ -96,7 +96,7 @@ def test_mass_velocity_and_depth_by_bin() -> None:
     position = np.vstack([position, [[0.4, 0.05, 0.002], [0.4, 0.05, -0.01], [0.7, 0.05, 0.01]]])
     speed = np.concatenate([np.linspace(0.1, 0.3, n), [0.5, 9.0, 9.0]])
     velocity = np.outer(speed, [1.0, 0.0, 0.0])
-    seen = over(deck, line, 0 * line, position)
+    seen = locate(deck, line, 0 * line, position)
     found = compute_profile(deck, snapshot(position, np.full(n + 3, 0.004), velocity), seen)
     one_kg = np.pi / 6 * 0.004**3 * 1430.0
     assert found["mass_kg"] == pytest.approx([0, 20 * one_kg, 0, 0, 0, one_kg, 0, 0])
@@ -110,7 +110,7 @@ def test_velocity_is_along_the_slope() -> None:
     turn = np.radians(30.0)
     down = np.array([np.cos(turn), 0.0, -np.sin(turn)])
     position = (0.1 * down + [0, 0, 0.005])[None]
-    seen = over(deck, line, 0 * line, position)
+    seen = locate(deck, line, 0 * line, position)
     found = compute_profile(deck, snapshot(position, np.array([0.004]), (0.7 * down)[None]), seen)
     assert np.nanmax(found["velocity_m_per_s"]) == pytest.approx(0.7, rel=1e-12)
 
@@ -127,7 +127,7 @@ def shaken(
         rise = np.tile([0.0, 0.0, fastest_m_per_s * np.cos(2 * np.pi * time / CYCLE_S)], (len(line), 1))
         position = np.array([[0.1, 0.05, 0.0], [0.2 + drift_m * time, 0.021, 0.0]])
         position[:, 2] = height_m
-        seen = over(deck, line + moved, rise, position + moved)
+        seen = locate(deck, line + moved, rise, position + moved)
         found = held.at(float(time), snapshot(position + moved, np.full(2, 0.004)), seen)
     return found
 
@@ -161,7 +161,7 @@ def test_ids_that_come_and_go() -> None:
     parts = {0.0: [], 0.1: [0, 1], 0.3: [0, 1, 2], 0.6: [0, 2]}
     for time, rows in parts.items():
         particles = ParticleSnapshot(*(getattr(every, name)[rows] for name in vars(every)))
-        seen = over(deck, line, rise, particles.position_m)
+        seen = locate(deck, line, rise, particles.position_m)
         found = held.at(time, particles, seen)
     assert found["stickers"] == 1.0  # the first, since 0.1 s; the third came too late
 

@@ -5,7 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, half_width, mean
+from orchestrator.output.results.estimate import (
+    Estimate,
+    batch_sums,
+    counting_deviation,
+    estimate,
+    half_width,
+    mean,
+)
+
+
+def test_the_scatter_of_a_share_by_counting() -> None:
+    """2000 draws of which of 300 particles with unequal masses pass, each with a probability of 0.3."""
+    rng = np.random.default_rng(1)
+    mass_kg = rng.uniform(0.2, 3.0, 300) ** 3
+    passes = rng.random((2000, 300)) < 0.3
+    shares = passes @ mass_kg / mass_kg.sum()
+    assert counting_deviation(0.3, mass_kg) == pytest.approx(shares.std(), rel=0.05)
+    assert np.isnan(counting_deviation(0.3, np.empty(0)))
 
 
 def test_of_independent_batches_it_is_students() -> None:

@@ -16,14 +16,14 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.observed import (
-    checked_by_run,
+    check_effects_by_run,
     loss_factor,
     observed_scene,
     products,
     spring_N_per_m,
 )
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.preflight.judgement.account import Entry, account, at_end
+from orchestrator.preflight.judgement.account import Entry, account, lines_at_end
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.preflight.scene.observed import Bearing, Deepest, Observed, Products
@@ -98,7 +98,7 @@ def test_power_and_torque_of_the_exciters_by_hand(data: RunReader, figures: dict
     }
     screen = screen.model_copy(update={"exciters": at_once})
     data = with_case(data, data.case.model_copy(update={"screen": screen}))
-    found = seen(data, figures).observed.turned
+    found = seen(data, figures).observed.exciter_load
     assert found is not None
     assert found.power_W == pytest.approx(2.0, rel=1e-6)
     assert found.largest_N_m == pytest.approx(2.0 / 78.5, rel=1e-6)
@@ -182,11 +182,11 @@ def test_rotation_is_seen_only_where_frames_can_rotate(data: RunReader, figures:
 
 def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: dict[str, Any]) -> None:
     before = account(data.case, {"large-deflection": "for once"})
-    after = checked_by_run(before, data.case, folder, figures)
+    after = check_effects_by_run(before, data.case, folder, figures)
     sag, load = after["large-deflection"], after["particle-load"].after
     assert sag.before is not None
     assert sag.after is not None
-    assert (sag.before.matters, sag.after.matters, sag.crossed) == (True, False, True)
+    assert (sag.before.matters, sag.after.matters, sag.is_crossed) == (True, False, True)
     assert load is not None
     softness = after["contact-stiffness"].after
     assert softness is not None
@@ -198,7 +198,7 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: di
     one_ball_kg_per_m2 = math.pi / 6 * 1430 * 0.02  # which is more than the bed on the mean
     assert load.value == pytest.approx(one_ball_kg_per_m2 / 4.6, rel=1e-6)
     assert after["variation-across"].after is None, "no run tells"
-    (number, warning) = at_end(after)
+    (number, warning) = lines_at_end(after)
     assert number.startswith("left out: large-deflection; by the run sag / thickness 0, threshold")
     assert warning.startswith("WARNING: large-deflection, which is left out, may be left out by")
 
@@ -229,12 +229,12 @@ def test_the_verdict_by_what_a_run_has_seen(
 def test_what_turns_out_to_matter_is_a_warning() -> None:
     before = Verdict("Bond", 0.02, "0.1", False, "why")
     matters = replace(before, value=0.3, matters=True)
-    lines = list(at_end({"adhesion": Entry("auto", False, before, matters)}))
+    lines = list(lines_at_end({"adhesion": Entry("auto", False, before, matters)}))
     assert lines[1] == (
         "WARNING: adhesion, which is left out, matters by the run; the estimate before it was 0.02"
     )
-    assert list(at_end({"adhesion": Entry("", True, before, matters)})) == []
-    assert len(list(at_end({"adhesion": Entry("auto", False, before, before)}))) == 1
+    assert list(lines_at_end({"adhesion": Entry("", True, before, matters)})) == []
+    assert len(list(lines_at_end({"adhesion": Entry("auto", False, before, before)}))) == 1
 
 
 def test_a_run_of_less_than_a_cycle_tells_no_motion(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.records.panel_lines import PanelLines, clamped_m, panel_pull_N
+from orchestrator.output.records.panel_lines import PanelLines, clamped_length_m, panel_pull_N
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import Rectangle
 
@@ -36,7 +36,7 @@ def test_a_panel_pulls_its_clamps_together() -> None:
 
 def test_the_stretch_of_an_arc() -> None:
     """A half circle over 0.2 m is pi * 0.1 long; lines of two panels do not mix."""
-    assert clamped_m(AT, line()) == pytest.approx(0.04)
+    assert clamped_length_m(AT, line()) == pytest.approx(0.04)
     lines = PanelLines([AT, AT], [line(), line(points=301)])
     found = lines.stretch(np.vstack([line(), line(points=301) + np.array([5.0, 0.0, 0.0])]))
     assert found == pytest.approx([np.pi * 0.1 / 0.3 - 1] * 2, abs=2e-5)

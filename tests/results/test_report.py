@@ -13,7 +13,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from orchestrator.output.records.run_folder import OF_A_RUN, FolderUnusable, lock
+from orchestrator.output.records.run_folder import RUN_LOCK, FolderUnusable, lock
 from orchestrator.output.report.drawing import figure
 from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
@@ -143,7 +143,7 @@ def test_a_run_that_has_not_ended(tmp_path: Path) -> None:
     (folder / "summary.json").unlink()
     with pytest.raises(FolderUnusable, match=r"was killed .* nothing had been saved"):
         report(folder)
-    with lock(folder / OF_A_RUN), pytest.raises(FolderUnusable, match="is still going on"):
+    with lock(folder / RUN_LOCK), pytest.raises(FolderUnusable, match="is still going on"):
         report(folder)
 
 

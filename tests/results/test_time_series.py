@@ -42,8 +42,8 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
     forces, series = PanelForces(machine, state(0.0)), TimeSeries(machine, state(0.0), history)
     for time_s, loads_N in ((0.0, [5.0]), (1.0, [1.0, 2.0, 6.0]), (2.0, [0.0, 3.0])):
         for load_N in loads_N:
-            series.sync_point(forces.at(state(load_N)))
-        series.row(time_s, state(loads_N[-1]), None)
+            series.add_forces(forces.at(state(load_N)))
+        series.write_row(time_s, state(loads_N[-1]), None)
     history.close()
     with h5py.File(tmp_path / "history.h5") as file:
         # sums over a panel's two points of the means 5, 3 and 1.5 N

@@ -57,6 +57,6 @@ def _summary(run: Path) -> Saved:
 
 
 def _end(run: Path) -> Saved:
-    save = checkpoints.newest(run)
+    save = checkpoints.find_newest(run)
     assert save is not None
     return save.state(None)

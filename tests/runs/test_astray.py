@@ -157,7 +157,7 @@ def test_a_jammed_feed_stops_the_run(tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_a_jammed_feed_may_be_only_warned_of(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, JAM, "monitor.jammed_feed=warn")
+    code, said, folder = run(tmp_path, JAM, "monitor.jammed_feed=warn", "duration_s=0.45")
     assert code == 0, said
     assert (folder / "run.log").read_text().count('feed "chute" is jammed') == 1
 

@@ -15,7 +15,7 @@ from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from tests.runs.outside import ROOT
-from tools.bench.effects import Asked, Timed, bench, ratio, sets, undescribing
+from tools.bench.effects import Timed, TimedCase, bench, ratio, sets, undescribing
 from tools.bench.loaded import loaded_by
 
 BALL = ROOT / "cases/ball-on-panel"
@@ -64,7 +64,7 @@ def test_what_is_loaded_is_what_the_case_calls_for() -> None:
 
 @pytest.mark.process
 def test_the_table_has_a_row_for_each_effect_that_can_be_left_out() -> None:
-    table = bench(Asked(Path(ROOT / "cases/bushing-hysteresis"), "draft", ()), 40)
+    table = bench(TimedCase(Path(ROOT / "cases/bushing-hysteresis"), "draft", ()), 40)
     rows = list(table.columns[0].cells)
     assert rows[0] == "the case"
     assert rows[1:] == ["without run-up"]

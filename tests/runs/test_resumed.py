@@ -160,7 +160,7 @@ def test_a_save_that_does_not_say_all_of_itself_is_torn(
     for left, save in enumerate(reversed(checkpoint_folders(folder))):
         about = save / "checkpoint.json"
         about.write_text(about.read_text().replace(f'"{key}"', '"another"'))
-        assert (left == 0) == (checkpoints.newest(folder) is not None)
+        assert (left == 0) == (checkpoints.find_newest(folder) is not None)
     assert resume(folder, []) == launch.WRONG
     said = capsys.readouterr().err
     assert "no checkpoint that is whole:\n" in said

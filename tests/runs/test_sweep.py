@@ -13,7 +13,7 @@ from tests.runs.outside import flipflow
 
 pytestmark = pytest.mark.slow
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
-SPEEDS = "58:110:13"
+SPEEDS = "58:110:26"
 # Linear: panels do not push the frames, and the bushings have their share of 1 MN/m; damped so
 # that it settles within the run
 LINEAR = (
@@ -58,7 +58,7 @@ def closed_form(speed: float, stiffness: float, damping: float) -> tuple[complex
 def test_amplitudes_over_58_to_110_rad_s_follow_two_masses(swept: Path) -> None:
     """Within 2e-3 of the larger amplitude, what is left of the start after 1.2 s."""
     table = list(csv.DictReader((swept / "sweep.csv").read_text().splitlines()))
-    assert [float(row[SPEED]) for row in table] == [58.0, 71.0, 84.0, 97.0, 110.0]
+    assert [float(row[SPEED]) for row in table] == [58.0, 84.0, 110.0]
     for row in table:
         for axis, stiffness, damping in (("x", 6 * 391.7e3, 9e3), ("z", 6 * 970e3, 18e3)):
             driving, driven = closed_form(float(row[SPEED]), stiffness, damping)
@@ -75,15 +75,15 @@ def test_amplitudes_over_58_to_110_rad_s_follow_two_masses(swept: Path) -> None:
 
 def test_what_is_done_is_not_run_again_and_what_is_not_is(swept: Path) -> None:
     """A run that was cut short is put aside and run anew; the others are left as they are."""
-    kept, cut = swept / "speed_rad_per_s-58.0", swept / "speed_rad_per_s-71.0"
+    kept, cut = swept / "speed_rad_per_s-58.0", swept / "speed_rad_per_s-84.0"
     before = (kept / "summary.json").stat().st_mtime_ns
     said = (cut / "summary.json").read_text()
     (cut / "summary.json").write_text(said.replace('"done"', '"interrupted"'))
     done = flipflow(*words(swept))
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("done before") == 4
+    assert done.stdout.count("done before") == 2
     assert (kept / "summary.json").stat().st_mtime_ns == before
-    assert (swept / "speed_rad_per_s-71.0-unfinished-1").is_dir()
+    assert (swept / "speed_rad_per_s-84.0-unfinished-1").is_dir()
     assert '"done"' in (cut / "summary.json").read_text()
 
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from orchestrator.output.records.run_folder import OF_A_RUN, is_at_work, lock, make_folder
+from orchestrator.output.records.run_folder import RUN_LOCK, is_at_work, lock, make_folder
 from tests.runs.outside import (
     HANG_S,
     QUICK,
@@ -84,7 +84,7 @@ def test_a_folder_is_let_go_of_by_a_holder_that_is_killed(tmp_path: Path) -> Non
         "from orchestrator.output.records.run_folder import lock\n"
         "with lock(Path(sys.argv[1])): print('held', flush=True); time.sleep(300)"
     )
-    words = [sys.executable, "-c", hold, str(folder / OF_A_RUN)]
+    words = [sys.executable, "-c", hold, str(folder / RUN_LOCK)]
     with subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, text=True) as holder:
         assert holder.stdout is not None
         assert holder.stdout.readline() == "held\n"

@@ -163,6 +163,6 @@ def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
     with pytest.raises(Unknown, match="run: doubtful"):  # what a paper is compared with
         evaluate(row, {"one": Runs((doubtful,))})
     point = Combination("parameter", "one", runs=(doubtful,))
-    assert point.ended
+    assert point.has_ended
     assert not point.with_metrics().metrics
     assert outcome(doubtful.folder) == "warned"

@@ -89,7 +89,7 @@ def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
     assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
     names = [int(save.name) for save in checkpoint_folders(folder)]
     assert names == [55, 143, 145]
-    newest = checkpoints.newest(folder)
+    newest = checkpoints.find_newest(folder)
     assert newest is not None
     assert (newest.sync_points, newest.good) == (145, 55)
 

@@ -49,7 +49,7 @@ def test_one_ball_on_a_strip_by_hand(tmp_path: Path) -> None:
     assert f"{stiffness:.3g} N/m" in by_name(found)["light points"].why
     assert f"on {1e3 * row_kg:.3g} g" in by_name(found)["light points"].why
     duration_s = 2.87 * (mass_kg**2 / (radius_m * modulus_Pa**2 * speed_m_per_s)) ** 0.2
-    accurate = found.accurate
+    accurate = found.accuracy_bound
     assert accurate is not None
     assert accurate.interval_s == pytest.approx(duration_s / 10, rel=1e-3)
 
@@ -88,8 +88,8 @@ def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: 
     found = stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
     wanted = {"shortest impact", "moving surface", "carried mass", "extrapolated clamps"}
     assert set(by_name(found)) == wanted
-    assert found.stable is not None
-    assert found.stable.name == "extrapolated clamps"
+    assert found.stability_bound is not None
+    assert found.stability_bound.name == "extrapolated clamps"
 
 
 def test_auto_takes_the_plain_scheme_where_it_is_safe(tmp_path: Path) -> None:
@@ -240,8 +240,8 @@ def test_every_bound_has_a_designers_words(tmp_path: Path, scheme: str) -> None:
 def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
     found = stability_report(load_judged(CASES / "ball-on-panel", "default", overrides).case)
     assert bool(list(found.warnings())) is warned
-    assert found.stable is not None
-    assert found.stable.name == "light points"
+    assert found.stability_bound is not None
+    assert found.stability_bound.name == "light points"
 
 
 def test_corners_on_corners_are_nine_times_lighter_than_middles() -> None:

@@ -1,4 +1,4 @@
-"""Benchmarks of the program itself: what the coupling costs, and each effect of a case.
+"""Benchmarks of the program itself: the cost of the coupling, and of each effect of a case.
 
-``python -m tools.bench CASE`` in a clone of the repository.
+``python -m tools.bench CASE`` runs them in a clone of the repository.
 """

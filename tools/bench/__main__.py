@@ -1,7 +1,7 @@
-"""Times a case in one process.
+"""The command that times a case in one process.
 
-python -m tools.bench CASE             against its particles alone on a rigid, still surface
-python -m tools.bench CASE --effects   without each effect that can be left out, part by part
+python -m tools.bench CASE             compares it with its particles alone on a rigid, still surface
+python -m tools.bench CASE --effects   times it without each effect that can be left out, part by part
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from tools.bench import coupling, effects
 
 
 def main() -> None:
+    """Read the command line, and print the table of times."""
     parser = argparse.ArgumentParser("python -m tools.bench", description="Time a case in one process.")
     parser.add_argument("case", type=Path)
     parser.add_argument("--level")
@@ -27,7 +28,7 @@ def main() -> None:
     args = parser.parse_args()
     console = Console(markup=False, width=180)
     if args.effects:
-        timed = effects.Asked(args.case, args.level, tuple(args.overrides))
+        timed = effects.TimedCase(args.case, args.level, tuple(args.overrides))
         console.print(effects.bench(timed, args.intervals))
     else:
         loaded = load_judged(args.case, args.level, args.overrides)

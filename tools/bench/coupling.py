@@ -1,8 +1,7 @@
-"""What the coupling costs: a case's run against its particles alone on a rigid, still surface.
+"""The cost of the coupling: a case's run against its particles alone on a rigid, still surface.
 
-Both machines advance in turn, block by block, in one process, so that a machine whose speed
-drifts slows both.  The still bed comes to rest, the thrown one does not: the still one has more
-contacts, the thrown one more new neighbours.
+Both machines advance in turn, block by block, in one process, so that a computer whose speed drifts slows
+both.  The still bed comes to rest and has more contacts; the thrown bed does not and has more new neighbours.
 """
 
 from __future__ import annotations
@@ -42,6 +41,7 @@ class Runner:
         self.particle_steps = 0
 
     def block(self, intervals: int = BLOCK) -> None:
+        """Advance by a block of sync intervals, and add its times."""
         started, cpu_s = time.perf_counter(), time.process_time()
         runs = self._machine.particle_runs
         for index in range(self._done, self._done + intervals):
@@ -54,22 +54,23 @@ class Runner:
         self.particle_steps += runs * self._steps * self.particles()
 
     def forget(self) -> None:
-        """What was spent so far counts no more."""
+        """Discard the times so far."""
         self.stopwatch.wall_s.clear()
         self.blocks_s.clear()
         self.wall_s, self.particle_steps = 0.0, 0
 
     def particles(self) -> int:
-        """How many there are now."""
+        """Return the present number of particles."""
         particles = self._machine.solvers.particles
         return len(particles.snapshot().id) if particles else 0
 
     def close(self) -> None:
+        """Close the machine."""
         self._machine.close()
 
 
 def still(loaded: JudgedCase) -> JudgedCase:
-    """The same case with rigid panels that nothing moves."""
+    """Return the case with rigid panels that nothing moves."""
     case = loaded.case
     return replace(
         loaded,
@@ -83,8 +84,10 @@ def still(loaded: JudgedCase) -> JudgedCase:
 
 
 def bench(loaded: JudgedCase, intervals: int, settling: int = 0) -> Table:
-    """Run about ``intervals`` sync intervals of both, after ``settling`` that do not count; the
-    table says what each part took."""
+    """Run the case and its still copy, and return the table of their times by part.
+
+    Both run about ``intervals`` sync intervals, after ``settling`` intervals that do not count.
+    """
     with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:
         coupled = Runner(loaded, Path(scratch) / "coupled")
         alone = Runner(still(loaded), Path(scratch) / "still")
@@ -94,14 +97,14 @@ def bench(loaded: JudgedCase, intervals: int, settling: int = 0) -> Table:
                 alone.forget()
             coupled.block()
             alone.block()
-        table = compared(loaded.name, coupled, alone)
+        table = compare(loaded.name, coupled, alone)
         coupled.close()
         alone.close()
     return table
 
 
-def compared(name: str, coupled: Runner, alone: Runner) -> Table:
-    """Times, their ratio to the particles alone, and particle-steps per second."""
+def compare(name: str, coupled: Runner, alone: Runner) -> Table:
+    """Return the table of times, their ratio to the particles alone, and particle-steps per second."""
     still_s = alone.stopwatch.wall_s["particles"]
     parts_s = coupled.stopwatch.wall_s
     table = Table(title=f"{name}: {coupled.particles()} particles", title_justify="left")

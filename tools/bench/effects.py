@@ -1,8 +1,8 @@
-"""What each effect of a case costs, and that one which is left out costs nothing.
+"""The cost of each effect of a case, and a check that an effect costs nothing once it is left out.
 
-For each effect, up to three machines advance in turn, block by block, in one process, so that a
-computer whose speed drifts slows all: the case as it is, without the effect by ``effects``, and
-with data that do not describe it.  Their ratios are of CPU time, block against block.
+For each effect, up to three machines advance in turn, block by block, in one process, so that a computer
+whose speed drifts slows all of them: the unchanged case, the case without the effect by ``effects``, and the
+case with data that do not describe the effect.  Their ratios are ratios of CPU time, block against block.
 """
 
 from __future__ import annotations
@@ -33,46 +33,50 @@ QUARTILES = (25, 50, 75)
 
 
 @dataclass(frozen=True)
-class Asked:
-    """The case that is timed, as on the command line."""
+class TimedCase:
+    """The case that is timed, as the command line describes it."""
 
     case: Path
     level: str | None
     overrides: tuple[str, ...]
 
     def load(self, *more: str) -> JudgedCase:
+        """Return the case with more overlays."""
         return load_judged(self.case, self.level, [*self.overrides, *more])
 
     def loads(self, *more: str) -> frozenset[str]:
-        """Adapters and packages."""
+        """Return the adapters and large packages that the case loads with more overlays."""
         return loaded_by(self.case, self.level or "", [*self.overrides, *more])
 
 
-def bench(asked: Asked, intervals: int) -> Table:
-    """Times ``intervals`` sync intervals of each machine.  Raises SolverMissing, SolverFailed."""
-    case = asked.load().case
+def bench(timed: TimedCase, intervals: int) -> Table:
+    """Time ``intervals`` sync intervals of each machine, and return the table.
+
+    Raises SolverMissing and SolverFailed.
+    """
+    case = timed.load().case
     here = [name for name in EFFECTS if has_effect(case, name)]
-    table = Table(title=f"{asked.case.name}: ms per sync interval", title_justify="left")
+    table = Table(title=f"{timed.case.name}: ms per sync interval", title_justify="left")
     for column in ("", "all", *PARTS, "against the case", "undescribed / left out"):
         table.add_column(column, justify="left" if not column else "right", no_wrap=True)
     table.add_column("not loaded")
-    whole, everything = _timed([asked.load()], intervals)[0], asked.loads()
+    whole, everything = _time([timed.load()], intervals)[0], timed.loads()
     table.add_row("the case", *whole.row(), "", "", "")
     for name in (one for one in here if can_leave_out(case, one)):
         others = [one for one in here if one not in with_dependents([name], "")]
         named = f"effects={others}"
         undescribed = list(sets(undescribing(case, name)))
-        cases = [asked.load(), asked.load(named)]
-        cases += [asked.load(*undescribed)] if undescribed else []
-        full, without, *nothing = _timed(cases, intervals)
-        saved = sorted(everything - asked.loads(named))
+        cases = [timed.load(), timed.load(named)]
+        cases += [timed.load(*undescribed)] if undescribed else []
+        full, without, *nothing = _time(cases, intervals)
+        saved = sorted(everything - timed.loads(named))
         pair = ratio(nothing[0], without) if nothing else "the same data"
         table.add_row(f"without {name}", *without.row(), ratio(without, full), pair, " ".join(saved))
     return table
 
 
 def undescribing(case: Case, effect: str) -> dict[str, Any]:
-    """Return keys that take an effect out of the data where its overlay chooses another law."""
+    """Return the keys that remove an effect from the data, where its overlay chooses another law."""
     coefficient = COEFFICIENTS.get(effect)
     if coefficient is None:
         return {}
@@ -81,22 +85,22 @@ def undescribing(case: Case, effect: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Timed:
-    """CPU time of each block, and wall time per sync interval by part."""
+    """The CPU time of each block in s, and the wall time per sync interval in s, in all and by part."""
 
     blocks_s: tuple[float, ...]
     all_s: float
     parts_s: Mapping[str, float]
 
     def row(self) -> list[str]:
-        """In ms."""
+        """Return the wall times per sync interval in ms, in all and by part, in words."""
         return [f"{1e3 * one:.3f}" for one in (self.all_s, *map(self._part, PARTS))]
 
     def _part(self, part: str) -> float:
         return self.parts_s.get(part, 0.0)
 
 
-def _timed(cases: Sequence[JudgedCase], intervals: int) -> list[Timed]:
-    """Machines side by side, after a block that does not count."""
+def _time(cases: Sequence[JudgedCase], intervals: int) -> list[Timed]:
+    """Run the machines of the cases in turn, and return their times without the first block."""
     with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:
         runners = [Runner(case, Path(scratch) / str(number)) for number, case in enumerate(cases)]
         for number in range(1 + max(2, intervals // BLOCK)):
@@ -116,14 +120,14 @@ def _of(runner: Runner) -> Timed:
 
 
 def ratio(one: Timed, other: Timed) -> str:
-    """Median of the blocks' ratios, and their quartiles."""
+    """Return the median and the quartiles of the blocks' ratios of CPU time, in words."""
     ratios = np.divide(one.blocks_s, other.blocks_s)
     low, middle, high = np.percentile(ratios, QUARTILES)
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"
 
 
 def sets(overlay: Mapping[str, Any], path: str = "") -> Iterator[str]:
-    """An overlay of numbers as on the command line."""
+    """Yield the numbers of an overlay as ``--set`` takes them."""
     for key, value in overlay.items():
         if isinstance(value, Mapping):
             yield from sets(value, f"{path}{key}.")

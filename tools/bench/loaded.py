@@ -1,6 +1,6 @@
-"""Which solvers and large packages a case loads: to be run in a process of its own.
+"""The solvers and large packages that a case loads.
 
-python -m tools.bench.loaded CASE LEVEL [KEY=VALUE ...]
+``python -m tools.bench.loaded CASE LEVEL [KEY=VALUE ...]`` prints them; it needs a process of its own.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ LARGE = ("dolfinx", "petsc4py", "ufl", "exudyn", "mpi4py", "gmsh", "pyvista", "m
 
 
 def loaded_by(case: Path, level: str, overrides: Sequence[str]) -> frozenset[str]:
-    """Adapters and large packages that are in memory after the first sync interval."""
+    """Return the adapters and large packages that are in memory after a case's first sync interval."""
     words = [sys.executable, "-m", "tools.bench.loaded", str(case), level, *overrides]
-    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
-    return frozenset(said.splitlines()[-1].split())
+    printed = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    return frozenset(printed.splitlines()[-1].split())
 
 
 def _main(case: str, level: str, *overrides: str) -> None:
-    found = load_judged(Path(case), level or None, overrides)
+    loaded = load_judged(Path(case), level or None, overrides)
     with tempfile.TemporaryDirectory(prefix="flipflow-loaded-") as scratch:
-        machine = build(found, Path(scratch), None, Stopwatch())
-        first = Interval(0, found.case.coupling.sync_interval_s)
+        machine = build(loaded, Path(scratch), None, Stopwatch())
+        first = Interval(0, loaded.case.coupling.sync_interval_s)
         machine.scheme.advance(machine.solvers, first, initial_state(machine.solvers))
         machine.close()
     adapters = {name.removeprefix("adapters.") for name in sys.modules if name[:9] == "adapters."}

@@ -1,6 +1,6 @@
-"""The page docs/case-format.md, made from the tables of a case:
+"""The page docs/case-format.md, which is made from the tables of a case.
 
-python -m tools.case_reference > docs/case-format.md
+The command ``python -m tools.case_reference > docs/case-format.md`` writes it.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ EFFECTS_TABLE = """\
 
 
 def reference() -> str:
-    """Return the whole page."""
+    """Return the whole page in Markdown."""
     return (
         "\n".join([_rules("case"), *_effects(), *_of_solvers(), *_sections(Case, "", set())]).rstrip() + "\n"
     )
 
 
 def _rules(of: str) -> str:
-    """Return what is written by hand."""
+    """Return a part of the page that is written by hand."""
     return Path(__file__).with_name(f"{of}_rules.md").read_text(encoding="utf-8")
 
 
 def _effects() -> Iterator[str]:
-    """Yield a table of all effects, by part."""
+    """Yield the lines of the table of all effects, by part of the machine."""
     yield _rules("effect")
     yield EFFECTS_TABLE
     for part in get_args(Part):
@@ -52,33 +52,33 @@ def _effects() -> Iterator[str]:
 
 
 def _of_solvers() -> Iterator[str]:
-    """Yield a table of all solvers, with what their adapters say of them."""
+    """Yield the lines of the table of all solvers, with the descriptions by their adapters."""
     yield _rules("solver")
     yield "| port | solver | what it is | what it leaves out |\n| --- | --- | --- | --- |"
     ports: tuple[Port, ...] = get_args(Port)
     for port in ports:
         for name in names(port):
-            able = adapter(port, name)
-            yield f"| `{port}` | `{name}` | {able.about} | {', '.join(able.leaves_out)} |"
+            solver = adapter(port, name)
+            yield f"| `{port}` | `{name}` | {solver.about} | {', '.join(solver.leaves_out)} |"
     yield ""
 
 
 def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]]) -> Iterator[str]:
-    """Yield this table's keys, then those of the tables in it; each table once."""
+    """Yield the keys of a table, then the keys of the tables in it; each table has one section."""
     seen.add(table)
     yield f"## `{path}`" if path else "## `case.toml`"
     yield f"\n{_text(table.__doc__)}\n"
     yield "| key | value | unit | default | meaning |\n| --- | --- | --- | --- | --- |"
     inner = []
     for key, field in table.model_fields.items():
-        found, place = table_in(field.annotation)
-        yield _row(key, field, found)
-        if found is not None and found not in seen:
+        inner_table, place = table_in(field.annotation)
+        yield _row(key, field, inner_table)
+        if inner_table is not None and inner_table not in seen:
             name = f"{path.strip('[]')}.{key}{place}".lstrip(".")
-            inner.append((found, f"[[{name}]]" if _is_list(field) else f"[{name}]"))
+            inner.append((inner_table, f"[[{name}]]" if _is_list(field) else f"[{name}]"))
     yield ""
-    for found, place in inner:
-        yield from _sections(found, place, seen)
+    for inner_table, place in inner:
+        yield from _sections(inner_table, place, seen)
 
 
 def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
@@ -91,7 +91,7 @@ def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
 
 
 def _solvers(field: FieldInfo) -> str:
-    """Return what a key may be that names a solver, "" for another key."""
+    """Return the solvers that a key may name, or "" for a key that names no solver."""
     marks = [mark for mark in field.metadata if isinstance(mark, SolverName)]
     return " or ".join(f'"{name}"' for mark in marks for name in mark.allowed)
 
@@ -106,14 +106,14 @@ def _is_list(field: FieldInfo) -> bool:
 
 
 def table_in(kind: Any) -> tuple[type[BaseModel] | None, str]:
-    """Return the table that a value of this type is made of, if any, and how its name goes on."""
+    """Return the table in values of this type, or None, and the part of its name after the key."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return kind, ""
     place = ".<name>" if get_origin(kind) is dict else ""
     for argument in get_args(kind):
-        found, inner = table_in(argument)
-        if found is not None:
-            return found, place + inner
+        table, inner = table_in(argument)
+        if table is not None:
+            return table, place + inner
     return None, ""
 
 
@@ -134,10 +134,10 @@ def _kind(kind: Any) -> str:
 
 
 def _limits(field: FieldInfo) -> str:
-    said = {Gt: "> {0.gt}", Ge: ">= {0.ge}", Lt: "< {0.lt}", Le: "<= {0.le}"}
+    formats = {Gt: "> {0.gt}", Ge: ">= {0.ge}", Lt: "< {0.lt}", Le: "<= {0.le}"}
     marks = [*field.metadata, *_marks(field.annotation)]
-    found = [said[type(mark)].format(mark) for mark in marks if type(mark) in said]
-    return " " + ", ".join(dict.fromkeys(found)) if found else ""
+    limits = [formats[type(mark)].format(mark) for mark in marks if type(mark) in formats]
+    return " " + ", ".join(dict.fromkeys(limits)) if limits else ""
 
 
 def _marks(kind: Any) -> Iterator[Any]:

@@ -1,1 +1,1 @@
-"""A bank of scenes that tries out whether the verdicts on effects are right."""
+"""A bank of scenes that tests the verdicts on effects by runs with and without each effect."""

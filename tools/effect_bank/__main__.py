@@ -10,7 +10,7 @@ import typer
 from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 
 if TYPE_CHECKING:
-    from tools.effect_bank.trials import Tried
+    from tools.effect_bank.trials import SceneTrials
 
 WIDE = 150
 
@@ -26,26 +26,27 @@ def effects(
         int | None, typer.Option(min=1, help="runs at a time [default: as the machine bears]")
     ] = None,
 ) -> None:
-    """Try out the verdicts of explain: scenes with and without each effect that can be left out.
+    """Try out the verdicts of explain by scenes with and without each effect that can be left out.
 
     Each scene of the bank is run as it is and without one effect at a time.  The verdict before the
-    run is compared with what leaving the effect out changed in the results that the scene asks for,
-    by 10 %.  Called again, only what is missing is run.  The folder gets effects.csv and
+    run is compared with the change of the results that the scene asks for; a change counts from
+    10 %.  Called again, the tool makes only the missing runs.  The folder gets effects.csv and
     effects.md.
 
-    Exit code 4: what was said to be left out freely changes a result by more than 10 %, a fifth or
-    more of what was said to matter does not, or a run is missing; 2: the bank is wrong.
+    Exit code 4: an effect that may be left out by its verdict changes a result by more than 10 %, a
+    fifth or more of the effects that matter by their verdicts do not, or a run is missing; 2: the
+    bank is wrong.
     """
     from orchestrator.output.records.run_folder import study_folder
     from orchestrator.studies.points import Crew, run_points, workers_that_fit
     from tools.effect_bank import bank as banks
     from tools.effect_bank import tables
     from tools.effect_bank.confusion import confusion
-    from tools.effect_bank.trials import Countdown, all_tried, every_run, still_to_run
+    from tools.effect_bank.trials import Countdown, all_scenes, every_run, still_to_run
 
     with reported_errors():
-        wanted = banks.chosen(banks.read(bank), scene or [])
-        scenes = all_tried(wanted, bank.parent, out)
+        wanted = banks.select(banks.read(bank), scene or [])
+        scenes = all_scenes(wanted, bank.parent, out)
         if dry:
             _list(scenes)
             return
@@ -55,19 +56,19 @@ def effects(
             countdown = Countdown(waiting, CONSOLE.print)
             for line in run_points(todo, Crew(jobs or workers_that_fit())):
                 countdown(line)
-        found = confusion(scenes)
-        written = tables.write(found, out)
+        table = confusion(scenes)
+        files = tables.write(table, out)
     if not CONSOLE.is_terminal:
-        CONSOLE.width = WIDE  # into a file: as wide as the table
-    CONSOLE.print(tables.confusion_table(found))
-    for line in [*tables.lines(found), *(f"written: {file}" for file in written)]:
+        CONSOLE.width = WIDE  # in a file, lines are as wide as the table
+    CONSOLE.print(tables.confusion_table(table))
+    for line in [*tables.lines(table), *(f"written: {file}" for file in files)]:
         CONSOLE.print(line)
-    if not found.good:
+    if not table.is_good:
         raise typer.Exit(FAILED)
 
 
-def _list(scenes: list[Tried]) -> None:
-    """What would be run, with predictions."""
+def _list(scenes: list[SceneTrials]) -> None:
+    """Print the runs that would be made, with their predicted times."""
     from tools.effect_bank.trials import in_time, still_to_run
 
     for one in scenes:

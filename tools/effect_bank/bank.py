@@ -1,7 +1,7 @@
 """``cases/effects.toml``: scenes by which the verdicts of ``flipflow explain`` are tried out.
 
-A scene is a case at a level with a few keys changed, so short that a run takes seconds, and the
-results that somebody who looks at this scene would ask for.
+A scene is a case at a level with a few changed keys, so short that a run takes seconds.  It names the results
+that a user of the scene would ask for.
 """
 
 from __future__ import annotations
@@ -23,29 +23,29 @@ class Scene(Table):
     """One scene of the bank."""
 
     why: OneLine
-    """What it is there for."""
+    """The purpose of the scene."""
     case: OneLine
-    """The folder of its case, from the folder of this file."""
+    """The folder of the scene's case, relative to the folder of the bank's file."""
     level: OneLine
     """The level of the case."""
     sets: tuple[OneLine, ...] = ()
-    """As ``--set``."""
+    """Overlays, as ``--set`` takes them."""
     duration_s: Positive | None = None
-    """The time that is simulated; without it, the case's."""
+    """The simulated time; without it, the case's duration."""
     asked: Annotated[tuple[OneLine, ...], Len(1)]
     """The results that the verdicts are about: names as ``flipflow explain --for`` takes them, or
     paths of keys in ``summary.json``."""
     seeds: Annotated[int, Strict(), Ge(1), Le(20)] = 1
-    """Runs with and without an effect each, with other random numbers."""
+    """The number of runs with and without each effect, with different random numbers."""
     effects: tuple[OneLine, ...] = ()
-    """Only these effects are left out in turn; empty: all that can be."""
+    """The effects that are left out in turn; without them, all effects that can be left out."""
 
 
 class Bank(Table):
-    """The whole file."""
+    """The content of the bank's file."""
 
     scenes: Annotated[dict[Name, Scene], Len(1)]
-    """By their names."""
+    """The scenes by name."""
 
 
 def read(file: Path) -> dict[str, Scene]:
@@ -57,17 +57,17 @@ def read(file: Path) -> dict[str, Scene]:
         bank = Bank.model_validate(given)
     except ValidationError as error:
         raise CaseError([*from_validation(error, Bank)]) from None
-    wrong = [
+    problems = [
         CaseProblem(("scenes", name, key), what, hint, str(file))
         for name, scene in bank.scenes.items()
         for key, what, hint in _mistakes(scene)
     ]
-    if wrong:
-        raise CaseError(wrong)
+    if problems:
+        raise CaseError(problems)
     return bank.scenes
 
 
-def chosen(bank: dict[str, Scene], names: list[str]) -> dict[str, Scene]:
+def select(bank: dict[str, Scene], names: list[str]) -> dict[str, Scene]:
     """Return the scenes of these names, or all where no names are given.  Raises CaseError."""
     for name in names:
         if name not in bank:
@@ -77,14 +77,14 @@ def chosen(bank: dict[str, Scene], names: list[str]) -> dict[str, Scene]:
 
 
 def _mistakes(scene: Scene) -> list[tuple[str, str, str]]:
-    """Results and effects that there are not: key, what is wrong, and a hint."""
-    found = []
+    """Return the key, the problem and a hint for each unknown result or effect of a scene."""
+    mistakes = []
     for name in scene.asked:
         try:
             scalar(name)
         except KeyError as error:
-            found.append(("asked", str(error.args[0]), ""))
+            mistakes.append(("asked", str(error.args[0]), ""))
     for name in scene.effects:
         if name not in EFFECTS:
-            found.append(("effects", f'no effect "{name}"', did_you_mean(name, EFFECTS)))
-    return found
+            mistakes.append(("effects", f'no effect "{name}"', did_you_mean(name, EFFECTS)))
+    return mistakes

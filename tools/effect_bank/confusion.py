@@ -1,8 +1,8 @@
-"""Verdicts before the run against what leaving the effect out did: the confusion table.
+"""The confusion table: verdicts before the run against the changes without the effect.
 
-A change counts from 10 % of the value with the effect.  Where a scene has several seeds, means are
-compared, and the interval of their difference must lie on one side of 10 % as a whole: half its
-width is Student's t at 95 % times the standard error by Welch, Biometrika 34, 1947, 28-35,
+A change counts from 10 % of the value with the effect.  Where a scene has several seeds, means are compared,
+and the whole interval of their difference must lie on one side of 10 %.  Half the width of the interval is
+Student's t at 95 % times the standard error by Welch, Biometrika 34, 1947, 28-35,
 doi 10.1093/biomet/34.1-2.28.
 """
 
@@ -23,7 +23,7 @@ from orchestrator.preflight.judgement.pair import Change, compute_change
 from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
 from orchestrator.preflight.scene.effect import Verdict, describe_verdict
 from orchestrator.studies.points import is_random
-from tools.effect_bank.trials import Trial, Tried
+from tools.effect_bank.trials import SceneTrials, Trial
 
 CONFIDENCE = 0.95
 CHANGED, UNCHANGED = "changed", "not changed"
@@ -38,8 +38,11 @@ MOST_FALSE_ALARMS = 0.2
 
 @dataclass(frozen=True)
 class Row:
-    """An effect of a scene: the verdict before any run (None: the scene has no such question), and
-    the change of every result asked for, by name; ``remark`` says what else is to be known."""
+    """A row of the table: an effect of a scene.
+
+    ``verdict`` is the verdict before any run, or None if the scene has no such question.  ``changes`` has the
+    change of every requested result by name, and ``remark`` a note for the reader.
+    """
 
     scene: str
     effect: str
@@ -50,74 +53,79 @@ class Row:
 
     @property
     def predicted(self) -> str:
+        """The verdict before the run, in words."""
         return describe_verdict(None if self.verdict is None else self.verdict.matters)
 
     @property
-    def wrong(self) -> bool:
-        """It was said that it may be left out, and it changes what was asked for."""
+    def is_wrong(self) -> bool:
+        """Whether the effect may be left out by its verdict, but changes a requested result."""
         return self.predicted == MAY_GO and self.outcome == CHANGED
 
     @property
-    def false_alarm(self) -> bool:
-        """It was said to matter, and it changes nothing of what was asked for."""
+    def is_false_alarm(self) -> bool:
+        """Whether the effect matters by its verdict, but changes no requested result."""
         return self.predicted == MATTERS and self.outcome == UNCHANGED
 
 
 @dataclass(frozen=True)
 class Confusion:
-    """How many rows have which verdict and which outcome."""
+    """The confusion table of verdicts and outcomes."""
 
     rows: Sequence[Row]
 
     def count(self, predicted: str, outcome: str) -> int:
+        """Return the number of rows with a verdict and an outcome."""
         return Counter((row.predicted, row.outcome) for row in self.rows)[predicted, outcome]
 
     @property
-    def wrong(self) -> list[Row]:
-        return [row for row in self.rows if row.wrong]
+    def wrong_rows(self) -> list[Row]:
+        """The rows whose verdict is wrong."""
+        return [row for row in self.rows if row.is_wrong]
 
     @property
     def false_alarms(self) -> float:
-        """Share of "matters" that changed nothing, of all "matters" that the runs decided; 0
-        without any."""
+        """The share of false alarms in all verdicts "matters" that the runs decided; 0 without any."""
         alarms = self.count(MATTERS, UNCHANGED)
         decided = alarms + self.count(MATTERS, CHANGED)
         return alarms / decided if decided else 0.0
 
     @property
-    def missing(self) -> int:
+    def missing_runs(self) -> int:
+        """The number of rows that lack a run."""
         return sum(row.outcome == NOT_RUN for row in self.rows)
 
     @property
-    def good(self) -> bool:
-        """Whether all was run, no verdict is wrong, and false alarms are below a fifth."""
-        return not self.wrong and not self.missing and self.false_alarms < MOST_FALSE_ALARMS
+    def is_good(self) -> bool:
+        """Whether all runs are made, no verdict is wrong, and false alarms are below a fifth."""
+        return not self.wrong_rows and not self.missing_runs and self.false_alarms < MOST_FALSE_ALARMS
 
 
-def confusion(scenes: Sequence[Tried]) -> Confusion:
-    """Return the rows of all scenes, as far as their runs are made."""
+def confusion(scenes: Sequence[SceneTrials]) -> Confusion:
+    """Return the confusion table of all scenes; rows whose runs are not made have the outcome "not run"."""
     return Confusion([row for one in scenes for row in _rows(one)])
 
 
-def _rows(one: Tried) -> Iterator[Row]:
+def _rows(one: SceneTrials) -> Iterator[Row]:
     judged = weigh_effects(one.loaded.described, asked=one.scene.asked)
     verdicts = {name: with_doubt(each).verdict for name, each in judged.items()}
     base, *others = one.trials
     for trial in others:
         verdict = verdicts.get(trial.without)
-        yield Row(one.name, trial.without, verdict, *_compared(base, trial, one.scene.asked))
+        yield Row(one.name, trial.without, verdict, *_compare(base, trial, one.scene.asked))
 
 
-def _compared(base: Trial, trial: Trial, asked: Sequence[str]) -> tuple[dict[str, Change], str, str]:
-    """The changes from the runs with an effect to those without, their outcome, and a remark.  What
-    fails without the effect cannot do without it."""
+def _compare(base: Trial, trial: Trial, asked: Sequence[str]) -> tuple[dict[str, Change], str, str]:
+    """Return the changes from the runs with an effect to the runs without it, the outcome, and a remark.
+
+    A scene that fails without the effect counts as changed.
+    """
     if trial.omitted:
         return {}, NOT_COMPARED, trial.omitted
     if unsound := base.statuses & {"failed", trust.DOUBTFUL}:
         return {}, NOT_COMPARED, f"the run as it is: {unsound.pop()}"
     if "failed" in trial.statuses:
         return {}, CHANGED, "the run without it failed"
-    if not base.ended or not trial.ended:
+    if not base.has_ended or not trial.has_ended:
         return {}, NOT_RUN, ""
     by_chance = is_random(base.runs[0].loaded.case)
     changes = {name: change(name, base.summaries, trial.summaries, by_chance=by_chance) for name in asked}
@@ -128,16 +136,18 @@ def _compared(base: Trial, trial: Trial, asked: Sequence[str]) -> tuple[dict[str
 def change(
     name: str, with_it: Sequence[Mapping[str, Any]], without: Sequence[Mapping[str, Any]], *, by_chance: bool
 ) -> Change:
-    """Return how a result changes from the runs with an effect to those without, given their
-    summaries; a result that only one side has has changed by all of it.  Of one run a side, the
-    interval is what the runs themselves give, if ``by_chance`` particles lie where random numbers
-    put them; else two runs differ by the effect alone."""
+    """Return the change of a result from the runs with an effect to the runs without it.
+
+    ``with_it`` and ``without`` are the summaries of the runs.  The change is infinite if only one side has
+    the result.  With a single run on each side, the interval is that of the runs themselves if random numbers
+    place the particles (``by_chance``); otherwise the two runs differ by the effect alone.
+    """
     asked = scalar(name)
-    found = [[asked.of(summary) for summary in each] for each in (with_it, without)]
+    values = [[asked.of(summary) for summary in each] for each in (with_it, without)]
     if len(with_it) == len(without) == 1:
-        single = compute_change(found[0][0], found[1][0], asked.floor)
+        single = compute_change(values[0][0], values[1][0], asked.floor)
         return single if by_chance else replace(single, uncertain=None)
-    one, two = (np.array([each.value for each in side if each is not None]) for side in found)
+    one, two = (np.array([each.value for each in side if each is not None]) for side in values)
     if not one.size and not two.size:
         return Change(None, None, None)
     if not one.size or not two.size:
@@ -151,8 +161,10 @@ def change(
 
 
 def half_width(one: Any, two: Any, by: float) -> float | None:
-    """Return half the width of the interval of the difference of two means, over ``by``; None
-    where a side has one value only."""
+    """Return half the width of the interval of the difference of two means, divided by ``by``.
+
+    Return None where a side has a single value.
+    """
     if min(one.size, two.size) < 2:
         return None
     parts = np.array([side.var(ddof=1) / side.size for side in (one, two)])
@@ -163,7 +175,7 @@ def half_width(one: Any, two: Any, by: float) -> float | None:
 
 
 def outcome(changes: Mapping[str, Change]) -> str:
-    """Return what all results together say: one that has changed is enough."""
+    """Return the outcome of all results together: a single changed result makes it "changed"."""
     decided = [one.matters for one in changes.values() if one.relative is not None]
     if not decided:
         return NOT_COMPARED

@@ -1,4 +1,4 @@
-"""What the study of the bank found, for the terminal, for other programs and for the manual."""
+"""Tables of the confusion, for the terminal, for other programs and for the manual."""
 
 from __future__ import annotations
 
@@ -32,63 +32,64 @@ CSV_HEAD = (
 DIGITS = 3
 
 
-def confusion_table(found: Confusion) -> Table:
-    """For the terminal: verdicts down, outcomes across."""
+def confusion_table(confusion: Confusion) -> Table:
+    """Return the confusion table for the terminal, with verdicts down and outcomes across."""
     printed = Table(title="verdict before the run, against runs with and without the effect")
     printed.add_column("explain says")
     for outcome in OUTCOMES:
         printed.add_column(outcome, justify="right")
     for predicted in PREDICTIONS:
-        counts = (str(found.count(predicted, outcome)) for outcome in OUTCOMES)
+        counts = (str(confusion.count(predicted, outcome)) for outcome in OUTCOMES)
         printed.add_row(predicted, *counts)
     return printed
 
 
-def lines(found: Confusion) -> Iterator[str]:
-    """What follows from the table, in sentences."""
+def lines(confusion: Confusion) -> Iterator[str]:
+    """Yield the conclusions from the table as lines for the terminal."""
+    false_percent, goal_percent = 100 * confusion.false_alarms, 100 * MOST_FALSE_ALARMS
     yield (
-        f'wrong "{MAY_GO}": {len(found.wrong)}; false alarms: {100 * found.false_alarms:.0f} % of '
-        f'"matters" (the goal is below {100 * MOST_FALSE_ALARMS:.0f} %)'
+        f'wrong "{MAY_GO}": {len(confusion.wrong_rows)}; false alarms: {false_percent:.0f} % of '
+        f'"matters" (the goal is below {goal_percent:.0f} %)'
     )
-    for row in found.wrong:
+    for row in confusion.wrong_rows:
         yield f"wrong: {row.scene}: {row.effect} {_number(row)}: {changes_in_words(row)}"
-    for row in found.rows:
-        if row.false_alarm:
+    for row in confusion.rows:
+        if row.is_false_alarm:
             yield f"false alarm: {row.scene}: {row.effect} {_number(row)}: {changes_in_words(row)}"
-    if found.missing:
-        yield f"{found.missing} comparisons lack a run"
+    if confusion.missing_runs:
+        yield f"{confusion.missing_runs} comparisons lack a run"
 
 
-def write(found: Confusion, folder: Path) -> list[Path]:
-    """Write ``effects.csv``, a row for each effect and result asked for, and ``effects.md``."""
+def write(confusion: Confusion, folder: Path) -> list[Path]:
+    """Write ``effects.csv``, with a row for each effect and result, and ``effects.md``; return both."""
     file = folder / "effects.csv"
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.writer(text)
         writer.writerow(CSV_HEAD)
-        for row in found.rows:
+        for row in confusion.rows:
             writer.writerows(_csv_rows(row))
-    write_text(folder / "effects.md", markdown(found))
+    write_text(folder / "effects.md", markdown(confusion))
     return [file, folder / "effects.md"]
 
 
-def markdown(found: Confusion) -> str:
-    """The tables of docs/measured/effects.md."""
+def markdown(confusion: Confusion) -> str:
+    """Return the tables of docs/measured/effects.md."""
     head = ["explain says", *OUTCOMES]
     table = [
-        [predicted, *(str(found.count(predicted, outcome)) for outcome in OUTCOMES)]
+        [predicted, *(str(confusion.count(predicted, outcome)) for outcome in OUTCOMES)]
         for predicted in PREDICTIONS
     ]
-    rows = [_row_in_words(row) for row in found.rows]
+    rows = [_row_in_words(row) for row in confusion.rows]
     return "\n".join([*_table(head, table), "", *_table(list(HEAD), rows)]) + "\n"
 
 
 def changes_in_words(row: Row) -> str:
-    """Every result asked for, with and without the effect, and its change."""
-    said = [
+    """Return every requested result with and without the effect, and its change, in words."""
+    changes = [
         f"{name} {_short(one.with_it)} → {_short(one.without)}{_percent(one)}"
         for name, one in row.changes.items()
     ]
-    return "; ".join(filter(None, [", ".join(said), row.remark]))
+    return "; ".join(filter(None, [", ".join(changes), row.remark]))
 
 
 def _table(head: list[str], rows: list[list[str]]) -> Iterator[str]:
@@ -100,9 +101,9 @@ def _table(head: list[str], rows: list[list[str]]) -> Iterator[str]:
 
 def _row_in_words(row: Row) -> list[str]:
     verdict, mark = row.verdict, ""
-    if row.wrong:
+    if row.is_wrong:
         mark = " **WRONG**"
-    elif row.false_alarm:
+    elif row.is_false_alarm:
         mark = " (false alarm)"
     numbers = ["", "-", ""]
     if verdict is not None:

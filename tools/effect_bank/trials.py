@@ -1,6 +1,6 @@
 """The runs of the bank: every scene as it is, and without each effect that can be left out of it.
 
-The runs are points of a sweep, in folders of their own, and none is made twice.
+The runs are points of a study, in folders of their own, and no run is made twice.
 """
 
 from __future__ import annotations
@@ -22,13 +22,16 @@ from orchestrator.studies.points import CaseStudy, sample_s, seed_sets
 from tools.effect_bank.bank import Scene
 
 AS_IT_IS = ""
-"""Stands for the name of the effect that is left out where none is."""
+"""The name of the effect that is left out where no effect is left out."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A scene ``without`` an effect (AS_IT_IS: with all it has): one run for each seed, or
-    ``omitted`` says why there are none.  ``predicted_s`` is the processor time of one run."""
+    """A scene ``without`` an effect, or with all its effects (AS_IT_IS).
+
+    ``runs`` has a run for each seed, or ``omitted`` says why there are none.  ``predicted_s`` is the
+    predicted processor time of one run.
+    """
 
     scene: str
     without: str
@@ -38,22 +41,22 @@ class Trial:
 
     @property
     def statuses(self) -> set[str]:
-        """Of all its runs; "missing" of those that have not been made."""
+        """The states of all its runs; "missing" is the state of a run that has not been made."""
         return {one.status() for one in self.runs}
 
     @property
-    def ended(self) -> bool:
+    def has_ended(self) -> bool:
         """Whether all its runs have come to their end, trusted or not."""
         return all(one.ended(one.folder) for one in self.runs)
 
     @property
     def summaries(self) -> list[dict[str, Any]]:
-        """``summary.json`` of those runs that came to their end, trusted or not."""
+        """The contents of ``summary.json`` of the runs that came to their end, trusted or not."""
         return [RunReader(one.folder).summary for one in self.runs if one.ended(one.folder)]
 
 
 @dataclass(frozen=True)
-class Tried:
+class SceneTrials:
     """A scene of the bank as it is loaded, with its trials; the first is the scene as it is."""
 
     name: str
@@ -62,25 +65,28 @@ class Tried:
     trials: tuple[Trial, ...]
 
 
-def all_tried(bank: Mapping[str, Scene], folder: Path, out: Path) -> list[Tried]:
-    """Return all scenes with their trials; nothing is run.  Raises CaseError with the mistakes of
-    all scenes, each with the scene's name."""
-    found, wrong = [], []
+def all_scenes(bank: Mapping[str, Scene], folder: Path, out: Path) -> list[SceneTrials]:
+    """Return all scenes with their trials; nothing is run here.
+
+    Raises CaseError with the problems of all scenes, each with the scene's name.
+    """
+    scenes, problems = [], []
     for name, scene in bank.items():
         try:
-            found.append(tried(name, scene, folder, out))
+            scenes.append(try_scene(name, scene, folder, out))
         except CaseError as error:
-            wrong += [replace(one, file=f"scene {name}, {one.file}") for one in error.problems]
-    if wrong:
-        raise CaseError(wrong)
-    return found
+            problems += [replace(one, file=f"scene {name}, {one.file}") for one in error.problems]
+    if problems:
+        raise CaseError(problems)
+    return scenes
 
 
-def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
-    """Return a scene with all its trials, each checked; nothing is run here.
+def try_scene(name: str, scene: Scene, folder: Path, out: Path) -> SceneTrials:
+    """Check all trials of a scene, and return the scene with them; nothing is run here.
 
-    ``folder`` is that of the bank's file, ``out`` that of the study.  Raises CaseError if the scene
-    itself is wrong; what is only wrong without an effect is said in the trial.
+    ``folder`` is the folder of the bank's file, and ``out`` the folder of the study.  Raises CaseError if the
+    scene itself has problems.  A problem that occurs only without an effect is the reason in ``omitted`` of
+    the trial.
     """
     case = folder / scene.case
     sets = _sets(load_judged(case, scene.level, scene.sets), scene)
@@ -90,17 +96,17 @@ def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
     trials = [first]
     for effect in here:
         if can_leave_out(loaded.described, effect) and (not scene.effects or effect in scene.effects):
-            going = with_dependents([effect], "")
-            kept = json.dumps([one for one in here if one not in going])
+            removed = with_dependents([effect], "")
+            remaining = json.dumps([one for one in here if one not in removed])
             try:
-                trials.append(_trial(name, effect, case, scene, [*sets, f"effects={kept}"], out))
+                trials.append(_trial(name, effect, case, scene, [*sets, f"effects={remaining}"], out))
             except CaseError as error:
                 trials.append(Trial(name, effect, omitted=str(error.problems[0])))
-    return Tried(name, scene, loaded, tuple(trials))
+    return SceneTrials(name, scene, loaded, tuple(trials))
 
 
 def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path) -> Trial:
-    """Raise CaseError."""
+    """Return the trial of a scene without an effect, checked.  Raises CaseError."""
     whole = f"{name}-without-{without}" if without else name
     bare = load_judged(case, scene.level, sets).case
     study = CaseStudy(case, scene.level, tuple(sets), out)
@@ -112,8 +118,11 @@ def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str
 
 
 def _sets(loaded: JudgedCase, scene: Scene) -> list[str]:
-    """``--set`` overlays of all runs of a scene: no pictures and saves, and rows as often as
-    accelerations to 500 Hz need them, unless the scene says otherwise."""
+    """Return the ``--set`` overlays of all runs of a scene.
+
+    Unless the scene says otherwise, the runs write no pictures and no checkpoints, and rows as often as
+    accelerations up to 500 Hz need them.
+    """
     quiet = {
         "output.pictures": "false",
         "checkpoint.wall_min": "0.0",
@@ -125,17 +134,19 @@ def _sets(loaded: JudgedCase, scene: Scene) -> list[str]:
     return [f"{key}={value}" for key, value in quiet.items() if key not in given] + [*scene.sets]
 
 
-def every_run(scenes: Sequence[Tried]) -> Iterator[tuple[sweep.Point, float]]:
-    """All runs of all scenes, with their predicted processor time in s."""
+def every_run(scenes: Sequence[SceneTrials]) -> Iterator[tuple[sweep.Point, float]]:
+    """Yield all runs of all scenes, with their predicted processor time in s."""
     for one in scenes:
         for trial in one.trials:
             for run in trial.runs:
                 yield run, trial.predicted_s
 
 
-def still_to_run(scenes: Sequence[Tried]) -> dict[str, float]:
-    """Predicted processor time, in s, of every run that has not come to an end, by the name of its
-    folder.  A run that failed is a result, too, and is not made again."""
+def still_to_run(scenes: Sequence[SceneTrials]) -> dict[str, float]:
+    """Return the predicted processor time, in s, of every run that has not ended, by the name of its folder.
+
+    A run that failed is a result, too, and is not made again.
+    """
     return {
         run.folder.name: cost_s
         for run, cost_s in every_run(scenes)
@@ -145,10 +156,10 @@ def still_to_run(scenes: Sequence[Tried]) -> dict[str, float]:
 
 @dataclass
 class Countdown:
-    """Passes on what a sweep says of each run, with the time that the others will take.
+    """A countdown of runs: it passes on the line of each run, with the time that the other runs will take.
 
-    ``left_s`` is the predicted processor time of the runs still to be made, by the names of their
-    folders; predictions are scaled by what the runs so far have taken.
+    ``left_s`` is the predicted processor time, in s, of the runs that are still to be made, by the names of
+    their folders.  Predictions are scaled by the time that the runs so far took.
     """
 
     left_s: Mapping[str, float]
@@ -158,9 +169,11 @@ class Countdown:
     _waiting: dict[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
+        """Start the clock."""
         self._began_s, self._waiting = self.now(), dict(self.left_s)
 
     def __call__(self, line: str) -> None:
+        """Pass on a line, with the remaining time if it is the line of a run."""
         name = line.partition(":")[0]
         if name not in self._waiting:
             self.say(line)
@@ -173,5 +186,5 @@ class Countdown:
 
 
 def in_time(seconds: float) -> str:
-    """Seconds, or minutes above a hundred seconds."""
+    """Return a time in words: in seconds, or in minutes from a hundred seconds on."""
     return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"

@@ -33,8 +33,9 @@ class FramesLedger(SavedAttributes):
     """The sums of impulse and energy exchanged since ``start``, at t = 0.
 
     ``outside_N_s`` (3,) is the impulse of ground, driven bodies, weight and exciters on the free bodies, less
-    that of the reaction on all others; ``damping_J`` is lost in bushings; ``exciter_J`` and ``reaction_J``
-    are work; ``pushed_J`` is the work of bushings and reaction on driven bodies.
+    the impulse of the reaction on all other bodies.  ``damping_J`` is the energy lost in bushings.
+    ``exciter_J`` and ``reaction_J`` are the work of exciters and reaction.  ``pushed_J`` is the work of
+    bushings and reaction on driven bodies.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("outside_N_s", "damping_J", "exciter_J", "reaction_J", "pushed_J")
@@ -81,7 +82,7 @@ class FramesLedger(SavedAttributes):
         return np.asarray(self._mass_kg[:, None] * bodies.velocity_m_per_s)
 
     def _energies_J(self, bodies: BodyMotion) -> Array:
-        """Return the kinetic and the gravitational energy, (2, bodies), the latter zero as drawn."""
+        """Return the kinetic and the gravitational energy in J, (2, bodies); gravity's is zero as drawn."""
         moving_J = self._mass_kg * (bodies.velocity_m_per_s**2).sum(axis=1) / 2
         risen_J = -self._mass_kg * (bodies.moved_m @ self._gravity_m_per_s2)
         return np.stack([moving_J + bodies.turning_J, risen_J])

@@ -20,12 +20,12 @@ from orchestrator.ports.state import SavedAttributes
 
 
 class RigidFrames(SavedAttributes):
-    """Frames of a plan, of which each body has some of six coordinates (``ports/linear_frames.py``).
+    """The frames of a plan, whose bodies have some of six coordinates each (``ports/linear_frames.py``).
 
-    ``_free`` are the numbers of the bodies that no drive moves, ``_held`` is the load on their
-    coordinates that the bushings hold at rest, and ``_sag`` the coordinates that it is held by: both
-    are zero unless the machine is drawn at rest.  Raises ValueError for unknown bodies, drives that
-    make no sense, and bushings that cannot hold the weight.
+    ``_free`` are the numbers of the bodies that no drive moves.  ``_held`` is the load on their coordinates
+    that the bushings hold at rest, and ``_sag`` are the coordinates at which the bushings hold it; both are
+    zero unless the machine is drawn at rest.  Raises ValueError for unknown bodies, drives that make no
+    sense, and bushings that cannot hold the weight.
     """
 
     COORDINATES: ClassVar[tuple[int, ...]]
@@ -61,7 +61,8 @@ class RigidFrames(SavedAttributes):
     def _largest_step_s(self, largest_rad: float) -> float:
         """Return the step in which the fastest rate turns by ``largest_rad``, or the plan's if it is less.
 
-        Rates are the natural frequencies, the speeds of exciters and drives, and those of their run-ups.
+        The rates are the natural frequencies, the speeds of exciters and drives, and the rates of their
+        run-ups.
         """
         plan = self._plan
         shaking: list[ExciterPlan | DrivePlan] = [*plan.exciters, *plan.drives]
@@ -94,7 +95,7 @@ class Unbalances:
         self._every = [Unbalance(exciter) for exciter in exciters]
 
     def force_N(self, time_s: Array) -> Array:
-        """Return their forces (times, n, 3)."""
+        """Return the forces of the exciters, (times, n, 3), at the times."""
         force_N = np.zeros((len(time_s), len(self._every), 3))
         for number, unbalance in enumerate(self._every):
             force_N[:, number] = unbalance.force_N(time_s)

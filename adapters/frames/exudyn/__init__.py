@@ -26,7 +26,7 @@ def build(plan: FramesPlan) -> Frames:
 
 
 def objections(plan: FramesPlan) -> Iterator[Objection]:
-    """Yield drives that may turn a frame over."""
+    """Yield objections to drives that may turn a frame over."""
     for drive in plan.drives:
         largest_rad = np.linalg.norm(drive.rotation_rad)
         if largest_rad > LARGEST_TILT_RAD:
@@ -36,7 +36,7 @@ def objections(plan: FramesPlan) -> Iterator[Objection]:
 
 
 def cost(work: FramesWork) -> Cost:
-    """Return the time of a call, and of steps of some 1e-4 s."""
+    """Return the measured time of a call, and of steps of about 1e-4 s."""
     return Cost(0.4, work.runs * (5e-4 + 1.6 * work.interval_s))
 
 

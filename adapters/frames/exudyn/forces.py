@@ -1,8 +1,8 @@
 """Forces at an instant, shafts of motors, and the ledger of trapezoidal steps between two instants.
 
 Newmark's step with beta = 1/4, gamma = 1/2 is  m (v1 - v0) = h/2 (f0 + f1)  and
-x1 - x0 = h/2 (v0 + v1): so the mean of the forces at its two ends gives its impulse to rounding,
-and mean force times displacement gives its work exactly where the equations are linear.
+x1 - x0 = h/2 (v0 + v1).  So the mean of the forces at the two ends of a step gives the step's impulse to
+rounding, and mean force times displacement gives the work exactly where the equations are linear.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverF
 
 MOST_ROUNDS = 50
 TOLERANCE = 1e-14
-"""Of a shaft's synchronous speed: what its step may get wrong."""
+"""The largest error of a shaft's step, as a share of its synchronous speed."""
 
 
 @dataclass(frozen=True)
 class Instant:
     """Poses and forces at one time.
 
-    ``stretch_m``, ``stretch_m_per_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3) on the
-    first body at ``from_m``, and its opposite on the second at ``to_m``; ``couple_N_m`` (bodies, 3) the
-    couple that a stretched bushing adds to its first body; ``exciter_N``, ``exciter_m`` (exciters, 3) force
-    and place.
+    ``stretch_m`` and ``stretch_m_per_s`` (bushings, 3) are along the spring axes.  ``pull_N`` (bushings, 3)
+    acts on the first body at ``from_m``, and its opposite on the second body at ``to_m``.  ``couple_N_m``
+    (bodies, 3) is the couple that a stretched bushing adds to its first body.  ``exciter_N`` and
+    ``exciter_m`` (exciters, 3) are the forces and places of the exciters.
     """
 
     poses: Poses
@@ -47,7 +47,7 @@ class Instant:
 class SpatialForces:
     """The forces of bushings and exciters, with ``sag_m`` (bushings, 3) as in ``system.assemble_system``.
 
-    ``bodies``: the numbers (bushings,) of the bushings' first and of their second bodies.
+    ``bodies`` are the numbers of the bushings' first bodies and of their second bodies, (bushings,) each.
     """
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
@@ -64,7 +64,7 @@ class SpatialForces:
         return np.asarray(self._unbalances.force_N(np.array([time_s]))[0])
 
     def at(self, poses: Poses, exciter_N: Array) -> Instant:
-        """Evaluate all forces on bodies in these poses."""
+        """Return the forces on bodies in these poses, with the forces of the exciters given."""
         (from_m, from_m_per_s), (to_m, to_m_per_s) = (end.motion(poses) for end in self._ends)
         axes = self._table.axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
         stretch_m = turn(axes, to_m - from_m) + self._sag_m
@@ -85,11 +85,11 @@ class SpatialForces:
         )
 
     def elastic_J(self, now: Instant) -> float:
-        """Return the energy in the bushings."""
+        """Return the elastic energy in the bushings in J."""
         return float(np.sum(self._table.stiffness_N_per_m * now.stretch_m**2)) / 2
 
     def lost_J(self, before: Instant, after: Instant) -> float:
-        """Return the energy that bushings dissipate in a step."""
+        """Return the energy in J that bushings dissipate in the step from ``before`` to ``after``."""
         mean_m_per_s = (before.stretch_m_per_s + after.stretch_m_per_s) / 2
         moved_m = after.stretch_m - before.stretch_m
         return float(np.sum(self._table.damping_N_s_per_m * mean_m_per_s * moved_m))
@@ -98,13 +98,13 @@ class SpatialForces:
 class SpatialShaft(Shaft):
     """A shaft about any axis, in steps of the midpoint rule.
 
-    In a step the frame gets the mean of the unbalance's force,  -u (r'1 - r'0) / h,  so that its impulse is
-    the momentum lost by the unbalance, to rounding; r is the radial unit vector.  The step is predicted with
-    the extrapolated acceleration of its place from the last two steps, and accepted with the acceleration
-    that the frame then had: second order, as the frames themselves.
+    In a step the frame gets the mean of the unbalance's force,  -u (r'1 - r'0) / h,  with the radial unit
+    vector r, so that its impulse is the momentum lost by the unbalance, to rounding.  The step is predicted
+    with the acceleration of the shaft's place, extrapolated from the last two steps, and accepted with the
+    acceleration that the frame then had.  It is of second order, like the frames' own steps.
 
-    ``wrench`` (6,) is force and moment about the centre of mass of body number ``body`` in the present step.
-    In each step ``turn`` comes first, then ``feel``.
+    ``wrench`` (6,) is the force and the moment about the centre of mass of body number ``body`` in the
+    present step.  In each step ``turn`` is called first, then ``feel``.
     """
 
     STATE = (*Shaft.STATE, "wrench", "_given_1_s", "_felt_m_per_s2", "_felt_before_m_per_s2")
@@ -115,8 +115,8 @@ class SpatialShaft(Shaft):
         self.body = int(numbers[0])
         self._at = Attached.at(exciter.position_m[None], numbers, drawn_m)
         self.wrench: Array = np.zeros(6)
-        self._given_1_s: Array = np.zeros(3)  # r' of which the frame got the force
-        self._felt_m_per_s2: Array = np.zeros(3)  # mean over the last step
+        self._given_1_s: Array = np.zeros(3)  # r' whose force the frame got
+        self._felt_m_per_s2: Array = np.zeros(3)  # the mean over the last step
         self._felt_before_m_per_s2: Array = np.zeros(3)
 
     def velocity_m_per_s(self, poses: Poses) -> Array:
@@ -124,7 +124,7 @@ class SpatialShaft(Shaft):
         return np.asarray(self._at.motion(poses)[1][0])
 
     def turn(self, poses: Poses, end_s: float, step_s: float) -> Array:
-        """Return the change of the wrench to that of the step from ``poses`` on."""
+        """Turn the shaft in the step from ``poses`` on, and return the change (6,) of the wrench."""
         expected_m_per_s2 = 2 * self._felt_m_per_s2 - self._felt_before_m_per_s2
         angle_rad, speed_rad_per_s = self._ahead(expected_m_per_s2, end_s, step_s)
         given_1_s = speed_rad_per_s * self.tangent(angle_rad)
@@ -137,7 +137,7 @@ class SpatialShaft(Shaft):
         return self.wrench - before
 
     def feel(self, poses: Poses, end_s: float, step_s: float) -> None:
-        """Accept the step to ``poses``."""
+        """Accept the step to ``poses``, with the acceleration that the frame had in it."""
         gained_m_per_s = self.velocity_m_per_s(poses) - self._velocity_m_per_s
         self._felt_before_m_per_s2, self._felt_m_per_s2 = self._felt_m_per_s2, gained_m_per_s / step_s
         angle_rad, speed_rad_per_s = self._ahead(self._felt_m_per_s2, end_s, step_s)
@@ -147,8 +147,8 @@ class SpatialShaft(Shaft):
         self.angle_rad, self.speed_rad_per_s = angle_rad, speed_rad_per_s
 
     def _ahead(self, felt_m_per_s2: Array, end_s: float, step_s: float) -> tuple[float, float]:
-        """Return angle and speed at the step's end, where its place has this mean acceleration."""
-        if end_s - step_s < self._exciter.start_s - 1e-9 * step_s:  # until then a brake holds it
+        """Return angle and speed at the step's end, for this mean acceleration of the shaft's place."""
+        if end_s - step_s < self._exciter.start_s - 1e-9 * step_s:  # until then a brake holds the shaft
             return self.angle_rad, 0.0
         speed = self.speed_rad_per_s
         for _ in range(MOST_ROUNDS):
@@ -171,7 +171,7 @@ class SpatialShaft(Shaft):
 
 
 class SpatialLedger(FramesLedger):
-    """The ledger of trapezoidal steps since ``start``; ``carried`` are the reaction's points."""
+    """The ledger of trapezoidal steps since ``start``; the reaction acts on the points ``carried``."""
 
     def __init__(self, plan: FramesPlan, forces: SpatialForces, carried: Attached, start: Poses) -> None:
         self._forces = forces
@@ -186,17 +186,17 @@ class SpatialLedger(FramesLedger):
         self._on_driven, self._not_free = np.isin(carried.body, driven), ~np.isin(carried.body, free)
 
     def bodies(self, poses: Poses) -> BodyMotion:
-        """Return how bodies in these poses move."""
+        """Return the motion of bodies in these poses."""
         velocity_m_per_s, spin_rad_per_s = poses.velocity_m_per_s[:-1], poses.spin_rad_per_s[:-1]
         body_spin = turn(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
         turning_J = np.sum(body_spin * turn(self._inertia_kg_m2, body_spin), axis=1) / 2
         return BodyMotion(velocity_m_per_s, poses.center_m[:-1] - self._drawn_m, turning_J)
 
     def step(self, before: Instant, after: Instant, step_s: float) -> None:
-        """Book a step.
+        """Add a step to the ledger.
 
-        The book has the impulse and work that ground, driven bodies, exciters and weight gave to the free
-        bodies, the losses, and the work of bushings on driven bodies.
+        It adds the impulse and work that ground, driven bodies, exciters and weight gave to the free bodies,
+        the losses, and the work of bushings on driven bodies.
         """
         pull_N, exciter_N = (before.pull_N + after.pull_N) / 2, (before.exciter_N + after.exciter_N) / 2
         outside_N = self._pulls_on_free @ pull_N + exciter_N.sum(axis=0)
@@ -211,7 +211,7 @@ class SpatialLedger(FramesLedger):
         self.pushed_J += float(first_J - second_J + turning_J)
 
     def interval(self, force_N: Array, moved_m: Array, length_s: float) -> None:
-        """Book the reaction (n, 3) on points that moved by ``moved_m`` (n, 3)."""
+        """Add the reaction (n, 3) on points that moved by ``moved_m`` (n, 3) to the ledger."""
         work_J = np.sum(force_N * moved_m, axis=1)
         self.reaction_J += float(work_J.sum())
         self.pushed_J += float(work_J @ self._on_driven)

@@ -1,12 +1,12 @@
 """Rigid bodies with six degrees of freedom on bushings, by Exudyn.
 
-Newmark's trapezoidal rule (beta = 1/4, gamma = 1/2: second order, no numerical damping; Newmark,
-Journal of the Engineering Mechanics Division 85, 1959, 67-94), stepped by hand with whole steps
-per sync interval.  The reaction is constant over the interval: at its start the accelerations
-take the jump from the last load, so that the discrete impulse is the load's own to rounding; and
-the points' lever arms are those extrapolated to the middle of the interval.
+The bodies move by Newmark's trapezoidal rule (beta = 1/4, gamma = 1/2: second order, no numerical damping;
+Newmark, Journal of the Engineering Mechanics Division 85, 1959, 67-94), in a whole number of steps per sync
+interval, which are made by hand.  The reaction is constant over the interval.  At its start the accelerations
+take the jump from the last load, so that the discrete impulse is the load's impulse to rounding.  The lever
+arms of the points are extrapolated to the middle of the interval.
 
-Bodies with a drive move as prescribed, to rounding, whatever pushes them; the others are free.
+Bodies with a drive move as prescribed, to rounding, under any forces; the other bodies are free.
 
 A machine drawn at rest has its bushings stretched so that they carry weight and initial
 reaction in the drawn position.  Equations and limits: docs/theory/frames.md.
@@ -35,10 +35,10 @@ except ImportError as missing:
 
 
 class ExudynFrames(RigidFrames):
-    """``Frames`` by Exudyn.
+    """A solver of ``Frames`` by Exudyn.
 
-    ``plan.step_s`` = 0: a step of 0.05 / (highest natural frequency, exciter or drive speed),
-    whose error in a frequency is (w h)^2 / 24 = 1e-4.
+    With ``plan.step_s`` = 0 the step is 0.05 over the highest natural frequency, exciter speed or drive
+    speed.  Its relative error in a frequency is (w h)^2 / 24 = 1e-4.
     """
 
     COORDINATES = linear_frames.SPACE
@@ -123,8 +123,10 @@ class ExudynFrames(RigidFrames):
         return Motion(*self._carried.motion(self._instant.poses))
 
     def _wrench_of(self, reaction: Load, length_s: float) -> Array:
-        """Return force and moment about the centre of mass, (bodies, 6), with the lever arms expected
-        in the middle of the interval."""
+        """Return the reaction's force and moment about the centres of mass, (bodies, 6).
+
+        The lever arms are extrapolated to the middle of the interval.
+        """
         body, poses, now = self._carried.body, self._instant.poses, self._points
         arm_m = now.position_m - poses.center_m[body]
         arm_m += length_s / 2 * (now.velocity_m_per_s - poses.velocity_m_per_s[body])
@@ -132,8 +134,7 @@ class ExudynFrames(RigidFrames):
         return np.asarray(self._onto_bodies @ np.hstack([reaction.force_N, moment_N_m]))
 
     def _apply(self, wrench: Array) -> None:
-        """Set the loads, and let the accelerations of free bodies jump by mass^-1 times their
-        change."""
+        """Set the loads, and add their change over the mass to the accelerations of free bodies."""
         system, free = self._bodies.system, self._free
         for load, force_N in zip(self._bodies.forces, wrench[:, :3], strict=True):
             system.SetLoadParameter(load, "loadVector", force_N)
@@ -151,8 +152,9 @@ class ExudynFrames(RigidFrames):
     def _torque_N_m(self) -> Array:
         """Return the torques at the end of the coming step.
 
-        Exudyn applies a bushing's force at its two ends, which lie a stretch apart, without the couple
-        that balances it; extrapolated, it goes here."""
+        Exudyn applies a bushing's force at its two ends, which lie a stretch apart, without the couple that
+        balances the forces.  The torques have this couple, extrapolated to the end of the step.
+        """
         couple_N_m = 2 * self._instant.couple_N_m - self._couple_N_m
         return np.asarray(self._wrench[:, 3:] + couple_N_m)
 

@@ -11,12 +11,11 @@ from orchestrator.ports import Array, Indices
 
 @dataclass(frozen=True)
 class Poses:
-    """The bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the body
-    number -1 means it.
+    """The bodies' centres of mass and rotations since t = 0, in the world.
 
-    ``center_m``, ``velocity_m_per_s``, ``spin_rad_per_s`` (bodies + 1, 3), ``rotation`` (bodies + 1, 3, 3),
-    all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps the rates of the rotation angles to angular
-    velocities.
+    The ground is the last row, so that it has the body number -1.  ``center_m``, ``velocity_m_per_s`` and
+    ``spin_rad_per_s`` have the shape (bodies + 1, 3), ``rotation`` has (bodies + 1, 3, 3).  ``spin_per_rate``
+    (bodies, 3, 3) maps the rates of the rotation angles to angular velocities.
     """
 
     center_m: Array
@@ -27,8 +26,11 @@ class Poses:
 
     @staticmethod
     def of(drawn_m: Array, coordinates: Array, rates: Array) -> Poses:
-        """Make poses from (bodies, 6) each of displacements and Tait-Bryan angles (rotation Rx Ry Rz), and
-        their rates; ``drawn_m`` (bodies, 3) are the centres at t = 0."""
+        """Return poses from displacements with Tait-Bryan angles (rotation Rx Ry Rz), and from their rates.
+
+        ``coordinates`` and ``rates`` have the shape (bodies, 6); ``drawn_m`` (bodies, 3) are the centres at
+        t = 0.
+        """
         bodies = len(drawn_m)
         center_m, velocity_m_per_s, spin_rad_per_s = np.zeros((3, bodies + 1, 3))
         center_m[:-1] = drawn_m + coordinates[:, :3]
@@ -65,11 +67,11 @@ class Attached:
 
     @staticmethod
     def at(position_m: Array, body: Indices, drawn_m: Array) -> Attached:
-        """Attach points at ``position_m`` (n, 3) in the drawn position."""
+        """Return points that are attached to bodies at ``position_m`` (n, 3) in the drawn position."""
         return Attached(body, position_m - np.vstack([drawn_m, np.zeros(3)])[body])
 
     def motion(self, poses: Poses) -> tuple[Array, Array]:
-        """Return positions and velocities (n, 3)."""
+        """Return positions and velocities of the points, (n, 3) each, for these poses."""
         arm_m = turn(poses.rotation[self.body], self.arm_m)
         position_m = poses.center_m[self.body] + arm_m
         velocity_m_per_s = poses.velocity_m_per_s[self.body] + cross(poses.spin_rad_per_s[self.body], arm_m)
@@ -77,7 +79,7 @@ class Attached:
 
 
 def turn(rotation: Array, vector: Array) -> Array:
-    """Turn each vector (n, 3) by its matrix (n, 3, 3)."""
+    """Return each vector (n, 3), turned by its matrix (n, 3, 3)."""
     return np.asarray((rotation @ vector[:, :, None])[:, :, 0])
 
 

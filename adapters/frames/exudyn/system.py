@@ -28,8 +28,8 @@ its path by 1e6 N (1 ms)^2 / 4 / 1e18 kg = 2.5e-19 m in a step of a millisecond.
 class Multibody:
     """An Exudyn system, which lives as long as ``container``.
 
-    ``exciters``, ``forces`` and ``torques`` are load numbers: one per exciter, and a wrench about each body's
-    centre of mass.
+    ``exciters``, ``forces`` and ``torques`` are numbers of loads: one load for each exciter, and a force and
+    a torque at each body's centre of mass.
     """
 
     container: Any
@@ -42,7 +42,7 @@ class Multibody:
 def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
     """Assemble the system of ``plan``.
 
-    ``sag_m`` (bushings, 3): how far each bushing is stretched along its axes as drawn.
+    ``sag_m`` (bushings, 3) is the stretch of each bushing along its axes in the drawn position.
     """
     container = exudyn.SystemContainer()
     system = container.AddSystem()
@@ -140,8 +140,8 @@ def open_solver(system: Any, settings: Any) -> Any:
 def start_interval(solver: Any, step_s: float) -> None:
     """Set the step's length and ask for a new Jacobian.
 
-    Newton would keep its first Jacobian for ever, and the last bits would hang on the beginning
-    of the run: each interval has its own, which halves the iterations and costs as much.
+    Newton's method would keep its first Jacobian for the whole run, and the last bits would depend on the
+    start of the run.  A new Jacobian in each interval halves the iterations and costs as much as it saves.
     """
     solver.it.currentStepSize = step_s
     solver.conv.jacobianUpdateRequested = True

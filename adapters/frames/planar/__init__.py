@@ -2,11 +2,11 @@
 
     M q'' + C q' + K q = f(t, q, q')
 
-with the linearised bushings on the left and, on the right, weight, exciters, reaction and all
-that finite rotations add: arms that turn, spring axes that turn with their first body.  Each
-step is Gauss-Legendre collocation (``common/collocation.py``).  The right side is iterated at the
-stages; as only rotations change it, it converges in one to three rounds.  With steps of  w h <= 1/2
-the error is rounding, as in ``two_mass``; and momentum and energy close to rounding.
+with the linearised bushings on the left.  On the right are weight, exciters, reaction and the additional
+forces of finite rotations, which turn arms, and spring axes with their first body.  Each step is
+Gauss-Legendre collocation (``common/collocation.py``).  The right side is iterated at the stages; as only
+rotations change it, it converges in one to three rounds.  With steps of  w h <= 1/2 the error is rounding, as
+in ``two_mass``; and momentum and energy close to rounding.
 
 Bodies with a drive move as prescribed.  Guides keep all bodies in the plane: what pushes across goes
 into them, and so into the outside.  Equations and limits: docs/theory/frames.md.
@@ -31,17 +31,19 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork, SolverFailed
 
 LARGEST_STEP_RAD = 0.5
-"""Of the machine's fastest rate: the error is rounding."""
+"""The angle by which the machine's fastest rate turns in a step; the error is then rounding."""
 MOST_ROUNDS = 50
 TOLERANCE = 1e-13
-"""Of the largest force: what a step's forces may get wrong."""
+"""The largest error of a step's forces, as a share of the largest force."""
 ROUNDING = 1e-15
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """The load (nodes, freedoms) at the nodes of a step, the equations' right side, with all bodies' poses
-    and the bushings' pulls."""
+    """The solution at the nodes of a step: the load, all bodies' poses and the bushings' pulls.
+
+    ``load`` (nodes, freedoms) is the right side of the equations.
+    """
 
     load: Array
     poses: PlanarPoses
@@ -49,10 +51,10 @@ class Nodes:
 
 
 class PlanarFrames(RigidFrames):
-    """``Frames`` that stay in the plane; ``plan.step_s`` = 0 takes the largest step without error.
+    """A solver of ``Frames`` that stay in the plane.
 
-    Raises ValueError for unknown bodies, drives that make no sense or leave the plane, or bushings
-    that cannot hold the weight.
+    With ``plan.step_s`` = 0 it takes the largest step without error.  Raises ValueError for unknown bodies,
+    drives that make no sense or leave the plane, or bushings that cannot hold the weight.
     """
 
     COORDINATES = linear_frames.PLANE
@@ -199,11 +201,11 @@ class PlanarFrames(RigidFrames):
         return self._coordinates[:, 0, self._moving].reshape(2, -1)
 
     def _driven_at(self, time_s: Array) -> Array:
-        """Return places and rates of the driven bodies, zero for the others: (2, times, bodies, 3)."""
-        found = np.zeros((2, len(time_s), len(self._plan.bodies), 3))
+        """Return places and rates of driven bodies, (2, times, bodies, 3); they are zero for other bodies."""
+        coordinates = np.zeros((2, len(time_s), len(self._plan.bodies), 3))
         for drive in self._drives:
-            found[:, :, drive.body] = drive.coordinates(time_s)
-        return found
+            coordinates[:, :, drive.body] = drive.coordinates(time_s)
+        return coordinates
 
     def _moved(self) -> Motion:
         poses = self._poses
@@ -215,7 +217,7 @@ build = PlanarFrames
 
 
 def objections(plan: FramesPlan) -> Iterator[Objection]:
-    """Yield drives that leave the vertical plane, and shafts of motors that are not across it."""
+    """Yield objections to drives out of the vertical plane, and to motors' shafts that are not across it."""
     for drive in plan.drives:
         if any((drive.amplitude_m[1], drive.rotation_rad[0], drive.rotation_rad[2])):
             what = "leaves the vertical plane, to which frames.solver planar is bound"
@@ -229,7 +231,7 @@ def objections(plan: FramesPlan) -> Iterator[Objection]:
 
 
 def cost(work: FramesWork) -> Cost:
-    """Return the time of a call in each interval; a motor is sought within each step."""
+    """Return the measured time of a call in each interval; motors add iterations in each step."""
     return Cost(0.05, work.runs * (6e-4 + 8e-4 * work.motors))
 
 

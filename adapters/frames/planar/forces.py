@@ -18,9 +18,10 @@ from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 class Pulls:
     """The deformations and forces of bushings, (times, bushings) each.
 
-    Between their ends ``stretch_m`` and its rate, along the axes as drawn ``elongation_m`` with preload;
-    ``drag_N`` by damping, ``pull_N`` in all on the first body.  On the bodies: ``force`` (times, 2 bodies) on
-    the natural coordinates and ``couple_N_m`` (times, bodies).
+    ``stretch_m`` and its rate are between the ends of a bushing; ``elongation_m`` is along the axes as drawn,
+    with preload.  ``drag_N`` is the force of damping, and ``pull_N`` the whole force on the first body.
+    ``force`` (times, 2 bodies) acts on the natural coordinates of the bodies, and ``couple_N_m`` (times,
+    bodies) is their couple.
     """
 
     stretch_m: Complex
@@ -47,10 +48,10 @@ class Bushings:
         self._damping = Symmetric.of(back @ (table.damping_N_s_per_m[:, :, None] * table.axes))
 
     def pulls(self, poses: PlanarPoses) -> Pulls:
-        """Return the pulls.
+        """Return the pulls of the bushings between bodies in these poses.
 
-        The spring axes turn with the first body, which therefore gets the couple stretch x pull besides: no
-        moment is lost between the ends.
+        The spring axes turn with the first body, which therefore gets the couple stretch x pull, too, so
+        that no moment is lost between the ends.
         """
         turn = poses.turn @ self._first + self._on_ground
         stretch_m, stretch_m_per_s = poses.place @ self._stretching, poses.rate @ self._stretching
@@ -63,19 +64,18 @@ class Bushings:
         return Pulls(stretch_m, stretch_m_per_s, elongation_m, drag_N, pull_N, force, couple_N_m)
 
     def lost_W(self, poses: PlanarPoses, pulls: Pulls) -> Array:
-        """Return the power lost, (times,): damping forces times the elongations' rates along the turning
-        axes."""
+        """Return the power lost in W, (times,), by damping forces on elongations along the turning axes."""
         turning_m_per_s = 1j * (poses.spin_rad_per_s @ self._first) * pulls.stretch_m
         return np.asarray(power(pulls.drag_N, pulls.stretch_m_per_s - turning_m_per_s).sum(axis=1))
 
     def work_W(self, poses: PlanarPoses, pulls: Pulls, body: int) -> Array:
-        """Return the power of the bushings on one body, (times,)."""
+        """Return the power of the bushings on one body in W, (times,)."""
         both = [body, body + poses.turn.shape[1]]
         pushed_W = power(pulls.force[:, both], poses.rate[:, both]).sum(axis=1)
         return np.asarray(pushed_W + pulls.couple_N_m[:, body] * poses.spin_rad_per_s[:, body])
 
     def elastic_J(self, pulls: Pulls) -> float:
-        """Return the energy in the bushings at one time."""
+        """Return the elastic energy in the bushings at one time in J."""
         elongation_m = pulls.elongation_m
         return float(power(self._stiffness.times(elongation_m), elongation_m).sum()) / 2
 
@@ -83,7 +83,7 @@ class Bushings:
 class OutsideForces:
     """The forces on the natural coordinates, apart from bushings and unbalances with motors.
 
-    ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per coordinate.
+    ``carried`` (2 bodies, n) are the displacements, per coordinate, of the points on which the reaction acts.
     """
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, carried: Complex) -> None:
@@ -131,7 +131,7 @@ class PlanarShaft(Shaft):
     def force(self, collocation: Collocation, start_s: float) -> Complex:
         """Return the force on the natural coordinates, (nodes, 2 bodies)."""
         time_s, integral_s = start_s + collocation.node_s, collocation.integral_s
-        turns = time_s >= self._exciter.start_s  # until then a brake holds it
+        turns = time_s >= self._exciter.start_s  # until then a brake holds the shaft
         speed = self.speed_rad_per_s + integral_s @ self._growth_rad_per_s2
         angle = self.angle_rad + integral_s @ speed
         torque = turns * self.torque_N_m(speed, time_s)
@@ -140,11 +140,11 @@ class PlanarShaft(Shaft):
         return np.outer(in_plane(self.inertia_force_N(angle, speed, growth)), self._at.conj())
 
     def feel(self, acceleration: Complex) -> None:
-        """Take the acceleration of the natural coordinates, (nodes, 2 bodies)."""
+        """Take over the acceleration of the natural coordinates, (nodes, 2 bodies), from the frames."""
         self._felt_m_per_s2 = in_space(acceleration @ self._at)
 
     def end(self, weight_s: Array) -> None:
-        """Accept the step."""
+        """Accept the step, whose nodes have the weights ``weight_s``."""
         speed = self._speed_rad_per_s
         self.angle_rad += float(weight_s @ speed)
         self.speed_rad_per_s += float(weight_s @ self._growth_rad_per_s2)

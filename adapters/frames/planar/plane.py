@@ -42,10 +42,10 @@ def power(force: Complex, velocity: Complex) -> Array:
 
 
 def carrying(body: Indices, position_m: Array, drawn_m: Array) -> Complex:
-    """Return the matrix (2 bodies, n) of displacements per natural coordinate of points at ``position_m`` (n,
-    3).
+    """Return the matrix (2 bodies, n) of the points' displacements per natural coordinate.
 
-    The points are fixed to the bodies ``body`` (n,), -1 for the ground, with centres at ``drawn_m``.
+    The points at ``position_m`` (n, 3) are fixed to the bodies ``body`` (n,), -1 for the ground, whose
+    centres are at ``drawn_m``.
     """
     fixed = np.arange(len(drawn_m))[:, None] == body
     arm_m = in_plane(position_m) - in_plane(drawn_m)[:, None]
@@ -84,8 +84,10 @@ class PlanarPoses:
 
     @staticmethod
     def of(place: Array, rate: Array) -> PlanarPoses:
-        """Make the poses from displacement up and along, and angle, and their rates, (times, bodies, 3)
-        each."""
+        """Return the poses for displacements up and along, and angles.
+
+        ``place`` and the rates ``rate`` have the shape (times, bodies, 3).
+        """
         rotation, spin_rad_per_s = np.expm1(1j * place[..., 2]), rate[..., 2]
         turn = 1 + rotation
         return PlanarPoses(

@@ -1,7 +1,7 @@
 """Common estimates for panels before they are opened.
 
 Costs are processor time on one core of a 2-core AMD EPYC machine that was busy with other work, measured on
-drafts of shipped cases; ``python -m tools.cost_series`` measures predicted over taken.
+drafts of shipped cases; ``python -m tools.cost_series`` compares predicted with measured times.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from orchestrator.ports import Array
 from orchestrator.ports.plans import PanelPlan
 
 DOLFINX_S = 0.5
-"""Importing DOLFINx."""
+"""The time in which DOLFINx is imported, in s."""
 
 
 def areal_mass_kg_per_m2(plan: PanelPlan) -> float:

@@ -27,10 +27,11 @@ from orchestrator.ports.state import SavedAttributes
 
 
 class AccountedPanel(SavedAttributes, ABC):
-    """A ``Panel`` whose subclass says in ``_move`` how it goes on and in ``_masses`` what moves.
+    """A ``Panel`` with momentum and energy accounts, whose motion a subclass computes.
 
-    A subclass sets ``_surface``, the surface's motion now, and ``_rest_m`` (masses, 3), where the
-    potential of gravity counts as zero."""
+    A subclass moves the panel in ``_move`` and returns its masses in ``_masses``.  It sets ``_surface``, the
+    present motion of the surface, and ``_rest_m`` (masses, 3), where the potential of gravity is zero.
+    """
 
     STATE: ClassVar[tuple[str, ...]] = ("_clamps", "_surface", "_elapsed_s", "_received_J")
     _surface: Motion
@@ -76,7 +77,7 @@ class AccountedPanel(SavedAttributes, ABC):
 
     @abstractmethod
     def _move(self, interval: Interval, clamps: Motion, load_N: Array) -> tuple[Motion, Array, float]:
-        """Go on to the interval's end.
+        """Move the panel to the interval's end.
 
         Return the surface there, the mean force (clamps, 3) on the frames, and the work of the
         clamps on the panel in J.
@@ -91,8 +92,8 @@ class AccountedPanel(SavedAttributes, ABC):
 class HeldForce:
     """The force at a body's held nodes over an interval.
 
-    It has the impulse (held, 3) and the work on their motion, both with the mean force that the scheme itself
-    uses in each step.
+    It has the impulse (held, 3) and the work on the nodes' motion, both with the mean force that the scheme
+    itself uses in each step.
     """
 
     impulse_N_s: Array
@@ -117,15 +118,15 @@ class Body(Restorable, Protocol):
     internal_N: Array
 
     def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:
-        """Go on to the interval's end, the held nodes along ``path``, under a constant force from outside."""
+        """Move to the interval's end under a constant outside force, with the held nodes along ``path``."""
         ...
 
     def stored_J(self) -> dict[str, float]:
-        """Return the elastic energy by name and that of the Maxwell branches."""
+        """Return the stored energies in J by name: the elastic energies and the Maxwell branches' energy."""
         ...
 
     def lost_J(self) -> float:
-        """Return the energy that the Maxwell branches have dissipated since the start."""
+        """Return the energy in J that the Maxwell branches have dissipated since the start."""
         ...
 
     def close(self) -> None: ...

@@ -47,8 +47,7 @@ CODE = {name: value for name, (value, _) in FFCX_DEFAULT_PARAMETERS.items()}
 
 
 def _processor() -> str:
-    """Return a checksum of what ``-march=native`` depends on: the processor's model and its instruction
-    sets."""
+    """Return a checksum of the processor's model and instruction sets, on which ``-march=native`` depends."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -134,12 +133,12 @@ def _alone(cache: Path, ready: Callable[[], bool]) -> Iterator[None]:
 
 
 def _waited_for(lock: IO[str], ready: Callable[[], bool]) -> bool:
-    """Return True with the lock taken, False as soon as the wanted module is ``ready``.
+    """Wait for the lock; return True with the lock, or False as soon as the wanted module is ``ready``.
 
-    Raises OSError on a file system without locks, and SolverFailed where one process has held it for too
-    long.
+    Raises OSError on a file system without locks, and SolverFailed where one process has held the lock for
+    too long.
     """
-    holder, since_s, said = "", time.monotonic(), False
+    holder, since_s, reported = "", time.monotonic(), False
     while not ready():
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -159,8 +158,8 @@ def _waited_for(lock: IO[str], ready: Callable[[], bool]) -> bool:
             )
         if holder != before:
             since_s = time.monotonic()
-        elif waited_s > SAID_AFTER_S and not said:
-            said = True
+        elif waited_s > SAID_AFTER_S and not reported:
+            reported = True
             print(
                 f"waiting for {holder}: it compiles a panel's form ({lock.name})", file=sys.stderr, flush=True
             )
@@ -187,7 +186,7 @@ def function_space(mesh: Any, element: Any) -> Any:
 
 
 def assembled_matrix(integral: Any) -> csr_matrix:
-    """Assemble a UFL bilinear form."""
+    """Return the assembled matrix of a UFL bilinear form."""
     matrix = fem_petsc.assemble_matrix(form(integral))
     matrix.assemble()
     starts, columns, values = matrix.getValuesCSR()

@@ -1,4 +1,4 @@
-"""The panel port around a finite-element body, and how it is opened at rest."""
+"""The panel port around a finite-element body, which is opened at rest."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class ElasticBody(Body, Protocol):
 
 
 MakeBody = Callable[[Structure, Indices, Array, float], ElasticBody]
-"""Make a body of a structure, its surface's nodes, the shape at rest (nodes, 3) and a step in s."""
+"""A function that makes a body from a structure, its surface's nodes, the shape at rest and a step in s."""
 
 
 class ElasticPanel(BodyPanel):

@@ -1,5 +1,5 @@
-"""A deformable body on a finite-element mesh, as the time integrators see it: mass, a hyperelastic
-material with Maxwell branches, and bending."""
+"""A deformable body on a finite-element mesh for the time integrators: mass, a hyperelastic material with
+Maxwell branches, and bending."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class ViscousStrain:
         return ufl.inner(overstress, ufl.derivative(self._strain, position, test)) * self._measure
 
     def rest(self, position_m: Array) -> None:
-        """Take ``position_m``, which must stand in the field, as relaxed."""
+        """Make ``position_m``, which must stand in the field, the relaxed shape."""
         self._before[:] = self._evaluate.eval(self._cells, self._now).reshape(-1)
 
     def begin_step(self, step_s: float) -> None:
@@ -169,7 +169,7 @@ class Structure:
             self.bending.close()
 
     def stored_J(self) -> dict[str, float]:
-        """Return the elastic energy by name and that of the Maxwell branches."""
+        """Return the stored energies in J by name: the elastic energies and the Maxwell branches' energy."""
         stored = {name: float(fem.assemble_scalar(energy)) for name, energy in self._energy.items()}
         if self.bending:
             stored["bending"] = self.bending.stored_J()

@@ -38,8 +38,10 @@ SOLID = np.array([[1, POISSON_RATIO, 0], [POISSON_RATIO, 1, 0], [0, 0, (1 - POIS
 
 @dataclass(frozen=True)
 class CellStiffness:
-    """``membrane`` (3, 3) in units of E t and ``bending`` (3, 3) in units of E t^3 / 12, for
-    strains and curvatures (11, 22, 2 x 12) along and across; both are ``SOLID`` without openings.
+    """The stiffness of a pattern's cell, for strains and curvatures (11, 22, 2 x 12) along and across.
+
+    ``membrane`` (3, 3) is in units of E t, and ``bending`` (3, 3) in units of E t^3 / 12; without openings
+    both are ``SOLID``.
     """
 
     membrane: Array

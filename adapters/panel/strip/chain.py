@@ -1,18 +1,18 @@
 """A strip as a chain: rows of material joined by axial springs and bending springs.
 
-Rows stand at s = ``rows_m`` along the strip; one point (3,) per row, its middle.  Between two rows
-of the free length acts an axial spring with the law of a uniaxially stretched incompressible
+The rows lie at s = ``rows_m`` along the strip, and the middle of each row is a point (3,).  Between two
+rows of the free length acts an axial spring with the law of a uniaxially stretched incompressible
 Mooney-Rivlin bar (Treloar, The Physics of Rubber Elasticity, 3rd ed. 1975, ch. 5)
 
-    N = A P(l),    P = 2 (l - l^-2) (C10 + C01 / l),    l = length / rest length,
+    N = A P(l),    P = 2 (l - l^-2) (C10 + C01 / l),    l = length / rest length.
 
-and at every row but the outermost a bending spring on the second difference of positions
+A bending spring acts at every row but the outermost, on the second difference of positions,
 
     energy = 1/2 E I  cell  |kappa|^2,    I = width thickness^3 / 12,
 
-which does not change when the strip is moved or turned.  A clamp is rigid, so at its inner edge
-kappa belongs to the free half cell only: (first free slope - clamp's slope) / (half a cell), and
-without its part along the clamp as mounted, which would resist stretching, not bending.
+which does not change if the strip moves or rotates.  A clamp is rigid, so that kappa at its inner edge
+belongs to the free half cell only: (first free slope - clamp's slope) / (half a cell).  Its part along
+the clamp as mounted is left out, since it would resist stretching and not bending.
 """
 
 from __future__ import annotations
@@ -29,18 +29,19 @@ from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 @dataclass(frozen=True)
 class Chain:
-    """A strip's rows, springs and bending springs.
+    """A strip as r rows of material, c axial springs and b bending springs.
 
-    ``rows_m`` and ``mass_kg`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
-    ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and of bearing
-    cross-sections ``area_m2`` (c,); ``curvature_1_m2`` (b, r) maps positions to curvatures, of weights
-    ``bending_N_m3`` (b,), E I times the length that each stands for; those of ``at_clamps`` count only across
-    ``clamp_along`` (3,).
+    ``rows_m`` (r,) are the rows' places along the strip, and ``mass_kg`` (r,) their masses.
+    ``clamp_of_row`` (r,) is 0 or 1 for the rows of the two clamps, and -1 for free rows.  ``springs`` are
+    the rows that the axial springs join; each spring has the rest length ``rest_m``, and ``area_m2`` (c,)
+    are their bearing cross-sections.  ``curvature_1_m2`` (b, r) maps positions to curvatures, and
+    ``bending_N_m3`` (b,) is E I times the length of each bending spring.  The curvatures with the numbers
+    ``at_clamps`` count only across ``clamp_along`` (3,).
     """
 
     rows_m: Array
     mass_kg: Array
-    held: Indices
+    clamp_of_row: Indices
     springs: slice
     rest_m: float
     area_m2: Array
@@ -50,25 +51,27 @@ class Chain:
     at_clamps: Indices
     clamp_along: Array
 
-    def stretched(self, position_m: Array) -> tuple[Array, Array]:
-        """Return unit vectors (c, 3) along the axial springs and their lengths (c,)."""
+    def spring_directions(self, position_m: Array) -> tuple[Array, Array]:
+        """Return the unit vectors (c, 3) along the axial springs, and their lengths (c,) in m."""
         along = np.diff(position_m[self.springs], axis=0)
         length_m = np.sqrt(np.einsum("ij,ij->i", along, along))
         return along / length_m[:, None], length_m
 
     def curvature_1_m(self, position_m: Array) -> Array:
-        """Return the curvatures (b, 3)."""
+        """Return the curvatures (b, 3) of the bending springs, with rows at ``position_m`` (r, 3)."""
         curvature_1_m: Array = self.curvature_1_m2 @ position_m
         along = curvature_1_m[self.at_clamps] @ self.clamp_along
         curvature_1_m[self.at_clamps] -= np.outer(along, self.clamp_along)
         return curvature_1_m
 
     def tension_N(self, length_m: Array) -> Array:
+        """Return the tensions (c,) of axial springs of these lengths in N."""
+        """Return the tensions (c,) of axial springs of the lengths ``length_m`` (c,)."""
         return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
 
     def elastic_N(self, position_m: Array) -> Array:
-        """Return the elastic force (r, 3) on the rows."""
-        along, length_m = self.stretched(position_m)
+        """Return the elastic force (r, 3) on the rows in N."""
+        along, length_m = self.spring_directions(position_m)
         moment = self.bending_N_m3[:, None] * self.curvature_1_m(position_m)
         force_N = -self.curvature_1_m2.T @ moment
         pull_N = self.tension_N(length_m)[:, None] * along
@@ -78,17 +81,21 @@ class Chain:
         return np.asarray(force_N)
 
     def membrane_J(self, position_m: Array) -> float:
-        stretch = self.stretched(position_m)[1] / self.rest_m
+        """Return the energy of the axial springs in J."""
+        """Return the energy stored in the axial springs."""
+        stretch = self.spring_directions(position_m)[1] / self.rest_m
         density_Pa = self.material.c10_Pa * (stretch**2 + 2 / stretch - 3)
         density_Pa = density_Pa + self.material.c01_Pa * (2 * stretch + stretch**-2 - 3)
         return float(self.rest_m * (self.area_m2 @ density_Pa))
 
     def bending_J(self, position_m: Array) -> float:
+        """Return the energy of the bending springs in J."""
+        """Return the energy stored in the bending springs."""
         return float(self.bending_N_m3 @ (self.curvature_1_m(position_m) ** 2).sum(axis=1)) / 2
 
     def tangent_N_per_m(self, position_m: Array) -> Array:
         """Return the second derivative of the elastic energy, (3 r, 3 r)."""
-        along, length_m = self.stretched(position_m)
+        along, length_m = self.spring_directions(position_m)
         rate_N_per_m = self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m)
         turning_N_per_m = self.tension_N(length_m) / length_m
         outer = along[:, :, None] * along[:, None, :]
@@ -107,10 +114,11 @@ class Chain:
         return np.asarray(tangent.reshape(3 * rows, 3 * rows))
 
 
-def chain(plan: PanelPlan) -> Chain:
-    """Make a chain of ``plan.cells[0]`` springs on the free length.
+def build_chain(plan: PanelPlan) -> Chain:
+    """Return a chain with ``plan.cells[0]`` axial springs on the free length.
 
-    A clamp of depth ``clamp_m`` holds position and slope; a clamp without depth is a hinge.
+    A clamp of depth ``clamp_m`` holds position and slope; a clamp without depth is a hinge.  Raises
+    ValueError with fewer than two cells.
     """
     rectangle, cells = plan.rectangle, plan.cells[0]
     if cells < 2:
@@ -119,11 +127,11 @@ def chain(plan: PanelPlan) -> Chain:
     rows_m = clamped_rows_m(rectangle, free_m)
     first = (len(rows_m) - len(free_m)) // 2
     last = first + cells
-    held = np.full(len(rows_m), -1)
-    held[: first + 1], held[last:] = 0, 1
+    clamp_of_row = np.full(len(rows_m), -1)
+    clamp_of_row[: first + 1], clamp_of_row[last:] = 0, 1
     gap = np.diff(rows_m)
     cell = rectangle.length_m / cells
-    stands_for = np.where(held[1:-1] < 0, cell, cell / 2)
+    stands_for = np.where(clamp_of_row[1:-1] < 0, cell, cell / 2)
     curvature = np.zeros((len(gap) - 1, len(rows_m)))
     for k in range(len(gap) - 1):
         before, after = 1 / gap[k], 1 / gap[k + 1]
@@ -138,14 +146,14 @@ def chain(plan: PanelPlan) -> Chain:
     return Chain(
         rows_m=rows_m,
         mass_kg=2 * bilinear.half_row_mass_kg(rows_m, per_length)[::2],
-        held=held,
+        clamp_of_row=clamp_of_row,
         springs=slice(first, last + 1),
         rest_m=cell,
         area_m2=area_m2 * tension_share,
         material=plan.material,
         curvature_1_m2=curvature,
         bending_N_m3=bending_N_m2 * bending_share * stands_for,
-        at_clamps=np.flatnonzero(held[1:-1] >= 0),
+        at_clamps=np.flatnonzero(clamp_of_row[1:-1] >= 0),
         clamp_along=rectangle.along,
     )
 
@@ -153,11 +161,10 @@ def chain(plan: PanelPlan) -> Chain:
 def remaining_shares(plan: PanelPlan, low_m: Array, high_m: Array) -> tuple[Array, Array, Array]:
     """Return the shares of mass, tension and bending stiffness that openings leave, (pieces,) each.
 
-    The pieces of the strip lie from s = ``low_m`` to ``high_m``.
-
-    Across, margins and pattern act side by side; along, the perforated and the solid part of a piece act one
-    after the other.  Their stiffness is that of ``unit_cell``, free to contract across. Raises SolverMissing
-    without DOLFINx, which computes the pattern's stiffness.
+    The pieces of the strip extend from s = ``low_m`` to ``high_m``.  Across the strip, margins and pattern
+    act in parallel; along it, the perforated and the solid part of a piece act in series.  ``unit_cell``
+    gives the stiffness of the pattern, free to contract across.  Raises SolverMissing without DOLFINx,
+    which computes this stiffness.
     """
     pattern = plan.apertures
     if pattern is None:

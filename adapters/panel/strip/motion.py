@@ -1,10 +1,10 @@
 """A chain in motion: explicit velocity Verlet with Maxwell branches, compiled (``kernel/``).
 
 Scheme: Hairer, Lubich, Wanner, Acta Numerica 12, 2003, 399-450, doi 10.1017/S0962492902000144.
-The held rows follow their path; internal forces act on them with the trapezoidal rule, as they
-do on the free ones, so that momentum is exact.  Across, a strip is stiff like a deep beam, which
-no useful step resolves: there the free rows follow the clamps, linearly along the strip, and
-what pushes them across goes to the clamps at once.
+The held rows follow their path.  Internal forces act on them by the trapezoidal rule, as they act on the
+free rows, so that momentum is exact.  Across, a strip is as stiff as a deep beam, which no useful step
+resolves.  In this direction the free rows follow the clamps, linearly along the strip, and the forces on them
+go to the clamps at once.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ class ChainMotion(CompiledBody):
         }
         rows = {
             "mass_kg": chain.mass_kg,
-            "free": np.flatnonzero(chain.held < 0).astype(np.int32),
+            "free": np.flatnonzero(chain.clamp_of_row < 0).astype(np.int32),
             "across": across,
             "share": self.share,
         }
-        held = np.flatnonzero(chain.held >= 0)
+        held = np.flatnonzero(chain.clamp_of_row >= 0)
         constants = _links(chain) | rows
         super().__init__(kernel.Chain, step_s, chain.mass_kg, held, branches, constants, memory)
         self.rest(position_m)
@@ -59,7 +59,7 @@ class ChainMotion(CompiledBody):
         return float(stretch.min()), float(stretch.max())
 
     def stored_J(self) -> dict[str, float]:
-        """Return the elastic energy by name and that of the Maxwell branches."""
+        """Return the stored energies in J by name: the elastic energies and the Maxwell branches' energy."""
         return {
             "membrane": self._chain.membrane_J(self.position_m),
             "bending": self._chain.bending_J(self.position_m),
@@ -79,11 +79,11 @@ def shares(chain: Chain) -> Array:
     They belong to a quantity that varies linearly between the clamps' inner edges and is the held rows' own
     under the clamps.
     """
-    held = np.flatnonzero(chain.held >= 0)
+    held = np.flatnonzero(chain.clamp_of_row >= 0)
     share = (np.arange(len(chain.rows_m))[:, None] == held).astype(float)
     along = np.clip(chain.rows_m / chain.rows_m[chain.springs][-1], 0.0, 1.0)
-    free = chain.held < 0
-    second = int((chain.held == 0).sum())
+    free = chain.clamp_of_row < 0
+    second = int((chain.clamp_of_row == 0).sum())
     share[free, second - 1], share[free, second] = 1 - along[free], along[free]
     return np.asarray(share)
 

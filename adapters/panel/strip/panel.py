@@ -1,10 +1,10 @@
 """A panel as a width-uniform strip: one chain of rows along the length.
 
-Each row moves as one line; its two surface points (y = 0 and y = width) stand to either side of
-its middle.  The middle obeys Newton's law (``chain.py``, ``motion.py``).  The half widths
-have no inertia: they follow the clamps', linearly along the free length, and hand the difference
-of a row's two loads to the clamps at once.  So linear momentum is exact and virtual work is
-conserved, while twist about the length is not resolved.
+Each row moves as one line; its two surface points (y = 0 and y = width) stand to either side of its middle.
+The middle obeys Newton's law (``chain.py``, ``motion.py``).  The half widths have no inertia: they follow the
+half widths at the clamps, linearly along the free length, and pass the difference of a row's two loads to the
+clamps at once.  So linear momentum is exact and virtual work is conserved, but twist about the length is not
+resolved.
 
 Equations, limits and measurements: docs/theory/panel_strip.md.
 """
@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 
 from adapters.panel.common import bilinear
 from adapters.panel.common.panel import BodyPanel, choose_step_s
-from adapters.panel.strip.chain import Chain, chain
+from adapters.panel.strip.chain import Chain, build_chain
 from adapters.panel.strip.motion import ChainMotion
 from adapters.panel.strip.resting_shape import settle
 from orchestrator.ports import Array, HermitePath, Inertia, Known, Motion, Mount
@@ -26,7 +26,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan, SolverFailed
 
 SANE_STRETCH = (0.2, 5.0)
-MARGIN = 0.8  # of the largest stable step, for compression, which stiffens the chain
+MARGIN = 0.8  # part of the largest stable step, since compression stiffens the chain
 
 
 def build(plan: PanelPlan) -> Strip:
@@ -37,20 +37,20 @@ def build(plan: PanelPlan) -> Strip:
     """
     if plan.integrator != "explicit":
         raise ValueError(f"panel {plan.name}: the strip is explicit only, not {plan.integrator!r}")
-    links = chain(plan)
+    links = build_chain(plan)
     limit_s = stability_limit_s(links, plan.material)
     return Strip(plan, links, choose_step_s(plan, limit_s, MARGIN * limit_s))
 
 
 def largest_step_s(plan: PanelPlan) -> float:
     """Return the largest ``step_s`` that ``build`` accepts for this plan."""
-    return stability_limit_s(chain(plan), plan.material)
+    return stability_limit_s(build_chain(plan), plan.material)
 
 
 def stability_limit_s(links: Chain, material: HyperelasticPlan) -> float:
     """Return the limit 2 / w of the unstretched strip, with w^2 = w_axial^2 + w_bending^2 times 1 + the sum
     of the branches' ratios."""
-    free = np.flatnonzero(links.held < 0)
+    free = np.flatnonzero(links.clamp_of_row < 0)
     ends = np.diff(np.eye(len(links.mass_kg))[links.springs], axis=0)
     axial_N_per_m = material.youngs_modulus_Pa * links.area_m2 / links.rest_m
     axial = ends.T @ (axial_N_per_m[:, None] * ends)
@@ -75,7 +75,7 @@ class Strip(BodyPanel):
         self._chain, self._across, self._width_m = links, rectangle.across, rectangle.width_m
         motion = ChainMotion(links, settle(links, plan), plan.material.branches, rectangle.across, step_s)
         material_m = bilinear.points_m(links.rows_m[motion.held], self._width_m)
-        names = tuple(plan.frames[end] for end in links.held[motion.held].repeat(2))
+        names = tuple(plan.frames[end] for end in links.clamp_of_row[motion.held].repeat(2))
         super().__init__(plan, Mount(rectangle.mounted(material_m), names), motion)
         self._surface = self._surface_between(self._clamps)
 
@@ -85,7 +85,7 @@ class Strip(BodyPanel):
         Both points of a row go with its middle, whose force is their sum, but not across, where the row
         follows the clamps.
         """
-        free = np.flatnonzero(self._chain.held < 0)
+        free = np.flatnonzero(self._chain.clamp_of_row < 0)
         points = np.arange(2 * len(self._mass_kg))
         rows = csr_array((np.ones(len(points)), (points, points // 2)))
         across = np.broadcast_to(self._across, (len(free), 3))

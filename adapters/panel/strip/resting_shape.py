@@ -26,7 +26,7 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
     weight_N = np.outer(chain.mass_kg, plan.gravity_m_per_s2)
     # the unknowns are displacements of the free rows in the plane
     plane = np.stack([rectangle.along, rectangle.normal])
-    columns = np.kron(np.eye(len(start_m))[chain.held < 0], plane)
+    columns = np.kron(np.eye(len(start_m))[chain.clamp_of_row < 0], plane)
 
     def position_m(unknown_m: Array) -> Array:
         return np.asarray(start_m + (unknown_m @ columns).reshape(-1, 3))
@@ -71,5 +71,5 @@ def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_per_s2: Array) -
     height_m = 2 / np.pi * np.sqrt(slack_m * rectangle.length_m)
     wave = (1 - np.cos(2 * np.pi * chain.rows_m / rectangle.length_m)) / 2
     side = 1.0 if gravity_m_per_s2 @ rectangle.normal > 0 else -1.0
-    bulge_m = np.where(chain.held < 0, side * height_m * wave, 0.0)
+    bulge_m = np.where(chain.clamp_of_row < 0, side * height_m * wave, 0.0)
     return np.asarray(position_m + np.outer(bulge_m, rectangle.normal))

@@ -13,7 +13,7 @@ struct Touch {
   ClosestPoint at;
   Vec3 away;          // from the closest point to the particle's centre
   double distance2;
-  double depth_m = 0;  // what contacts are compared by: overlap, or more with adhesion
+  double depth_m = 0;  // the measure by which contacts are compared: overlap, or more with adhesion
   double weight = 1;  // share of the contact force that acts, 0 ... 1
   Vec3 turning = {0, 0, 0};  // m^1.5: force of the turning normal for an energy of depth^2.5
 };

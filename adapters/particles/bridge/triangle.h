@@ -11,6 +11,11 @@ using Triangle = std::array<int, 3>;  // numbers of its points
 // Bits of the corners that carry a closest point: 1, 2, 4 a corner, 3, 6, 5 an edge, 7 the face.
 using Feature = int;
 
+constexpr Feature kFirstEdge = 3;    // from the first corner to the second
+constexpr Feature kClosingEdge = 5;  // from the first corner to the third
+constexpr Feature kSecondEdge = 6;   // from the second corner to the third
+constexpr Feature kFace = 7;
+
 struct ClosestPoint {
   double weight[3];  // barycentric, sum 1
   Feature feature;
@@ -28,7 +33,7 @@ inline ClosestPoint closest_point(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   const double vc = d1 * d4 - d3 * d2;
   if (vc <= 0 && d1 >= 0 && d3 <= 0) {
     const double t = d1 / (d1 - d3);
-    return {{1 - t, t, 0}, 3};
+    return {{1 - t, t, 0}, kFirstEdge};
   }
   const Vec3 cp = p - c;
   const double d5 = dot(ab, cp), d6 = dot(ac, cp);
@@ -36,15 +41,15 @@ inline ClosestPoint closest_point(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) {
     const double t = d2 / (d2 - d6);
-    return {{1 - t, 0, t}, 5};
+    return {{1 - t, 0, t}, kClosingEdge};
   }
   const double va = d3 * d6 - d5 * d4;
   if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
     const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {{0, 1 - t, t}, 6};
+    return {{0, 1 - t, t}, kSecondEdge};
   }
   const double v = vb / (va + vb + vc), w = vc / (va + vb + vc);
-  return {{1 - v - w, v, w}, 7};
+  return {{1 - v - w, v, w}, kFace};
 }
 
 // How a triangle turns, and how it takes up a couple, by its three corners at d_k from their

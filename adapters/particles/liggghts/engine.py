@@ -1,4 +1,4 @@
-"""The compiled engine with a plan's surface, laws and particles in it.  Arrays go to it by name."""
+"""The compiled engine, which holds a plan's surface, laws and particles and takes arrays by name."""
 
 from __future__ import annotations
 
@@ -81,17 +81,17 @@ def begin_path(engine: Engine, path: HermitePath, length_s: float, steps: int) -
 
 
 def floats(values: npt.ArrayLike) -> Array:
-    """Return an array as the engine takes it."""
+    """Return an array of numbers in the layout that the engine takes."""
     return np.ascontiguousarray(values, dtype=np.float64)
 
 
 def ints(values: npt.ArrayLike) -> npt.NDArray[np.int32]:
-    """Return numbers of points or types as the engine takes them."""
+    """Return numbers of points or types in the layout that the engine takes."""
     return np.ascontiguousarray(values, dtype=np.int32)
 
 
 def contact_distance_factor(plan: ParticlesPlan) -> float:
-    """Return the factor of their contact distance up to which two bodies keep a contact that has parted.
+    """Return the factor of the contact distance up to which two parted bodies keep their contact.
 
     Beyond it LIGGGHTS forgets the contact (otherwise the tangential spring of a contact that forms again
     before the next neighbour list would be the old spring); a neck must snap within it.
@@ -126,7 +126,7 @@ def join_across(surface: TriangleSurface, period_m: float) -> Indices:
 
 
 def _set_laws(engine: Engine, plan: ParticlesPlan) -> None:
-    """Tell the engine of the laws what it needs for the energy in contacts."""
+    """Give the engine the constants of the laws that the energy in contacts needs."""
     e_star_Pa, g_star_Pa = effective_moduli(plan.materials)
     adhesion, none = plan.adhesion, np.zeros((0, 0))
     engine.set_laws(

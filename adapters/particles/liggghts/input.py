@@ -50,12 +50,12 @@ FIRST_EVALUATION = "run             0"
 
 
 def words(values: Array) -> str:
-    """Return numbers as LIGGGHTS reads them, exact to the last bit."""
+    """Return numbers as text for LIGGGHTS, exact to the last bit."""
     return " ".join(repr(float(value)) for value in np.ravel(values))
 
 
 def has_sliding(plan: ParticlesPlan) -> bool:
-    """Tell whether a tangential spring is needed; rolling friction borrows its stiffness."""
+    """Return whether a tangential spring is needed; rolling friction uses its stiffness, too."""
     return bool(np.any(plan.sliding_friction > 0)) or has_rolling(plan)
 
 

@@ -1,4 +1,4 @@
-"""The books of LIGGGHTS's particles: the momentum and energy that they own, and their gains and losses."""
+"""The ledger of LIGGGHTS's particles: their momentum and energy, with the gains and losses."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _owned(arrays: dict[str, Any]) -> SolidSpheres:
 
 
 class ParticleLedger(SavedAttributes):
-    """The sums over the ranks of the communicator.  Potential energy is zero at the origin."""
+    """The ledger of all particles, with sums over the ranks.  Potential energy is zero at the origin."""
 
     STATE = (
         "_mass_kg",
@@ -92,15 +92,15 @@ class ParticleLedger(SavedAttributes):
         self.removed_count = 0
 
     def open(self, engine: Engine) -> None:
-        """Remember the energy at t = 0."""
+        """Store the energy at t = 0."""
         self._first_J = sum(self._stored_J(engine).values())
 
     def add_gravity(self, length_s: float) -> None:
-        """Book gravity's impulse on all particles for ``length_s``."""
+        """Add gravity's impulse on all particles over ``length_s``."""
         self._impulse_N_s += self._mass_kg * length_s * self._gravity_m_per_s2
 
     def add_fed(self, particles: ParticleList) -> None:
-        """Book particles that were fed, alike on all ranks."""
+        """Add particles that were fed, the same on all ranks."""
         new = _listed(particles)
         self._mass_kg += float(new.mass_kg.sum())
         self._impulse_N_s += new.momentum_kg_m_per_s()
@@ -108,7 +108,7 @@ class ParticleLedger(SavedAttributes):
         self._fed_J += new.mechanical_J(self._gravity_m_per_s2)
 
     def subtract_removed(self, arrays: dict[str, Any], before_end_s: Array, step_s: float) -> None:
-        """Book particles of this rank taken out, ``before_end_s`` (n,) before the interval's end."""
+        """Subtract this rank's particles, removed ``before_end_s`` (n,) before the interval's end."""
         gone, gravity_m_per_s2 = _owned(arrays), self._gravity_m_per_s2
         # `add_gravity` lets gravity act on them to the interval's end
         taken_N_s = gone.momentum_kg_m_per_s() + (gone.mass_kg @ before_end_s) * gravity_m_per_s2
@@ -125,7 +125,7 @@ class ParticleLedger(SavedAttributes):
         self._came_kg_m2_per_s -= sums[6:]
 
     def account(self, engine: Engine) -> Account:
-        """Return the present books."""
+        """Return the present account."""
         mine = _owned(engine.particles())
         stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))

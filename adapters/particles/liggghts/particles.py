@@ -155,7 +155,7 @@ class Liggghts:
         return self._engine.particles()
 
     def account(self) -> Account:
-        """Return the books, exact but for ``contact_dissipation``, which the energy balance leaves."""
+        """Return the account; only ``contact_dissipation``, the remainder of the balance, is inexact."""
         self._prepare()
         return self._ledger.account(self._engine)
 
@@ -226,18 +226,18 @@ class Liggghts:
             self._removed.append(record)
 
     def _prepare(self) -> None:
-        """Sort particles and evaluate their forces, where new ones came."""
+        """Sort the particles and evaluate their forces, if particles were added."""
         if self._unprepared:
             self._engine.prepare()
             self._unprepared = False
 
     def _deepest_of_rank(self) -> Overlaps:
-        """Return the deepest of this rank's contacts since ``overlaps`` was last asked."""
+        """Return the deepest of this rank's contacts since the last call of ``overlaps``."""
         self._deepest = self._deepest.deepest(Overlaps(**self._engine.take_deepest_overlaps()))
         return self._deepest
 
     def _add_crossings(self, mine: Arrays, start_s: float, step_s: float) -> None:
-        """Count the crossings of all ranks in the last interval, alike on every rank."""
+        """Add the crossings of all ranks in the last interval to the record, on every rank."""
         ranks = self._comm.allgather(_crossings(mine, start_s, step_s))
         some = [crossings for crossings in ranks if crossings.number]
         for later in sorted(some, key=lambda one: (one.first_time_s, one.first_id)):

@@ -1,1 +1,1 @@
-"""The particles: sizes, feed, contacts, and the book of what came and went."""
+"""The particles: their sizes, their feed, their contacts and the record of their whereabouts."""

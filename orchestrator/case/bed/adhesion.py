@@ -1,6 +1,6 @@
-"""Adhesion of wet particles: from the case's works of adhesion to a law for the solver.
+"""The adhesion of wet particles: the solver's law, made from the case's works of adhesion.
 
-docs/theory/adhesion.md has equations, sources and limits.
+docs/theory/adhesion.md has the equations, sources and limits.
 """
 
 from __future__ import annotations
@@ -24,17 +24,19 @@ from orchestrator.ports import Array
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import Jkr, Sjkr
 
-STEPS_PER_CONTACT = 20  # of an adhesive contact, at least
+STEPS_PER_CONTACT = 20  # An adhesive contact takes at least so many steps.
 
 
 @dataclass(frozen=True)
 class StickyContact:
-    """The smallest particles of two materials that stick, or such a particle on a surface:
-    ``contact`` numbers the case's rows; reduced modulus, mass and radius; ``radius_m`` is the
-    smaller particle's own."""
+    """A contact of the smallest particles of two materials that stick, or of such a particle and a surface.
+
+    ``contact`` is the number of the case's row.  Modulus, mass and radius are the reduced quantities
+    of both bodies; ``radius_m`` is the smaller particle's own radius.
+    """
 
     contact: int
-    work_J_per_m2: float  # as the solver gets it
+    work_J_per_m2: float  # This is the value that the solver receives.
     reduced_Pa: float
     reduced_kg: float
     reduced_m: float
@@ -42,23 +44,26 @@ class StickyContact:
 
     @property
     def pull_off_N(self) -> float:
+        """The pull-off force of JKR's theory."""
         return 1.5 * math.pi * self.work_J_per_m2 * self.reduced_m
 
     @property
     def neck_m(self) -> float:
-        """Radius of the contact without any load."""
+        """The radius of the contact area without any load."""
         cube_m3 = 4.5 * math.pi * self.work_J_per_m2 * self.reduced_m**2 / self.reduced_Pa
         return math.pow(cube_m3, 1 / 3)
 
     @property
     def separation_m(self) -> float:
-        """Gap at which the neck snaps: its radius is then 36^(-1/3) of that without load."""
+        """The gap at which the neck snaps; its radius is then 36^(-1/3) of the radius without load."""
         return 3.0 * self.neck_m**2 / (math.pow(36.0, 2 / 3) * self.reduced_m)
 
     @property
     def half_period_s(self) -> float:
-        """Half a period of a small oscillation about the place without load, where the stiffness is
-        0.3 * 6^(2/3) pull-off forces per gap at separation."""
+        """Half the period of a small oscillation about the state without load.
+
+        The stiffness in this state is 0.3 * 6^(2/3) * (pull-off force) / (gap at separation).
+        """
         stiffness_N_per_m = 0.3 * math.pow(6.0, 2 / 3) * self.pull_off_N / self.separation_m
         return math.pi * math.sqrt(self.reduced_kg / stiffness_N_per_m)
 
@@ -70,20 +75,21 @@ def adhesion_law(case: Case) -> str:
 
 
 def sticky_contacts(case: Case) -> Iterator[StickyContact]:
-    """Yield all pairs that can meet and stick, with their smallest particles; none without a law."""
+    """Yield the contacts of all pairs that can meet and stick; none without a law of adhesion."""
     if adhesion_law(case) == "none":
         return
     for number, contact in enumerate(case.contacts):
         if contact.work_of_adhesion_J_per_m2 > 0:
             for one, two in _bodies(case, contact.between):
-                yield _sticky(case, number, one, two)
+                yield _sticky_contact(case, number, one, two)
 
 
-Body = tuple[float, float]  # radius (infinite: a surface) and mass
+Body = tuple[float, float]
+"""Radius in m and mass in kg of a body; a surface has infinite ones."""
 
 
 def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]:
-    """Yield the pairs of two particles, then of a particle and a surface, that the case has."""
+    """Yield the two smallest particles of these materials, then each such particle with a surface."""
     grains = {}
     for name, diameter_m in smallest_diameters_m(case).items():
         mass_kg = sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
@@ -102,7 +108,8 @@ def surface_materials(case: Case) -> set[str]:
     return panels | {surface.material for surface in case.screen.surfaces.values()}
 
 
-def _sticky(case: Case, number: int, one: Body, two: Body) -> StickyContact:
+def _sticky_contact(case: Case, number: int, one: Body, two: Body) -> StickyContact:
+    """Return the contact of two bodies whose materials have the row ``number`` of ``contacts``."""
     contact = case.contacts[number]
     return StickyContact(
         contact=number,
@@ -115,18 +122,19 @@ def _sticky(case: Case, number: int, one: Body, two: Body) -> StickyContact:
 
 
 def _reduced_Pa(case: Case, between: tuple[str, str], cap_Pa: float | None) -> float:
+    """Return the reduced modulus of two materials whose Young's moduli are at most ``cap_Pa``."""
     one, two = (contact_moduli(case.materials[name], cap_Pa) for name in between)
     return reduced_modulus_Pa(one, two)
 
 
 def softened_work_J_per_m2(case: Case, number: int) -> float:
-    """Work of adhesion for contacts that may be softer than the case's materials.
+    """Return the work of adhesion for contacts that may be softer than the case's materials.
 
-    "sticking" keeps the speed below which particles stick: the energy that a neck takes goes with
-    (w^5 R^4 / E*^2)^(1/3), so w goes with E*^0.4 (Haervig, J., Kleinhans, U., Wieland, C.,
-    Spliethoff, H., Jensen, A. L., Sorensen, K. and Condra, T. J., Powder Technology 319, 2017,
-    472-482).  "pull-off" keeps the pull-off force, which does
-    not know E*: w stays.
+    "sticking" keeps the speed below which particles stick.  The energy that a neck takes is
+    proportional to (w^5 R^4 / E*^2)^(1/3), and so w must be proportional to E*^0.4 (Haervig, J.,
+    Kleinhans, U., Wieland, C., Spliethoff, H., Jensen, A. L., Sorensen, K. and Condra, T. J., Powder
+    Technology 319, 2017, 472-482).  "pull-off" keeps the pull-off force and therefore w, because the
+    pull-off force does not depend on E*.
     """
     contact = case.contacts[number]
     if case.particles.softened_adhesion == "pull-off":
@@ -137,7 +145,10 @@ def softened_work_J_per_m2(case: Case, number: int) -> float:
 
 
 def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:
-    """Return the adhesion law with its strengths, or None; ``numbers`` are the materials' numbers."""
+    """Return the adhesion law with its strengths; None if nothing sticks.
+
+    ``numbers`` are the materials' numbers, by name.
+    """
     law = adhesion_law(case)
     if law == "none":
         return None
@@ -156,8 +167,10 @@ def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:
 
 
 def sjkr_diameter_m(case: Case) -> float:
-    """The diameter for which sjkr pulls as JKR does: given, or the geometric mean of the
-    smallest and the largest."""
+    """Return the diameter for which sjkr has the pull-off force of JKR's theory.
+
+    The case gives it, or it is the geometric mean of the smallest and the largest diameter.
+    """
     if case.particles.sjkr_diameter_m is not None:
         return case.particles.sjkr_diameter_m
     smallest_m = min(smallest_diameters_m(case).values())
@@ -165,22 +178,28 @@ def sjkr_diameter_m(case: Case) -> float:
 
 
 def _energy_density_J_per_m3(case: Case, number: int, work_J_per_m2: float) -> float:
-    """k of ``sjkr`` with JKR's pull-off force at its diameter: Hertz less  2 pi k R* overlap  pulls
-    with  2/3 pi^3 k^3 R*^2 / E*^2  at most, JKR with  3/2 pi w R*."""
+    """Return k of ``sjkr``, for which a particle of its diameter has JKR's pull-off force.
+
+    Hertz's force less  2 pi k R* overlap  pulls with  2/3 pi^3 k^3 R*^2 / E*^2  at most; JKR's force
+    pulls with  3/2 pi w R*  at most.
+    """
     between = case.contacts[number].between
     radius_m = sjkr_diameter_m(case) / 2
     if not surface_materials(case) & set(between):
-        radius_m /= 2  # two particles
+        radius_m /= 2  # This is the reduced radius of two equal particles.
     reduced_Pa = _reduced_Pa(case, between, case.particles.largest_youngs_modulus_Pa)
     return math.pow(9 * work_J_per_m2 * reduced_Pa**2 / (4 * math.pi**2 * radius_m), 1 / 3)
 
 
 def adhesive_step_s(case: Case) -> float:
-    """Longest step for JKR contacts: 1/20 of the shortest impact (see ``impact_speed_m_per_s``) and
-    of half an oscillation on the neck; infinite without."""
-    found = [math.inf]
+    """Return the longest step for JKR contacts; infinite without any.
+
+    The step is 1/20 of the shortest impact (see ``impact_speed_m_per_s``), or of half an oscillation
+    on the neck if that is shorter.
+    """
+    times_s = [math.inf]
     if adhesion_law(case) == "jkr":
         for pair in sticky_contacts(case):
             impact_s = hertz_s(pair.reduced_kg, pair.reduced_m, pair.reduced_Pa, impact_speed_m_per_s(case))
-            found += [impact_s, pair.half_period_s]
-    return min(found) / STEPS_PER_CONTACT
+            times_s += [impact_s, pair.half_period_s]
+    return min(times_s) / STEPS_PER_CONTACT

@@ -1,4 +1,4 @@
-"""Times that bound the step of the particles and the sync interval, and what they come from."""
+"""The times of contacts, which bound the particles' step and the sync interval, and their causes."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ LARGEST_RAYLEIGH_FRACTION = 0.2
 
 
 def contact_moduli(material: Material, largest_youngs_modulus_Pa: float | None) -> tuple[float, float]:
-    """Return Young's modulus (Pa), softened, and Poisson's ratio of a material in contacts.
+    """Return Young's modulus in Pa, at most the largest one, and Poisson's ratio of a material in contacts.
 
-    A hyperelastic material has its small-strain values: mu = 2 (C10 + C01),
-    E = 9 K mu / (3 K + mu), nu = (3 K - 2 mu) / (6 K + 2 mu)."""
+    A hyperelastic material has by default its small-strain values: mu = 2 (C10 + C01),
+    E = 9 K mu / (3 K + mu), nu = (3 K - 2 mu) / (6 K + 2 mu).
+    """
     youngs_Pa, poisson = material.youngs_modulus_Pa, material.poisson_ratio
     if material.hyperelastic is not None:
         law = material.hyperelastic
@@ -27,15 +28,14 @@ def contact_moduli(material: Material, largest_youngs_modulus_Pa: float | None) 
 
 
 def reduced_modulus_Pa(one: tuple[float, float], two: tuple[float, float]) -> float:
-    """Return E* of two bodies, each (E, nu):  1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
+    """Return the reduced modulus E* of two bodies (E, nu): 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
     return 1 / ((1 - one[1] ** 2) / one[0] + (1 - two[1] ** 2) / two[0])
 
 
 def rayleigh_s(
     diameter_m: float, density_kg_per_m3: float, youngs_modulus_Pa: float, poisson_ratio: float
 ) -> float:
-    """Time of a Rayleigh wave across a sphere:
-    pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
+    """Return the time of a Rayleigh wave across a sphere: pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
 
     Li, Y., Xu, Y. and Thornton, C., Powder Technology 160, 2005, 219-228,
     doi 10.1016/j.powtec.2005.09.002.
@@ -46,31 +46,39 @@ def rayleigh_s(
 
 
 def hertz_s(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_per_s: float) -> float:
-    """Duration of an elastic impact:  2.87 (m^2 / (R E*^2 v))^(1/5), with reduced mass, radius
-    and modulus.  Johnson, K. L., Contact Mechanics, 1985, section 11.4."""
+    """Return the duration of an elastic impact: 2.87 (m^2 / (R E*^2 v))^(1/5).
+
+    Mass, radius and modulus are the reduced quantities of both bodies.
+    Johnson, K. L., Contact Mechanics, 1985, section 11.4.
+    """
     return 2.87 * math.pow(mass_kg**2 / (radius_m * reduced_Pa**2 * speed_m_per_s), 0.2)
 
 
 def hertz_overlap_m(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_per_s: float) -> float:
-    """Largest overlap of an elastic impact:  (15 m v^2 / (16 sqrt(R) E*))^(2/5), with reduced mass,
-    radius and modulus.  Johnson, K. L., Contact Mechanics, 1985, section 11.4."""
+    """Return the largest overlap of an elastic impact: (15 m v^2 / (16 sqrt(R) E*))^(2/5).
+
+    Mass, radius and modulus are the reduced quantities of both bodies.
+    Johnson, K. L., Contact Mechanics, 1985, section 11.4.
+    """
     return math.pow(15 * mass_kg * speed_m_per_s**2 / (16 * math.sqrt(radius_m) * reduced_Pa), 0.4)
 
 
 def hertz_static_overlap_m(force_N: float, radius_m: float, reduced_Pa: float) -> float:
-    """Overlap under a constant force:  (9 F^2 / (16 R E*^2))^(1/3), with reduced radius and
-    modulus.
-    Johnson, K. L., Contact Mechanics, 1985, section 4.2."""
+    """Return the overlap under a constant force: (9 F^2 / (16 R E*^2))^(1/3).
+
+    Radius and modulus are the reduced quantities of both bodies.
+    Johnson, K. L., Contact Mechanics, 1985, section 4.2.
+    """
     return math.pow(9 * force_N**2 / (16 * radius_m * reduced_Pa**2), 1 / 3)
 
 
 def smallest_diameters_m(case: Case) -> dict[str, float]:
-    """Return the smallest diameter of each material of which particles are made."""
+    """Return the smallest particle diameter of each material, by name, for materials with particles."""
     return {name: min(sizes_m) for name, sizes_m in _diameters_m(case).items()}
 
 
 def largest_diameters_m(case: Case) -> dict[str, float]:
-    """Return the largest diameter of each material of which particles are made."""
+    """Return the largest particle diameter of each material, by name, for materials with particles."""
     return {name: max(sizes_m) for name, sizes_m in _diameters_m(case).items()}
 
 
@@ -88,17 +96,20 @@ def _diameters_m(case: Case) -> dict[str, list[float]]:
 def shortest_rayleigh_s(case: Case) -> float:
     """Return the shortest Rayleigh time of all particles; infinite without particles."""
     cap = case.particles.largest_youngs_modulus_Pa
-    found = [math.inf]
+    times_s = [math.inf]
     for name, diameter_m in smallest_diameters_m(case).items():
         material = case.materials[name]
         moduli = contact_moduli(material, cap)
-        found.append(rayleigh_s(diameter_m, material.density_kg_per_m3, *moduli))
-    return min(found)
+        times_s.append(rayleigh_s(diameter_m, material.density_kg_per_m3, *moduli))
+    return min(times_s)
 
 
 def impact_speed_m_per_s(case: Case) -> float:
-    """An estimate for choosing the sync interval, on which it depends weakly (power -1/5):
-    1 m/s, as particles thrown by a screen, or the highest speed that the case gives."""
+    """Return an estimate of the speed of impacts: 1 m/s, or the highest initial speed if that is higher.
+
+    Particles thrown by a screen have some 1 m/s.  The estimate may be rough, because the duration of
+    an impact depends only weakly on the speed (power -1/5).
+    """
     bed = case.bed
     speeds = [math.hypot(*row.velocity_m_per_s) for row in (*bed.particles.values(), *bed.sources)]
     return max([1.0, *speeds])

@@ -1,4 +1,4 @@
-"""Particles fed at a mass rate through an inlet box.  Theory: docs/theory/feed.md."""
+"""The feed of particles at a mass rate through an inlet box.  Theory: docs/theory/feed.md."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from orchestrator.ports.plans import ParticleList
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 SAME_PLACE_M = 1e-9
-ROUNDS = 20  # of proposals for the particles of one interval
-FULL_SHARE = 0.2  # of the box's volume that can be kept full at a steady flow through it
+ROUNDS = 20  # The particles of one batch get so many rounds of proposals.
+FULL_SHARE = 0.2  # This share of the box's volume can be kept full at a steady flow through it.
 
 
 @dataclass(frozen=True)
 class Inlet:
-    """Where, what and how fast: ``box_m`` (2, 3) is the lowest and highest corner.
+    """The place, the particles and the rate of a feed.
 
-    ``velocity_m_per_s`` (3,) carries the particles out of the box; ``stop_s`` may be infinite.  Both
-    are in the inlet's own axes, which are the columns of ``axes`` (3, 3) in the world.  Particles
-    come in batches, ``batch_s`` apart.
+    ``box_m`` (2, 3) has the lowest and the highest corner, and ``velocity_m_per_s`` (3,) carries the
+    particles out of the box.  Both are in the inlet's own axes, which are the columns of ``axes``
+    (3, 3) in the world.  Particles come in batches, ``batch_s`` apart; ``stop_s`` may be infinite.
     """
 
     sizes: tuple[SizeClass, ...]
@@ -48,13 +48,16 @@ class Inlet:
     batch_s: float = 0.0
 
     def due_kg(self, time_s: float) -> float:
-        """Mass to be fed by then."""
+        """Return the mass that should have been fed at a time."""
         return self.rate_kg_per_s * max(0.0, min(time_s, self.stop_s) - self.start_s)
 
     @property
     def largest_rate_kg_per_s(self) -> float:
-        """Estimate of the rate that finds room: what leaves a box that is filled by 20 %, or
-        what fills an empty one so far with each batch, if that is less."""
+        """An estimate of the largest rate for which the box has room.
+
+        It is the lower of two rates: the flow out of a box that is filled by 20 %, and the rate at
+        which batches fill an empty box by 20 %.
+        """
         length_m = self.box_m[1] - self.box_m[0]
         box_m3 = float(np.prod(length_m))
         leaving_m3_per_s = float(np.abs(self.velocity_m_per_s) @ (box_m3 / length_m))
@@ -64,13 +67,13 @@ class Inlet:
 
     @property
     def largest_kg(self) -> float:
-        """Mass of the largest particle."""
+        """The mass of the largest particle."""
         largest_m = np.array(max(row.largest_m for row in self.sizes))
         return float(sphere_mass_kg(largest_m, self.density_kg_per_m3))
 
     @property
     def corners_m(self) -> Array:
-        """(8, 3) of the box, in the world."""
+        """The corners of the box in the world, (8, 3)."""
         corners = np.array(list(product(*self.box_m.T)))
         return np.asarray(corners @ self.axes.T)
 
@@ -79,10 +82,10 @@ _STATE = ("_drawn_kg", "_waiting_m", "_offered", "_next_m", "_class", "due_kg", 
 
 
 class RateFeed:
-    """``Feed`` of one inlet.  Picklable; the same inlet gives the same particles everywhere.
+    """A ``Feed`` of one inlet; it is picklable, and the same inlet gives the same particles everywhere.
 
-    What is drawn stays within half a particle of ``due_kg``; the class of each particle is the
-    one whose mass lags most behind its share.  What finds no room waits and is tried again.
+    The mass drawn stays within half a particle of ``due_kg``.  Each particle is drawn from the size
+    class whose mass lags most behind its share.  Particles that find no room wait for the next batch.
     """
 
     def __init__(self, inlet: Inlet) -> None:
@@ -97,16 +100,19 @@ class RateFeed:
 
     @property
     def next_kg(self) -> float:
-        """Mass of the particle that is drawn next; it comes when half of it is due."""
+        """The mass of the next particle, which is drawn when half of it is due."""
         return float(sphere_mass_kg(self._next_m, self.inlet.density_kg_per_m3))
 
     @property
     def backlog_kg(self) -> float:
-        """Mass that was due at the interval last asked for and is not fed: it grows without
-        bound if the rate is larger than the inlet can take."""
+        """The mass that was due at the start of the last interval and has not been fed.
+
+        It grows without bound if the rate is larger than the inlet can take.
+        """
         return self.due_kg - self.fed_kg
 
     def due(self, interval: Interval) -> ParticleList:
+        """Return the particles offered at the start of an interval, in world axes."""
         self.due_kg = self.inlet.due_kg(interval.start_s)
         self._draw()
         self._waiting_m = np.sort(self._waiting_m)[::-1]
@@ -122,7 +128,10 @@ class RateFeed:
         )
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        """Raise ValueError if ``accepted`` has not one entry for each particle offered."""
+        """Count the offered particles that the solver ``accepted`` (n,) as fed; the others wait.
+
+        Raises ValueError unless ``accepted`` has one entry for each particle offered.
+        """
         if len(accepted) != len(self._offered):
             raise ValueError(f"{len(self._offered)} particles offered, {len(accepted)} answers")
         fed = self._offered[accepted]
@@ -131,13 +140,16 @@ class RateFeed:
         self._offered = np.empty(0, dtype=np.int64)
 
     def save(self) -> Saved:
+        """Return the state of the feed for a checkpoint."""
         return save_attributes(self, *_STATE) | {"generator": _generator_state(self._generator)}
 
     def restore(self, saved: Saved) -> None:
+        """Restore the state of the feed from a checkpoint."""
         restore_attributes(self, saved, *_STATE)
         _set_generator_state(self._generator, saved["generator"])
 
     def _draw(self) -> None:
+        """Draw particles until the next one would exceed the mass that is due."""
         drawn_m = []
         while True:
             next_kg = self.next_kg
@@ -149,6 +161,7 @@ class RateFeed:
         self._waiting_m = np.append(self._waiting_m, drawn_m)
 
     def _diameter_m(self) -> Array:
+        """Draw a diameter from the size class that lags most behind its share, and note the class."""
         lag_kg = self._shares * self._drawn_kg.sum() - self._drawn_kg
         self._class = int(np.argmax(lag_kg))
         row = self.inlet.sizes[self._class]
@@ -157,7 +170,7 @@ class RateFeed:
 
 @dataclass(frozen=True)
 class Fed:
-    """Particles that came in, in the order of their ids.  Arrays of n rows."""
+    """The particles that came in, in the order of their ids, as arrays of n rows."""
 
     id: Indices
     time_s: Array
@@ -167,17 +180,19 @@ class Fed:
 
 
 class Feeds:
-    """Several feeds as one, which remembers who came in, and when; the ``first`` particles, there at
-    t = 0, did so then.
+    """A ``Feed`` of several inlets, which records the particles that came in and their times.
 
-    Solvers give ids in order, so that ids need not cross the port.
+    The ``first`` particles are there at t = 0 and count as having come in then.  Solvers give ids in
+    order, and so no ids need to cross the port.
     """
 
     def __init__(self, inlets: Sequence[Inlet], every: int = 1, first: ParticleList | None = None) -> None:
-        """A batch comes every so many intervals.  Raises ValueError for boxes that overlap: their
-        particles could."""
+        """Prepare the feeds of the inlets, with a batch in every ``every``-th sync interval.
+
+        Raises ValueError for overlapping boxes, because their particles could overlap, too.
+        """
         for one, other in combinations(inlets, 2):
-            if not apart(one, other):
+            if not are_apart(one, other):
                 raise ValueError(f"feed boxes overlap: {one.box_m.tolist()} and {other.box_m.tolist()}")
         self._every = every
         self.feeds = [RateFeed(inlet) for inlet in inlets]
@@ -188,6 +203,7 @@ class Feeds:
             self._note(first, 0.0)
 
     def due(self, interval: Interval) -> ParticleList:
+        """Return the particles that all feeds offer at the start of an interval."""
         self._time_s = interval.start_s
         if interval.index % (self._every * interval.parts):
             self._offers = []
@@ -196,6 +212,7 @@ class Feeds:
         return concatenate(self._offers)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
+        """Tell the feeds which of the offered particles the solver ``accepted`` (n,), and record these."""
         if not len(accepted):
             return
         sizes = [len(offer) for offer in self._offers]
@@ -204,45 +221,49 @@ class Feeds:
         self._note(concatenate(self._offers).part(accepted), self._time_s)
 
     def take_fed(self) -> Fed:
-        """Who came in since this was last asked."""
-        since, self._since = self._noted(), []
+        """Return the particles that came in since the last call."""
+        since, self._since = self._fed_since(), []
         return since
 
     def save(self) -> Saved:
+        """Return the state of all feeds for a checkpoint."""
         feeds = {str(number): feed.save() for number, feed in enumerate(self.feeds)}
-        return save_attributes(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
+        return save_attributes(self, "_count") | {"since": as_arrays(self._fed_since()), "feeds": feeds}
 
     def restore(self, saved: Saved) -> None:
+        """Restore the state of all feeds from a checkpoint."""
         restore_attributes(self, saved, "_count")
-        self._since = [like(self._noted(), saved["since"])]
+        self._since = [like(self._fed_since(), saved["since"])]
         for number, feed in enumerate(self.feeds):
             feed.restore(saved["feeds"][str(number)])
 
-    def _noted(self) -> Fed:
+    def _fed_since(self) -> Fed:
+        """Return the particles that were recorded since the last call of ``take_fed``."""
         since = self._since or [_rows(no_particles(), 1, 0.0)]
         columns = (field.name for field in fields(Fed))
         return Fed(*(np.concatenate([getattr(part, name) for part in since]) for name in columns))
 
     def _note(self, accepted: ParticleList, time_s: float) -> None:
+        """Record particles that came in at a time."""
         if len(accepted):
             self._since.append(_rows(accepted, self._count + 1, time_s))
             self._count += len(accepted)
 
 
-def _rows(some: ParticleList, first_id: int, time_s: float) -> Fed:
-    """Particles that came in at a time, numbered from ``first_id``."""
-    count = len(some)
+def _rows(particles: ParticleList, first_id: int, time_s: float) -> Fed:
+    """Return the record of particles that came in at a time; their ids begin with ``first_id``."""
+    count = len(particles)
     return Fed(
         first_id + np.arange(count),
         np.full(count, time_s),
-        some.diameter_m,
-        some.density_kg_per_m3,
-        some.material,
+        particles.diameter_m,
+        particles.density_kg_per_m3,
+        particles.material,
     )
 
 
-def apart(one: Inlet, two: Inlet) -> bool:
-    """Whether two boxes cannot overlap, by their bounds along the axes of either."""
+def are_apart(one: Inlet, two: Inlet) -> bool:
+    """Return whether the bounds of two boxes, along the axes of either, show that they do not overlap."""
     for axes in (one.axes, two.axes):
         first, second = one.corners_m @ axes, two.corners_m @ axes
         if (first.max(axis=0) <= second.min(axis=0) + SAME_PLACE_M).any():
@@ -253,14 +274,18 @@ def apart(one: Inlet, two: Inlet) -> bool:
 
 
 def _generator_state(generator: np.random.Generator) -> npt.NDArray[np.uint64]:
-    """Return the state of a PCG64 generator: its two 128-bit numbers in halves, and what is left over of
-    its last 64 bits."""
+    """Return the state of a PCG64 generator, (6,).
+
+    The first four numbers are the halves of its two 128-bit numbers; the other two are the unused
+    part of its last 64 bits.
+    """
     state: Any = generator.bit_generator.state
     halves = [half for key in ("state", "inc") for half in divmod(state["state"][key], 2**64)]
     return np.array([*halves, state["has_uint32"], state["uinteger"]], dtype=np.uint64)
 
 
 def _set_generator_state(generator: np.random.Generator, words: npt.NDArray[np.uint64]) -> None:
+    """Set the state of a PCG64 generator from the numbers of ``_generator_state``."""
     high, low, inc_high, inc_low, has_more, more = map(int, words)
     numbers = {"state": high * 2**64 + low, "inc": inc_high * 2**64 + inc_low}
     generator.bit_generator.state = {

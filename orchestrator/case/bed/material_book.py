@@ -1,7 +1,7 @@
-"""Where every particle went: fed, on deck, out through an exit, lost.
+"""The book of all particles: how many were fed, are on the deck, left through an exit or were lost.
 
-By number the balance  fed = on deck + through exits + lost  holds exactly, and is checked; by mass
-to rounding, because a particle leaves with the diameter and density that it came with.
+The balance  fed = on deck + through exits + lost  holds exactly for the number of particles, and the
+book checks it.  It holds for their mass to rounding, because particles keep diameter and density.
 """
 
 from __future__ import annotations
@@ -22,23 +22,24 @@ from orchestrator.ports.plans import ExitPlan, SolverFailed
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 LOG = logging.getLogger("flipflow")
-LEAST_SHARE = 0.5  # of what is due, that an inlet must take in ``jam_s`` or it counts as jammed
-FEW_PARTICLES = 5.0  # a backlog of so many of the largest particles is none yet
+LEAST_SHARE = 0.5  # An inlet that takes less than this share of the mass due in ``jam_s`` is jammed.
+FEW_PARTICLES = 5.0  # A backlog of no more than so many of the largest particles is no jam.
 
 
 class MaterialMonitor:
-    """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that.
+    """A monitor of the particles' whereabouts, which works at output times on rank 0.
 
-    ``widest_m``: the largest sphere that fits through an opening; None if there are no openings.
+    It warns once about each event, or raises SolverFailed if the case wants to stop.  ``widest_m`` is
+    the diameter of the largest sphere that fits through an opening; None if there are no openings.
     """
 
     def __init__(self, wanted: MonitorSettings, widest_m: float | None = None) -> None:
         self._wanted, self._widest_m = wanted, widest_m
         self._before: dict[str, deque[tuple[float, float, float]]] = {}
-        self._said: set[str] = set()
+        self._warned: set[str] = set()
 
     def lost(self, removed: Removed) -> None:
-        """Particles that left the domain elsewhere than through an exit."""
+        """Report particles that left the domain elsewhere than through an exit."""
         for row in (removed.exit < 0).nonzero()[0]:
             place = ", ".join(f"{x:.4g}" for x in removed.position_m[row])
             what = (
@@ -46,17 +47,18 @@ class MaterialMonitor:
                 f"left the domain at ({place}) m at t = {removed.time_s[row]:.6g} s, through the "
                 "surface or past the exits"
             )
-            self._say("lost", what, self._wanted.lost_particles)
+            self._report("lost", what, self._wanted.lost_particles)
 
     def too_large(self, removed: Removed, exits: Sequence[ExitPlan]) -> Indices:
-        """Rows of the particles in the undersize that fit through no opening."""
+        """Return the rows of the removed particles in the undersize that fit through no opening."""
         if self._widest_m is None:
             return np.empty(0, dtype=np.int64)
-        undersize = np.array([*(one.product == "undersize" for one in exits), False])  # -1: lost
+        # The last entry belongs to lost particles, whose exit is -1.
+        undersize = np.array([*(plan.product == "undersize" for plan in exits), False])
         return np.flatnonzero(undersize[removed.exit] & (removed.diameter_m > self._widest_m))
 
     def escaped(self, removed: Removed, exits: Sequence[ExitPlan]) -> None:
-        """Particles in the undersize that fit through no opening; the first is named."""
+        """Report particles in the undersize that fit through no opening; the message names the first."""
         for row in self.too_large(removed, exits)[:1]:
             what = (
                 f"particle {removed.id[row]} ({1e3 * removed.diameter_m[row]:.3g} mm) came out "
@@ -65,10 +67,10 @@ class MaterialMonitor:
                 "contacts so soft that it was squeezed through "
                 "(particles.largest_youngs_modulus_Pa), or a way out beside the panels"
             )
-            self._say("escaped", what, self._wanted.escaped_particles)
+            self._report("escaped", what, self._wanted.escaped_particles)
 
     def feed(self, time_s: float, feed: RateFeed) -> None:
-        """Is what is due going in?  A feed that lags by a few particles does no harm."""
+        """Report a feed that takes too little of the mass due; a lag of a few particles is no jam."""
         name, largest_kg = feed.inlet.name, feed.inlet.largest_kg
         before = self._before.setdefault(name, deque())
         before.append((time_s, feed.due_kg, feed.fed_kg))
@@ -83,60 +85,69 @@ class MaterialMonitor:
                 f"{time_s - then_s:.3g} s it took {fed_kg:.3g} kg, up to t = {time_s:.6g} s; "
                 "something fills its box (bed.feeds), or the rate is too large for it"
             )
-            self._say(f"jam {name}", what, self._wanted.jammed_feed)
+            self._report(f"jam {name}", what, self._wanted.jammed_feed)
 
     def save(self) -> Saved:
+        """Return the state of the monitor for a checkpoint."""
         before = {name: np.array(rows) for name, rows in self._before.items()}
-        return {"before": before, "said": np.array(sorted(self._said), dtype=str)}
+        return {"before": before, "said": np.array(sorted(self._warned), dtype=str)}
 
     def restore(self, saved: Saved) -> None:
+        """Restore the state of the monitor from a checkpoint."""
         self._before = {
             name: deque((time_s, due_kg, fed_kg) for time_s, due_kg, fed_kg in rows.tolist())
             for name, rows in saved["before"].items()
         }
-        self._said = set(saved["said"].tolist())
+        self._warned = set(saved["said"].tolist())
 
-    def _say(self, key: str, what: str, then: str) -> None:
+    def _report(self, key: str, what: str, then: str) -> None:
+        """Warn of an event, or raise SolverFailed if ``then`` is "stop"."""
         if then == "stop":
             raise SolverFailed(what)
-        if key not in self._said:  # once; the summary has the numbers
+        if key not in self._warned:  # One warning is enough, because the summary has the numbers.
             LOG.warning(what)
-            self._said.add(key)
+            self._warned.add(key)
 
 
 @dataclass
 class Amount:
-    """How many particles, and their mass."""
+    """The number of particles and their mass."""
 
     number: int = 0
     mass_kg: float = 0.0
 
     def figures(self) -> dict[str, Any]:
-        """Return the table in ``summary.json``."""
+        """Return the amount as a table of ``summary.json``."""
         return {"number": self.number, "mass_kg": self.mass_kg}
 
-    def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
-        self.number += len(some.diameter_m[rows])
-        self.mass_kg += float(np.sum(sphere_mass_kg(some.diameter_m[rows], some.density_kg_per_m3[rows])))
+    def add(self, particles: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
+        """Add these rows of the particles, by default all."""
+        diameter_m, density_kg_per_m3 = particles.diameter_m[rows], particles.density_kg_per_m3[rows]
+        self.number += len(diameter_m)
+        self.mass_kg += float(np.sum(sphere_mass_kg(diameter_m, density_kg_per_m3)))
 
 
 _SINCE_START = ("fed", "on_deck", "lost", "escaped", "deepest", "crossings")
 
 
 class MaterialBook:
-    """Totals since t = 0; filled at output times, on rank 0.  The ``feed`` is saved with the
-    particles that it feeds."""
+    """The totals since t = 0, which are updated at output times on rank 0.
+
+    The state of the ``feed`` is saved with the particles that it feeds.
+    """
 
     def __init__(self, feed: Feeds, exits: tuple[ExitPlan, ...], monitor: MaterialMonitor) -> None:
         self.feed, self.exits, self._monitor = feed, exits, monitor
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
-        self.escaped = Amount()  # of those through exits
+        self.escaped = Amount()  # These particles are also counted at their exits.
         self.through = [Amount() for _ in exits]
         self.deepest, self.crossings = Overlaps(), Crossings.none()
 
     def add(self, time_s: float, fed: Fed, removed: Removed, present: ParticleSnapshot) -> None:
-        """What happened since the last output time, and who is there now.  Raises SolverFailed
-        when a particle is not accounted for, or the monitor wants it."""
+        """Add the particles that were fed and removed since the last output time, and count those present.
+
+        Raises SolverFailed if a particle is not accounted for, or if the monitor stops the run.
+        """
         self.fed.add(fed)
         self.lost.add(removed, removed.exit < 0)
         self.escaped.add(removed, self._monitor.too_large(removed, self.exits))
@@ -157,22 +168,23 @@ class MaterialBook:
             self._monitor.feed(time_s, feed)
 
     def look_at_contacts(self, overlaps: Overlaps, crossings: Crossings) -> None:
-        """How deep contacts were since this was last called, and who went through the surface since
-        t = 0."""
+        """Take in the deepest overlaps since the last call, and all crossings of the surface since t = 0."""
         self.deepest, self.crossings = self.deepest.deepest(overlaps), crossings
 
     def save(self) -> Saved:
-        through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
+        """Return the totals and the monitor's state for a checkpoint."""
+        through = {str(number): as_arrays(amount) for number, amount in enumerate(self.through)}
         books = {"monitor": self._monitor.save(), "through": through}
         return save_attributes(self, *_SINCE_START) | books
 
     def restore(self, saved: Saved) -> None:
+        """Restore the totals and the monitor's state from a checkpoint."""
         restore_attributes(self, saved, *_SINCE_START)
-        self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
+        self.through = [like(amount, saved["through"][str(n)]) for n, amount in enumerate(self.through)]
         self._monitor.restore(saved["monitor"])
 
     def figures(self) -> dict[str, Any]:
-        """For ``summary.json``."""
+        """Return the totals as a table of ``summary.json``."""
         return {
             "fed": self.fed.figures(),
             "on_deck": self.on_deck.figures(),
@@ -184,7 +196,7 @@ class MaterialBook:
                 feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg} for feed in self.feed.feeds
             },
             "exits": {
-                one.name: {"product": one.product, **amount.figures()}
-                for one, amount in zip(self.exits, self.through, strict=True)
+                plan.name: {"product": plan.product, **amount.figures()}
+                for plan, amount in zip(self.exits, self.through, strict=True)
             },
         }

@@ -1,8 +1,9 @@
-"""Spheres at random places in a box, none touching another: random sequential addition.
+"""The packing of spheres at random places in a box, where none touches another.
 
-Large spheres first, in batches: each of a batch proposes a place, or the more places the fewer
-are left; who overlaps a placed sphere or an earlier proposal tries again.  Equal spheres can fill
-some 38 % of a large volume this way (Widom, B., Journal of Chemical Physics 44, 1966, 3888-3894).
+The method is random sequential addition, large spheres first, in batches.  Each sphere of a batch
+proposes a place, and several places when few spheres are left.  A sphere that overlaps a placed sphere
+or an earlier proposal tries again.  Equal spheres can fill some 38 % of a large volume in this way
+(Widom, B., Journal of Chemical Physics 44, 1966, 3888-3894).
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.ports.plans import ParticleList
 
-ROUNDS = 200  # of proposals before a block's box counts as full
-SIZE_RATIO = 2.0  # largest to smallest radius in a batch, so that searches stay short
+ROUNDS = 200  # A block's box counts as full after so many rounds of proposals.
+SIZE_RATIO = 2.0  # The ratio of radii in a batch is at most this, so that searches stay short.
 
 
 def place_block(block: Block, density_kg_per_m3: float, material: int) -> ParticleList:
-    """The spheres of a block, wholly inside its box, sorted from large to small; all in the axes of
-    the box.  The same seed gives the same particles.
+    """Return the spheres of a block, completely inside its box, from large to small.
 
-    Raises ValueError if the box has no room for them.
+    Positions and velocities are in the axes of the box.  The same seed gives the same particles.
+    Raises ValueError if the box has no room for all spheres.
     """
     generator = np.random.default_rng(block.seed)
     box_m = np.array(block.box_m)
@@ -47,9 +48,9 @@ def place_block(block: Block, density_kg_per_m3: float, material: int) -> Partic
 def find_places(
     radius_m: Array, box_m: Array, generator: np.random.Generator, rounds: int
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
-    """Centres (n, 3) of spheres inside the box, and which of them found a place, (n,).
+    """Return the centres (n, 3) of spheres inside the box, and whether each one found a place (n,).
 
-    Where the box is thinner than a sphere, the centre is in its middle.
+    Where the box is thinner than a sphere, the centre lies in the middle of the box.
     """
     center_m = np.tile(box_m.mean(axis=0), (len(radius_m), 1))
     room_m = np.maximum((box_m[1] - box_m[0]) / 2.0 - radius_m[:, None], 0.0)
@@ -74,7 +75,7 @@ def find_places(
 
 
 def _batches(radius_m: Array) -> list[Indices]:
-    """Return the rows of spheres of similar radius in batches, large spheres first."""
+    """Return batches of rows; each batch has spheres of similar radius, and the largest come first."""
     if not len(radius_m):
         return []
     number = np.floor(np.log(radius_m.max() / radius_m) / np.log(SIZE_RATIO))
@@ -82,16 +83,16 @@ def _batches(radius_m: Array) -> list[Indices]:
 
 
 def _earlier_overlap(center_m: Array, radius_m: Array) -> npt.NDArray[np.bool_]:
-    """Return which spheres overlap a sphere in an earlier row."""
+    """Return whether each sphere overlaps a sphere in an earlier row, (n,)."""
     from scipy.spatial import cKDTree
 
-    found = np.zeros(len(radius_m), dtype=bool)
+    overlapping = np.zeros(len(radius_m), dtype=bool)
     if len(radius_m) < 2:
-        return found
+        return overlapping
     i, j = cKDTree(center_m).query_pairs(2.0 * radius_m.max(), output_type="ndarray").T
     gap_m = np.linalg.norm(center_m[i] - center_m[j], axis=1) - radius_m[i] - radius_m[j]
-    found[np.maximum(i, j)[gap_m < 0.0]] = True
-    return found
+    overlapping[np.maximum(i, j)[gap_m < 0.0]] = True
+    return overlapping
 
 
 def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Array) -> Indices:
@@ -100,16 +101,16 @@ def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Arr
 
     if not len(radii_m):
         return np.empty(0, dtype=np.int64)
-    found = cKDTree(center_m).sparse_distance_matrix(
+    pairs = cKDTree(center_m).sparse_distance_matrix(
         cKDTree(others_m), radius_m.max() + radii_m.max(), output_type="ndarray"
     )
-    return np.asarray(found["i"][found["v"] < radius_m[found["i"]] + radii_m[found["j"]]])
+    return np.asarray(pairs["i"][pairs["v"] < radius_m[pairs["i"]] + radii_m[pairs["j"]]])
 
 
 def equal_particles(
     position_m: Array, velocity_m_per_s: Array, diameter_m: Array, density_kg_per_m3: float, material: int
 ) -> ParticleList:
-    """Return particles of one material that do not spin and share one velocity (3,)."""
+    """Return particles of one material that do not spin and have the same velocity (3,)."""
     count = len(diameter_m)
     return ParticleList(
         position_m,
@@ -127,6 +128,6 @@ def no_particles() -> ParticleList:
 
 
 def concatenate(lists: Sequence[ParticleList]) -> ParticleList:
-    """Return the particles of one or more lists as one list, in order."""
+    """Return the particles of at least one list as a single list, in order."""
     columns = (field.name for field in fields(ParticleList))
-    return ParticleList(*(np.concatenate([getattr(one, name) for one in lists]) for name in columns))
+    return ParticleList(*(np.concatenate([getattr(part, name) for part in lists]) for name in columns))

@@ -1,5 +1,7 @@
-"""Size distributions of spheres, by mass: what a block or a feed is made of, and diameters drawn
-from it.  Sizes are given as classes or as a cumulative curve, without what is finer than wanted."""
+"""The size distributions of spheres, by mass: the classes of a block or feed, and diameters drawn from them.
+
+A case gives sizes as classes or as a cumulative curve, and the smallest size that it wants to compute.
+"""
 
 from __future__ import annotations
 
@@ -12,31 +14,31 @@ from orchestrator.case.tables.bed import Filling, PassingPoint, SizeClass
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_volume_m3
 
-FINEST_STEP = 1.2  # ratio of the limits of the classes that a curve is cut into, at most
+FINEST_STEP = 1.2  # A curve is cut into classes whose limits have at most this ratio.
 
 
 def classes(source: Filling) -> tuple[SizeClass, ...]:
-    """The classes that are fed; their shares add up to 1.  For a source without faults."""
-    kept = _kept(source)
-    total = sum(row.mass_fraction for row in kept)
-    return tuple(row.times(1.0 / total, "mass_fraction") for row in kept)
+    """Return the classes of a source without faults that are computed; their shares add up to 1."""
+    rows = _computed_classes(source)
+    total = sum(row.mass_fraction for row in rows)
+    return tuple(row.times(1.0 / total, "mass_fraction") for row in rows)
 
 
 def share_left_out(source: Filling) -> float:
     """Return the share of the mass that is left out because it is finer than ``smallest_fed_m``."""
     if source.smallest_fed_m is None or source.finer == "next-class":
         return 0.0
-    return max(0.0, 1.0 - sum(row.mass_fraction for row in _kept(source)))
+    return max(0.0, 1.0 - sum(row.mass_fraction for row in _computed_classes(source)))
 
 
 def finer_share(source: Filling) -> float:
     """Return the share of the mass that is finer than ``smallest_fed_m``."""
     limit_m = source.smallest_fed_m or 0.0
-    return sum(row.mass_fraction * (1.0 - _coarser(row, limit_m)) for row in _given(source))
+    return sum(row.mass_fraction * (1.0 - _coarser_share(row, limit_m)) for row in _given_classes(source))
 
 
 def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
-    """Yield for each fault of a source its key, a description and a remedy."""
+    """Yield the key, a description and a remedy of each fault of a source."""
     if bool(source.sizes) == bool(source.curve):
         key = "curve" if source.sizes else "sizes"
         yield key, "contradicts sizes" if source.sizes else "missing", "give sizes or a curve"
@@ -50,6 +52,7 @@ def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
 
 
 def _faults_of_curve(points: Sequence[PassingPoint]) -> Iterator[tuple[str, str, str]]:
+    """Yield the key, a description and a remedy of each fault of a cumulative curve."""
     diameter_m = [point.diameter_m for point in points]
     passing = [point.passing for point in points]
     if len(points) < 2 or not (np.diff(diameter_m) > 0).all() or not (np.diff(passing) >= 0).all():
@@ -59,8 +62,8 @@ def _faults_of_curve(points: Sequence[PassingPoint]) -> Iterator[tuple[str, str,
         yield "curve", what, "begin with a diameter that nothing passes, end with the largest"
 
 
-def _given(source: Filling) -> list[SizeClass]:
-    """Return the size classes as given, or the classes that the curve amounts to."""
+def _given_classes(source: Filling) -> list[SizeClass]:
+    """Return the size classes as the source gives them, or narrow classes along its curve."""
     if source.sizes:
         return list(source.sizes)
     return [
@@ -72,7 +75,7 @@ def _given(source: Filling) -> list[SizeClass]:
 
 
 def _segment(fine_m: float, coarse_m: float, share: float) -> list[SizeClass]:
-    """Narrow classes along a straight piece of the curve: their mass is spread evenly in d."""
+    """Return narrow classes along a straight piece of the curve, whose mass is spread evenly over d."""
     count = max(1, int(np.ceil(np.log(coarse_m / fine_m) / np.log(FINEST_STEP))))
     limits_m = np.geomspace(fine_m, coarse_m, count + 1)
     shares = share * np.diff(limits_m) / (coarse_m - fine_m)
@@ -87,23 +90,26 @@ def size_class(smallest_m: float, largest_m: float, mass_fraction: float) -> Siz
     )
 
 
-def _kept(source: Filling) -> list[SizeClass]:
-    """The classes without what is too fine, which the finest one takes over where that is wanted."""
+def _computed_classes(source: Filling) -> list[SizeClass]:
+    """Return the classes without particles finer than ``smallest_fed_m``.
+
+    If the source wants it (``finer``), the finest class takes over the mass of these particles.
+    """
     limit_m = source.smallest_fed_m or 0.0
-    kept = [
+    rows = [
         size_class(max(row.smallest_m, limit_m), row.largest_m, row.mass_fraction * coarser)
-        for row in _given(source)
-        if (coarser := _coarser(row, limit_m)) > 0
+        for row in _given_classes(source)
+        if (coarser := _coarser_share(row, limit_m)) > 0
     ]
-    if source.finer == "next-class" and kept:
-        first = min(range(len(kept)), key=lambda k: kept[k].smallest_m)
-        more = kept[first].mass_fraction + finer_share(source)
-        kept[first] = kept[first].model_copy(update={"mass_fraction": more})
-    return kept
+    if source.finer == "next-class" and rows:
+        first = min(range(len(rows)), key=lambda k: rows[k].smallest_m)
+        more = rows[first].mass_fraction + finer_share(source)
+        rows[first] = rows[first].model_copy(update={"mass_fraction": more})
+    return rows
 
 
-def _coarser(row: SizeClass, limit_m: float) -> float:
-    """Share of a class's mass that is coarser: diameters are evenly spread by number."""
+def _coarser_share(row: SizeClass, limit_m: float) -> float:
+    """Return the share of a class's mass above a limit; its diameters are evenly spread by number."""
     if limit_m <= row.smallest_m:
         return 1.0
     if limit_m >= row.largest_m:
@@ -113,8 +119,10 @@ def _coarser(row: SizeClass, limit_m: float) -> float:
 
 
 def shares(sizes: Sequence[SizeClass]) -> Array:
-    """Mass share of each class, (classes,).  Raises ValueError for limits that are not
-    smallest <= largest and for shares that do not add up to 1."""
+    """Return the mass share of each class, (classes,).
+
+    Raises ValueError if a smallest diameter exceeds the largest, or if the shares do not add up to 1.
+    """
     for row in sizes:
         if row.smallest_m > row.largest_m:
             raise ValueError(f"size class from {row.smallest_m} to {row.largest_m} m")
@@ -132,8 +140,11 @@ def mean_cube_m3(sizes: Sequence[SizeClass]) -> Array:
 
 
 def counts(sizes: Sequence[SizeClass], total: int) -> Indices:
-    """How many of ``total`` particles each class gets, (classes,): as near to its share of the
-    mass as whole numbers allow (largest remainders)."""
+    """Return the number of particles in each class, (classes,), which add up to ``total``.
+
+    The numbers are as near to the classes' shares of the mass as whole numbers allow (method of the
+    largest remainders).
+    """
     number = shares(sizes) / mean_cube_m3(sizes)
     wanted = total * number / number.sum()
     given: Indices = np.floor(wanted).astype(np.int64)
@@ -148,6 +159,9 @@ def diameters_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Gen
 
 
 def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:
-    """The mean mass of a particle: a class with mass share p has p / (its mean mass) of the number."""
+    """Return the mean mass of a particle.
+
+    The number of particles in a class is proportional to (its mass share) / (its mean mass).
+    """
     each_kg = density_kg_per_m3 * sphere_volume_m3(1.0) * mean_cube_m3(sizes)
     return float(1.0 / np.sum(shares(sizes) / each_kg))

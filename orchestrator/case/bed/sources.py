@@ -1,4 +1,4 @@
-"""From ``[bed]`` to particles at t = 0 and to the feed, in world axes."""
+"""The particles at t = 0 and the feed that the table ``[bed]`` describes, in world axes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from orchestrator.ports.plans import ParticleList
 
 
 class NoRoom(Exception):
-    """A block's box is too small for its particles; ``block`` is its name."""
+    """An error for a block whose box is too small for its particles; ``block`` is the block's name."""
 
     def __init__(self, block: str, why: str) -> None:
         super().__init__(why)
@@ -27,12 +27,16 @@ class NoRoom(Exception):
 
 
 def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
-    """Return single particles, then blocks; ``numbers`` are the materials' numbers.  Raises NoRoom."""
+    """Return the single particles, then the blocks' particles.  Raises NoRoom.
+
+    ``numbers`` are the materials' numbers, by name.
+    """
     blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
     return concatenate([_single_particles(case, numbers), *blocks])
 
 
 def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
+    """Return the single particles of the case, in world axes."""
     rows = tuple(case.bed.particles.values())
     materials = [case.materials[row.material] for row in rows]
     return ParticleList(
@@ -46,6 +50,7 @@ def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
 
 
 def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
+    """Return a vector of each particle, such as its position, in world axes, (n, 3)."""
     given = [getattr(row, name) for row in rows]
     in_deck = np.array([row.axes == "deck" for row in rows], dtype=bool)
     vectors = np.array(given, dtype=float).reshape(-1, 3)
@@ -53,7 +58,7 @@ def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
 
 
 def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleList:
-    """Return the particles of one block.  Raises NoRoom."""
+    """Return the particles of the block ``name``, in world axes.  Raises NoRoom."""
     row = case.bed.blocks[name]
     try:
         density_kg_per_m3 = case.materials[row.material].density_kg_per_m3
@@ -97,7 +102,7 @@ def batch_s(case: Case) -> float:
 
 
 def combine_feeds(case: Case, numbers: dict[str, int], first: ParticleList) -> Feeds | None:
-    """Return all feeds as one, beside the particles of t = 0; None without feeds."""
+    """Return all feeds as one feed, which also records the ``first`` particles; None without feeds."""
     if not case.bed.feeds:
         return None
     every = round(batch_s(case) / case.coupling.sync_interval_s)

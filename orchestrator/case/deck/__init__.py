@@ -1,1 +1,1 @@
-"""Where panels, openings and triangles are."""
+"""The geometry of the deck: its panels, openings, rigid surfaces and triangles."""

@@ -1,4 +1,4 @@
-"""The deck seen from the side: a line of panels, with a station along it and heights over it."""
+"""The deck seen from the side: a line of panels, with stations along it and heights above it."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ import numpy.typing as npt
 from orchestrator.ports import Array
 
 UP = np.array([0.0, 0.0, 1.0])
-LARGEST_OVERLAP = 0.2  # of the shortest panel: clamps may overlap a little, decks do wholly
+LARGEST_OVERLAP = 0.2  # Clamps overlap by less than this share of the shortest panel; stacked decks by more.
 
 
 @dataclass(frozen=True)
 class DeckLine:
-    """Panels one behind the other, as they lie at t = 0.
+    """A line of panels one behind the other, as they lie at t = 0.
 
-    ``panels``: their order along the deck and whether each centre line runs along it;
-    ``along`` (3,) the horizontal direction of flow; ``over_m`` (points,) places along it at t = 0,
-    rising, ``level_m`` (points,) the height there, and ``station_m`` (points,) the distance along
-    the deck, 0 at its first point.
+    ``panels`` lists the panels' numbers in their order along the deck, and whether each centre line
+    runs in this direction.  ``along`` (3,) is the horizontal direction of flow.  ``over_m`` (points,)
+    are rising places along it, and ``level_m`` (points,) the heights there.  ``station_m`` (points,)
+    is the distance along the deck, which is 0 at its first point.
     """
 
     panels: tuple[tuple[int, bool], ...]
@@ -33,15 +33,15 @@ class DeckLine:
 
     @property
     def length_m(self) -> float:
-        """From the first panel's first point to the last one's last, along the deck."""
+        """The length along the deck from the first point of its line to the last point."""
         return float(self.station_m[-1])
 
 
 def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
-    """The line of a deck, from the panels' centre lines (points, 3) at t = 0.
+    """Return the line of a deck, given the panels' centre lines (points, 3) at t = 0.
 
-    None where panels do not follow one another when seen from above: decks above each other,
-    a panel that stands upright, no panel at all.
+    Returns None unless the panels follow one another when seen from above.  This is the case for decks
+    above each other, for a panel that stands upright, and without panels.
     """
     if not centre_lines:
         return None
@@ -63,13 +63,15 @@ def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
 
 
 def join_lines(panels: tuple[tuple[int, bool], ...], lines: Sequence[Any]) -> Any:
-    """One line from all panels' centre lines (arrays with a row for each point), in the order of
-    ``DeckLine.panels``."""
+    """Join the panels' lines, arrays with a row for each point, in the order of ``DeckLine.panels``."""
     return np.concatenate([lines[i] if forth else lines[i][::-1] for i, forth in panels])
 
 
 def _flow(centre_lines: Sequence[Array], middles: list[Array]) -> Array | None:
-    """Horizontal unit vector along which the panels follow one another, downhill if they slope."""
+    """Return the horizontal unit vector along which the panels follow one another, downhill if they slope.
+
+    Returns None for a panel that stands upright.
+    """
     if len(middles) > 1:
         spread = np.array(middles) - np.mean(middles, axis=0)
         chord = np.linalg.svd(spread[:, :2])[2][0]
@@ -81,18 +83,18 @@ def _flow(centre_lines: Sequence[Array], middles: list[Array]) -> Array | None:
         return None
     along = np.asarray(chord / size)
     first, last = centre_lines[0][0], centre_lines[-1][-1]
-    down = (last - first) @ along * -(last - first)[2]  # > 0: towards ``along`` is downhill
+    down = (last - first) @ along * -(last - first)[2]  # This is positive if ``along`` points downhill.
     ahead = (last - first) @ along if abs((last - first)[2]) < 1e-9 else down
     return along if ahead > 0 else -along
 
 
 @dataclass(frozen=True)
-class Over:
-    """Points seen from the deck as it is at one moment.
+class DeckPlaces:
+    """The places of points relative to the deck at one moment.
 
-    ``station_m`` (n,) in the panels' material, ``height_m`` (n,) normal to the surface, negative
-    below; ``rise_m_per_s`` (n,) the surface's own speed along its normal; ``inside`` (n,) whether
-    the point is between the deck's two ends.
+    ``station_m`` (n,) is the station in the panels' material.  ``height_m`` (n,) is measured normal to
+    the surface and is negative below it.  ``rise_m_per_s`` (n,) is the surface's own speed along its
+    normal.  ``inside`` (n,) says whether the point is between the deck's two ends.
     """
 
     station_m: Array
@@ -101,9 +103,13 @@ class Over:
     inside: npt.NDArray[np.bool_]
 
 
-def over(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: Array) -> Over:
-    """``line_m``, ``velocity_m_per_s`` (points, 3): the joined line now; ``position_m`` (n, 3)."""
-    u = np.maximum.accumulate(line_m @ deck.along)  # where a panel folds, its upper part counts
+def locate(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: Array) -> DeckPlaces:
+    """Return the places of points (n, 3) relative to the deck.
+
+    ``line_m`` and ``velocity_m_per_s`` (points, 3) are the present positions and velocities of the
+    joined line.
+    """
+    u = np.maximum.accumulate(line_m @ deck.along)  # Where a panel folds, its upper part counts.
     z = line_m[:, 2]
     at = position_m @ deck.along
     piece = np.clip(np.searchsorted(u, at) - 1, 0, len(u) - 2)
@@ -112,7 +118,7 @@ def over(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: Arr
     sine = climb / np.maximum(np.hypot(run, climb), 1e-12)
     speed_u = np.interp(at, u, velocity_m_per_s @ deck.along)
     speed_z = np.interp(at, u, velocity_m_per_s[:, 2])
-    return Over(
+    return DeckPlaces(
         np.interp(at, u, deck.station_m),
         (position_m[:, 2] - np.interp(at, u, z)) * cosine,
         speed_z * cosine - speed_u * sine,

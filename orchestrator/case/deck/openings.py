@@ -1,4 +1,4 @@
-"""The openings of a case: where they are, and what they let through."""
+"""The openings of a case: their places, and the particles that can pass them."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ def openings_m(case: Case) -> Array:
 
 
 def _centres_m(panel: SinglePanel) -> Array:
+    """Return the centres of the openings of a panel (n, 3), in the world."""
     if panel.apertures is None:
         return np.empty((0, 3))
     at = panel.rectangle
@@ -35,11 +36,11 @@ def smaller_sides_m(case: Case) -> Iterator[float]:
 
 
 def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
-    """Chance that a sphere falling straight down somewhere on the pattern touches nothing.
+    """Return the probability that a sphere which falls straight onto the pattern touches nothing.
 
-    (a - d)(b - d) / (pitch_along pitch_across) for rectangles a x b, the single-attempt
+    For rectangles a x b it is  (a - d)(b - d) / (pitch_along pitch_across),  the single-attempt
     probability of Gaudin (Principles of Mineral Dressing, 1939) and Taggart (Handbook of Mineral
-    Dressing, 1945); for a slot its area shrunk by half a diameter all around, likewise.
+    Dressing, 1945).  A slot counts with its area, shrunk by half a diameter all around.
     """
     a, b = apertures.length_m - diameter_m, apertures.width_m - diameter_m
     if min(a, b) <= 0.0:
@@ -49,7 +50,7 @@ def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
 
 
 def openings(case: Case) -> Iterator[str]:
-    """Lines about panels with openings, equal ones together, and what these let through."""
+    """Yield lines that describe the openings and the particles that pass them; equal panels share lines."""
     limits_m = [*smallest_diameters_m(case).values(), *largest_diameters_m(case).values()]
     for panel, *others in perforated_panels(case):
         pattern = panel.apertures
@@ -61,6 +62,7 @@ def openings(case: Case) -> Iterator[str]:
 
 
 def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
+    """Return a description of the openings of a panel."""
     count = len(pattern.centres_m(rectangle))
     free_m2 = rectangle.length_m * rectangle.width_m
     lands = (pattern.pitch_along_m - pattern.length_m, pattern.pitch_across_m - pattern.width_m)
@@ -72,13 +74,14 @@ def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
     )
 
 
-def _passing(pattern: AperturePattern, low: float, high: float) -> str:
+def _passing(pattern: AperturePattern, smallest_m: float, largest_m: float) -> str:
+    """Return a description of the particles that can pass the openings."""
     limit_m = min(pattern.length_m, pattern.width_m)
-    span = f"particles of {low * 1e3:.3g} to {high * 1e3:.3g} mm"
-    if low >= limit_m:
+    span = f"particles of {smallest_m * 1e3:.3g} to {largest_m * 1e3:.3g} mm"
+    if smallest_m >= limit_m:
         return f"none of the {span} can pass"
-    who = "all" if high < limit_m else f"those below {limit_m * 1e3:g} mm"
+    who = "all" if largest_m < limit_m else f"those below {limit_m * 1e3:g} mm"
     return (
         f"of the {span} {who} can pass; falling straight onto the pattern, the smallest does so "
-        f"untouched with probability {straight_passing(pattern, low):.2g}"
+        f"untouched with probability {straight_passing(pattern, smallest_m):.2g}"
     )

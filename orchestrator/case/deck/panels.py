@@ -1,5 +1,7 @@
-"""From the case's deck axes to the world: panels, the beams below them, rigid surfaces, and the
-time that material stays on the deck."""
+"""The deck's parts in world axes: panels, the stops below them and rigid surfaces.
+
+The module also estimates the time that material stays on the deck.
+"""
 
 from __future__ import annotations
 
@@ -21,20 +23,23 @@ from orchestrator.ports.plans import StopPlan
 
 
 def axes(case: Case) -> Array:
-    """Return (3, 3), whose columns are the deck axes in the world; x slopes down by the inclination."""
+    """Return the deck axes in the world as the columns of (3, 3); x slopes down by the inclination."""
     angle = math.radians(case.screen.inclination_deg)
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
 def to_world(case: Case, vectors: Sequence[float] | Sequence[Sequence[float]] | Array) -> Array:
-    """Turn vectors in deck axes, (3,) or (n, 3), into world axes.  Both have the same origin."""
+    """Turn vectors, (3,) or (n, 3), from deck axes to world axes; both have the same origin."""
     return np.asarray(np.asarray(vectors, dtype=float) @ axes(case).T)
 
 
 @dataclass(frozen=True)
 class SinglePanel:
-    """One panel of a row (``table_name``): its own name, frames, place and openings."""
+    """One panel with its own name, frames, place and openings.
+
+    The case describes it in the row ``table`` with the name ``table_name``.
+    """
 
     name: str
     table_name: str
@@ -61,7 +66,7 @@ def single_panels(case: Case) -> tuple[SinglePanel, ...]:
 
 
 def perforated_panels(case: Case) -> list[tuple[SinglePanel, ...]]:
-    """The panels that have openings, equal ones together, in the order of the case."""
+    """Return the panels that have openings as groups of equal panels, in the order of the case."""
     alike: dict[object, list[SinglePanel]] = {}
     for panel in single_panels(case):
         if panel.apertures is not None:
@@ -76,14 +81,15 @@ def span_m(panel: PanelTable) -> float:
     return panel.span_m if panel.span_m is not None else panel.length_m + (panel.tension_m or 0.0)
 
 
-def unit(vector: Sequence[float] | Array) -> Array:
+def unit_vector(vector: Sequence[float] | Array) -> Array:
     """Return the unit vector in the direction of a vector that is not zero."""
     array = np.asarray(vector, dtype=float)
     return np.asarray(array / np.linalg.norm(array))
 
 
 def _rectangle(case: Case, row: PanelTable, number: int) -> Rectangle:
-    along, across = unit(row.along), unit(row.across)
+    """Return the place, in the world, of a panel with this number in its row."""
+    along, across = unit_vector(row.along), unit_vector(row.across)
     corner = np.asarray(row.corner_m) + number * (row.pitch_m or 0.0) * along
     return Rectangle(
         corner_m=to_world(case, corner),
@@ -108,18 +114,21 @@ class Wall:
 
 
 def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
-    """The rigid surfaces of the case: plates, and files in its folder.  Raises stl.UnreadableStl."""
-    found = []
+    """Return the rigid surfaces of the case: plates, and STL files in its ``folder``.
+
+    Surfaces outside of a slice are left out.  Raises stl.UnreadableStl.
+    """
+    surfaces = []
     for name, surface in case.screen.surfaces.items():
         corners_m, triangles = cut_surface(case, *_triangles(surface, folder))
         position_m = to_world(case, corners_m)
         if len(triangles):
-            found.append(Wall(name, surface.frame, surface.material, position_m, triangles))
-    return tuple(found)
+            surfaces.append(Wall(name, surface.frame, surface.material, position_m, triangles))
+    return tuple(surfaces)
 
 
 def _triangles(surface: Surface, folder: Path) -> tuple[Array, Indices]:
-    """Corners (n, 3) in deck axes and triangles (m, 3)."""
+    """Return the corners (n, 3) of a surface, in deck axes, and its triangles (m, 3)."""
     if surface.stl is not None:
         facets = stl.read(folder, surface.stl)
         return facets.position_m, facets.triangles
@@ -133,7 +142,7 @@ def plate_corners_m(surface: Surface) -> Array:
 
 
 USUAL, MOST = 0.1, 1.0
-"""k dt^2 / m of a layer of stiffness k under a mass m per area; beyond 4 it is unstable."""
+"""Values of k dt^2 / m for a layer of stiffness k under a mass m per area; above 4 it is unstable."""
 
 
 def planned_stops(case: Case, panel: SinglePanel) -> tuple[StopPlan, ...]:
@@ -142,18 +151,19 @@ def planned_stops(case: Case, panel: SinglePanel) -> tuple[StopPlan, ...]:
 
 
 def stiffest_Pa_per_m(case: Case, panel: SinglePanel) -> float:
-    """The stiffest layer of a stop that the sync interval allows."""
+    """Return the largest stiffness of a stop's layer that the sync interval allows."""
     return MOST * areal_mass_kg_per_m2(case, panel) / case.coupling.sync_interval_s**2
 
 
 def areal_mass_kg_per_m2(case: Case, panel: SinglePanel) -> float:
-    """Mass of the panel per area, openings and all."""
+    """Return the panel's mass over its area; the area includes the openings."""
     solid = 1.0 if panel.apertures is None else panel.apertures.material_share(panel.rectangle)
     density_kg_per_m3 = case.materials[panel.table.material].density_kg_per_m3
     return density_kg_per_m3 * panel.table.thickness_m * solid
 
 
 def _stop(case: Case, panel: SinglePanel, name: str, row: Stop) -> StopPlan:
+    """Return the plan of one stop; by default, the frame of the nearer clamp carries it."""
     mass_kg_per_m2 = areal_mass_kg_per_m2(case, panel)
     stiffness_Pa_per_m = row.stiffness_Pa_per_m or USUAL / MOST * stiffest_Pa_per_m(case, panel)
     nearer = (row.from_m + row.to_m) / 2 > panel.table.length_m / 2
@@ -169,8 +179,8 @@ def _stop(case: Case, panel: SinglePanel, name: str, row: Stop) -> StopPlan:
 
 
 TRANSPORT_M_PER_S = 0.34
-"""Speed of the material: 40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al.,
-Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particles."""
+"""Speed of the material: 40 kg/s in a layer of 175 mm on a width of 0.8 m, with 850 kg/m3 in bulk (Xu et
+al., Minerals 14, 2024, 278).  Thin layers are faster, and fewer particles are then on the deck."""
 
 
 def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_PER_S) -> float:

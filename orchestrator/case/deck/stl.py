@@ -1,7 +1,8 @@
-"""Reading STL files, binary or text.
+"""A reader of STL files, binary or text.
 
-A text is read strictly: libraries skip what they do not know, and differ by version in what they
-say of a file that holds nothing."""
+It reads text strictly.  Libraries skip lines that they do not know, and their answers about an empty
+file depend on the version.
+"""
 
 from __future__ import annotations
 
@@ -15,21 +16,24 @@ import numpy as np
 from orchestrator.case.file.layers import is_outside
 from orchestrator.ports import Array, Indices
 
-LARGEST_BYTES = 200_000_000  # four million triangles
-BINARY_HEAD = struct.Struct("<80xI")  # words, then the number of triangles
+LARGEST_BYTES = 200_000_000  # So many bytes are four million triangles.
+BINARY_HEAD = struct.Struct("<80xI")  # The head has 80 characters of text and the number of triangles.
 BINARY_TRIANGLE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-WORDS_BETWEEN = (b"outer", b"endloop")  # of a text, around the three corners of each facet
-TAIL_BYTES = 400  # of a text, with room for the solid's name after its last word
+WORDS_BETWEEN = (b"outer", b"endloop")  # In a text these stand around the corners of each facet.
+TAIL_BYTES = 400  # The end of a text has room for the solid's name after its last word.
 
 
 class UnreadableStl(Exception):
-    """The file is missing, empty or no STL; the message says which."""
+    """An error for a file that is missing, empty or no STL file; the message says which."""
 
 
 @dataclass(frozen=True)
 class Facets:
-    """``position_m`` (n, 3) each corner once, ``triangles`` (m, 3), ``normal`` (m, 3) as the
-    file states them (zero where it states none)."""
+    """The content of an STL file.
+
+    ``position_m`` (n, 3) has each corner once, and ``triangles`` (m, 3) has numbers of corners.
+    ``normal`` (m, 3) has the normals that the file states; they are zero where it states none.
+    """
 
     position_m: Array
     triangles: Indices
@@ -37,7 +41,7 @@ class Facets:
 
 
 def read(folder: Path, name: str) -> Facets:
-    """The file of this name in the case's ``folder``.  Raises UnreadableStl."""
+    """Read the STL file of this name in the case's ``folder``.  Raises UnreadableStl."""
     file = find_file(folder, name)
     try:
         if _is_binary(file):
@@ -56,15 +60,18 @@ def read(folder: Path, name: str) -> Facets:
 
 
 def _binary(file: Path) -> tuple[Array, Array]:
-    """Normal (n, 3) and corners (3 n, 3) of each triangle."""
+    """Read the normals (n, 3) and the corners (3 n, 3) of all triangles in a binary file."""
     triangles = np.fromfile(file, dtype=BINARY_TRIANGLE, offset=BINARY_HEAD.size)
     return triangles["normal"].astype(float), triangles["corners"].reshape(-1, 3).astype(float)
 
 
 def _text(file: Path) -> tuple[Array, Array]:
-    """The same of a text.  Raises UnreadableStl with the first line that has no place in an STL."""
+    """Read the normals (n, 3) and the corners (3 n, 3) of all triangles in a text file.
+
+    Raises UnreadableStl, which names the first line that does not belong into an STL file.
+    """
     normal, corner_m = array("d"), array("d")
-    inside = False  # a solid
+    inside = False  # This is true between the words solid and endsolid.
     with file.open("rb") as lines:
         for number, line in enumerate(lines, start=1):
             words = line.split()
@@ -81,28 +88,28 @@ def _text(file: Path) -> tuple[Array, Array]:
                 elif word and not (word in WORDS_BETWEEN and inside):
                     raise ValueError
             except (ValueError, IndexError):
-                said = line[:80].decode(errors="replace").strip()
-                raise UnreadableStl(f"is no STL file (line {number}: {said!r})") from None
+                shown = line[:80].decode(errors="replace").strip()
+                raise UnreadableStl(f"is no STL file (line {number}: {shown!r})") from None
     if len(corner_m) != 3 * len(normal):
         raise UnreadableStl("is no STL file (its last triangle lacks a corner)")
     return np.array(normal).reshape(-1, 3), np.array(corner_m).reshape(-1, 3)
 
 
 def _three_numbers(words: list[bytes]) -> list[float]:
-    """The numbers that three words stand for.  Raises ValueError."""
+    """Return the numbers that three words stand for.  Raises ValueError."""
     x, y, z = words
     return [float(x), float(y), float(z)]
 
 
 def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
-    """Positions in the order in which they first appear, and the triangles' corners among them."""
+    """Return each position (n, 3) once, in the order of its first appearance, and the triangles (m, 3)."""
     _, first, which = np.unique(corner_m, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
     return corner_m[first[order]], np.argsort(order)[which].reshape(-1, 3).astype(np.int64)
 
 
 def find_file(folder: Path, name: str) -> Path:
-    """A file that is really in ``folder``.  Raises UnreadableStl."""
+    """Return the path of a file that lies in ``folder`` and is not too large.  Raises UnreadableStl."""
     file = folder / name
     try:
         if not file.is_file():
@@ -111,14 +118,16 @@ def find_file(folder: Path, name: str) -> Path:
             raise UnreadableStl("is outside of the case's folder: copy it there")
         if file.stat().st_size > LARGEST_BYTES:
             raise UnreadableStl(f"is larger than {LARGEST_BYTES} bytes")
-    except (OSError, ValueError):  # a name that is too long, or has a NUL
+    except (OSError, ValueError):  # The name is too long, or it contains a NUL.
         raise UnreadableStl("is no name of a file") from None
     return file
 
 
 def _is_binary(file: Path) -> bool:
-    """Whether the file is as long as the number of triangles in its head says.  Text may begin
-    with anything, and binary files with "solid"."""
+    """Return whether the file is as long as the number of triangles in its head requires.
+
+    The first words do not decide it: text may begin with anything, and binary files with "solid".
+    """
     with file.open("rb") as opened:
         head = opened.read(BINARY_HEAD.size)
     if len(head) < BINARY_HEAD.size:
@@ -129,7 +138,7 @@ def _is_binary(file: Path) -> bool:
 
 
 def _ends(file: Path) -> bool:
-    """Whether a text ends as it must."""
+    """Return whether a text ends with endsolid, as it must."""
     with file.open("rb") as opened:
         opened.seek(max(0, file.stat().st_size - TAIL_BYTES))
         return b"endsolid" in opened.read().lower()

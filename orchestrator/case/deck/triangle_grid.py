@@ -1,9 +1,9 @@
 """The triangles that particles touch on each panel, in material coordinates.
 
-A panel with openings is meshed by gmsh (C. Geuzaine, J.-F. Remacle, Int. J. Numer. Meth. Engng 79
-(2009) 1309-1331, doi 10.1002/nme.2579).  The openings' outlines are edges of triangles.  Between
-them stands no point that need not be there (gmsh's constrained Delaunay triangulation of the given
-points only): fewer triangles make a faster run.
+gmsh meshes panels with openings (C. Geuzaine, J.-F. Remacle, Int. J. Numer. Meth. Engng 79 (2009)
+1309-1331, doi 10.1002/nme.2579).  The openings' outlines are edges of triangles.  gmsh makes a
+constrained Delaunay triangulation of the given points and adds no others, because a run with fewer
+triangles is faster.
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ from orchestrator.ports.meshing import gmsh_session
 
 @dataclass(frozen=True)
 class TriangleGrid:
-    """Triangles over a panel, in material coordinates.
+    """The triangles over a panel, in material coordinates.
 
-    ``coordinates_m`` (n, 2), ``triangles`` (m, 3) with normals to the bed's side, and
-    ``centre_line`` the points nearest the middle of the width, in order along the panel.
+    ``coordinates_m`` (n, 2) are the points, and ``triangles`` (m, 3) have normals towards the bed.
+    ``centre_line`` has the numbers of the points nearest to the middle of the width, in their order
+    along the panel.
     """
 
     coordinates_m: Array
@@ -34,36 +35,37 @@ class TriangleGrid:
 
 
 def grid(rectangle: Rectangle, cells: tuple[int, int]) -> TriangleGrid:
-    """A regular grid of right triangles over the free length and under both clamps.
+    """Return a regular grid of right triangles over the free length and under both clamps.
 
-    The diagonals alternate, so that the panel has no preferred direction.
+    ``cells`` are the numbers of rectangles along the free length and across; each is cut into two
+    triangles.  The diagonals alternate, so that the panel has no preferred direction.
     """
     along, across = cells
     free = np.linspace(0.0, rectangle.length_m, along + 1)
-    held = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
-    s = np.concatenate([[-c for c in held], free, [rectangle.length_m + c for c in held]])
+    clamps = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
+    s = np.concatenate([[-c for c in clamps], free, [rectangle.length_m + c for c in clamps]])
     y = np.linspace(0.0, rectangle.width_m, across + 1)
     rows = len(y)
     number = np.arange(len(s) * rows).reshape(len(s), rows)
     a, b, c, d = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     even = (np.add.outer(np.arange(len(s) - 1), np.arange(across)) % 2 == 0).ravel()
-    one = np.where(even[:, None], np.column_stack([a, b, c]), np.column_stack([a, b, d]))
-    two = np.where(even[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))
+    first = np.where(even[:, None], np.column_stack([a, b, c]), np.column_stack([a, b, d]))
+    second = np.where(even[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))
     coordinates = np.column_stack([np.repeat(s, rows), np.tile(y, len(s))])
-    return TriangleGrid(coordinates, np.vstack([one, two]).astype(np.int64), number[:, rows // 2])
+    return TriangleGrid(coordinates, np.vstack([first, second]).astype(np.int64), number[:, rows // 2])
 
 
-GIVEN_POINTS_ONLY = 3  # gmsh's Mesh.Algorithm "initial mesh only"
+GIVEN_POINTS_ONLY = 3  # This value of gmsh's Mesh.Algorithm means "initial mesh only".
 SMALLEST_ANGLE_DEG = 1.0
 
 
 class BadMesh(ValueError):
-    """Triangles that are too thin, or that do not cover the panel's material."""
+    """An error for triangles that are too thin, or that do not cover the panel's material."""
 
 
 @dataclass(frozen=True)
 class Quality:
-    """``least_angle_deg`` of all triangles, ``longest_m`` edge, ``covered_m2`` by triangles."""
+    """The quality of a grid: the smallest angle, the longest edge and the area of its triangles."""
 
     least_angle_deg: float
     longest_m: float
@@ -71,30 +73,30 @@ class Quality:
 
 
 def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tuple[int, int]) -> TriangleGrid:
-    """Triangles over the material between the openings and under both clamps.
+    """Return the triangles over the material between the openings and under both clamps.
 
-    ``cells`` along the free length and across say how large triangles may be where there are no
-    openings, and how often an opening's sides are divided.  The same on every run.  The points of
-    ``centre_line`` belong to no triangle, because openings may be there.
-    Raises SolverMissing without gmsh, BadMesh for triangles that are no good.
+    ``cells``, along the free length and across, determine how large triangles may be where there are
+    no openings, and into how many pieces an opening's sides are divided.  The result is the same on
+    every call.  The points of ``centre_line`` belong to no triangle, because openings may be there.
+    Raises SolverMissing without gmsh, and BadMesh for triangles of poor quality.
     """
     size_m = min(rectangle.length_m / cells[0], rectangle.width_m / cells[1])
     a, b = rectangle.length_m, rectangle.width_m
-    border = _divided(np.array([[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]), size_m)  # anticlockwise
-    outline = _divided(apertures.outline_m(), size_m)
+    border = _divide_sides(np.array([[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]), size_m)  # anticlockwise
+    outline = _divide_sides(apertures.outline_m(), size_m)
     holes = [outline + centre for centre in apertures.centres_m(rectangle)]
     inner = _between_m(rectangle, apertures, size_m)
-    points, triangles = _triangulated([border, *holes], inner)
-    points, triangles = _with_clamps(rectangle, points, triangles)
+    points, triangles = _triangulate([border, *holes], inner)
+    points, triangles = _add_clamps(rectangle, points, triangles)
     s = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
     line = np.column_stack([s, np.full(len(s), rectangle.width_m / 2)])
-    made = TriangleGrid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
-    _inspect(made, rectangle, len(holes) * _area_m2(outline))
-    return made
+    result = TriangleGrid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
+    _inspect(result, rectangle, len(holes) * _area_m2(outline))
+    return result
 
 
 def quality(grid: TriangleGrid) -> Quality:
-    """The quality of all triangles; an area is negative where a triangle is turned over."""
+    """Return the quality of a grid; the area of a triangle that is turned over counts as negative."""
     corners = grid.coordinates_m[grid.triangles]
     sides = np.roll(corners, -1, axis=1) - corners  # (m, 3, 2)
     length_m = np.linalg.norm(sides, axis=2)
@@ -105,22 +107,23 @@ def quality(grid: TriangleGrid) -> Quality:
 
 
 def _inspect(grid: TriangleGrid, rectangle: Rectangle, open_m2: float) -> None:
-    found = quality(grid)
-    if not found.least_angle_deg >= SMALLEST_ANGLE_DEG:
+    """Check the quality of a grid over a panel with openings of this total area.  Raises BadMesh."""
+    measured = quality(grid)
+    if not measured.least_angle_deg >= SMALLEST_ANGLE_DEG:
         raise BadMesh(
-            f"a triangle between the openings has an angle of {found.least_angle_deg:.2g} deg "
+            f"a triangle between the openings has an angle of {measured.least_angle_deg:.2g} deg "
             f"(at least {SMALLEST_ANGLE_DEG:g} wanted): wider lands or more surface_cells"
         )
     whole_m2 = (rectangle.length_m + 2 * rectangle.clamp_m) * rectangle.width_m
-    if abs(found.covered_m2 - (whole_m2 - open_m2)) > 1e-9 * whole_m2:
+    if abs(measured.covered_m2 - (whole_m2 - open_m2)) > 1e-9 * whole_m2:
         raise BadMesh(
-            f"the triangles cover {found.covered_m2:.9g} m2, the material between the openings "
+            f"the triangles cover {measured.covered_m2:.9g} m2, the material between the openings "
             f"{whole_m2 - open_m2:.9g} m2"
         )
 
 
-def _divided(polygon: Array, size_m: float) -> Array:
-    """Each side in equal pieces of about ``size_m``."""
+def _divide_sides(polygon: Array, size_m: float) -> Array:
+    """Return the polygon (n, 2) with each side divided into equal pieces of about ``size_m``."""
     pieces = []
     for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         count = max(round(math.dist(start, end) / size_m), 1)
@@ -129,7 +132,10 @@ def _divided(polygon: Array, size_m: float) -> Array:
 
 
 def _between_m(rectangle: Rectangle, apertures: AperturePattern, size_m: float) -> Array:
-    """Points ``size_m`` apart inside the free length, no nearer than half of that to an opening."""
+    """Return points (n, 2) inside the free length, ``size_m`` apart.
+
+    Points that are nearer than half this distance to an opening are left out.
+    """
     along, across = (max(round(x / size_m), 1) for x in (rectangle.length_m, rectangle.width_m))
     s = np.linspace(0.0, rectangle.length_m, along + 1)[1:-1]
     y = np.linspace(0.0, rectangle.width_m, across + 1)[1:-1]
@@ -143,8 +149,11 @@ def _between_m(rectangle: Rectangle, apertures: AperturePattern, size_m: float) 
     return np.column_stack([s[i], y[j]])
 
 
-def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
-    """Points (n, 2) and triangles of the area in the first loop less the others."""
+def _triangulate(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
+    """Return points (n, 2) and triangles (m, 3) of the area inside the first loop and outside the others.
+
+    The ``inner`` points (k, 2) are corners of triangles, too.
+    """
     with gmsh_session() as gmsh:
         gmsh.option.setNumber("Mesh.Algorithm", GIVEN_POINTS_ONLY)
         model, mesh = gmsh.model.geo, gmsh.model.mesh
@@ -152,7 +161,7 @@ def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
         for loop in loops:
             points = [model.addPoint(s, y, 0.0) for s, y in loop]
             lines = [
-                model.addLine(one, two) for one, two in zip(points, [*points[1:], points[0]], strict=True)
+                model.addLine(start, end) for start, end in zip(points, [*points[1:], points[0]], strict=True)
             ]
             numbers.append(model.addCurveLoop(lines))
         area = model.addPlaneSurface(numbers)
@@ -171,7 +180,7 @@ def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
     return points, triangles.astype(np.int64)
 
 
-def _with_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tuple[Array, Indices]:
+def _add_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tuple[Array, Indices]:
     """Add the strip under each clamp: two triangles for each piece of the clamp's edge."""
     if rectangle.clamp_m == 0.0:
         return points, triangles
@@ -180,33 +189,35 @@ def _with_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tup
         on_edge = np.flatnonzero(np.abs(points[:, 0] - edge) < slack)
         near = on_edge[np.argsort(points[on_edge, 1])]
         far = np.arange(len(near)) + len(points)
-        held = points[near] + (beyond * rectangle.clamp_m, 0.0)
-        points = np.vstack([points, held])
+        outer_edge = points[near] + (beyond * rectangle.clamp_m, 0.0)
+        points = np.vstack([points, outer_edge])
         left, right = (far, near) if beyond < 0 else (near, far)
-        one = np.column_stack([left[:-1], right[:-1], right[1:]])
-        two = np.column_stack([left[:-1], right[1:], left[1:]])
-        triangles = np.vstack([triangles, one, two])
+        first = np.column_stack([left[:-1], right[:-1], right[1:]])
+        second = np.column_stack([left[:-1], right[1:], left[1:]])
+        triangles = np.vstack([triangles, first, second])
     return points, triangles
 
 
 def _area_m2(polygon: Array) -> float:
+    """Return the area of a polygon (n, 2); it is positive for anticlockwise corners."""
     after = np.roll(polygon, -1, axis=0)
     return float((polygon[:, 0] * after[:, 1] - polygon[:, 1] * after[:, 0]).sum() / 2)
 
 
 def surface_grids(case: Case) -> dict[str, TriangleGrid]:
-    """By the panel's name.  Raises SolverMissing (gmsh) and BadMesh for panels with apertures.
+    """Return the grid of each panel, by the panel's name.
 
-    Openings are resolved for particles only: without any, the surface is just looked at.
+    The grids resolve openings only if the case has particles; otherwise the surface only serves for
+    pictures.  Raises SolverMissing (without gmsh) and BadMesh for panels with openings.
     """
-    made: dict[object, TriangleGrid] = {}
+    by_shape: dict[object, TriangleGrid] = {}
     grids = {}
     for panel in single_panels(case):
         r = panel.rectangle
         apertures = panel.apertures if has_particles(case) else None
         shape = (r.length_m, r.width_m, r.clamp_m, apertures)
-        if shape not in made:
+        if shape not in by_shape:
             cells = case.panel.surface_cells
-            made[shape] = perforated_grid(r, apertures, cells) if apertures else grid(r, cells)
-        grids[panel.name] = made[shape]
+            by_shape[shape] = perforated_grid(r, apertures, cells) if apertures else grid(r, cells)
+        grids[panel.name] = by_shape[shape]
     return grids

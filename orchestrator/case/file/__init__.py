@@ -1,1 +1,1 @@
-"""From case.toml, a level and --set to one checked ``Case``."""
+"""The steps that make one checked ``Case`` of case.toml, a level and --set."""

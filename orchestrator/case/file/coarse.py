@@ -1,14 +1,14 @@
-"""The case with coarse-grained particles: each stands for k^3 of the case's, k = its
-``particles.coarse_graining``.
+"""Coarse graining: each coarse particle stands for k^3 particles, where k is ``particles.coarse_graining``.
 
-Diameters are multiplied by k, at the same density, stiffness, restitution and friction; so all
-stresses and energies per volume stay what they are, and Hertz's contacts know no size.  Adhesion
-does: its share of the energy goes with work / diameter, so works of adhesion are multiplied by k,
-too.  Bierwisch, C., Kraft, T., Riedel, H. and Moseler, M., Journal of the Mechanics and Physics of
+Diameters are multiplied by k; density, stiffness, restitution and friction stay the same.  All
+stresses and energies per volume therefore stay the same, because Hertz's contact law does not
+depend on the particles' size.  Adhesion does depend on it: its share of the energy is proportional
+to work / diameter, and so the works of adhesion are multiplied by k, too.
+Bierwisch, C., Kraft, T., Riedel, H. and Moseler, M., Journal of the Mechanics and Physics of
 Solids 57, 2009, 10-31, doi 10.1016/j.jmps.2008.10.006.
 
-A coarse particle does not pass an opening as the real ones do: only what is far larger than the
-openings may be coarse.
+A coarse particle does not pass an opening as real particles do.  Only particles that are far larger
+than the openings may therefore be coarse.
 """
 
 from __future__ import annotations
@@ -21,23 +21,27 @@ from orchestrator.case.tables.bed import Bed, Filling
 from orchestrator.case.tables.case import Case
 
 KEY: Key = ("particles", "coarse_graining")
-FAR_LARGER = 4.0  # openings: what is never held in one
+FAR_LARGER = 4.0  # An opening never holds a particle that is so many times larger.
 
 Filled = TypeVar("Filled", bound=Filling)
 
 
 def coarsen(case: Case) -> Case:
-    """The case with coarse particles, itself for k = 1.  Raises CaseError where they make no sense."""
+    """Return the case with coarse particles; for k = 1, the case itself.
+
+    Raises CaseError for single particles and for particles that may pass an opening.
+    """
     k = case.particles.coarse_graining
     if k == 1.0:
         return case
-    if found := [*_single_particles(case), *_across_openings(case)]:
-        raise CaseError(found)
+    if problems := [*_single_particles(case), *_across_openings(case)]:
+        raise CaseError(problems)
     contacts = tuple(row.times(k, "work_of_adhesion_J_per_m2") for row in case.contacts)
     return case.with_coarse({"bed": _bed(case.bed, k), "contacts": contacts})
 
 
 def _single_particles(case: Case) -> list[CaseProblem]:
+    """Return a problem if the case has single particles, which cannot be coarse."""
     if not case.bed.particles:
         return []
     first = next(iter(case.bed.particles))
@@ -46,6 +50,7 @@ def _single_particles(case: Case) -> list[CaseProblem]:
 
 
 def _across_openings(case: Case) -> list[CaseProblem]:
+    """Return a problem for each block or feed with particles that are not far larger than the openings."""
     openings_m = [
         min(panel.apertures.length_m, panel.apertures.width_m)
         for panel in case.screen.panels.values()
@@ -54,7 +59,7 @@ def _across_openings(case: Case) -> list[CaseProblem]:
     if not openings_m:
         return []
     limit_m = FAR_LARGER * max(openings_m)
-    found = []
+    problems = []
     for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
         for name, row in rows.items():
             smallest_m = _smallest_m(row)
@@ -64,26 +69,28 @@ def _across_openings(case: Case) -> list[CaseProblem]:
                     f"openings of {max(openings_m):g} m as they do"
                 )
                 hint = f"take 1; only beds of {limit_m:g} m and more may be coarse here"
-                found.append(CaseProblem(KEY, what, hint))
-    return found
+                problems.append(CaseProblem(KEY, what, hint))
+    return problems
 
 
 def _smallest_m(row: Filling) -> float:
-    """Smallest diameter that a block or feed is made of; infinite if it names none."""
-    given = [one.smallest_m for one in row.sizes] + [one.diameter_m for one in row.curve]
-    return max(min(given, default=math.inf), row.smallest_fed_m or 0.0)
+    """Return the smallest diameter of a block or feed; infinite if it gives no sizes."""
+    given_m = [size_class.smallest_m for size_class in row.sizes] + [point.diameter_m for point in row.curve]
+    return max(min(given_m, default=math.inf), row.smallest_fed_m or 0.0)
 
 
 def _bed(bed: Bed, k: float) -> Bed:
+    """Return the bed with diameters k times as large and with k^3 times fewer particles in blocks."""
     blocks = {
-        name: _scaled(row, k).model_copy(update={"count": max(1, round(row.count / k**3))})
+        name: _scale_sizes(row, k).model_copy(update={"count": max(1, round(row.count / k**3))})
         for name, row in bed.blocks.items()
     }
-    feeds = {name: _scaled(row, k) for name, row in bed.feeds.items()}
+    feeds = {name: _scale_sizes(row, k) for name, row in bed.feeds.items()}
     return bed.model_copy(update={"blocks": blocks, "feeds": feeds})
 
 
-def _scaled(row: Filled, k: float) -> Filled:
+def _scale_sizes(row: Filled, k: float) -> Filled:
+    """Return a block or feed with all sizes multiplied by k."""
     sizes = tuple(size_class.times(k, "smallest_m", "largest_m") for size_class in row.sizes)
     curve = tuple(point.times(k, "diameter_m") for point in row.curve)
     return row.times(k, "smallest_fed_m").model_copy(update={"sizes": sizes, "curve": curve})

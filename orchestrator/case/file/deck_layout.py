@@ -1,6 +1,6 @@
-"""From a deck's parameters to its panels and surfaces, in deck axes.
+"""The layout of decks: the panels and surfaces that a deck's parameters describe, in deck axes.
 
-``lay_out_decks`` replaces every deck of a case; nothing downstream knows that there were any.
+``lay_out_decks`` replaces every deck of a case, so that no later step needs to know about decks.
 """
 
 from __future__ import annotations
@@ -20,39 +20,39 @@ from orchestrator.case.tables.deck import Deck, PanelSheet
 from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array
 
-LARGEST_STRAIN = 0.1  # tension_m over length_m: a panel at work is stretched by some 0.025
+LARGEST_STRAIN = 0.1  # This limits tension_m / length_m; panels at work are stretched by some 0.025.
 ACROSS, UP = np.eye(3)[1:]
 
 
 def lay_out_decks(case: Case) -> Case:
-    """The case with its decks' panels and surfaces in the place of the decks.
+    """Return the case with panels and surfaces in place of its decks.
 
-    Raises CaseError with every problem in the decks, and with every size out of all proportion in
-    the case: those would overflow here.
+    Raises CaseError with every problem of the decks.  If the case has sizes that must be mistakes, it
+    raises CaseError with these alone, because such sizes would overflow here.
     """
     screen = case.screen
     if not screen.decks:
         return case
-    found = [*wrong_sizes(case)]
-    if not found:
-        found = [problem for name, deck in screen.decks.items() for problem in problems(name, deck)]
+    faults = [*wrong_sizes(case)]
+    if not faults:
+        faults = [problem for name, deck in screen.decks.items() for problem in problems(name, deck)]
     panels, surfaces = dict(screen.panels), dict(screen.surfaces)
-    if not found:
+    if not faults:
         for name, deck in screen.decks.items():
             beams_m = beams(deck, screen.inclination_deg)
             new_panels = dict(panels_of(name, deck, beams_m))
             new_surfaces = dict(surfaces_of(name, deck, beams_m, screen.inclination_deg))
-            for taken in (panels.keys() & new_panels) | (surfaces.keys() & new_surfaces):
-                found.append(CaseProblem(("screen", "decks", name), f'"{taken}" is there already'))
+            for twice in (panels.keys() & new_panels) | (surfaces.keys() & new_surfaces):
+                faults.append(CaseProblem(("screen", "decks", name), f'"{twice}" is there already'))
             panels, surfaces = panels | new_panels, surfaces | new_surfaces
-    if found:
-        raise CaseError(found)
+    if faults:
+        raise CaseError(faults)
     update = {"panels": panels, "surfaces": surfaces, "decks": {}}
     return case.model_copy(update={"screen": screen.model_copy(update=update)})
 
 
 def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
-    """Yield the problems of a deck: counts that do not fit, tension that no panel takes, overlaps."""
+    """Yield the problems of a deck: wrong counts, excessive tension and overlapping panels."""
     key: Key = ("screen", "decks", name)
     segments = len(deck.slopes_deg)
     if segments and deck.panels % segments:
@@ -78,14 +78,14 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
         yield CaseProblem((*key, "pitch_m"), what, hint)
 
 
-def as_given(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
+def move_to_deck(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
     """Return a problem in a deck's panel or surface at the deck's key, and any other problem unchanged."""
     match problem.key:
         case ("screen", "panels" | "surfaces", str(part), *inner):
             name = next((name for name in decks if part.startswith(f"{name}-")), None)
             if name is not None:
                 field = inner[:1] if inner and inner[0] in Deck.model_fields else []
-                if field in (["apertures"], ["stops"]):  # the same tables in both
+                if field in (["apertures"], ["stops"]):  # A deck and its panels have these tables in common.
                     field = inner
                 key = ("screen", "decks", name, *field)
                 what = problem.what if part in problem.what else f"{part}: {problem.what}"
@@ -94,12 +94,12 @@ def as_given(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
 
 
 def tensions(deck: Deck) -> tuple[float, ...]:
-    """Return the tension of each panel."""
+    """Return the tension of each panel, as a length in m."""
     return deck.tension_m if len(deck.tension_m) == deck.panels else deck.tension_m * deck.panels
 
 
 def directions(deck: Deck, inclination_deg: float) -> Array:
-    """Return unit vectors (panels, 3) along the panels, downhill."""
+    """Return a unit vector along each panel, pointing downhill, (panels, 3)."""
     slopes_deg = deck.slopes_deg or (inclination_deg,)
     each = np.repeat(slopes_deg, deck.panels // len(slopes_deg))
     down = np.radians(each - inclination_deg)
@@ -107,13 +107,13 @@ def directions(deck: Deck, inclination_deg: float) -> Array:
 
 
 def beams(deck: Deck, inclination_deg: float) -> Array:
-    """Return the middles (panels + 1, 3) of the cross beams' tops at the first side."""
+    """Return the middle of each cross beam's top, at the side of ``corner_m``, (panels + 1, 3)."""
     steps_m = deck.pitch_m * directions(deck, inclination_deg)
     return np.vstack([np.zeros(3), np.cumsum(steps_m, axis=0)]) + deck.corner_m
 
 
 def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, PanelTable]]:
-    """Yield each panel with its name, in the middle between its beams."""
+    """Yield the name and the table of each panel; a panel lies in the middle between its cross beams."""
     sheet = {key: getattr(deck, key) for key in PanelSheet.model_fields}
     for number, (start_m, end_m) in enumerate(pairwise(beams_m)):
         tension_m = tensions(deck)[number]
@@ -134,7 +134,7 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
 def surfaces_of(
     name: str, deck: Deck, beams_m: Array, inclination_deg: float
 ) -> Iterator[tuple[str, Surface]]:
-    """Yield the side plates, tops of the cross beams and chute of a deck, each with its name."""
+    """Yield the name and the table of each side plate and cross beam, and of the feed chute."""
     if deck.side_plates is not None:
         yield from _side_plates(name, deck, beams_m)
     if deck.cross_beams is not None:
@@ -144,8 +144,10 @@ def surfaces_of(
 
 
 def _side_plates(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Surface]]:
-    """One parallelogram a segment and side; neighbours share an edge along the deck's normal, so
-    that no gap opens where the slope changes."""
+    """Yield a parallelogram for each side and segment.
+
+    Neighbours share an edge along the deck's normal, so that no gap opens where the slope changes.
+    """
     plates = deck.side_plates
     assert plates is not None
     corners_m = beams_m[:: deck.panels // max(len(deck.slopes_deg), 1)]
@@ -160,12 +162,15 @@ def _side_plates(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, S
 
 
 def _cross_beams(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Surface]]:
-    """From the clamp above to the clamp below; at the deck's ends from or to the beam's middle.
-    Beams that the clamps cover do not show."""
+    """Yield the visible top of each cross beam, from the clamp above to the clamp below.
+
+    At the deck's two ends the top begins or ends in the beam's middle.  Beams that the clamps cover
+    completely are left out.
+    """
     assert deck.cross_beams is not None
     along = np.diff(beams_m, axis=0)
-    held_m = np.array(tensions(deck)) + deck.length_m + 2 * deck.clamp_m
-    gaps_m = (deck.pitch_m - held_m)[:, None] / 2 * along / deck.pitch_m
+    mounted_m = np.array(tensions(deck)) + deck.length_m + 2 * deck.clamp_m
+    gaps_m = (deck.pitch_m - mounted_m)[:, None] / 2 * along / deck.pitch_m
     none = np.zeros((1, 3))
     from_m = beams_m - np.vstack([none, gaps_m])
     to_m = beams_m + np.vstack([gaps_m, none])
@@ -178,6 +183,7 @@ def _cross_beams(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, S
 
 
 def _chute(deck: Deck, beam_m: Array, inclination_deg: float) -> Surface:
+    """Return the feed chute, which ends above the first cross beam at ``beam_m`` (3,)."""
     chute = deck.feed_chute
     assert chute is not None
     down = math.radians(chute.slope_deg - inclination_deg)
@@ -187,7 +193,6 @@ def _chute(deck: Deck, beam_m: Array, inclination_deg: float) -> Surface:
 
 
 def _plate(corner_m: Array, edges_m: tuple[Array, Array], frame: str, material: str) -> Surface:
-    one_m, other_m = edges_m
-    return Surface(
-        corner_m=corner_m.tolist(), edges_m=(one_m.tolist(), other_m.tolist()), frame=frame, material=material
-    )
+    """Return a plate with a corner (3,) and the two edges (3,) that start there."""
+    first_m, second_m = (edge_m.tolist() for edge_m in edges_m)
+    return Surface(corner_m=corner_m.tolist(), edges_m=(first_m, second_m), frame=frame, material=material)

@@ -1,4 +1,4 @@
-"""Problems of a case: all of them in one message, each with file, key, value and a suggestion."""
+"""The problems of a case: one message shows them all, each with file, key, value and a suggestion."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 Key = tuple[str | int, ...]
-MOST = 50  # problems that are said
-LONGEST = 600  # characters of a line about one
-# keys of earlier versions, and what they are called since 2026-11
+MOST = 50  # A message shows at most so many problems.
+LONGEST = 600  # The line about a problem has at most so many characters.
+# These keys of earlier versions were renamed in 2026-11.
 RENAMED = {
     "damping_N_s_m": "damping_N_s_per_m",
     "density_kg_m3": "density_kg_per_m3",
@@ -32,15 +32,16 @@ RENAMED = {
     "watch": "monitor",
     "work_of_adhesion_J_m2": "work_of_adhesion_J_per_m2",
 }
-# values of earlier versions, and what does their work since 2026-11
+# These values of earlier versions were replaced in 2026-11.
 REPLACED = {"spheres": "liggghts"}
 
 
 @dataclass(frozen=True)
 class CaseProblem:
-    """What is wrong at ``key`` (empty: the whole file); ``hint`` says what to do about it.
+    """A problem at a key of the case; an empty ``key`` stands for the whole file.
 
-    ``file`` is filled in by ``case.load``, which knows where a key was given.
+    ``what`` says what is wrong, and ``hint`` how to correct it.  ``Layers.named`` fills in ``file``,
+    because the layers know which file gave a key.
     """
 
     key: Key
@@ -54,7 +55,7 @@ class CaseProblem:
 
 
 class CaseError(Exception):
-    """A case that cannot be run as it is (exit code 2); ``problems`` has all that is wrong."""
+    """An error for a case that cannot be run as it is (exit code 2); ``problems`` lists the reasons."""
 
     def __init__(self, problems: Iterable[CaseProblem]) -> None:
         self.problems = tuple(problems)
@@ -67,13 +68,15 @@ class CaseError(Exception):
 
 
 def dotted_key(key: Key) -> str:
-    """('bed', 'sizes', 0, 'diameter_m') -> bed.sizes.0.diameter_m, as --set takes it."""
+    """Join a key by dots, as ``--set`` takes it: ('bed', 'sizes', 0, 'm') becomes bed.sizes.0.m."""
     return ".".join(shorten(str(part)) for part in key)
 
 
 def visible(text: str) -> str:
-    """A text on one line, with nothing in it that a terminal would obey: characters without a shape
-    are escaped, and a line that is too long is cut."""
+    """Return a text as one line without control characters, cut where it becomes too long.
+
+    Characters that cannot be printed are escaped, so that a terminal obeys none of them.
+    """
     text = text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
@@ -84,7 +87,7 @@ def shorten(text: str) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
-    """Name the nearest known word, or all known words when none is near."""
+    """Return a hint that names the nearest known word, or all known words if none is near."""
     names = sorted(known)
     near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
     if near:
@@ -93,16 +96,18 @@ def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
 
 
 def show_value(value: Any) -> str:
-    """Return a value as a user knows it, cut to a readable length."""
+    """Return a value as the user would write it, cut to a readable length."""
     try:
         return shorten(repr(value) if not isinstance(value, bool) else str(value).lower())
-    except ValueError:  # Python does not write whole numbers of more than 4300 digits
+    except ValueError:  # Python does not write whole numbers of more than 4300 digits.
         return "a number of thousands of digits"
 
 
 def from_validation(error: ValidationError, model: type[BaseModel]) -> list[CaseProblem]:
-    """One problem for each that pydantic found.  A missing key is left out where a misspelt one
-    was meant to be it."""
+    """Return a case problem for each error of pydantic's validation.
+
+    A missing key is left out if a misspelt key was obviously meant to be that key.
+    """
     details = error.errors(include_url=False)[: 2 * MOST]
     problems: list[CaseProblem] = []
     meant: set[Key] = set()
@@ -129,6 +134,7 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
 
 def _problem(detail: ErrorDetails) -> CaseProblem:
+    """Return the case problem for one error of pydantic's validation."""
     kind, key, value = detail["type"], detail["loc"], show_value(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
@@ -138,20 +144,20 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
         return CaseProblem(key[:-1], "a name is made of letters, digits, _ and -, at most 60")
     if kind == "string_pattern_mismatch":
         return CaseProblem(key, f"{value} has characters that cannot be shown")
-    said = re.sub("^(Input|String) should (be )?", "", detail["msg"])
+    expected = re.sub("^(Input|String) should (be )?", "", detail["msg"])
     if kind == "literal_error":
-        allowed = [word.strip("' ") for word in said.replace(" or ", ",").split(",")]
+        allowed = [word.strip("' ") for word in expected.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
         if REPLACED.get(word) in allowed:
             return CaseProblem(key, f"{value} is of an earlier version", f'use "{REPLACED[word]}"')
-        return CaseProblem(key, f"{value} is not one of {said}", did_you_mean(word, allowed))
+        return CaseProblem(key, f"{value} is not one of {expected}", did_you_mean(word, allowed))
     if kind == "model_type":
-        said = "a table"
-    return CaseProblem(key, f"{value} is wrong, {said} is wanted")
+        expected = "a table"
+    return CaseProblem(key, f"{value} is wrong, {expected} is wanted")
 
 
 def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
-    """The keys that the table at this place may have."""
+    """Return the keys that the table at a place in the model may have."""
     place: Any = model
     for part in table:
         place = _inside(place, part)
@@ -160,7 +166,7 @@ def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
 
 
 def _inside(place: Any, part: str | int) -> Any:
-    """The type one step further in: a field of a table, an element of a dict or tuple."""
+    """Return the type one step further in: of a field of a table, or of an element of a dict or tuple."""
     table_type = _table_in(place)
     if table_type is not None:
         field = table_type.model_fields.get(str(part))
@@ -172,7 +178,7 @@ def _inside(place: Any, part: str | int) -> Any:
 
 
 def _table_in(place: Any) -> type[BaseModel] | None:
-    """The table that a type is or may be (``Table | None``); None for anything else."""
+    """Return the table that a type is or may be (as in ``Table | None``); None for any other type."""
     if isinstance(place, type) and issubclass(place, BaseModel):
         return place
     if get_origin(place) in (dict, tuple):

@@ -1,7 +1,7 @@
-"""The TOML files of a case and what is laid over them: who gave each key, and a checksum of it all.
+"""The layers of a case: its TOML files and overrides, merged, with the source of each key.
 
-Tables are merged key by key; anything else is replaced whole.  An element of a list is reached
-by its number, as if the list were a table: ``contacts.0.restitution``.
+Tables are merged key by key; any other value is replaced as a whole.  An overlay addresses an element
+of a list by its number, as if the list were a table: ``contacts.0.restitution``.
 """
 
 from __future__ import annotations
@@ -15,14 +15,16 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 
-DEEPEST = 20  # tables in each other; the case format has 7
+DEEPEST = 20  # So many tables may lie in each other; the case format has 7.
 TOO_DEEP = "is nested too deeply"
-LARGEST_BYTES = 1_000_000  # the largest case of this project has 10 000
+LARGEST_BYTES = 1_000_000  # The largest case of this project has 10 000.
 
 
 def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
-    """The table in a file, which must not be a link to one outside of the folder ``within``.
-    Raises CaseError when it cannot be read or is not TOML."""
+    """Read the table in a file.
+
+    Raises CaseError if the file cannot be read, is not TOML, or lies outside of the folder ``within``.
+    """
     try:
         if within is not None and is_outside(file, within):
             what = "is a link to a file outside of the case's folder"
@@ -51,7 +53,7 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
 
 
 def is_too_deep(given: Any) -> bool:
-    """Whether there are tables in tables in tables, on which all that comes after would choke."""
+    """Return whether tables are nested more deeply than the recursive functions of a run can follow."""
     inside: list[Any] = [given]
     for _ in range(DEEPEST):
         tables = [list(v.values()) if isinstance(v, dict) else v for v in inside]
@@ -65,7 +67,7 @@ def is_outside(file: Path, folder: Path) -> bool:
 
 
 class Layers:
-    """Tables laid over each other; ``merged`` is what all layers so far amount to."""
+    """A stack of tables laid over each other; ``merged`` is the table that all of them make."""
 
     def __init__(self, given: Mapping[str, Any], source: str) -> None:
         self._first = source
@@ -79,8 +81,10 @@ class Layers:
         return twin
 
     def lay(self, overlay: Mapping[str, Any], source: str) -> None:
-        """Lay a table over the others; None takes a key away.  Raises CaseError when it reaches for
-        an element that a list does not have."""
+        """Lay a table from ``source`` over the others; a value of None removes its key.
+
+        Raises CaseError if the table addresses an element that a list does not have.
+        """
         self.merged = self._over(self.merged, overlay, (), source)
 
     def source(self, key: Key) -> str:
@@ -96,7 +100,7 @@ class Layers:
         return [m if m.file else replace(m, file=self.source(m.key)) for m in problems]
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
-        """``overlay`` over ``below`` at ``key``; changes neither."""
+        """Return ``overlay`` merged over ``below`` at ``key``, and change neither of them."""
         if not isinstance(overlay, Mapping):
             self._source[key] = source
             return overlay
@@ -118,6 +122,7 @@ class Layers:
 
 
 def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
+    """Return the number of an element of the list ``below``.  Raises CaseError if it has no such element."""
     if word.isdecimal() and int(word) < len(below):
         return int(word)
     what = f'"{word}" is no element of this list'
@@ -126,9 +131,9 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
 
 
 def parse_override(override: str) -> dict[str, Any]:
-    """An override, 'panel.solver=rigid', as an overlay: {"panel": {"solver": "rigid"}}.
+    """Return an override, 'panel.solver=rigid', as an overlay, {"panel": {"solver": "rigid"}}.
 
-    The value is TOML; what is no TOML is taken as a bare string.
+    A value that is not TOML counts as a bare string.  Raises CaseError for text without key or "=".
     """
     path, equals, text = override.partition("=")
     words = [word.strip() for word in path.split(".")]
@@ -144,15 +149,16 @@ def parse_override(override: str) -> dict[str, Any]:
 
 
 def _value(text: str) -> Any:
+    """Return the TOML value that a text denotes; the text itself if it is not TOML."""
     try:
-        found = tomllib.loads(f"value = {text}")
+        table = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         return text
-    return found["value"] if list(found) == ["value"] else text
+    return table["value"] if list(table) == ["value"] else text
 
 
 def find_changes(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Yield the keys whose values differ."""
+    """Yield the keys, as tuples of words below ``key``, whose values differ between two tables."""
     if isinstance(before, Mapping) and isinstance(after, Mapping):
         for word in dict.fromkeys((*before, *after)):
             yield from find_changes(before.get(word), after.get(word), (*key, word))
@@ -166,13 +172,13 @@ def level_file(folder: Path, level: str) -> Path:
 
 
 CHEAP_LEVEL = "draft"
-"""The level at which a case is tried out, where it has one of this name."""
+"""The level at which a case is tried out if it has a level of this name."""
 OF_EFFECTS = ("effects", "effects_for")
 
 
 @dataclass(frozen=True)
 class Origin:
-    """``given`` is the table of case.toml, ``level`` "" for none, ``overrides`` are ``--set``'s."""
+    """The origin of a case: its folder, the table of case.toml, its level ("" for none) and its overrides."""
 
     folder: Path
     given: Mapping[str, Any]
@@ -181,18 +187,21 @@ class Origin:
 
     @property
     def others(self) -> tuple[str, ...]:
-        """``overrides`` without those that choose effects."""
-        return tuple(one for one in self.overrides if one.partition("=")[0].strip() not in OF_EFFECTS)
+        """The overrides that do not choose effects."""
+        return tuple(text for text in self.overrides if text.partition("=")[0].strip() not in OF_EFFECTS)
 
     def read(self) -> dict[str, Any]:
-        """All that decides what the case is, but for which effects are chosen: tables, overrides,
-        and checksums of the other files in the folder that it names.  Raises CaseError."""
+        """Read everything that defines the case except its choice of effects.
+
+        The result has tables, overrides, and checksums of the STL files and recordings in the folder
+        that these name.  Raises CaseError for a level that cannot be read.
+        """
         levels = {
             name: read_toml(file)
             for name in {self.level, CHEAP_LEVEL} - {""}
             if (file := level_file(self.folder, name)).is_file()
         }
-        tables = [_without_effects(one) for one in (self.given, *levels.values())]
+        tables = [_without_effects(table) for table in (self.given, *levels.values())]
         named = {word for table in [*tables, *self.others] for word in _words(table)}
         return {
             "level": self.level,
@@ -208,11 +217,12 @@ class Origin:
 
 
 def _without_effects(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a case's table without the keys that choose effects."""
     return {key: value for key, value in table.items() if key not in OF_EFFECTS}
 
 
 def _words(value: Any) -> set[str]:
-    """Return all strings in a table, and the value of an override."""
+    """Return all strings in a table; from an override, return its value."""
     if isinstance(value, Mapping):
         return {word for inner in value.values() for word in _words(inner)}
     if isinstance(value, list | tuple):

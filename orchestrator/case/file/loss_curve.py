@@ -4,12 +4,12 @@ Branches (g_i, tau_i) beside an elastic modulus make the loss factor at the angu
 
     eta = sum g_i x_i / (1 + x_i^2) / (1 + sum g_i x_i^2 / (1 + x_i^2)),   x_i = w tau_i,
 
-whose denominator is the storage modulus over the elastic one (Ferry, Viscoelastic Properties of
-Polymers, 3rd ed. 1980, chapter 3).  For given times it is linear in the g_i: non-negative least
-squares of the relative errors (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter
-23), along the whole curve, which is straight in logarithms between its points.  Times are spread
-evenly in their logarithm, over ends that are tried; the fewest branches that meet the curve are
-taken.
+whose denominator is the storage modulus over the elastic modulus (Ferry, Viscoelastic Properties of
+Polymers, 3rd ed. 1980, chapter 3).  For given relaxation times the fit is linear in the g_i, and
+non-negative least squares minimise its relative errors (Lawson and Hanson, Solving Least Squares
+Problems, 1974, chapter 23).  The fit follows the whole curve, which is straight in logarithms between
+its points.  The logarithms of the times are evenly spaced between two ends, and several pairs of ends
+are tried.  The result has the fewest branches that meet the curve.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from orchestrator.ports import Array
 
 MOST_BRANCHES = 8
 GOOD = 0.03
-"""Relative error with which a fit is good enough to take no more branches."""
+"""Relative error below which a fit needs no more branches."""
 WORST = 0.1
-"""Beyond it the curve is not met; measured curves scatter by some per cent."""
+"""Relative error above which a fit does not meet the curve; measured curves scatter by some per cent."""
 PER_DECADE = 8
 ENDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-"""Times reach from 1 / (highest w x end) to end / lowest w."""
+"""Factors for the range of the times, which reach from 1 / (highest w x end) to end / lowest w."""
 
 Branches = tuple[tuple[float, float], ...]
 Point = tuple[float, float, float | None]
@@ -40,7 +40,7 @@ Point = tuple[float, float, float | None]
 
 @dataclass(frozen=True)
 class Fit:
-    """``branches``: pairs (g, tau in s); ``error``: the largest relative one, ``at_Hz``."""
+    """Branches (g, tau in s) fitted to a curve, and their largest relative error, which occurs ``at_Hz``."""
 
     branches: Branches
     error: float
@@ -48,7 +48,10 @@ class Fit:
 
 
 def moduli(branches: Branches, speed_rad_per_s: Array) -> tuple[Array, Array]:
-    """Storage modulus over the elastic one, and loss factor, at angular frequencies (n,)."""
+    """Return the storage modulus over the elastic modulus (n,) and the loss factor (n,).
+
+    ``speed_rad_per_s`` (n,) are angular frequencies.
+    """
     ratio, time_s = np.array(branches, dtype=np.float64).reshape(-1, 2).T
     x = np.outer(speed_rad_per_s, time_s)
     storage = 1.0 + x**2 / (1.0 + x**2) @ ratio
@@ -56,75 +59,80 @@ def moduli(branches: Branches, speed_rad_per_s: Array) -> tuple[Array, Array]:
 
 
 def fit_loss_curves(case: Case) -> Case:
-    """The case with branches for all materials that have a ``loss_curve`` and none.  Raises
-    CaseError for curves that cannot be met."""
+    """Return the case with branches for all materials that have a ``loss_curve`` but no branches.
+
+    Raises CaseError for curves that no branches meet and for frequencies that do not rise.
+    """
     materials, problems = dict(case.materials), []
     for name, material in case.materials.items():
         law = material.hyperelastic
         if law is None or law.maxwell or not law.loss_curve:
             continue
-        found = [*_faults(name, law)]
-        if not found:
+        faults = [*_faults(name, law)]
+        if not faults:
             fit = fit_branches(curve_points(law))
-            found = [*_unmet(name, fit)]
+            faults = [*_misfits(name, fit)]
             maxwell = tuple(MaxwellBranch(ratio=g, relaxation_s=tau) for g, tau in fit.branches)
             law = law.model_copy(update={"maxwell": maxwell})
             materials[name] = material.model_copy(update={"hyperelastic": law})
-        problems += found
+        problems += faults
     if problems:
         raise CaseError(problems)
     return case.model_copy(update={"materials": materials})
 
 
 def curve_points(law: Hyperelastic) -> tuple[Point, ...]:
-    """Return the points of a material's loss curve."""
+    """Return the points of a material's loss curve: frequency in Hz, loss factor and storage ratio."""
     return tuple((p.frequency_Hz, p.loss_factor, p.storage_ratio) for p in law.loss_curve)
 
 
 @cache
 def fit_branches(points: tuple[Point, ...]) -> Fit:
-    """Return the fewest branches that are good enough, else the best fit that was reached."""
-    curve = _drawn(points)
+    """Return the fit with the fewest branches that are good enough, or else the best fit of all."""
+    curve = _interpolate(points)
     best = Fit((), np.inf, curve[0][0])
     for count in range(1, MOST_BRANCHES + 1):
-        tried = [_solved(curve, time_s) for time_s in _times(curve, count)]
-        best = min([best, *tried], key=lambda fit: fit.error)
+        fits = [_fit_ratios(curve, time_s) for time_s in _times(curve, count)]
+        best = min([best, *fits], key=lambda fit: fit.error)
         if best.error <= GOOD:
             break
     return best
 
 
 def compare_with_curve(branches: Branches, points: Sequence[Point]) -> Fit:
-    """These branches, and where they are off the curve most."""
-    return _off(branches, _drawn(points))
+    """Return a fit of these branches, with their largest relative error along the curve."""
+    return _measure(branches, _interpolate(points))
 
 
-def _drawn(points: Sequence[Point]) -> list[Point]:
-    """The curve through the points, straight in logarithms, at ``PER_DECADE`` or more places."""
-    drawn = list(points[:1])
+def _interpolate(points: Sequence[Point]) -> list[Point]:
+    """Return at least ``PER_DECADE`` points per decade of the curve, which is straight in logarithms."""
+    curve = list(points[:1])
     for one, other in pairwise(points):
         count = int(np.ceil(PER_DECADE * np.log10(other[0] / one[0])))
-        drawn += [_between(one, other, share) for share in np.arange(1, count + 1) / count]
-    return drawn
+        curve += [_between(one, other, share) for share in np.arange(1, count + 1) / count]
+    return curve
 
 
 def _between(one: Point, other: Point, share: float) -> Point:
+    """Return the point at a share of the way from one point to the other, in logarithms."""
     frequency_Hz, loss = (a ** (1 - share) * b**share for a, b in zip(one[:2], other[:2], strict=True))
     if one[2] is None or other[2] is None:
         return frequency_Hz, loss, None
     return frequency_Hz, loss, one[2] ** (1 - share) * other[2] ** share
 
 
-def _off(branches: Branches, curve: Sequence[Point]) -> Fit:
+def _measure(branches: Branches, curve: Sequence[Point]) -> Fit:
+    """Return a fit of these branches, with their largest relative error at the points of the curve."""
     frequency_Hz = np.array([point[0] for point in curve])
     storage, loss = moduli(branches, 2 * np.pi * frequency_Hz)
-    off = np.abs(loss / np.array([point[1] for point in curve]) - 1)
+    error = np.abs(loss / np.array([point[1] for point in curve]) - 1)
     given = np.array([np.nan if point[2] is None else point[2] for point in curve])
-    off = np.fmax(off, np.abs(storage / given - 1))
-    return Fit(branches, float(off.max()), float(frequency_Hz[off.argmax()]))
+    error = np.fmax(error, np.abs(storage / given - 1))
+    return Fit(branches, float(error.max()), float(frequency_Hz[error.argmax()]))
 
 
 def _times(curve: Sequence[Point], count: int) -> Iterator[Array]:
+    """Yield sets of ``count`` relaxation times in s, one for each pair of ends."""
     slowest, fastest = 2 * np.pi * curve[0][0], 2 * np.pi * curve[-1][0]
     for low, high in product(ENDS, ENDS):
         shortest_s, longest_s = 1 / (fastest * low), high / slowest
@@ -134,7 +142,8 @@ def _times(curve: Sequence[Point], count: int) -> Iterator[Array]:
             yield np.geomspace(shortest_s, longest_s, count)
 
 
-def _solved(curve: Sequence[Point], time_s: Array) -> Fit:
+def _fit_ratios(curve: Sequence[Point], time_s: Array) -> Fit:
+    """Return the best fit of branches with given relaxation times; branches with a ratio of 0 drop out."""
     from scipy.optimize import nnls
 
     x = 2 * np.pi * np.outer([point[0] for point in curve], time_s)
@@ -148,16 +157,18 @@ def _solved(curve: Sequence[Point], time_s: Array) -> Fit:
     ratio, _ = nnls(np.array(rows), np.array(wanted))
     used = ratio > 0
     pairs = tuple(zip(ratio[used].tolist(), time_s[used].tolist(), strict=True))
-    return _off(pairs, curve)
+    return _measure(pairs, curve)
 
 
 def _faults(name: str, law: Hyperelastic) -> Iterator[CaseProblem]:
+    """Yield a problem if the frequencies of a material's loss curve do not rise."""
     frequencies = [point.frequency_Hz for point in law.loss_curve]
     if frequencies != sorted(set(frequencies)):
         yield CaseProblem(_key(name), "frequencies must rise from row to row")
 
 
-def _unmet(name: str, fit: Fit) -> Iterator[CaseProblem]:
+def _misfits(name: str, fit: Fit) -> Iterator[CaseProblem]:
+    """Yield a problem if the best fit does not meet a material's loss curve."""
     if fit.error > WORST:
         what = (
             f"no {MOST_BRANCHES} Maxwell branches meet it: the best are off by {fit.error:.0%} "

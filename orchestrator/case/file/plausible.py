@@ -1,9 +1,9 @@
-"""Values of the wrong size: in SI no machine has them, in another unit one would.
+"""The plausible ranges of values, which reveal numbers that were given in the wrong unit.
 
-Not a physical limit but a guard against millimetres, tonnes and degrees: the ranges are wide.  A
-value out of its range is refused where it looks like another unit, where it is beyond all
-proportion (``ABSURD`` times out of the range), and where no such value exists (``IMPOSSIBLE``).
-Else it may be meant, as a panel of steel is, and is a warning.
+The ranges are wide: they are no physical limits, but guard against millimetres, tonnes and degrees.
+A value out of its range is refused in three cases: it looks like another unit, it is out of all
+proportion (``ABSURD`` times out of the range), or no such value exists (``IMPOSSIBLE``).  Any other
+value out of its range may be intended, for example the stiffness of a steel panel, and causes a warning.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from orchestrator.case.tables.case import Case
 
 Limits = tuple[float, float]
 ABSURD = 1e3
-IMPOSSIBLE = ("inclination_deg", "rayleigh_fraction")  # outside of their ranges
-# (smallest, largest) size of a value that is not zero, and the keys that have it
+IMPOSSIBLE = ("inclination_deg", "rayleigh_fraction")  # No value exists outside of these ranges.
+# The smallest and largest size of a value that is not zero, and the keys with this range.
 _KEYS: dict[Limits, str] = {
     (1e-6, 1e4): "duration_s jam_s calm_s stop_s",
     (0.0, 100.0): (
@@ -39,7 +39,7 @@ _KEYS: dict[Limits, str] = {
     (1.0, 1e6): "rated_power_W",
     (1.0, 1e3): "synchronous_speed_rad_per_s",
     (1e-6, 1e3): "moment_of_inertia_kg_m2 rate_kg_per_s",
-    (0.0, 1e3): "bearing_loss_N_m_s along across axis start",  # directions may have any length
+    (0.0, 1e3): "bearing_loss_N_m_s along across axis start",  # Directions may have any length.
     (0.0, 0.2): "amplitude_m",
     (0.0, 1.6): "rotation_rad",
     (1e3, 1e13): "stiffness_Pa_per_m",
@@ -69,8 +69,8 @@ _KEYS: dict[Limits, str] = {
     (1e-9, 1e3): "ratio",
 }
 RANGES = {key: limits for limits, keys in _KEYS.items() for key in keys.split()}
-OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # smaller than panels are
-# unit: what it may have been mistaken for, and that unit in SI
+OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # Openings are smaller than panels.
+# The units that each SI unit may have been mistaken for, in that SI unit.
 MISTAKEN: dict[str, dict[str, float]] = {
     "_m": {"mm": 1e-3, "cm": 1e-2, "um": 1e-6},
     "_kg": {"g": 1e-3, "t": 1e3},
@@ -92,21 +92,21 @@ MISTAKEN: dict[str, dict[str, float]] = {
 
 
 def wrong_sizes(case: Case) -> Iterator[CaseProblem]:
-    """Values out of their key's range that must be mistakes, with the unit that they look like."""
+    """Yield a problem for each value that must be a mistake, with the unit that it looks like."""
     for key, value, limits, hint, refused in _outside(case):
         if refused:
             yield CaseProblem(key, f"{value:g} is out of the range {_range(limits)}", hint)
 
 
 def unusual_sizes(case: Case) -> Iterator[str]:
-    """Every other value out of its key's range, in words."""
+    """Yield a warning for each value that is out of its key's range but may be intended."""
     for key, value, limits, _, refused in _outside(case):
         if not refused:
             yield f"{dotted_key(key)}: {value:g} is out of the usual range {_range(limits)}; taken as meant"
 
 
 def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:
-    """Key, value, range and hint of every value that is out of its range, and whether to refuse it."""
+    """Yield key, value, range and hint of each value out of its range, and whether to refuse it."""
     for key, value in _floats(case.model_dump(), ()):
         name = next(part for part in reversed(key) if isinstance(part, str))
         limits = (RANGES | OF_APERTURES if "apertures" in key else RANGES).get(name)
@@ -117,7 +117,7 @@ def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:
 
 
 def _floats(value: Any, key: Key) -> Iterator[tuple[Key, float]]:
-    """Every float of a table, with its key."""
+    """Yield each float of a table with its key."""
     if isinstance(value, float):
         yield key, value
     elif isinstance(value, dict | tuple):
@@ -130,11 +130,13 @@ def _inside(value: float, limits: Limits) -> bool:
 
 
 def _range(limits: Limits) -> str:
+    """Return a range as text for a message."""
     low, high = limits
     return f"{low:g} to {high:g}" if low else f"up to {high:g}"
 
 
 def _hint(name: str, value: float, limits: Limits) -> str:
+    """Return a hint at the unit in which a value would be within its range; "" if there is none."""
     unit = max((unit for unit in MISTAKEN if name.endswith(unit)), key=len, default="")
     for other, factor in MISTAKEN.get(unit, {}).items():
         if _inside(value * factor, limits):

@@ -1,10 +1,10 @@
-"""The case of a slice of the machine's width, from the case of the whole machine.
+"""The slice: the case of a strip of the machine's width, made from the case of the whole machine.
 
-Everything extensive is multiplied by  share = slice width / full width: masses and inertia,
+All extensive quantities are multiplied by  share = slice width / full width: masses and inertia,
 stiffness and damping of the bushings, exciters, feed rates and numbers of particles.  Panels are
-cut to the slice and so have their share by themselves.  The frames' equations of motion are linear
-in all of these: the frames of a slice move exactly as the whole machine's wherever the load is the
-same at every place across.  Theory: docs/theory/feed.md.
+cut to the slice, which gives them their share.  The frames' equations of motion are linear in all of
+these quantities.  The frames of a slice therefore move exactly as the whole machine's frames if the
+load does not vary across the width.  Theory: docs/theory/feed.md.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from orchestrator.case.tables.screen import PanelTable, Screen
 from orchestrator.ports import Array, Indices
 
 Filled = TypeVar("Filled", bound=Filling)
-ENOUGH_DIAMETERS = 5.0  # of the largest particles in a slice, so that none bridges: own choice
+ENOUGH_DIAMETERS = 5.0  # A slice as wide as so many of the largest particles is not bridged: own choice.
 
 
 def share(case: Case) -> float:
@@ -35,44 +35,48 @@ def share(case: Case) -> float:
 
 
 def full_width_m(case: Case) -> tuple[float, float]:
-    """Return where all panels begin and end along y.  Raises CaseError if they do not agree."""
+    """Return the lower and upper y of all panels.  Raises CaseError if the panels do not agree."""
     sides = {name: _sides_m(panel) for name, panel in case.screen.panels.items()}
     if not sides:
         raise CaseError([CaseProblem(("slice",), "there are no panels to slice")])
-    (first, one), *others = sides.items()
+    (first, first_sides_m), *others = sides.items()
     for name, (low, high) in others:
-        if abs(low - one[0]) + abs(high - one[1]) > 1e-6:
-            there = f"panel {first} from {one[0]:g} to {one[1]:g}"
+        if abs(low - first_sides_m[0]) + abs(high - first_sides_m[1]) > 1e-6:
+            there = f"panel {first} from {first_sides_m[0]:g} to {first_sides_m[1]:g}"
             what = f"goes from y = {low:g} to {high:g} m, {there}"
             hint = "a slice wants panels of the same width side by side"
             raise CaseError([CaseProblem(("screen", "panels", name, "width_m"), what, hint)])
-    return one
+    return first_sides_m
 
 
 def bounds_m(case: Case) -> tuple[float, float]:
-    """Return where the slice begins and ends along y, for the case of the whole machine."""
+    """Return the lower and upper y of the slice; ``case`` is the case of the whole machine."""
     assert case.slice is not None
     middle_m = sum(full_width_m(case)) / 2.0
     return middle_m - case.slice.width_m / 2.0, middle_m + case.slice.width_m / 2.0
 
 
 def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Array, Indices]:
-    """The part of a rigid surface, points (n, 3) and triangles (m, 3), that a case has: all of it,
-    or what lies in its slice with the walls moved in."""
-    if case.slice is None or case.whole is case:
+    """Cut a rigid surface, points (n, 3) and triangles (m, 3), to the slice of a case.
+
+    Returns the surface unchanged without a slice.  Walls beside a slice with walls are moved to its sides.
+    """
+    if case.slice is None or case.whole_machine is case:
         return position_m, triangles
-    low, high = full_width_m(case.whole)
+    low, high = full_width_m(case.whole_machine)
     move_in_m = (high - low - case.slice.width_m) / 2.0 if case.slice.sides == "walls" else None
-    return cut_triangles(position_m, triangles, bounds_m(case.whole), move_in_m)
+    return cut_triangles(position_m, triangles, bounds_m(case.whole_machine), move_in_m)
 
 
 def cut_to_slice(case: Case) -> Case:
-    """The case of the slice, or the case itself where it has none.  Raises CaseError where a slice
-    makes no sense."""
+    """Return the case of the slice; a case without a slice is returned unchanged.
+
+    Raises CaseError with every reason why the slice makes no sense.
+    """
     if case.slice is None:
         return case
-    if found := _problems(case):
-        raise CaseError(found)
+    if problems := _problems(case):
+        raise CaseError(problems)
     y_m, part = bounds_m(case), share(case)
     domain_m = case.domain_m
     if case.slice.sides == "periodic":
@@ -86,34 +90,35 @@ def cut_to_slice(case: Case) -> Case:
 
 
 def _problems(case: Case) -> list[CaseProblem]:
+    """Return every reason why the slice of a case makes no sense."""
     assert case.slice is not None
-    found = []
+    problems = []
     for name, panel in case.screen.panels.items():
         if abs(panel.across[0]) + abs(panel.across[2]) > 1e-9:
             key: Key = ("screen", "panels", name, "across")
-            found.append(CaseProblem(key, "a slice wants panels that run across along y"))
-    if found:
-        return found
+            problems.append(CaseProblem(key, "a slice wants panels that run across along y"))
+    if problems:
+        return problems
     low, high = full_width_m(case)
     if case.slice.width_m > (high - low) * (1 + 1e-9):
         what = f"{case.slice.width_m:g} m is wider than the machine's {high - low:g} m"
-        found.append(CaseProblem(("slice", "width_m"), what))
-        return found
+        problems.append(CaseProblem(("slice", "width_m"), what))
+        return problems
     y_m = bounds_m(case)
     for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
         for name, row in rows.items():
             if row.box_m[1][1] <= y_m[0] or y_m[1] <= row.box_m[0][1]:
                 what = f"does not reach into the slice from y = {y_m[0]:g} to {y_m[1]:g} m"
-                found.append(CaseProblem(("bed", kind, name, "box_m"), what))
+                problems.append(CaseProblem(("bed", kind, name, "box_m"), what))
     for name, particle in case.bed.particles.items():
         if not y_m[0] <= particle.position_m[1] < y_m[1]:
             key = ("bed", "particles", name, "position_m")
-            found.append(CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
-    return found + _through_openings(case) + _in_periodic(case)
+            problems.append(CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
+    return problems + _through_openings(case) + _in_periodic(case)
 
 
 def _through_openings(case: Case) -> list[CaseProblem]:
-    """A slice that would cut openings, or lie partly in the strips without any."""
+    """Return a problem if the slice would cut openings, or lie partly in the strips without openings."""
     assert case.slice is not None
     width_m = case.slice.width_m
     for name, panel in case.screen.panels.items():
@@ -132,30 +137,31 @@ def _through_openings(case: Case) -> list[CaseProblem]:
 
 
 def _in_periodic(case: Case) -> list[CaseProblem]:
-    """What cannot go on across periodic sides."""
+    """Return the problems of periodic sides: a solver that does not have them, and gravity along y."""
     assert case.slice is not None
     if case.slice.sides == "walls":
         return []
-    found = []
+    problems = []
     particles = case.particles.adapter
     if particles is not None and not particles.periodic and (case.bed.particles or case.bed.sources):
         others = solvers.names_able_to("particles", lambda able: able.periodic)
         what = f"particles.solver {case.particles.solver} has no periodic sides"
         hint = f'take "walls", or particles.solver = {others}'
-        found.append(CaseProblem(("slice", "sides"), what, hint))
+        problems.append(CaseProblem(("slice", "sides"), what, hint))
     if case.gravity_m_per_s2[1] != 0:
-        found.append(CaseProblem(("gravity_m_per_s2",), "pulls along y, across periodic sides"))
-    return found
+        problems.append(CaseProblem(("gravity_m_per_s2",), "pulls along y, across periodic sides"))
+    return problems
 
 
 def _sides_m(panel: PanelTable) -> tuple[float, float]:
-    one = panel.corner_m[1]
-    other = one + (panel.width_m if panel.across[1] > 0 else -panel.width_m)
-    return min(one, other), max(one, other)
+    """Return the lower and upper y of a panel."""
+    near_m = panel.corner_m[1]
+    far_m = near_m + (panel.width_m if panel.across[1] > 0 else -panel.width_m)
+    return min(near_m, far_m), max(near_m, far_m)
 
 
 def _cut_screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen:
-    """Return the screen with frames, bushings and exciters of ``part``, and with panels cut."""
+    """Return the screen with cut panels, and with ``part`` of its frames, bushings and exciters."""
     inertia = ("mass_kg", "inertia_kg_m2", "products_of_inertia_kg_m2")
     spring = ("stiffness_N_per_m", "damping_N_s_per_m")
     return screen.model_copy(
@@ -169,6 +175,7 @@ def _cut_screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen
 
 
 def _exciter(row: Exciter, part: float) -> Exciter:
+    """Return an exciter with ``part`` of its unbalance and of its motor."""
     motor = row.motor
     if motor is not None:
         motor = motor.times(part, "rated_power_W", "moment_of_inertia_kg_m2", "bearing_loss_N_m_s")
@@ -176,7 +183,7 @@ def _exciter(row: Exciter, part: float) -> Exciter:
 
 
 def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
-    """The part of a panel that the slice has, perforated from side to side."""
+    """Return the part of a panel between ``y_m``, perforated from side to side."""
     x, _, z = row.corner_m
     corner_m = (x, y_m[0] if row.across[1] > 0 else y_m[1], z)
     update: dict[str, object] = {"corner_m": corner_m, "width_m": y_m[1] - y_m[0]}
@@ -186,7 +193,7 @@ def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
 
 
 def _cut_bed(bed: Bed, part: float, y_m: tuple[float, float]) -> Bed:
-    """Return the bed with boxes cut, ``part`` of the particles in blocks (at least one) and of feeds."""
+    """Return the bed with cut boxes and ``part`` of its feeds and particles; a block keeps at least one."""
     blocks = {
         name: _cut_box(row, y_m).model_copy(update={"count": max(1, round(part * row.count))})
         for name, row in bed.blocks.items()
@@ -196,59 +203,66 @@ def _cut_bed(bed: Bed, part: float, y_m: tuple[float, float]) -> Bed:
 
 
 def _cut_box(row: Filled, y_m: tuple[float, float]) -> Filled:
+    """Return a block or feed with its box cut to the part between ``y_m``."""
     return row.model_copy(update={"box_m": _box_between(row.box_m, y_m)})
 
 
 def _box_between(box_m: Box, y_m: tuple[float, float]) -> Box:
-    """The part of a box."""
+    """Return the part of a box between ``y_m``."""
     (x0, y0, z0), (x1, y1, z1) = box_m
     return (x0, max(y0, y_m[0]), z0), (x1, min(y1, y_m[1]), z1)
 
 
-SAME_PLACE_M = 1e-9  # corners closer than this are one
+SAME_PLACE_M = 1e-9  # Corners that are closer than this are one corner.
 
 
 def cut_triangles(
     position_m: Array, triangles: Indices, y_m: tuple[float, float], move_in_m: float | None
 ) -> tuple[Array, Indices]:
-    """Points (n, 3) and triangles (m, 3) of the part between ``y_m``.
+    """Return points (n, 3) and triangles (m, 3) of the part of a surface between ``y_m``.
 
-    Triangles wholly outside, or in the plane of a side, are moved in by ``move_in_m``; None leaves
-    them out.  Both in deck axes or both in the world: y is the same.
+    Triangles that lie completely outside, or in the plane of a side, are moved in by ``move_in_m``;
+    None leaves them out.  The points may be in deck axes or in world axes, because y is the same.
     """
     low, high = y_m
-    kept: list[Array] = []
+    parts: list[Array] = []
     for corners_m in position_m[triangles]:
         first, last = corners_m[:, 1].min(), corners_m[:, 1].max()
         if last <= low + SAME_PLACE_M or first >= high - SAME_PLACE_M:
             if move_in_m is not None:
                 inwards_m = move_in_m if last <= low + SAME_PLACE_M else -move_in_m
-                kept.append(corners_m + np.array([0.0, inwards_m, 0.0]))
+                parts.append(corners_m + np.array([0.0, inwards_m, 0.0]))
             continue
-        polygon = _clipped(_clipped(corners_m, low, 1.0), high, -1.0)
-        kept += [polygon[[0, k, k + 1]] for k in range(1, len(polygon) - 1)]
-    return _welded(np.array(kept).reshape(-1, 3, 3))
+        polygon = _clip(_clip(corners_m, low, 1.0), high, -1.0)
+        parts += [polygon[[0, k, k + 1]] for k in range(1, len(polygon) - 1)]
+    return _weld(np.array(parts).reshape(-1, 3, 3))
 
 
-def _clipped(polygon_m: Array, limit_m: float, sign: float) -> Array:
-    """The part of a convex polygon (n, 3) on one side of a plane y = limit: Sutherland, I. E. and
-    Hodgman, G. W., Communications of the ACM 17, 1974, 32-42, doi 10.1145/360767.360802."""
+def _clip(polygon_m: Array, limit_m: float, sign: float) -> Array:
+    """Return the part of a convex polygon (n, 3) on one side of the plane y = limit.
+
+    ``sign`` is 1 for the side of larger y, and -1 for the other side.  Sutherland, I. E. and
+    Hodgman, G. W., Communications of the ACM 17, 1974, 32-42, doi 10.1145/360767.360802.
+    """
     inside_m = sign * (polygon_m[:, 1] - limit_m)
-    found = []
+    corners_m = []
     for k in range(len(polygon_m)):
         before = k - 1
         if (inside_m[before] < 0) != (inside_m[k] < 0):
             along = inside_m[before] / (inside_m[before] - inside_m[k])
             crossing_m = polygon_m[before] + along * (polygon_m[k] - polygon_m[before])
             crossing_m[1] = limit_m
-            found.append(crossing_m)
+            corners_m.append(crossing_m)
         if inside_m[k] >= 0:
-            found.append(polygon_m[k])
-    return np.array(found)
+            corners_m.append(polygon_m[k])
+    return np.array(corners_m)
 
 
-def _welded(corners_m: Array) -> tuple[Array, Indices]:
-    """Equal corners as one point; triangles that shrank to a line are left out."""
+def _weld(corners_m: Array) -> tuple[Array, Indices]:
+    """Return points (n, 3) and triangles (m, 3) of triangles' corners (m, 3, 3).
+
+    Equal corners become one point; triangles that shrank to a line are left out.
+    """
     flat_m = corners_m.reshape(-1, 3)
     _, first, number = np.unique(
         np.round(flat_m / SAME_PLACE_M), axis=0, return_index=True, return_inverse=True

@@ -1,4 +1,4 @@
-"""``[bed]``: the particles, by themselves, in blocks or fed at a rate."""
+"""The table ``[bed]``: single particles, blocks of particles, and feeds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from orchestrator.case.tables.quantities import (
 
 
 class SizeClass(Table):
-    """Spheres with diameters spread evenly between two limits."""
+    """A class of spheres whose diameters are spread evenly between two limits."""
 
     smallest_m: Positive
     """Smallest diameter."""
@@ -57,51 +57,52 @@ class Particle(Table):
 
 
 class Filling(Table):
-    """Particles that appear in a box, as blocks and feeds have them."""
+    """The common part of blocks and feeds: particles that appear in a box."""
 
     material: str
     """Their material."""
     box_m: Box
     """Lowest and highest corner of the box in which they appear."""
     sizes: tuple[SizeClass, ...] = ()
-    """Size classes; or ``curve``."""
+    """Size classes.  Give either these or ``curve``."""
     curve: tuple[PassingPoint, ...] = ()
-    """Cumulative size distribution, from fine to coarse, straight between its points."""
+    """Cumulative size distribution, from fine to coarse, straight between its points.  Give either
+    this or ``sizes``."""
     smallest_fed_m: Positive | None = None
-    """Particles finer than this are too many to compute: none of them is made."""
+    """Smallest diameter that is computed; finer particles would be too many."""
     finer: Literal["leave-out", "next-class"] = "leave-out"
-    """What becomes of the mass finer than ``smallest_fed_m``: it is left out (a feed's rate is less
-    by it), or made of the finest class that remains."""
+    """Treatment of the mass finer than ``smallest_fed_m``.  leave-out: it is left out, which reduces
+    a feed's rate.  next-class: the finest class that remains takes it over."""
     velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
-    """Velocity with which they appear; a feed's must carry them out of the box."""
+    """Velocity with which they appear; the velocity of a feed must carry them out of the box."""
     seed: Whole = 1
     """Seed of the random numbers: the same seed gives the same particles."""
 
 
 class Block(Filling):
-    """Particles that fill a box at t = 0 without touching each other."""
+    """A block of particles that lie in a box at t = 0 without touching each other."""
 
     count: Particles
-    """How many particles."""
+    """Number of particles."""
     axes: Literal["deck", "world"] = "deck"
     """Axes in which box and velocity are given."""
 
 
 class Feed(Filling):
-    """Particles fed at a rate through a box."""
+    """A feed of particles through a box."""
 
     rate_kg_per_s: Positive
-    """Mass fed per time."""
+    """Mass rate of the feed."""
     axes: Literal["deck", "world"] = "world"
     """Axes in which box and velocity are given."""
     start_s: NotNegative = 0.0
-    """When the feed starts."""
+    """Time at which the feed starts."""
     stop_s: Positive | None = None
-    """When it stops; without it, at the end of the run."""
+    """Time at which the feed stops.  By default, it stops at the end of the run."""
 
 
 class Bed(Table):
-    """All particles; ids are given in the order particles, blocks, feeds, from 1."""
+    """All particles.  Their ids start from 1, in the order particles, blocks, feeds."""
 
     particles: dict[Name, Particle] = Field(default_factory=dict)
     """Single particles by name."""
@@ -112,5 +113,5 @@ class Bed(Table):
 
     @property
     def sources(self) -> tuple[Block | Feed, ...]:
-        """Blocks, then feeds."""
+        """All blocks, then all feeds."""
         return (*self.blocks.values(), *self.feeds.values())

@@ -1,7 +1,7 @@
 """The case: everything that a run depends on, as frozen tables in SI units.
 
-``case.toml`` says what (physics), ``levels/<level>.toml`` how finely (numerics); levels.py reads
-and merges them.  docs/case-format.md lists every key.
+``case.toml`` describes the physics, and ``levels/<level>.toml`` the numerics; load.py reads and
+merges them.  docs/case-format.md lists every key.
 """
 
 from __future__ import annotations
@@ -41,22 +41,22 @@ if TYPE_CHECKING:
 
 
 class Slice(Table):
-    """The middle of the machine's width.  The case describes the whole machine; masses, bushings,
-    exciters and feeds take their share, so that the frames move as the whole machine's.  Usually
-    stands in a level."""
+    """A strip in the middle of the machine's width.  The case describes the whole machine; the slice
+    has its share of masses, bushings, exciters and feeds, so that its frames move as the frames of the
+    whole machine do.  This table usually stands in a level."""
 
     width_m: Positive
     """Width of the slice."""
     sides: Literal["periodic", "walls"] = "periodic"
-    """periodic: what leaves at one side comes back at the other, and walls along the sides are left
-    out.  walls: they stand at the sides of the slice."""
+    """periodic: particles that leave at one side come back at the other, and walls along the sides are
+    left out.  walls: the walls along the sides are moved to the sides of the slice."""
 
 
 class MaxwellBranch(Table):
-    """A Maxwell branch: damping that relaxes."""
+    """A Maxwell branch: a spring and a damper in series, whose stress relaxes."""
 
     ratio: Positive
-    """Modulus of the branch over the elastic modulus."""
+    """Modulus of the branch divided by the elastic modulus."""
     relaxation_s: Positive
     """Relaxation time."""
 
@@ -67,13 +67,14 @@ class LossPoint(Table):
     frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e6)]
     """Frequency."""
     loss_factor: Annotated[float, Strict(), Ge(1e-4), Le(10)]
-    """Loss modulus over storage modulus."""
+    """Loss modulus divided by storage modulus."""
     storage_ratio: Annotated[float, Strict(), Ge(1), Le(1e3)] | None = None
-    """Storage modulus over the elastic one, which C10 and C01 give; only if it was measured."""
+    """Storage modulus divided by the elastic modulus, which follows from C10 and C01.  Give it only if
+    it was measured."""
 
 
 class Hyperelastic(Table):
-    """Two-parameter Mooney-Rivlin material of a panel."""
+    """The two-parameter Mooney-Rivlin material of a panel."""
 
     c10_Pa: NotNegative
     """Coefficient of the first invariant."""
@@ -84,8 +85,8 @@ class Hyperelastic(Table):
     maxwell: tuple[MaxwellBranch, ...] = ()
     """Branches that damp the panel."""
     loss_curve: tuple[LossPoint, ...] = ()
-    """Measured loss factor, from low to high frequencies.  Without ``maxwell``, branches are fitted
-    to it."""
+    """Measured loss factor, from low to high frequencies.  If ``maxwell`` is empty, branches are fitted
+    to this curve."""
 
 
 class Material(Table):
@@ -94,68 +95,70 @@ class Material(Table):
     density_kg_per_m3: Positive
     """Density."""
     youngs_modulus_Pa: Positive | None = None
-    """Young's modulus in contacts; a hyperelastic material has its own, 6 (C10 + C01)."""
+    """Young's modulus in contacts.  For a hyperelastic material the default is some 6 (C10 + C01)."""
     poisson_ratio: Annotated[float, Strict(), Ge(0), Lt(0.5)] | None = None
-    """Poisson's ratio in contacts; a hyperelastic material has its own."""
+    """Poisson's ratio in contacts.  For a hyperelastic material the default follows from its constants."""
     hyperelastic: Hyperelastic | None = None
-    """What a panel's material needs besides."""
+    """Constants that the material of a panel needs in addition."""
 
 
 class Contact(Table):
-    """How two materials meet.  Every pair that can meet must be given."""
+    """The contact properties of two materials.  Every pair that can meet must be given."""
 
     between: tuple[str, str]
-    """The two materials; twice the same for particles among themselves."""
+    """The two materials; they are equal for contacts between particles of one material."""
     restitution: Annotated[float, Strict(), Gt(0.05), Le(1)]
-    """Coefficient of restitution; LIGGGHTS takes none of 0.05 or less."""
+    """Coefficient of restitution.  LIGGGHTS does not accept values of 0.05 or less."""
     sliding_friction: NotNegative
     """Coefficient of sliding friction."""
     rolling_friction: NotNegative
     """Coefficient of rolling friction: largest couple / (normal force x reduced radius)."""
     work_of_adhesion_J_per_m2: NotNegative = 0.0
-    """Energy to part the two materials, per area: of like ones, twice the surface energy."""
+    """Energy per area to separate the two materials.  For equal materials it is twice the surface
+    energy."""
     specific_wear_m3_per_N_m: NotNegative = 0.0
-    """Volume that particles of one wear off a panel or surface of the other, per normal force and
-    distance slid (docs/theory/wear.md)."""
+    """Volume that particles of one material wear off a panel or surface of the other material, per
+    normal force and sliding distance (docs/theory/wear.md)."""
 
 
 class Probe(Table):
-    """A point whose motion is recorded: on a frame, on a panel, or a particle."""
+    """A point whose motion is recorded.  It is fixed to a frame or a panel, or it is a particle."""
 
     frame: str | None = None
-    """The frame that carries it; with ``point_m``."""
+    """Frame that carries the point; give ``point_m``, too."""
     point_m: Vector | None = None
-    """Where it is on the frame at t = 0, in deck axes."""
+    """Place of the point on the frame at t = 0, in deck axes."""
     panel: str | None = None
-    """The panel it is on; with ``at``."""
+    """Panel that carries the point; give ``at``, too."""
     at: tuple[Share, Share] | None = None
-    """Where it is on the panel: fractions of the free length and of the width."""
+    """Place of the point on the panel, as fractions of the free length and of the width."""
     particle: Annotated[int, Strict(), Ge(1), Lt(2**63)] | None = None
-    """The particle's id."""
+    """Id of the particle."""
 
 
 class Case(Table):
-    """One case with its level."""
+    """A case with one of its levels."""
 
     title: OneLine
     """One line that says what the case shows."""
     description: Text = ""
-    """More about it: sources, assumptions."""
+    """Further text about the case, such as sources and assumptions."""
     default_level: str = ""
-    """The level taken when none is asked for."""
+    """Level of a run that asks for no level."""
     duration_s: Positive
     """Time to simulate."""
     effects: Literal["auto"] | tuple[str, ...] | None = None
-    """Which effects the case has, of those that can be left out: without, what it describes; a list
-    of names, exactly these; "auto", all but what `flipflow explain` says may be left out."""
+    """Effects that the case has, among the effects that can be left out.  By default, the case has all
+    effects that it describes.  A list of names chooses exactly these effects.  "auto" chooses all
+    effects except those that may be left out according to `flipflow explain`."""
     effects_for: tuple[str, ...] = ()
-    """Results, by their short names, that "auto" must not change by more than a tenth; without,
-    all that have one."""
+    """Short names of the results that "auto" must not change by more than a tenth.  By default, these
+    are all results that have a short name."""
     gravity_m_per_s2: Vector = (0.0, 0.0, -9.81)
     """Gravity, in world axes."""
     domain_m: Box
-    """Lowest and highest corner, in world axes.  Particles that leave it elsewhere than through
-    an exit are removed and count as lost."""
+    """Lowest and highest corner of the domain, in world axes.  Particles that leave it elsewhere than
+    through an exit are removed and count as lost."""
     materials: dict[Name, Material]
     """Materials by name."""
     contacts: tuple[Contact, ...] = ()
@@ -165,13 +168,13 @@ class Case(Table):
     bed: Bed = Field(default_factory=Bed)
     """The particles."""
     slice: Slice | None = None
-    """A strip of the width instead of the whole machine."""
+    """A strip of the width that is computed instead of the whole machine."""
     probes: dict[Name, Probe] = Field(default_factory=dict)
     """Probes by name."""
     coupling: Coupling = Field(default_factory=Coupling)
-    """Exchange between the solvers."""
+    """Scheme and times of the exchange between the solvers."""
     exchange: Exchange = Field(default_factory=Exchange)
-    """What is exchanged."""
+    """Quantities that the solvers exchange."""
     frames: FramesSolver = Field(default_factory=FramesSolver)
     """Solver of the frames."""
     panel: PanelSolver = Field(default_factory=PanelSolver)
@@ -179,18 +182,18 @@ class Case(Table):
     particles: ParticlesSolver = Field(default_factory=ParticlesSolver)
     """Solver of the particles."""
     monitor: MonitorSettings = Field(default_factory=MonitorSettings)
-    """What stops a run."""
+    """Events that the run watches for, and its reactions."""
     checkpoint: CheckpointSettings = Field(default_factory=CheckpointSettings)
-    """When the run is saved."""
+    """Times between checkpoints."""
     output: Output = Field(default_factory=Output)
-    """What is written."""
+    """Output and its intervals."""
 
     _whole: Case | None = PrivateAttr(default=None)
     _fine: Case | None = PrivateAttr(default=None)
 
     @property
     def adapters(self) -> dict[Port, Adapter[Any, Any, Any]]:
-        """The adapters of its solvers, by port; an empty machine has none for particles."""
+        """The adapters of the case's solvers, by port; an empty machine has none for particles."""
         adapters: dict[Port, Adapter[Any, Any, Any]] = {
             "panel": self.panel.adapter,
             "frames": self.frames.adapter,
@@ -200,47 +203,47 @@ class Case(Table):
         return adapters
 
     @property
-    def whole(self) -> Case:
-        """The case of the whole machine: itself, or what this slice was cut from."""
+    def whole_machine(self) -> Case:
+        """The case of the whole machine, from which this slice was cut; else the case itself."""
         return self._whole or self
 
     @property
-    def as_given(self) -> Case:
-        """The whole machine with particles as fine as the user gave them."""
-        return self.whole._fine or self.whole
+    def original(self) -> Case:
+        """The case of the whole machine with particles as fine as the user gave them."""
+        return self.whole_machine._fine or self.whole_machine
 
     def with_coarse(self, update: dict[str, object]) -> Case:
-        """A copy with coarse particles."""
+        """Return a copy with updated tables for coarse particles, which knows this case as its original."""
         coarse = self.model_copy(update=update)
         coarse._fine = self
         return coarse
 
     def cut_to(self, update: dict[str, object]) -> Case:
-        """A slice of it: a copy with some tables in the place of its own."""
+        """Return a copy with updated tables for a slice, which knows this case as the whole machine."""
         part = self.model_copy(update=update)
         part._whole = self
         return part
 
 
 def has_particles(case: Case) -> bool:
-    """Whether there are or will be any."""
+    """Return whether the case has or feeds particles."""
     described = case.bed.particles or case.bed.blocks or case.bed.feeds
     return bool(described) and case.particles.solver != NONE
 
 
 def damped_contacts(case: Case) -> bool:
-    """Whether particles lose energy where they touch something."""
+    """Return whether particles lose energy in contacts."""
     return has_particles(case) and any(row.restitution < 1 for row in case.contacts)
 
 
-def absent(case: Case) -> dict[str, str]:
-    """What this case does not have at all, and another might: name -> why."""
+def missing_features(case: Case) -> dict[str, str]:
+    """Return the features that the case lacks, with the reason for each."""
     screen = case.screen
-    there = {
+    features = {
         "particles": (has_particles(case), "the bed is empty, or particles.solver none"),
         "exciters": (bool(screen.exciters), "there are none"),
         "bushings": (bool(screen.bushings), "there are none"),
         "surfaces": (bool(screen.surfaces), "there are none"),
         "gravity": (any(case.gravity_m_per_s2), "gravity_m_per_s2 is zero"),
     }
-    return {name: why for name, (is_there, why) in there.items() if not is_there}
+    return {name: why for name, (is_there, why) in features.items() if not is_there}

@@ -1,5 +1,7 @@
-"""``[screen.decks.<name>]``, from which panels and surfaces are made, and the tables that a deck
-and a panel share: ``apertures`` and ``stops``."""
+"""The table ``[screen.decks.<name>]``, from which panels and surfaces are made.
+
+The module also has the tables that decks and panels share: ``apertures`` and ``stops``.
+"""
 
 from __future__ import annotations
 
@@ -12,61 +14,63 @@ from orchestrator.case.tables.quantities import Few, Name, NotNegative, Number, 
 
 
 class Apertures(Table):
-    """Equal openings in a regular pattern: as many whole pitches as fit between the margins,
-    centred.  Particles fall through them; the panel is as stiff and heavy as what is left
-    (docs/theory/perforated_panel.md)."""
+    """Equal openings in a regular pattern, through which particles fall.  The pattern is centred and
+    has as many whole pitches as fit between the margins.  The panel has the stiffness and the mass of
+    the material between the openings (docs/theory/perforated_panel.md)."""
 
     shape: Literal["rectangle", "slot"] = "rectangle"
-    """rectangle, or slot with round ends (a circle if length and width are equal)."""
+    """Shape of an opening.  A slot has round ends; it is a circle if length and width are equal."""
     length_m: Positive
     """Length of an opening along the panel."""
     width_m: Positive
     """Width of an opening across the panel."""
     pitch_along_m: Positive
-    """Distance from opening to opening along the panel."""
+    """Distance between the centres of neighbouring openings along the panel."""
     pitch_across_m: Positive
-    """Distance from opening to opening across the panel."""
+    """Distance between the centres of neighbouring openings across the panel."""
     stagger: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
     """Shift of every second row of openings across the panel, as a share of the pitch."""
     margin_along_m: NotNegative = 0.0
-    """Length without openings before each clamp, at least."""
+    """Smallest length without openings before each clamp."""
     margin_across_m: NotNegative = 0.0
-    """Width without openings at each side, at least."""
+    """Smallest width without openings at each side."""
 
 
 class Stop(Table):
-    """The flat top of a beam below a panel, which the panel may come to lie on: the cross beam's
-    own flange beside its clamp, or a bar in between (docs/theory/panel_stops.md)."""
+    """The flat top of a beam below a panel, on which the panel may come to lie.  The beam is the flange
+    of the cross beam beside its clamp, or a bar between the cross beams (docs/theory/panel_stops.md)."""
 
     frame: str | None = None
-    """The frame that carries it, or "ground"; without, the one that holds the nearer clamp."""
+    """Frame that carries the stop, or "ground".  By default, it is the frame that holds the nearer
+    clamp."""
     from_m: NotNegative
-    """Where it begins, along the free length from the first clamp's inner edge."""
+    """Beginning of the stop, measured along the free length from the first clamp's inner edge."""
     to_m: Positive
-    """Where it ends."""
+    """End of the stop, measured in the same way."""
     gap_m: Positive
-    """How far it lies below the panel as it is mounted straight between its clamps."""
+    """Distance of the stop below the panel when the panel is straight between its clamps."""
     stiffness_Pa_per_m: Positive | None = None
-    """Pressure on its layer of rubber over the depth pressed in; without, a tenth of the panel's
-    mass per area over the sync interval squared, ten times less than the most allowed."""
+    """Stiffness of the stop's layer of rubber: pressure divided by the depth pressed in.  By default, it
+    is a tenth of the largest value allowed, which is the panel's mass per area divided by the square of
+    the sync interval."""
     damping_ratio: Share = 0.2
-    """Damping of the panel's mass on the layer over the critical one."""
+    """Damping of the panel's mass on the layer, as a share of the critical damping."""
 
 
 class PanelSheet(Table):
-    """The sheet of a panel and what belongs to it, as panels and decks have it."""
+    """The common part of panels and decks: the sheet of a panel with its openings and stops."""
 
     material: str
-    """Material of a panel, with ``hyperelastic``."""
+    """Material of a panel, which must have the table ``hyperelastic``."""
     length_m: Positive
-    """Stress-free length of a panel between its clamps' inner edges."""
+    """Stress-free length of a panel between the inner edges of its clamps."""
     width_m: Positive
     """Width of a panel."""
     thickness_m: Positive
     """Thickness of a panel."""
     clamp_m: NotNegative = 0.0
-    """Length held under each clamp: the panel is built in there.  0 is a hinge, for every solver:
-    the panel's end cannot move but can turn."""
+    """Length of the panel under each clamp, where it is built in.  For every solver 0 means a hinge: the
+    panel's end cannot move but can turn."""
     apertures: Apertures | None = None
     """Openings of a panel."""
     stops: dict[Name, Stop] = Field(default_factory=dict)
@@ -80,45 +84,46 @@ class SidePlates(Table):
     """A plate along each side of the deck."""
 
     frame: str
-    """The frame that carries them, or "ground"."""
+    """Frame that carries the plates, or "ground"."""
     material: str
-    """Their material."""
+    """Material of the plates."""
     height_m: Positive
-    """Height above the line of the panels, normal to the deck axes."""
+    """Height of the plates above the line of the panels, along the deck's z axis."""
     depth_m: NotNegative = 0.0
-    """How far they reach below it."""
+    """Depth of the plates below the line of the panels."""
     gap_m: NotNegative = 0.0
-    """Distance from the panels' edges."""
+    """Distance of the plates from the panels' edges."""
 
 
 class FeedChute(Table):
     """A plate, as wide as the deck, that ends above the first cross beam."""
 
     frame: str = "ground"
-    """The frame that carries it."""
+    """Frame that carries the chute, or "ground"."""
     material: str
-    """Its material."""
+    """Material of the chute."""
     length_m: Positive
-    """Its length."""
+    """Length of the chute."""
     slope_deg: Slope
-    """How steeply it slopes down to the deck, against the horizontal."""
+    """Angle by which the chute slopes down to the deck, against the horizontal."""
     drop_m: NotNegative
-    """Height of its end above the first cross beam."""
+    """Height of the chute's end above the first cross beam."""
 
 
 class CrossBeams(Table):
-    """The beams' tops where they show between the clamps of neighbouring panels."""
+    """The visible tops of the cross beams, between the clamps of neighbouring panels."""
 
     material: str
-    """Their material."""
+    """Material of the cross beams."""
 
 
 def _as_list(value: Any) -> Any:
+    """Return a single number as a list of one."""
     return (value,) if isinstance(value, int | float) else value
 
 
 class Deck(PanelSheet):
-    """Panels end to end between cross beams that belong to two frames in turn.
+    """A row of panels end to end between cross beams, which belong to two frames in turn.
 
     Panels are named <name>-1, <name>-2 and so on from the upper end, surfaces <name>-left-1,
     <name>-right-1, <name>-beam-1, <name>-chute.  Instead of a deck, panels and surfaces may be
@@ -126,22 +131,23 @@ class Deck(PanelSheet):
     """
 
     frames: tuple[str, str]
-    """Frames that carry the first cross beam and the second; they alternate from there."""
+    """Frames that carry the first and the second cross beam; the other cross beams alternate."""
     corner_m: Vector
-    """Middle of the first cross beam's top at the side from which the width points in."""
+    """Middle of the first cross beam's top, at the side from which y points into the deck."""
     panels: Few
     """Number of panels."""
     pitch_m: Positive
     """Distance between the middles of neighbouring cross beams."""
     tension_m: Annotated[tuple[Number, ...], BeforeValidator(_as_list)] = (0.0,)
-    """Distance between a panel's clamps less ``length_m``, positive is taut, negative slack: one
-    number for all panels, or a list with one for each."""
+    """Distance between a panel's clamps minus ``length_m``: one number for all panels, or a list with a
+    number for each panel.  It is positive for taut panels and negative for slack panels."""
     slopes_deg: tuple[Slope, ...] = ()
-    """Slope of each segment against the horizontal, from the upper end; all segments have equally
-    many panels.  None: one segment along the deck axes (``screen.inclination_deg``)."""
+    """Slope of each segment against the horizontal, from the upper end; all segments have the same
+    number of panels.  By default, the deck is one segment along the deck axes
+    (``screen.inclination_deg``)."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None
-    """A chute onto the upper end."""
+    """Chute onto the upper end of the deck."""
     cross_beams: CrossBeams | None = None
-    """Close the gaps between the clamps of neighbouring panels."""
+    """Tops of the cross beams, which close the gaps between the clamps of neighbouring panels."""

@@ -1,6 +1,6 @@
-"""``[screen.frames]`` and what moves them: drives, bushings, exciters and their motors.
+"""The table ``[screen.frames]``, and the tables of drives, bushings, exciters and their motors.
 
-In deck axes, see ``screen.py``.
+All of them are in deck axes, which screen.py defines.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from orchestrator.case.tables.quantities import (
 
 
 class Drive(Table):
-    """Prescribed harmonic motion of a frame, component by component:
-    amplitude * sin(speed * t + phase), smoothly run up."""
+    """The prescribed harmonic motion of a frame.  Each component is amplitude * sin(speed * t + phase),
+    and the motion grows smoothly during the run-up."""
 
     speed_rad_per_s: Positive
     """Angular frequency."""
@@ -42,9 +42,9 @@ class Drive(Table):
 
 
 class Frame(Table):
-    """A rigid body: free, moved through its mass by exciters, bushings and panels; or moved as
-    prescribed by ``drive``, whatever pushes it.  Both may be in one machine (solvers "planar" and
-    "exudyn")."""
+    """A rigid body.  A free frame has mass, and exciters, bushings and panels move it; a driven frame
+    moves as its ``drive`` prescribes, whatever pushes it.  One machine may have both kinds with the
+    solvers "planar" and "exudyn"."""
 
     center_of_mass_m: Vector = (0.0, 0.0, 0.0)
     """Centre of mass at t = 0."""
@@ -55,55 +55,55 @@ class Frame(Table):
     products_of_inertia_kg_m2: Vector = (0.0, 0.0, 0.0)
     """Elements xy, xz and yz of the inertia tensor."""
     drive: Drive | None = None
-    """Prescribed motion (not with solver "two-mass"); mass and inertia may then be left
-    out, and are without effect on the motion."""
+    """Prescribed motion, which the solver "two-mass" does not know.  A driven frame may have no mass and
+    no inertia, because these have no effect on its motion."""
 
 
 class Bushing(Table):
-    """Equal springs and dampers between two frames, one at each position."""
+    """Equal bushings between two frames: a spring and a damper at each position."""
 
     between: tuple[str, str]
     """The two frames, or a frame and "ground"."""
     positions_m: Vectors
-    """Where they are, one row each."""
+    """Positions of the bushings, with a row for each."""
     stiffness_N_per_m: NotNegativeVector
-    """Stiffness of one, along each of its axes."""
+    """Stiffness of one bushing, along each of its axes."""
     damping_N_s_per_m: NotNegativeVector = (0.0, 0.0, 0.0)
-    """Viscous damping of one, along each of its axes."""
+    """Viscous damping of one bushing, along each of its axes."""
     rotation_deg: Vector = (0.0, 0.0, 0.0)
-    """Turns the bushing's axes from the deck axes: about x, then y, then z."""
+    """Rotation of the bushing's axes from the deck axes: about x, then y, then z."""
 
 
 class Motor(Table):
-    """An induction motor on the ground that turns an exciter's shaft, so that its speed dips under
-    load.  Of the solvers, "planar" and "exudyn" know it; the others turn the shaft at
-    ``speed_rad_per_s``."""
+    """An induction motor on the ground that turns an exciter's shaft, whose speed then drops under load.
+    The solvers "planar" and "exudyn" compute it; other solvers turn the shaft at ``speed_rad_per_s``."""
 
     rated_power_W: Positive
-    """Rated power, of all motors of the shaft."""
+    """Rated power of all motors of the shaft together."""
     synchronous_speed_rad_per_s: Positive
-    """Speed of the shaft without any load; gears and belts are already in it."""
+    """Speed of the shaft without any load, after all gears and belts."""
     rated_slip: Annotated[float, Strict(), Gt(0), Le(0.2)]
-    """Lag behind the synchronous speed at rated power, as a share of it."""
+    """Lag behind the synchronous speed at rated power, as a share of the synchronous speed."""
     breakdown_ratio: Annotated[float, Strict(), Ge(1), Le(10)] = 2.5
-    """Breakdown torque over rated torque."""
+    """Breakdown torque divided by rated torque."""
     moment_of_inertia_kg_m2: Positive
-    """Of all that turns about the shaft, the unbalance and the rotor included, at its speed."""
+    """Moment of inertia of all rotating parts, with the unbalance and the rotor, at the speed of the
+    shaft."""
     bearing_loss_N_m_s: NotNegative = 0.0
-    """Torque that the bearings take, per speed."""
+    """Torque of the bearings divided by the speed of the shaft."""
 
 
 class Exciter(Table):
     """A rotating unbalance on a frame."""
 
     frame: str
-    """The frame it is fixed to."""
+    """Frame that carries the exciter."""
     position_m: Vector
-    """Where its axis is."""
+    """Position of the exciter's axis."""
     mass_moment_kg_m: Positive
-    """Unbalanced mass times its eccentricity; the force is this times speed squared."""
+    """Unbalanced mass times its eccentricity; the force is this product times the speed squared."""
     speed_rad_per_s: Positive
-    """Speed once it has run up."""
+    """Speed after the run-up."""
     axis: Vector = (0.0, 1.0, 0.0)
     """Direction of the shaft; the unbalance turns about it in the positive sense."""
     start: Vector = (0.0, 0.0, 1.0)
@@ -111,8 +111,10 @@ class Exciter(Table):
     phase_rad: Number = 0.0
     """Angle at t = 0."""
     start_s: NotNegative = 0.0
-    """When it starts; until then it stands still, and what was dropped can settle."""
+    """Time at which the exciter starts.  Until then it stands still, so that particles and frames can
+    settle."""
     run_up_s: NotNegative = 0.0
-    """Time to reach full speed, from ``start_s``; of a motor, for its synchronous speed."""
+    """Time from ``start_s`` to full speed; with a motor, the time in which the motor's synchronous speed
+    reaches its full value."""
     motor: Motor | None = None
-    """Turns it; without, its speed is prescribed."""
+    """Motor that turns the shaft.  Without a motor, the speed of the shaft is prescribed."""

@@ -1,4 +1,4 @@
-"""How finely: the solver of each port and its settings, the coupling, the output.
+"""The tables of the numerics: the solvers and their settings, the coupling, the monitor and the output.
 
 These tables usually stand in a level (``levels/<level>.toml``).
 """
@@ -18,207 +18,221 @@ if TYPE_CHECKING:
 
 
 class PanelSolver(Table):
-    """How the panels are solved."""
+    """The solver of the panels and its settings."""
 
     solver: Annotated[str, SolverName("panel")] = "sheet"
-    """The solver."""
+    """Name of the solver."""
     recording: str | None = None
-    """File made by ``flipflow record``, for solver "recorded": its path from the case's folder,
-    and a file in there where the case names it; ``--set`` may name any."""
+    """File made by ``flipflow record``, for the solver "recorded".  The path starts from the case's
+    folder.  A file that the case names must lie in this folder; ``--set`` may name any file."""
     integrator: Literal["explicit", "implicit"] = "explicit"
-    """Time integration of sheet and solid."""
+    """Time integration of the solvers "sheet" and "solid"."""
     cells: Cells = (22, 8)
-    """Finite-element cells along the free length and across; around openings the solid takes as
-    many more as these need."""
+    """Numbers of finite-element cells along the free length and across.  The solver "solid" adds the
+    cells that openings need."""
     surface_cells: Cells = (22, 8)
-    """Cells of the surface that particles touch; each is cut into two triangles."""
+    """Numbers of cells, along the free length and across, of the surface that particles touch; each cell
+    is cut into two triangles."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes the solver's own limit with a margin."""
 
     @property
     def adapter(self) -> PanelAdapter:
-        """What the solver tells of itself."""
+        """The adapter of the solver."""
         return cast("PanelAdapter", adapter("panel", self.solver))
 
 
 class FramesSolver(Table):
-    """How the frames are solved."""
+    """The solver of the frames and its settings."""
 
     solver: Annotated[str, SolverName("frames")] = "exudyn"
-    """The solver."""
+    """Name of the solver."""
     step_s: NotNegative = 0.0
-    """Largest time step; 0 takes the solver's own."""
+    """Largest time step; 0 takes the solver's own step."""
 
     @property
     def adapter(self) -> FramesAdapter:
-        """What the solver tells of itself."""
+        """The adapter of the solver."""
         return cast("FramesAdapter", adapter("frames", self.solver))
 
 
 class ParticlesSolver(Table):
-    """How the particles are solved."""
+    """The solver of the particles and its settings."""
 
     solver: Annotated[str, SolverName("particles")] = "liggghts"
-    """The solver; "none" lets the machine run empty."""
+    """Name of the solver; "none" lets the machine run empty."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
     rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.15
-    """Share of the smallest particle's Rayleigh time; above 0.2 is refused."""
+    """Largest time step as a share of the smallest particle's Rayleigh time; values above 0.2 are
+    refused."""
     feed_interval_s: NotNegative = 0.002
-    """Time between two batches of fed particles (0: every sync interval); new neighbour lists for a
-    batch cost as much as seven steps."""
+    """Time between two batches of fed particles; 0 feeds in every sync interval.  The new neighbour lists
+    for a batch cost as much time as seven steps."""
     largest_youngs_modulus_Pa: Positive | None = None
-    """Stiffer materials are softened to this in contacts, which allows longer steps."""
+    """Largest Young's modulus in contacts.  Stiffer materials are softened to it, which allows longer
+    steps."""
     coarse_graining: Annotated[float, Strict(), Ge(1), Le(10)] = 1.0
-    """Diameters are this much larger, and each particle stands for the cube of it: for layers that
-    load the machine, refused for sizes below four openings (docs/theory/feed.md)."""
+    """Factor k by which diameters are enlarged; each particle then stands for k^3 particles.  It is meant
+    for layers that load the machine, and is refused for particles smaller than four openings
+    (docs/theory/feed.md)."""
     softened_adhesion: Literal["sticking", "pull-off"] = "sticking"
-    """What softened contacts keep: the speed below which particles stick, or the pull-off force."""
+    """Property that softened contacts keep.  sticking: the speed below which particles stick.
+    pull-off: the pull-off force."""
     adhesion: Literal["none", "sjkr", "jkr"] | None = None
-    """Law of adhesion (docs/theory/adhesion.md); without, jkr where contacts have a work of
+    """Law of adhesion (docs/theory/adhesion.md).  By default, it is jkr if contacts have a work of
     adhesion."""
     sjkr_diameter_m: Positive | None = None
-    """Diameter at which ``sjkr`` has the true pull-off force; without, the geometric mean of the
-    smallest and the largest."""
+    """Diameter at which ``sjkr`` has the true pull-off force.  By default, it is the geometric mean of the
+    smallest and the largest diameter."""
     rolling: Literal["none", "cdt", "epsd2"] = "epsd2"
-    """Law of rolling friction, where contacts have some: constant torque, or elastic-plastic."""
+    """Law of rolling friction for contacts that have some.  cdt: constant torque.  epsd2:
+    elastic-plastic."""
     wear: Literal["none", "archard"] = "archard"
-    """Law of wear, where contacts have a specific one."""
+    """Law of wear for contacts that have a specific wear."""
 
     @property
     def adapter(self) -> ParticlesAdapter | None:
-        """What the solver tells of itself; None for a machine that runs empty."""
+        """The adapter of the solver; None for a machine that runs empty."""
         return None if self.solver == NONE else cast("ParticlesAdapter", adapter("particles", self.solver))
 
 
 class Coupling(Table):
-    """When solvers exchange motion and load."""
+    """The scheme and the times of the exchange of motion and load between the solvers."""
 
     scheme: Literal["particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"] = "auto"
-    """Order of the solvers within a sync interval (docs/theory/coupling.md): robin foretells with
-    the contacts where panels go; aitken and quasi-newton repeat it until particles and panels
-    agree; auto is particles-first within its safe interval, else robin (docs/theory/stability.md).
-    """
+    """Order of the solvers within a sync interval (docs/theory/coupling.md).  robin predicts the motion of
+    the panels from the contacts.  aitken and quasi-newton repeat the interval until particles and panels
+    agree.  auto is particles-first within its safe interval, and robin otherwise
+    (docs/theory/stability.md)."""
     sync_interval_s: Positive = 5e-5
     """Time between two exchanges."""
     tolerance: Annotated[float, Strict(), Gt(0), Le(0.1)] = 1e-3
-    """Of a repeated interval: by what share of its size the particles' load may differ from the one
-    that the panels moved under."""
+    """Largest relative difference, in a repeated interval, between the particles' load and the load under
+    which the panels moved."""
     most_iterations: Annotated[int, Strict(), Gt(0), Le(1000)] = 20
-    """A repeated interval is run at most so many times; more is a warning."""
+    """Largest number of runs of a repeated interval.  A warning appears if they do not suffice."""
 
 
 class Exchange(Table):
-    """What is handed over.  Turning one off leaves out physics, to see what it
-    does; momentum and energy then do not close, and the log says so."""
+    """The quantities that the solvers exchange.  A quantity that is turned off leaves out physics, which
+    shows its influence.  The balances of momentum and energy then do not close, and the log says so."""
 
     frame_motion: Switch = True
-    """Frames move the panels' clamps."""
+    """Whether frames move the panels' clamps."""
     panel_motion: Switch = True
-    """Panels and walls move the surface that particles touch."""
+    """Whether panels and walls move the surface that particles touch."""
     particle_load: Switch = True
-    """Particles load the panels."""
+    """Whether particles load the panels."""
     panel_reaction: Switch = True
-    """Panels and walls push the frames."""
+    """Whether panels and walls push the frames."""
 
 
 Then = Literal["warn", "shorten", "stop"]
 
 
 class ItemSettings(Table):
-    """What is done about an item of the monitor."""
+    """The settings of an additional item of the monitor."""
 
     then: Then
-    """What is done beyond the limit."""
+    """Reaction to a value above the limit."""
     limit: Annotated[float, Strict(), Ge(-1e12), Le(1e12)]
-    """The largest value at which nothing is amiss, in the item's own unit."""
+    """Largest acceptable value, in the unit of the item."""
 
 
 class MonitorSettings(Table):
-    """What a run does about what should not happen: "warn" says it once and goes on; "shorten"
-    runs the next sync intervals in halves, quarters … until nothing has been amiss for ``calm_s``;
-    "stop" ends the run with its results kept (exit code 4), and names the last checkpoint from before.
-    Looked at at output times; created energy, growing modes and crossings some five sync
-    intervals after at the latest (docs/theory/stability.md)."""
+    """The reactions of a run to events that should not happen.  "warn" warns once, and the run continues.
+    "shorten" runs the next sync intervals in halves, quarters and so on, until no such event has happened
+    for ``calm_s``.  "stop" ends the run (exit code 4), keeps its results, and names the last checkpoint
+    before the event.  The run checks most events at output times, and created energy, growing modes and
+    crossings at most some five sync intervals after they happen (docs/theory/stability.md)."""
 
     created_energy: Then = "shorten"
-    """Energy that the coupling creates or destroys within some twenty intervals."""
+    """Reaction to energy that the coupling creates or destroys within some twenty intervals."""
     largest_created_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
-    """Of the energy that went through the interface in them."""
+    """Largest acceptable share of created energy in the energy that went through the interface in these
+    intervals."""
     created_in_total: Literal["warn", "stop"] = "warn"
-    """The same since t = 0, by the ledger; looked at at output times."""
+    """Reaction to energy that the coupling has created or destroyed since t = 0 according to the energy
+    ledger, which is checked at output times."""
     largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
-    """Of the energy that went through the interface or was lost there since then
-    (docs/theory/stability.md).  A run that ends beyond it is doubtful."""
+    """Largest acceptable share of created energy in the energy that went through the interface or was lost
+    there since t = 0 (docs/theory/stability.md).  A run that ends above it is doubtful."""
     growing_modes: Then = "shorten"
-    """Points of the surface that alternate from interval to interval, more and more."""
+    """Reaction to points of the surface whose motion alternates from interval to interval and grows."""
     largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Their speed, of the largest one that the surface had so far (root mean square)."""
+    """Largest acceptable speed of such points, as a share of the largest speed that the surface has had
+    (root mean square)."""
     stretched_panels: Then = "warn"
-    """Panels that are stretched too far anywhere, along an edge of the surface's triangles."""
+    """Reaction to a panel that is stretched too far along any edge of the surface's triangles."""
     largest_stretch: Annotated[float, Strict(), Gt(0), Le(10)] = 0.3
-    """Over the stress-free length: as far as the material's constants were measured.  Panels that
-    work are stretched by some hundredths."""
+    """Largest acceptable elongation, as a share of the stress-free length.  The material's constants were
+    measured up to the default; panels at work are stretched by some hundredths."""
     penetrated_surfaces: Literal["warn", "stop"] = "stop"
-    """Panels that have gone through a rigid surface or another panel: none holds the other there (a
-    beam that does is a stop of the panel).  One that hangs so at the start is refused."""
+    """Reaction to a panel that has gone through a rigid surface or another panel.  The simulation does not
+    prevent this; a beam on which a panel may lie must be a stop of the panel.  A case in which a panel
+    penetrates a surface at the start is refused."""
     largest_penetration: Annotated[float, Strict(), Ge(0), Le(1000)] = 0.5
-    """How far the middle of the panel is beyond the surface, of the panel's thickness."""
+    """Largest acceptable distance of the panel's middle beyond the surface, as a share of the panel's
+    thickness."""
     deep_overlaps: Then = "warn"
-    """Particles that overlap each other or the surface too deeply."""
+    """Reaction to particles that overlap each other or the surface too deeply."""
     largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
-    """Of the smaller radius: twice what Hertz's theory wants, contacts small against bodies."""
+    """Largest acceptable overlap, as a share of the smaller radius.  The default is twice the limit of
+    Hertz's theory, which assumes that contacts are small compared to the bodies."""
     crossed_surface: Literal["warn", "stop"] = "stop"
-    """Particles whose centre goes through the surface elsewhere than through an opening: contacts
-    too soft or steps too long.  Looked for in every step of the particles; a run that goes on is
-    doubtful."""
+    """Reaction to particles whose centre goes through the surface elsewhere than through an opening,
+    because contacts are too soft or steps too long.  Every step of the particles is checked.  A run that
+    continues is doubtful."""
     most_crossings: Annotated[int, Strict(), Ge(0)] = 0
-    """How often that may happen."""
+    """Largest acceptable number of such crossings."""
     long_steps: Then = "warn"
-    """Particles, or points of the surface, that move too far in a step of the particles."""
+    """Reaction to particles, or points of the surface, that move too far in a step of the particles."""
     largest_step_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Of a radius (for the surface the smallest): farther, contacts are found late or never."""
+    """Largest acceptable distance in a step, as a share of the particle's radius; for points of the
+    surface, of the smallest radius.  After longer steps, contacts are detected late or never."""
     calm_s: NotNegative = 0.0
-    """How long nothing must be amiss before intervals become longer again; 0: a cycle of the
+    """Time without any such event after which intervals become longer again; 0 takes a cycle of the
     machine."""
     lost_particles: Literal["warn", "stop"] = "warn"
-    """Particles that leave the domain elsewhere than through an exit."""
+    """Reaction to particles that leave the domain elsewhere than through an exit."""
     escaped_particles: Literal["warn", "stop"] = "warn"
-    """Particles that come out with the undersize although they fit through no opening: squeezed
-    through (contacts too soft), or out beside the panels."""
+    """Reaction to particles that leave with the undersize although they fit through no opening.  They were
+    squeezed through because contacts are too soft, or they left beside the panels."""
     folded_panels: Literal["warn", "stop"] = "stop"
-    """Panels whose middle line comes nearer to itself than the panel's thickness."""
+    """Reaction to panels whose middle line comes nearer to itself than the panel's thickness."""
     jammed_feed: Literal["warn", "stop"] = "stop"
-    """A feed that took less than half of what was due for ``jam_s``."""
+    """Reaction to a feed that took less than half of the mass that was due in ``jam_s``."""
     jam_s: Positive = 0.2
-    """How long."""
+    """Time over which a feed is judged."""
     items: dict[Name, ItemSettings] = Field(default_factory=dict)
-    """What else is looked at: items that installed packages bring
-    (docs/how-to/add-a-monitor-item.md)."""
+    """Settings of additional items, which installed packages bring (docs/how-to/add-a-monitor-item.md)."""
 
 
 class CheckpointSettings(Table):
-    """When a run is saved while it goes on, so that ``flipflow resume`` can take it up again.  At
-    its end, and where it is interrupted, it is saved in any case."""
+    """The times between checkpoints, from which ``flipflow resume`` can continue a run.  A run always
+    writes a checkpoint at its end and when it is interrupted."""
 
     every_s: NotNegative = 0.0
-    """Simulated time between two checkpoints; 0: none for that."""
+    """Simulated time between two checkpoints; 0 means that simulated time causes no checkpoints."""
     wall_min: NotNegative = 10.0
-    """Wall time between two checkpoints; 0: none for that."""
+    """Wall time between two checkpoints; 0 means that wall time causes no checkpoints."""
 
 
 class Output(Table):
-    """What is written how often."""
+    """The output of a run and its intervals."""
 
     interval_s: Positive = 0.005
-    """Time between snapshots for ParaView, shapes, the bed's profile and the energy ledger; means
-    of the bed need four even phases of the machine's cycle."""
+    """Time between two outputs of snapshots for ParaView, shapes, the bed's profile and the energy ledger.
+    Means of the bed need outputs at four evenly spaced phases of the machine's cycle."""
     series_s: NotNegative = 0.0
-    """Time between rows of probes, frames, bushings and panel forces (means over it); 0: a row at
-    every sync point.  Orbits need 20 in a cycle of the machine, accelerations one every 0.9 ms."""
+    """Time between two rows of probes, frames, bushings and panel forces (which are means over it); 0
+    writes a row at every sync point.  Orbits need 20 rows in a cycle of the machine, and accelerations
+    need a row every 0.9 ms."""
     shapes_s: NotNegative = 0.0
-    """Time between rows of the panels' whole shapes, which ``flipflow record`` needs; 0: none."""
+    """Time between two rows of the panels' whole shapes, which ``flipflow record`` needs; 0 writes none."""
     pictures: Switch = True
-    """Make pictures at the end of the run."""
+    """Whether pictures are made at the end of the run."""
     cut_size_m: Positive | None = None
-    """Size that divides fine from coarse in the results; else the openings' smaller side."""
+    """Size that divides fine from coarse particles in the results.  By default, it is the smaller side of
+    the openings."""

@@ -1,7 +1,7 @@
-"""The kinds of value that a case is made of, and the table that every table of a case is.
+"""The kinds of value in a case, and the base class of all its tables.
 
-Numbers are strict: "4" or true is no number, a whole number is one.  Every float carries its
-unit at the end of its name; tests/case/test_tables.py walks all tables to make sure.
+Numbers are strict: "4" and true are no numbers, but a whole number is a valid float.  The name of
+every float ends in its unit; tests/case/test_tables.py checks this for all tables.
 """
 
 from __future__ import annotations
@@ -14,19 +14,20 @@ from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
 
 
 class Table(BaseModel):
-    """A frozen table: unknown keys, NaN and infinity are refused.
+    """A frozen table that refuses unknown keys, NaN and infinity.
 
-    The text under each field is its documentation (docs/case-format.md is made of it).
+    The text under each field documents it, and docs/case-format.md is generated from these texts.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
 
     def times(self, factor: float, *keys: str) -> Self:
-        """A copy with the numbers of these keys multiplied; keys without a value stay without."""
+        """Return a copy with the values of these keys multiplied; keys without a value stay without one."""
         return self.model_copy(update={key: _product(factor, getattr(self, key)) for key in keys})
 
 
 def _product(factor: float, value: Any) -> Any:
+    """Return the product of a factor and a number or a tuple of numbers; None for None."""
     if isinstance(value, tuple):
         return tuple(factor * number for number in value)
     return None if value is None else factor * value
@@ -36,7 +37,7 @@ Number = Annotated[float, Strict()]
 Positive = Annotated[float, Strict(), Gt(0)]
 NotNegative = Annotated[float, Strict(), Ge(0)]
 Share = Annotated[float, Strict(), Ge(0), Le(1)]
-Particles = Annotated[int, Strict(), Gt(0), Le(10_000_000)]  # what one machine can hold
+Particles = Annotated[int, Strict(), Gt(0), Le(10_000_000)]  # One computer has memory for so many.
 Few = Annotated[int, Strict(), Gt(0), Le(1000)]
 Whole = Annotated[int, Strict(), Ge(0), Lt(2**63)]
 Switch = Annotated[bool, Strict()]
@@ -58,7 +59,7 @@ _WRITTEN = {"deg": "degree", "percent": "%", "g": "9.80665 m/s2"}
 
 
 def unit_of(name: str, without: str = "1") -> str:
-    """The unit of a name: ``velocity_m_per_s`` has m/s, ``wear_m3_per_N_m`` m3/(N m).
+    """Return the unit of a name: m/s for ``velocity_m_per_s``, m3/(N m) for ``wear_m3_per_N_m``.
 
     A name that ends in no unit belongs to a pure number and has the unit ``without``.
     """

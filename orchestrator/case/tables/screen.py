@@ -1,7 +1,7 @@
-"""``[screen]``: the machine.  Frames on bushings, what drives them, panels and walls.
+"""The table ``[screen]``, which describes the machine: frames, bushings, exciters, panels and walls.
 
-Everything in it is given in deck axes: x along the deck and downhill, y across, z normal to the
-deck and up.  ``inclination_deg`` turns them about y into the world's axes.
+All of it is given in deck axes: x along the deck and downhill, y across, z normal to the deck and up.
+A rotation by ``inclination_deg`` about y turns the deck axes into the world axes.
 """
 
 from __future__ import annotations
@@ -23,47 +23,48 @@ class PanelTable(PanelSheet):
     """
 
     frames: tuple[str, str]
-    """Frames (or "ground") that hold the first and the second clamp."""
+    """Frames, or "ground", that hold the first and the second clamp."""
     corner_m: Vector
-    """First clamp's inner edge, at the side from which ``across`` points into the panel."""
+    """End of the first clamp's inner edge, at the side from which ``across`` points into the panel."""
     along: Vector = (1.0, 0.0, 0.0)
     """Direction from the first clamp to the second."""
     across: Vector = (0.0, 1.0, 0.0)
-    """Direction of the width; along x across points to the particles."""
+    """Direction of the width; the vector product of ``along`` and ``across`` points to the particles."""
     tension_m: Number | None = None
-    """Distance between the clamps less ``length_m``: positive is taut, negative slack."""
+    """Distance between the clamps minus ``length_m``; it is positive for a taut panel and negative for a
+    slack panel."""
     span_m: Positive | None = None
-    """Distance between the clamps' inner edges; instead of ``tension_m``."""
+    """Distance between the clamps' inner edges, which may be given instead of ``tension_m``."""
     count: Few = 1
     """Number of panels in the row."""
     pitch_m: Positive | None = None
-    """Distance from panel to panel of a row."""
+    """Distance between neighbouring panels of a row, from corner to corner."""
 
 
 class Surface(Table):
-    """A rigid surface that particles touch from both sides: a side wall, a chute.  Either an STL
-    file, or a plate: a corner and two edges that start there."""
+    """A rigid surface that particles touch from both sides, such as a side wall or a chute.  It is either
+    an STL file, or a plate with a corner and the two edges that start there."""
 
     stl: str | None = None
     """STL file in the case's folder, in m and deck axes."""
     corner_m: Vector | None = None
-    """A corner of the plate; with ``edges_m``."""
+    """Corner of the plate; give ``edges_m``, too."""
     edges_m: tuple[Vector, Vector] | None = None
-    """The plate's edges from there; the first x the second points to its upper side."""
+    """Edges of the plate that start at the corner; their vector product points to the upper side."""
     frame: str
-    """The frame that carries it, or "ground"."""
+    """Frame that carries the surface, or "ground"."""
     material: str
-    """Its material."""
+    """Material of the surface."""
 
 
 class Exit(Table):
-    """A box that takes particles out and counts them: the undersize below a section of the deck,
-    the oversize behind its end."""
+    """A box that removes particles and counts them.  The undersize leaves below a section of the deck,
+    and the oversize behind the deck's end."""
 
     product: Literal["undersize", "oversize"]
-    """What leaves here."""
+    """Product that leaves through this exit."""
     box_m: Box
-    """Lowest and highest corner: a particle is taken out when its centre is in the box."""
+    """Lowest and highest corner of the box.  A particle is removed when its centre is in the box."""
 
 
 class Screen(Table):
@@ -72,8 +73,8 @@ class Screen(Table):
     inclination_deg: Number = 0.0
     """Angle by which the deck slopes down along its x axis."""
     drawn_at_rest: Switch = True
-    """True: bushings are preloaded so that nothing moves before an exciter or drive starts.
-    False: the frames drop onto their unloaded bushings at t = 0."""
+    """true: bushings are preloaded so that nothing moves before an exciter or drive starts.
+    false: the frames drop onto their unloaded bushings at t = 0."""
     frames: dict[Name, Frame] = Field(default_factory=dict)
     """Frames by name."""
     bushings: dict[Name, Bushing] = Field(default_factory=dict)
@@ -81,7 +82,7 @@ class Screen(Table):
     exciters: dict[Name, Exciter] = Field(default_factory=dict)
     """Exciters by name."""
     decks: dict[Name, Deck] = Field(default_factory=dict)
-    """Decks by name: each stands for panels and surfaces."""
+    """Decks by name.  Each deck stands for panels and surfaces."""
     panels: dict[Name, PanelTable] = Field(default_factory=dict)
     """Panels, or rows of panels, by name."""
     surfaces: dict[Name, Surface] = Field(default_factory=dict)

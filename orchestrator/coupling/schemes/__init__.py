@@ -13,13 +13,13 @@ from orchestrator.coupling.schemes.scheme import Scheme
 SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
     "particles-first": lambda effort: Scheme(staggered.particles_first),
     "serial-staggered": lambda effort: Scheme(staggered.serial_staggered, late=True),
-    "aitken": lambda effort: _remembering(Iterated(effort, Aitken())),
-    "quasi-newton": lambda effort: _remembering(Iterated(effort, LeastSquares())),
-    "robin": lambda effort: _remembering(Robin()),
+    "aitken": lambda effort: _scheme_with_memory(Iterated(effort, Aitken())),
+    "quasi-newton": lambda effort: _scheme_with_memory(Iterated(effort, LeastSquares())),
+    "robin": lambda effort: _scheme_with_memory(Robin()),
 }
 
 
-def _remembering(scheme: Iterated | Robin) -> Scheme:
+def _scheme_with_memory(scheme: Iterated | Robin) -> Scheme:
     return Scheme(scheme.advance, memory=scheme)
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from orchestrator.ports import Array
 from orchestrator.ports.state import SavedAttributes
 
-FIRST_SHARE = 0.5  # of the residual, before anything is known of how the answer depends on the try
-SMALLEST = 1e-3  # singular value of unit columns over the largest: below, they say nothing new
+FIRST_SHARE = 0.5  # of the residual, as long as the effect of a try on the answer is unknown
+SMALLEST = 1e-3  # least singular value of unit columns over the largest: smaller ones add nothing new
 
 
 class Aitken(SavedAttributes):
@@ -47,7 +47,7 @@ class Aitken(SavedAttributes):
 class LeastSquares(SavedAttributes):
     """A quasi-Newton method by least squares.
 
-    The columns of V are all changes of the residual that this interval has shown, those of W the changes of
+    The columns of V are all changes of the residual in this interval, and the columns of W are the changes of
     the answer.  The combination c of the columns of V comes nearest to -r:
 
         c = argmin |V c + r|,    tried <- answer + W c.
@@ -79,7 +79,7 @@ class LeastSquares(SavedAttributes):
         W = np.diff(self._answers, axis=0).T
         if len(self._answers) == 2:
             self._share = secant_share(W[:, 0] - V[:, 0], V[:, 0])
-        size_N = np.linalg.norm(V, axis=0)  # of one size, so that the last, small ones count, too
+        size_N = np.linalg.norm(V, axis=0)  # scales all columns to the same size, so that small ones count
         c = np.linalg.lstsq(V / size_N, -residual_N.ravel(), rcond=SMALLEST)[0] / size_N
         return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
 
@@ -91,5 +91,5 @@ def secant_share(tried_N: Array, residual_N: Array) -> float:
 
 
 def first_share(share: float) -> float:
-    """Return the first share of an interval after one that ended with ``share``."""
+    """Return the first share of an interval; the last interval ended with ``share``."""
     return share if 0 < share <= 1 else FIRST_SHARE

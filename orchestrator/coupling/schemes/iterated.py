@@ -1,14 +1,14 @@
 """Schemes that repeat each interval until particles and panel agree on the load.
 
-The particles move on the chord of the surface's motion, the straight path from its present place to the
-panel's place at the interval's end, and the panel ends there under their mean load.  Then that load does the
-same work on both sides: no energy is created.  (Where a drive carries the surface, its true path is known and
-takes the chord's place.)  The load F is the unknown, a fixed point of
+The particles see the surface move on a chord, the straight path from its present place to the panel's place
+at the interval's end, and the panel ends there under their mean load.  This load then does the same work on
+both sides, so that no energy is created.  (If a drive carries the surface, its true path is known and
+replaces the chord.)  The load F is the unknown, a fixed point of
 
     F -> load of the particles on the chord which the panel moves along under F,
 
-and the iteration starts from the load of the last interval; ``acceleration.py`` has the methods. Every
-iterate hands over all momentum, since the panel at last moves under the load that the particles gave.
+and the iteration starts from the load of the last interval; ``acceleration.py`` has the methods.  Momentum is
+exact after any number of iterations, since the panel finally moves under the load that the particles gave.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Acceleration(Restorable, Protocol):
 
 
 class Iterated:
-    """The iteration, and the counts of its runs."""
+    """A scheme that iterates on the load in each interval, and counts the runs."""
 
     def __init__(self, effort: Effort, acceleration: Acceleration) -> None:
         self._effort, self._acceleration = effort, acceleration
@@ -80,10 +80,10 @@ class Iterated:
         if solvers.particles is None:
             panel, load = solvers.panel.advance(interval, known.clamps, now.load), now.load
         else:
-            panel, load = self._solved(solvers, interval, now, known)
+            panel, load = self._solve_interval(solvers, interval, now, known)
         return finish_interval(solvers, interval, now, panel, load)
 
-    def _solved(
+    def _solve_interval(
         self, solvers: Solvers, interval: Interval, now: State, known: Forecast
     ) -> tuple[PanelState, Load]:
         assert solvers.particles is not None
@@ -97,7 +97,7 @@ class Iterated:
             load = solvers.particles.advance(interval, path)
             off_N = norm_N(load.force_N - tried.force_N)
             solved = off_N <= max(self._effort.tolerance * norm_N(load.force_N), self._effort.floor_N)
-            solved = solved or known.settled  # any other load would be answered alike
+            solved = solved or known.is_settled  # any other load would have the same answer
             if solved or run == self._effort.most:
                 break
             tried = Load(self._acceleration.next(tried.force_N, load.force_N))

@@ -10,7 +10,7 @@ for all masses M of the surface at once: H / (2 M) is the mean velocity that a c
 gives a free mass, and s is the share of it that the panel showed in the last interval.  The
 particles then move on that chord, the panel under the mean load that they give, and momentum is
 exact.  The chord starts where the particles last saw the surface, so that their path has no jumps.
-The name is that of Robin's condition, which ties force to velocity (for fluids: Badia, S., Nobile,
+The scheme is named after Robin's condition, which ties force to velocity (for fluids: Badia, S., Nobile,
 F. and Vergara, C., Journal of Computational Physics 227, 2008, 7027-7051,
 doi 10.1016/j.jcp.2008.04.006).
 
@@ -72,8 +72,10 @@ class SurfaceCompliance:
         known = np.diff(shapes.indptr) > 0
         return SurfaceCompliance(inertia, csr_array(shapes.T), csr_array(spread.T), known)
 
-    def to(self, excess_N: Array, response: ContactTangent, length_s: float, share: Array) -> Array:
-        """Return the mean velocity (points, 3) by which the points yield over an interval to ``excess_N``
+    def yielding_velocity_m_per_s(
+        self, excess_N: Array, response: ContactTangent, length_s: float, share: Array
+    ) -> Array:
+        """Return the mean velocity (points, 3) at which the points yield over an interval to ``excess_N``
         (points, 3).
 
         The velocity is shapes u, where the masses' velocity u solves
@@ -83,7 +85,7 @@ class SurfaceCompliance:
         by conjugate gradients.  Their preconditioner has each Z spread over the masses under it, which is
         never less than the matrix.
         """
-        shapes, wanted = self.inertia.shapes, self._on_masses(excess_N)
+        shapes, right_side = self.inertia.shapes, self._on_masses(excess_N)
         free = 2 / length_s * self.inertia.mass_kg[:, None] / share
         impedance = np.einsum("pii->p", response.impedance_N_s_per_m)
         lumped = free + (self.spread @ impedance)[:, None]
@@ -92,27 +94,27 @@ class SurfaceCompliance:
         onto = csr_array(under.T)
 
         def product(u: Array) -> Array:
-            u = u.reshape(wanted.shape)
+            u = u.reshape(right_side.shape)
             resisting_N = (Z @ (under @ u)[:, :, None])[:, :, 0]
             return np.ravel(free * u + self.inertia.yielding(onto @ resisting_N))
 
-        square = (wanted.size, wanted.size)
+        square = (right_side.size, right_side.size)
         u, _ = cg(
             LinearOperator(square, matvec=product, dtype=float),
-            np.ravel(wanted),
+            np.ravel(right_side),
             tol=SOLVED,
             atol=0.0,
             maxiter=MOST_ITERATIONS,
             M=LinearOperator(square, matvec=lambda r: r / np.ravel(lumped), dtype=float),
         )
-        return np.asarray(shapes @ u.reshape(wanted.shape))
+        return np.asarray(shapes @ u.reshape(right_side.shape))
 
     def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
-        """Return which share of free masses' motion the surface showed, (3,) by direction.
+        """Return the share of free masses' motion that the surface showed, (3,) by direction.
 
         The share is the work of the load ``more`` on the mean velocity ``gave_m_per_s`` (points, 3) that it
         really caused, over its work on free masses: 1 for a free mass, less where the panel's stiffness holds
-        it; ``before`` where nothing changed.
+        it.  The share is ``before`` if the load did not change.
         """
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
@@ -127,15 +129,15 @@ class SurfaceCompliance:
 
 
 def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
-    """Return the force (points, 3) by which the particles push a moving surface less than one at rest."""
+    """Return the force (points, 3) that the particles' push loses because the surface moves."""
     return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
 
 
 class Robin:
-    """The scheme with its memory.
+    """The scheme ``robin`` with its memory.
 
-    It remembers where the particles last saw the surface (None before the first interval), and the share s
-    for each direction in space.
+    It remembers the places where the particles last saw the surface (None before the first interval), and the
+    share s for each direction in space.
     """
 
     def __init__(self) -> None:
@@ -177,7 +179,7 @@ class Robin:
         trial_m_per_s = (trial.position_m - start_m) / length_s
         velocity_m_per_s = np.where(known, trial_m_per_s, surface.velocity_m_per_s)
         excess_N = tangent.push_N - resisting_force(tangent, velocity_m_per_s) - now.load.force_N
-        velocity_m_per_s += compliance.to(excess_N, tangent, length_s, self._share)
+        velocity_m_per_s += compliance.yielding_velocity_m_per_s(excess_N, tangent, length_s, self._share)
         end_m = start_m + length_s * velocity_m_per_s
         return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 

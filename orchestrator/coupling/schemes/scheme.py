@@ -41,11 +41,11 @@ class Solvers:
 
 @dataclass(frozen=True)
 class State:
-    """All that the coupling knows at a sync point.
+    """The state of the coupling at a sync point.
 
-    ``clamps``: the frames' carried points; ``clamps_acceleration_m_per_s2`` their mean acceleration
-    over the last interval; ``panel``: surface motion and reaction; ``load``: the particles' mean
-    force on the surface over the last interval.
+    ``clamps`` is the motion of the frames' carried points, and ``clamps_acceleration_m_per_s2`` their mean
+    acceleration over the last interval.  ``panel`` has the surface motion and the reaction.  ``load`` is the
+    particles' mean force on the surface over the last interval.
     """
 
     clamps: Motion
@@ -66,7 +66,7 @@ class Pending:
 
 
 class Memory(Restorable, Protocol):
-    """The memory of a scheme from interval to interval, alike on every rank."""
+    """The memory of a scheme from interval to interval, the same on every rank."""
 
     def figures(self) -> dict[str, Any]:
         """Return the scheme's entry of ``summary.json``."""
@@ -77,8 +77,8 @@ class Memory(Restorable, Protocol):
 class Scheme:
     """A coupling scheme.
 
-    ``advance`` carries the state over an interval; with ``late``, loads act one interval late; ``memory`` is
-    None where the scheme remembers nothing but the state.
+    ``advance`` carries the state over an interval.  With ``late``, loads act one interval late.  ``memory``
+    is None if the scheme remembers nothing beside the state.
     """
 
     advance: Callable[[Solvers, Interval, State], State]
@@ -87,14 +87,14 @@ class Scheme:
 
     def pending(self, state: State, interval: Interval) -> Pending:
         """Return the impulses that are in transit after ``interval``."""
-        held_s = interval.length_s if self.late else 0.0
+        late_s = interval.length_s if self.late else 0.0
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
         clamps = slice(len(reaction_N))  # the first of the carried points
         return Pending(
-            held_s * load_N.sum(axis=0),
-            held_s * reaction_N.sum(axis=0),
-            held_s * np.cross(state.panel.surface.position_m, load_N).sum(axis=0),
-            held_s * np.cross(state.clamps.position_m[clamps], reaction_N).sum(axis=0),
+            late_s * load_N.sum(axis=0),
+            late_s * reaction_N.sum(axis=0),
+            late_s * np.cross(state.panel.surface.position_m, load_N).sum(axis=0),
+            late_s * np.cross(state.clamps.position_m[clamps], reaction_N).sum(axis=0),
         )
 
     def figures(self) -> dict[str, Any]:
@@ -112,11 +112,11 @@ def initial_state(solvers: Solvers) -> State:
 
 @dataclass(frozen=True)
 class Forecast:
-    """The end of an interval, as far as it can be told before anything moves.
+    """The end of an interval, as far as it can be predicted before anything moves.
 
-    ``clamps``: the carried points, where their drives have them or, without a drive, where their last
-    acceleration takes them.  ``surface``: the points whose motion follows from driven clamps alone, None
-    where nothing is driven.  ``start``: the surface now.
+    ``clamps`` is the motion of the carried points from their drives or, without a drive, from their last
+    acceleration.  ``surface`` has the points whose motion follows from driven clamps alone, and is None
+    if no clamp is driven.  ``start`` is the surface now.
     """
 
     clamps: Motion
@@ -124,8 +124,8 @@ class Forecast:
     start: Motion
 
     @property
-    def settled(self) -> bool:
-        """Whether the surface's motion is already settled, so that no load can change it."""
+    def is_settled(self) -> bool:
+        """True if drives alone settle the surface's motion, so that no load can change it."""
         return self.surface is not None and bool(self.surface.which.all())
 
     def path(self, otherwise: HermitePath) -> HermitePath:
@@ -137,7 +137,7 @@ class Forecast:
 
 
 def forecast(solvers: Solvers, interval: Interval, now: State) -> Forecast:
-    """Return the forecast of the interval that begins ``now``; nothing moves."""
+    """Return the forecast of the interval that begins in the state ``now``, without moving anything."""
     clamps = extrapolate(now.clamps, now.clamps_acceleration_m_per_s2, interval.length_s)
     known = find_driven_points(solvers.frames, interval)
     if known is None:

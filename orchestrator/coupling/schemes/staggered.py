@@ -1,15 +1,15 @@
 """Schemes that run each solver once in an interval.
 
-``particles_first`` (the default): every member acts on the motion of the heavier one above it, as
-it is *known* (what a drive carries) or else *extrapolated*, and hands its mean load of the *same*
-interval up: particles, then panels, then frames.  Momentum is exact at every interface; the energy
-created in an elastic contact falls with the third power of the interval between two rigid bodies,
-with the second on a panel.
+``particles_first`` (the default) advances particles, then panels, then frames.  Every member acts on the
+motion of the heavier member above it, which is *known* from a drive or else *extrapolated*, and hands up
+its mean load over the *same* interval.  Momentum is exact at every interface.  The energy created in an
+elastic contact falls with the third power of the interval between two rigid bodies, and with the second
+power on a panel.
 
-``serial_staggered``: the conventional order (Farhat, C. and Lesoinne, M., Computer Methods in
-Applied Mechanics and Engineering 182, 2000, 499-515, doi 10.1016/S0045-7825(99)00206-6):
-frames, panels, particles, each load one interval late.  Momentum is exact, but a load that lags
-acts like negative damping: first order, and it adds energy.
+``serial_staggered`` is the conventional order (Farhat, C. and Lesoinne, M., Computer Methods in
+Applied Mechanics and Engineering 182, 2000, 499-515, doi 10.1016/S0045-7825(99)00206-6): frames, then
+panels, then particles, with each load one interval late.  Momentum is exact, but a load that lags
+acts like negative damping: the scheme is of first order and adds energy.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from orchestrator.ports.clock import Interval
 def particles_first(solvers: Solvers, interval: Interval, now: State) -> State:
     """Advance with loads handed up within the interval; motion is known ahead, or extrapolated."""
     known = forecast(solvers, interval, now)
-    load = _particles_on(solvers, interval, known.path(extrapolated_path(now, interval)), now)
+    load = _advance_particles(solvers, interval, known.path(extrapolated_path(now, interval)), now)
     panel = solvers.panel.advance(interval, known.clamps, load)
     return finish_interval(solvers, interval, now, panel, load)
 
 
 def serial_staggered(solvers: Solvers, interval: Interval, now: State) -> State:
-    """Advance with motion handed down within the interval; the load is that of the last interval."""
+    """Advance with motion handed down within the interval, under the load of the last interval."""
     clamps = solvers.frames.advance(interval, now.panel.reaction)
     panel = solvers.panel.advance(interval, clamps, now.load)
     path = HermitePath(now.panel.surface, panel.surface, interval.length_s)
-    load = _particles_on(solvers, interval, path, now)
+    load = _advance_particles(solvers, interval, path, now)
     return State(clamps, mean_acceleration(now.clamps, clamps, interval), panel, load)
 
 
@@ -43,7 +43,7 @@ def extrapolated_path(now: State, interval: Interval) -> HermitePath:
     return HermitePath(start, Motion(end_m, start.velocity_m_per_s), length_s)
 
 
-def _particles_on(solvers: Solvers, interval: Interval, path: HermitePath, now: State) -> Load:
+def _advance_particles(solvers: Solvers, interval: Interval, path: HermitePath, now: State) -> Load:
     if solvers.particles is None:
-        return now.load  # zero for ever
+        return now.load  # zero from the start
     return solvers.particles.advance(interval, path)

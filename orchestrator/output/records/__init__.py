@@ -1,1 +1,1 @@
-"""What a run writes into its folder."""
+"""The records that a run writes into its folder."""

@@ -1,9 +1,9 @@
-"""Means and extremes of every cycle of the machine, taken at every sync point.
+"""The means and extremes of every cycle of the machine, taken at every sync point.
 
-A series that is written seldom misses the peaks between its rows, and one that is written once in
-a cycle always sees the same phase.  So the largest and the smallest values are kept here while
-the run goes on, and ``history.h5`` gets one row for each cycle: ``point_cycles/<name>`` of frames
-and probes on frames and panels, ``panel_cycles/<name>`` of panels.
+A series with few rows misses the peaks between them, and a series with one row in a cycle always
+shows the same phase.  This module therefore keeps the largest and the smallest values while the run
+goes on.  ``history.h5`` gets one row for each cycle: ``point_cycles/<name>`` for frames and for
+probes on frames and panels, and ``panel_cycles/<name>`` for panels.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from orchestrator.ports.state import SavedAttributes
 LEAST, MEAN, MOST = range(3)
 POINT_VALUES, PANEL_VALUES = 5, 8
 Columns = dict[str, tuple[int, int | slice]]
-POINT_COLUMNS: Columns = {  # of the displacement since t = 0 (3), its size and the speed
+POINT_COLUMNS: Columns = {  # from the displacement since t = 0 (3), its size and the speed
     "least_m": (LEAST, slice(0, 3)),
     "mean_m": (MEAN, slice(0, 3)),
     "most_m": (MOST, slice(0, 3)),
     "farthest_m": (MOST, 3),
     "fastest_m_per_s": (MOST, 4),
 }
-PANEL_COLUMNS: Columns = {  # of what ``CycleRecord._panel_values`` returns
+PANEL_COLUMNS: Columns = {  # from the values that ``CycleRecord._panel_values`` returns
     "pull_least_N": (LEAST, 0),
     "pull_mean_N": (MEAN, 0),
     "pull_most_N": (MOST, 0),
@@ -47,8 +47,10 @@ PANEL_COLUMNS: Columns = {  # of what ``CycleRecord._panel_values`` returns
 
 
 class CycleRecord(SavedAttributes):
-    """Keeps the extremes of the cycle that goes on (``cycles.py`` says which sync points it holds).  A
-    cycle that the end of the run cuts short has a row like others."""
+    """The record of the current cycle's means and extremes; ``cycles.py`` defines the cycle of a sync point.
+
+    A cycle that the end of the run cuts short gets a row like the others.
+    """
 
     STATE: ClassVar = ("_cycle", "_last_s", "_count", "_least", "_most", "_sum")
 
@@ -60,7 +62,7 @@ class CycleRecord(SavedAttributes):
         cycle_s: float,
         history: History,
     ) -> None:
-        """Take the ``rectangles`` where the panels are mounted, in the machine's order."""
+        """Begin the first cycle; ``rectangles`` are the places of the panels, in the machine's order."""
         self._history, self._cycle_s = history, cycle_s
         carried = machine.centres | {p.name: p.index for p in machine.probes if p.on == "clamps"}
         touched = {p.name: p.index for p in machine.probes if p.on == "surface"}
@@ -80,8 +82,8 @@ class CycleRecord(SavedAttributes):
         self._least, self._most = np.full(size, np.inf), np.full(size, -np.inf)
         self._sum = np.zeros(size)
 
-    def sync_point(self, time_s: float, state: State, forces_N: Array) -> None:
-        """Take note of a sync point; ``forces_N`` (5, panels, 3) are the panels' forces over the interval
+    def add_sync_point(self, time_s: float, state: State, forces_N: Array) -> None:
+        """Add a sync point; ``forces_N`` (5, panels, 3) are the mean forces of the panels over the interval
         that ends here, in the order of ``series.FORCES``."""
         cycle = int(cycle_numbers(time_s, self._cycle_s))
         if cycle != self._cycle:
@@ -93,7 +95,7 @@ class CycleRecord(SavedAttributes):
         self._sum += values
 
     def close(self) -> None:
-        """Write the row of the cycle that has begun, if any."""
+        """Write the row of the current cycle if it has a sync point."""
         if not self._count:
             return
         table = np.stack([self._least, self._sum / self._count, self._most])
@@ -119,8 +121,11 @@ class CycleRecord(SavedAttributes):
         return np.column_stack([moved_m, *sizes]).ravel()
 
     def _panel_values(self, state: State, forces_N: Array) -> Array:
-        """Return by panel: pull, largest force on a clamp, load (3), stretch of the middle line, its
-        largest height over the chord between its ends, and its middle's."""
+        """Return the ``PANEL_VALUES`` values of each panel, one panel after the other.
+
+        They are its pull, the larger force on a clamp, its load (3), the stretch of its middle line, and
+        the largest height of this line and the height of its middle over the chord between its ends.
+        """
         if not self._panels:
             return np.empty(0)
         load_N, _, first_N, second_N, _ = forces_N

@@ -3,9 +3,9 @@
 Every series is a dataset whose first axis runs along the group's ``time_s``; the attribute
 ``unit`` gives its unit.  An event table has a row for each event.
 
-HDF5 does not survive a write that fails: the file is lost and the process may crash when it
-ends.  So it writes through ``Reserved``, which keeps some room on the disk beside the file, gives
-that up for the write that found no room, and remembers the error for the next ``check``.
+HDF5 does not survive a write that fails: the file is lost, and the process may crash when it
+ends.  HDF5 therefore writes through ``Reserved``, which reserves some room on the disk beside the file.
+If a write finds no room, ``Reserved`` gives up the reserve and remembers the error for the next ``check``.
 """
 
 from __future__ import annotations
@@ -25,12 +25,14 @@ import numpy as np
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports import Array, Indices
 
-RESERVE_BYTES = 16 * 1024**2  # enough for the rows in memory, the file's tables and a summary
+RESERVE_BYTES = 16 * 1024**2  # room for the rows in memory, the file's tables and a summary
 
 
 class Reserved(io.RawIOBase):
-    """The file ``path``, to read and write: a new one, or the one that is there.  Raises OSError if
-    there is no room at all."""
+    """A file to read and write, new or existing, with reserved room on the disk.
+
+    Raises OSError if there is no room for the reserve.
+    """
 
     def __init__(self, path: Path, mode: Literal["w+b", "r+b"] = "w+b") -> None:
         self._reserve = path.with_name(f".{path.name}.reserve")
@@ -45,7 +47,7 @@ class Reserved(io.RawIOBase):
             raise self._error
 
     def give_up_reserve(self) -> None:
-        """Make room for what must still be written."""
+        """Free the reserved room for the last writes."""
         self._reserve.unlink(missing_ok=True)
 
     def write(self, data: Any) -> int:
@@ -62,7 +64,7 @@ class Reserved(io.RawIOBase):
         self.give_up_reserve()
         try:
             return act()
-        except OSError:  # the file is lost, but the process must be able to say so
+        except OSError:  # the file is lost, but the process must live to report it
             return otherwise
 
     def readinto(self, buffer: Any) -> int:
@@ -80,20 +82,23 @@ class Reserved(io.RawIOBase):
         super().close()
 
 
-# room on the disk is taken for so many rows at once.  HDF5 remembers up to 2 MB of where chunks
-# are, in 17 MB of memory (docs/reliability.md, "Long runs"): few chunks, for a small file
+# the file grows by chunks of so many rows.  HDF5 keeps the places of chunks in up to 17 MB of memory
+# (docs/reliability.md, "Long runs"), so that chunks must be few; a small file needs small chunks
 CHUNK_ROWS, CHUNK_BYTES = 1024, 32768
 
 
 class Column:
-    """A dataset to append to, the one that is there or a new one with rows of shape ``inner``.  It stays
-    open, and writes without h5py's selections: both would take longer than the rows."""
+    """A dataset to append to, existing or new, with rows of shape ``inner``.
+
+    The dataset stays open and is written without h5py's selections: reopening and selecting would take
+    longer than writing the rows.
+    """
 
     def __init__(self, file: h5py.File, where: str, inner: tuple[int, ...], dtype: np.dtype[Any]) -> None:
         if where not in file:
             row_bytes = dtype.itemsize * prod(inner)
             rows = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, row_bytes)))
-            chunks = (rows, *inner) if row_bytes else True  # HDF5 has no chunks of nothing
+            chunks = (rows, *inner) if row_bytes else True  # HDF5 refuses chunks of no bytes
             most = (None, *inner)
             dataset = file.create_dataset(where, (0, *inner), dtype, chunks=chunks, maxshape=most)
             dataset.attrs["unit"] = unit_of(where)
@@ -101,7 +106,7 @@ class Column:
         self._rows = int(self._dataset.shape[0])
 
     def append(self, block: Array | Indices) -> None:
-        """Append any number of rows; ``block`` (rows, *inner)."""
+        """Append the rows of ``block`` (rows, *inner)."""
         first, self._rows = self._rows, self._rows + len(block)
         inner = block.shape[1:]
         self._dataset.set_extent((self._rows, *inner))
@@ -115,8 +120,8 @@ class Column:
 
 ROWS_IN_MEMORY = 500
 HISTORY_FORMAT = 2
-"""Version of the file, as its attribute ``format_version``: to be raised with every change of COLUMNS
-or of what they mean (docs/run-folder.md, "history.h5").  Files of older versions have none."""
+"""The version of the file's format, in its attribute ``format_version``.  Raise it with every change of
+COLUMNS or of their meaning (docs/run-folder.md, "history.h5").  The oldest files have no version."""
 COLUMNS: dict[str, tuple[str, ...]] = {
     "frames": ("displacement_m", "velocity_m_per_s", "rotation_rad", "spin_rad_per_s"),
     "probes": ("position_m", "velocity_m_per_s"),
@@ -138,28 +143,30 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "wear": ("worn_m3", "mean_m", "depth_m"),
     "held": ("stickers", "mass_kg", "openings"),
 }
-"""The datasets of every kind of group, beside ``time_s``.  ``energy`` has one for each term of the
-ledger; ``results`` mirrors the results."""
+"""The datasets of every kind of group beside ``time_s``.  The group ``energy`` has a dataset for each term of
+the ledger, and ``results`` mirrors the results."""
 
 
 def columns(kind: str, record: object) -> dict[str, Any]:
-    """Return the values of a record by the names that a kind of group has for them, without its time."""
+    """Return the values of a record by the column names of a kind of group, without the time."""
     return {name: getattr(record, name) for name in COLUMNS[kind]}
 
 
 class History:
-    """Time series in a new file, or in one that ``goes_on``.  Rows are gathered in memory and appended
-    in blocks; ``flush`` writes what is there."""
+    """The time series in a new file, or with ``goes_on`` in an existing file.
+
+    Rows are collected in memory and appended in blocks; ``flush`` writes the rows in memory.
+    """
 
     def __init__(self, path: Path, goes_on: bool = False) -> None:
         self._disk = Reserved(path, "r+b" if goes_on else "w+b")
-        # without a cache of chunks, of up to 1 MB for each column that stays open
+        # a cache of chunks would take up to 1 MB for each column that stays open
         self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
         self._rows: dict[str, list[dict[str, Array | float]]] = {}
         self._columns: dict[str, Column] = {}
         if not goes_on:
             self._file.attrs["format_version"] = HISTORY_FORMAT
-        self._file.flush()  # what is killed before its first row leaves a file that opens
+        self._file.flush()  # so that a run that is killed before its first row leaves a valid file
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:
         """Add one row at ``time_s``; the names of a group's values are the same in every row."""
@@ -171,28 +178,29 @@ class History:
     def add_each(
         self, kind: str, time_s: float, names: Iterable[str], columns: Mapping[str, Array | Sequence[Array]]
     ) -> None:
-        """Add one row to the group of each of ``names``; every column has a value for each of them."""
+        """Add one row to the group of each name; every column has one value for each name."""
         for name, *row in zip(names, *columns.values(), strict=True):
             self.add(f"{kind}/{name}", time_s, dict(zip(columns, row, strict=True)))
 
-    def events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
-        """Append rows of an event table, of any number; whole numbers stay whole."""
+    def add_events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
+        """Append any number of rows to an event table; whole numbers stay whole numbers."""
         for name, rows in values.items():
             self._extend(f"{group}/{name}", rows)
 
     def describe(self, group: str, name: str, words: Sequence[str]) -> None:
-        """Write an attribute of a group: a list of words."""
+        """Write a list of words as an attribute of a group."""
         attributes = self._file.require_group(group).attrs
         attributes.create(name, list(words), shape=len(words), dtype=h5py.string_dtype())
 
     def flush(self) -> None:
-        """Raise OSError when the disk is full; all that was added until then is kept."""
+        """Write all rows to the disk.  Raises OSError if the disk is full; all rows so far are kept."""
         for group in self._rows:
             self._append(group)
         self._file.flush()
         self._disk.check()
 
     def close(self) -> None:
+        """Write all rows and close the file."""
         for group in self._rows:
             self._append(group)
         self._file.close()
@@ -219,10 +227,12 @@ ROOM_BYTES = 4 * 1024**2
 
 
 def write_results(history_file: Path, results: Mapping[str, Any]) -> None:
-    """Write the group anew.  An estimate becomes a number with the attributes ``half_width`` and
-    ``batches``, a list of numbers a dataset, a list of tables a group each; NaN is unknown.
+    """Write the group ``results`` anew.
 
-    Raises OSError where the disk is too full to be sure: HDF5 would lose the whole file."""
+    An estimate becomes a number with the attributes ``half_width`` and ``batches``, a list of numbers
+    becomes a dataset, and each table of a list becomes a group; None becomes NaN.  Raises OSError if the
+    disk is nearly full: a failed write would lose the whole file.
+    """
     if shutil.disk_usage(history_file.parent).free < ROOM_BYTES:
         raise OSError(errno.ENOSPC, f"no room for the group {GROUP} of {history_file.name}")
     with h5py.File(history_file, "a") as history:
@@ -234,10 +244,12 @@ def write_results(history_file: Path, results: Mapping[str, Any]) -> None:
 def _put(group: Any, table: Mapping[str, Any]) -> None:
     for name, value in table.items():
         key = str(name).replace("/", "|")
-        if isinstance(value, Mapping) and set(value) == {"value", "half_width", "batches"}:
+        if isinstance(value, Mapping) and set(value) >= {"value", "half_width", "batches"}:
             dataset = _number(group, key, value["value"])
             dataset.attrs["half_width"] = np.array(value["half_width"], float)
             dataset.attrs["batches"] = value["batches"]
+            if "counting" in value:
+                dataset.attrs["counting"] = value["counting"]
         elif isinstance(value, Mapping):
             _put(group.create_group(key), value)
         elif isinstance(value, list) and value and isinstance(value[0], Mapping):
@@ -250,7 +262,7 @@ def _put(group: Any, table: Mapping[str, Any]) -> None:
 
 
 def _number(group: Any, key: str, value: Any) -> Any:
-    """Write a number, a list of them or a table; None becomes NaN."""
+    """Write a number, or a list or table of numbers, and return its dataset; None becomes NaN."""
     group[key] = np.array(value, dtype=float)
     group[key].attrs["unit"] = unit_of(key)
     return group[key]

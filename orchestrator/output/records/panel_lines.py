@@ -1,7 +1,7 @@
-"""The middle lines of panels at one moment: stretch, height over the chord, and folds.
+"""The middle lines of panels at one moment: their stretch, their height over the chord, and their folds.
 
-A line runs along the middle of a panel's width, from the outer edge of its first clamp to that of
-its second.
+A line runs along the middle of a panel's width, from the outer edge of its first clamp to the outer
+edge of its second clamp.
 """
 
 from __future__ import annotations
@@ -22,11 +22,13 @@ from orchestrator.ports.state import SavedAttributes
 
 
 class PanelLines:
-    """All lines together in arrays (points, 3), one panel's points after the other's, so that
-    looking at them costs little at every sync point."""
+    """The middle lines of all panels in common arrays (points, 3), one panel's points after the other's.
+
+    The common arrays make an evaluation at every sync point cheap.
+    """
 
     def __init__(self, rectangles: Sequence[Rectangle], lines_m: Sequence[Array]) -> None:
-        """Take where each of one or more panels is mounted, and its line (n, 3) at t = 0."""
+        """Set the place of each panel (at least one), and its line (n, 3) at t = 0."""
         counts = np.array([len(line) for line in lines_m])
         self._last = np.cumsum(counts) - 1
         self._first = self._last - counts + 1
@@ -35,23 +37,26 @@ class PanelLines:
         self._along = np.array([at.along for at in rectangles])
         self._normal = np.array([at.normal for at in rectangles])
         self._free_m = np.array([at.length_m for at in rectangles])
-        self._clamped_m = np.array([clamped_m(*pair) for pair in zip(rectangles, lines_m, strict=True)])
+        pairs = zip(rectangles, lines_m, strict=True)
+        self._clamped_m = np.array([clamped_length_m(rectangle, line_m) for rectangle, line_m in pairs])
 
     def stretch(self, line_m: Array) -> Array:
-        """Return (panels,) mean strain along the lines (points, 3): length between the clamps over the
-        stress-free length, less one.
+        """Return the mean strain (panels,) along the lines (points, 3).
 
-        A chord is shorter than its arc: with pieces h on a curvature k by h^2 k^2 / 24.
+        The strain is the length between the clamps over the stress-free length, less one.  Chords of
+        length h on a curvature k are shorter than their arcs by the share h^2 k^2 / 24.
         """
         step_m = np.diff(line_m, axis=0)
         piece_m = np.sqrt(np.einsum("ij,ij->i", step_m, step_m))
-        piece_m[self._last[:-1]] = 0.0  # from the end of one panel to the next one's beginning
+        piece_m[self._last[:-1]] = 0.0  # from the end of a panel to the beginning of the next panel
         length_m = np.add.reduceat(piece_m, self._first)
         return np.asarray((length_m - self._clamped_m) / self._free_m - 1.0)
 
     def heights_m(self, line_m: Array) -> tuple[Array, Array]:
-        """Return the distance from the chord between a line's ends, positive towards the bed: (panels,)
-        the largest size, and (panels,) that of the middle point."""
+        """Return each line's largest distance from the chord between its ends, and the height of its middle.
+
+        Both are (panels,) in m.  The height over the chord is positive towards the bed.
+        """
         chord_m = line_m[self._last] - line_m[self._first]
         run_m = np.einsum("pi,pi->p", chord_m, self._along)
         climb_m = np.einsum("pi,pi->p", chord_m, self._normal)
@@ -64,16 +69,19 @@ class PanelLines:
         return largest_m, height_m[self._middle]
 
 
-def clamped_m(at: Rectangle, line_m: Array) -> float:
-    """Return how much of a line (n, 3) at t = 0 lies outside the free length, under the clamps."""
+def clamped_length_m(at: Rectangle, line_m: Array) -> float:
+    """Return the length of a line (n, 3) at t = 0 that lies under the clamps."""
     along = (line_m - at.corner_m) @ at.along
     inside = (along > -0.5 * at.clamp_m - 1e-9) & (along < at.span_m + 0.5 * at.clamp_m + 1e-9)
     return _length_m(line_m) - _length_m(line_m[inside])
 
 
 def panel_pull_N(first_N: Array, second_N: Array, along: Array) -> Array:
-    """Return the (n,) pull of panels: half the difference of the forces (n, 3) on first and second clamp,
-    along the unit vectors between them, (3,) or (n, 3); negative where a panel pushes."""
+    """Return the pull (n,) of panels, which is negative where a panel pushes.
+
+    The pull is half the difference of the forces (n, 3) on the first and the second clamp, along the
+    unit vectors ``along`` from the first clamp to the second, (3,) or (n, 3).
+    """
     return np.asarray(((first_N - second_N) * along).sum(axis=1) / 2)
 
 
@@ -82,21 +90,24 @@ def _length_m(line_m: Array) -> float:
 
 
 LOG = logging.getLogger("flipflow")
-FOLD_LENGTHS = 4.0  # in thicknesses: less than this apart along the panel is no fold but a bend
+FOLD_LENGTHS = 4.0  # thicknesses: places that are nearer along the panel form a bend and no fold
 
 
 class FoldMonitor(SavedAttributes):
-    """Looks for folds at output times, on rank 0.  Raises SolverFailed where the case wants that."""
+    """A monitor of folds at output times, on rank 0."""
 
     STATE: ClassVar = ("_said",)
 
     def __init__(self, case: Case) -> None:
         self._then = case.monitor.folded_panels
         self._thickness_m = {panel.name: panel.table.thickness_m for panel in single_panels(case)}
-        self._said = np.empty(0, dtype=str)  # panels of which it was said
+        self._said = np.empty(0, dtype=str)  # panels that a warning has named
 
     def look(self, time_s: float, panel: str, line_m: Array) -> None:
-        """Look at ``line_m`` (points, 3), the middle of the panel's width from clamp to clamp, now."""
+        """Look for a fold in the middle line ``line_m`` (points, 3) of a panel, and warn once for each panel.
+
+        Raises SolverFailed instead if ``monitor.folded_panels`` is "stop".
+        """
         at_m = find_fold_m(line_m, self._thickness_m[panel])
         if at_m is None:
             return
@@ -113,8 +124,11 @@ class FoldMonitor(SavedAttributes):
 
 
 def find_fold_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:
-    """Return where along the line (n, 3) two places are nearer to each other than the thickness, although
-    at least ``FOLD_LENGTHS`` thicknesses lie between them; None if nowhere."""
+    """Return the stations in m of two places on a line (n, 3) that touch, or None if no places touch.
+
+    Two places touch if they are nearer to each other than the thickness, although more than
+    ``FOLD_LENGTHS`` thicknesses of the line lie between them.
+    """
     piece_m = np.linalg.norm(np.diff(line_m, axis=0), axis=1)
     count = np.maximum(1, np.ceil(2.0 * piece_m / thickness_m).astype(int))
     fine = [

@@ -1,10 +1,15 @@
-"""What a run writes while it goes on: time series, and snapshots for ParaView.
+"""The records that a run writes while it goes on: time series, and snapshots for ParaView.
 
-Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and
-``bushings/<name>`` every ``output.series_s``; ``point_cycles`` and ``panel_cycles`` at the end of
-every cycle of the machine; ``shapes/<panel>`` every ``output.shapes_s``;
-``panels/<name>`` (centre line), ``energy``, ``bed`` and what deck_record.py adds at every output
-time; ``fed`` and ``removed``: a row for each particle that came or went.
+``history.h5`` gets rows of these groups:
+
+- ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and ``bushings/<name>`` every
+  ``output.series_s``;
+- ``point_cycles`` and ``panel_cycles`` at the end of every cycle of the machine;
+- ``energy_cycles`` at the last sync point of every cycle of the machine;
+- ``shapes/<panel>`` every ``output.shapes_s``;
+- ``panels/<name>`` (centre line), ``energy``, ``bed`` and the groups of deck_record.py at every output
+  time;
+- ``fed`` and ``removed`` for each particle that came or went.
 """
 
 from __future__ import annotations
@@ -23,7 +28,7 @@ from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.output.cycles import counted_cycle_s, cycle_s
+from orchestrator.output.cycles import counted_cycle_s, cycle_numbers, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.history import History, columns
@@ -39,7 +44,7 @@ from orchestrator.ports.physics import sphere_mass_kg
 
 
 class Recorder:
-    """Works on every rank (snapshots and accounts are collective); rank 0 writes."""
+    """The recorder of a run, on every rank: snapshots and accounts are collective, and rank 0 writes."""
 
     def __init__(
         self,
@@ -51,11 +56,12 @@ class Recorder:
         world: Any,
         goes_on: bool = False,
     ):
-        """Continues, with ``goes_on``, what an earlier process recorded; restored before the first row."""
+        """Open the records; with ``goes_on``, continue an earlier process's records after ``restore``."""
         self._machine, self._ledger = machine, ledger
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
         interval_s, shapes_s = case.coupling.sync_interval_s, case.output.shapes_s
+        self._interval_s, self._cycle_s = interval_s, counted_cycle_s(case)
         self._every = steps_in(case.output.series_s or interval_s, interval_s)
         self._shapes_every = steps_in(shapes_s, interval_s) if shapes_s else 0
         if self._writes:
@@ -83,35 +89,41 @@ class Recorder:
         deck = deck_line([start.panel.surface.position_m[line] for line in lines])
         self._deck = DeckRecord(deck, lines, cycle_s(case), openings_m(case)) if deck else None
         if self._deck is not None:
-            self._parts["held"] = self._deck.held
+            self._parts["held"] = self._deck.retained
 
-    def sync_point(self, done: int, time_s: float, state: State) -> None:
-        """Record a sync point; ``done`` counts them."""
+    def record_sync_point(self, done: int, time_s: float, state: State) -> None:
+        """Record a sync point; ``done`` is the number of completed sync intervals."""
         if self._writes:
             forces_N = self._forces.at(state)
-            self._series.sync_point(forces_N)
-            self._cycles.sync_point(time_s, state, forces_N)
+            self._series.add_forces(forces_N)
+            self._cycles.add_sync_point(time_s, state, forces_N)
             if self._shapes_every and done % self._shapes_every == 0:
                 for panel in self._machine.panels:
                     values = columns("shapes", state.panel.surface.part(panel.shape))
                     self._history.add(f"shapes/{panel.name}", time_s, values)
+        if self._ends_cycle(time_s):
+            terms = self._ledger.energy_J()
+            if self._writes:
+                self._history.add("energy_cycles", time_s, _with_unit(terms))
         if done % self._every:
             return
         particles = self._machine.solvers.particles
         followed = particles.snapshot() if self._follows and particles is not None else None
         if self._writes:
-            self._series.row(time_s, state, followed)
+            self._series.write_row(time_s, state, followed)
 
-    def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
-        """Record an output time: shapes, books, and files for ParaView.  Returns the ledger's terms, and
-        the particles."""
+    def record_output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
+        """Record an output time: shapes, books, and files for ParaView.
+
+        Return the terms of the ledger, and the bed (None without particles).
+        """
         machine, surface = self._machine, state.panel.surface
         terms = self._ledger.energy_J()
         bed = self._book_material(time_s)
         worn_m3 = None if machine.wearing is None else machine.wearing.worn_m3()
         if not self._writes:
             return terms, bed
-        self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
+        self._history.add("energy", time_s, _with_unit(terms))
         for panel in machine.panels:
             line_m = surface.position_m[panel.centre_line]
             self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line_m})
@@ -124,7 +136,7 @@ class Recorder:
                 worn["worn_depth_m"] = self._wear.point_depth_m(worn_m3)
             self._surface.add(time_s, surface_mesh(surface, triangles, machine.panel_of_triangle, worn))
         if bed is not None:
-            particles = bed[0]
+            particles = bed.particles
             self._history.add("bed", time_s, _describe_bed(particles))
             if self._deck is not None:
                 self._add_groups(time_s, self._deck.at(time_s, surface, particles))
@@ -132,12 +144,17 @@ class Recorder:
         self._history.flush()
         return terms, bed
 
+    def _ends_cycle(self, time_s: float) -> bool:
+        """Return whether the next sync point belongs to another cycle, or this one is the start."""
+        here, then = cycle_numbers(np.array([time_s, time_s + self._interval_s]), self._cycle_s)
+        return bool(time_s == 0.0 or here != then)
+
     def _add_groups(self, time_s: float, groups: Mapping[str, Mapping[str, Array | float]]) -> None:
         for group, values in groups.items():
             self._history.add(group, time_s, values)
 
     def _book_material(self, time_s: float) -> Bed | None:
-        """Write who came and went since the last output time into the books and the event tables."""
+        """Book the particles that came and went since the last output time, and return the bed."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is None or book is None:
             return None
@@ -147,42 +164,45 @@ class Recorder:
         if self._writes:
             self._history.add("overlaps", time_s, columns("overlaps", overlaps))
             for kind, table in (("fed", fed), ("removed", removed)):
-                self._history.events(kind, {"time_s": table.time_s, **columns(kind, table)})
+                self._history.add_events(kind, {"time_s": table.time_s, **columns(kind, table)})
             for feed in book.feed.feeds:
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
             book.add(time_s, fed, removed, present)
-        return present, overlaps
+        return Bed(present, overlaps)
 
-    def last_contacts(self) -> None:
-        """Book what happened in contacts since the last output time, where a run ends without another
-        one; collective."""
+    def book_last_contacts(self) -> None:
+        """Book the contacts since the last output time if a run ends between output times; collective."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is not None and book is not None:
             book.look_at_contacts(particles.overlaps(), particles.crossings())
 
-    def material(self) -> dict[str, Any] | None:
-        """Return the material's balance at the last output time, on rank 0."""
+    def material_balance(self) -> dict[str, Any] | None:
+        """Return the material's balance at the last output time, on rank 0; None without particles."""
         book = self._machine.material
         return book.figures() if book is not None else None
 
     def save(self) -> Saved:
-        """Write what is recorded to the disk, and return what later rows depend on."""
+        """Write all rows to the disk, and return the memory on which later rows depend."""
         if not self._writes:
             return {}
         self._history.flush()
         return {name: part.save() for name, part in self._parts.items()}
 
     def restore(self, saved: Saved) -> None:
-        """Go on from what was saved."""
+        """Restore the memory that ``save`` returned."""
         if self._writes:
             for name, part in self._parts.items():
                 part.restore(saved[name])
 
     def close(self) -> None:
-        """Write what is still in memory, and close the file."""
+        """Write the rows that are still in memory, and close the file."""
         if self._writes:
             self._cycles.close()
             self._history.close()
+
+
+def _with_unit(terms_J: Mapping[str, float]) -> dict[str, float]:
+    return {f"{name}_J": value for name, value in terms_J.items()}
 
 
 def _describe_bed(particles: ParticleSnapshot) -> dict[str, Any]:

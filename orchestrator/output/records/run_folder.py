@@ -24,33 +24,36 @@ HISTORY, SUMMARY, RECORDING = "history.h5", "summary.json", "recording.h5"
 
 
 class FolderUnusable(Exception):
-    """The output folder exists already, cannot be written or holds what cannot be used (exit code 2)."""
+    """An error about a folder that exists already, cannot be written, or cannot be used (exit code 2)."""
 
 
 class FolderExists(FolderUnusable):
-    """The output folder exists already."""
+    """An error about an output folder that exists already."""
 
 
 class OtherFormat(FolderUnusable):
-    """A file that another version of flipflow wrote, in another format."""
+    """An error about a file that another version of flipflow wrote in another format."""
 
 
-def check_format(file: Path, written: Any, wanted: int) -> None:
-    """Raise OtherFormat where the version of a file's format is not the ``wanted`` one."""
-    if written != wanted:
-        version = "no version of its format, as older ones" if written is None else f"format {written}"
+def check_format(file: Path, version: Any, expected: int) -> None:
+    """Raise OtherFormat if the ``version`` of a file's format is not the ``expected`` version."""
+    if version != expected:
+        description = "no version of its format, as older ones" if version is None else f"format {version}"
         raise OtherFormat(
-            f"{file}: has {version}; this flipflow reads format {wanted}: run the case again, or read it "
-            "with the flipflow that wrote it (provenance.json names its version)"
+            f"{file}: has {description}; this flipflow reads format {expected}: run the case again, or "
+            "read it with the flipflow that wrote it (provenance.json names its version)"
         )
 
 
 def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
-    """Make the run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case that
-    can be run again, with its surfaces beside it) and the provenance.  Raises FolderUnusable."""
+    """Make the new folder of a run, ``out`` or runs/<case>-<n>, and return its path.
+
+    The folder gets the provenance and the resolved case, which can be run again, with its surfaces beside
+    it.  Raises FolderUnusable.
+    """
     folder = make_folder(out) if out else _next_folder(Path("runs"), loaded.name)
     try:
-        for name, surface in loaded.case.whole.screen.surfaces.items():
+        for name, surface in loaded.case.whole_machine.screen.surfaces.items():
             if surface.stl is not None:
                 shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
         if loaded.case.panel.recording is not None:
@@ -64,13 +67,13 @@ def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
 
 
 def write_case(folder: Path, loaded: JudgedCase) -> None:
-    """Write the resolved case."""
+    """Write the resolved case as ``case.toml``."""
     write_text(folder / "case.toml", tomli_w.dumps(resolved_case(loaded)))
 
 
 def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
-    """Return the case with its level, every ``--set`` and every default, as the run's folder has it."""
-    table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
+    """Return the case for the run's folder, with its level, every ``--set`` and every default applied."""
+    table = loaded.case.original.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
             surface["stl"] = f"{name}.stl"
@@ -80,8 +83,11 @@ def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
 
 
 def claim(path: Path, text: str, rank: int) -> bool:
-    """Write ``path`` if nobody did before; False for everybody but the first.  Where nobody can
-    write, ranks that wait in turn for the lower ones to act are all first."""
+    """Write ``path`` if no rank has written it yet, and return whether this rank is the first.
+
+    If the file cannot be written, each rank waits in turn for the lower ranks to act, and all count as
+    first.
+    """
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text + "\n")
@@ -93,12 +99,12 @@ def claim(path: Path, text: str, rank: int) -> bool:
 
 
 def remove_folder(folder: Path) -> None:
-    """Remove a run's folder in which nothing has been computed."""
+    """Remove the folder of a run that has computed nothing."""
     shutil.rmtree(folder, ignore_errors=True)
 
 
 def make_folder(folder: Path) -> Path:
-    """Make a new folder; raise FolderUnusable if it is there already or cannot be made."""
+    """Make a new folder, and return its path.  Raises FolderUnusable if it exists or cannot be made."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir()
@@ -113,8 +119,11 @@ def make_folder(folder: Path) -> Path:
 
 
 def _next_folder(parent: Path, case: str) -> Path:
-    """Make a new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever asks
-    at the same time.  Raises FolderUnusable if it cannot be made."""
+    """Make a new folder ``<parent>/<case>-<n>`` with the first free number n, and return its path.
+
+    Two processes that ask at the same time get different folders.  Raises FolderUnusable if the folder
+    cannot be made.
+    """
     for number in count(1):
         with suppress(FolderExists):
             return make_folder(parent / f"{case}-{number}")
@@ -122,15 +131,14 @@ def _next_folder(parent: Path, case: str) -> Path:
 
 
 class _PrintableFormatter(logging.Formatter):
-    """Characters that would command a terminal, such as ESC in the name of a folder, are written
-    as Python writes them."""
+    """A formatter that escapes characters that would control a terminal, such as ESC in a folder's name."""
 
     def format(self, record: logging.LogRecord) -> str:
-        return printable(super().format(record))
+        return escape_unprintable(super().format(record))
 
 
-def printable(text: str) -> str:
-    """Return lines as they are, and other characters that do not print as Python writes them."""
+def escape_unprintable(text: str) -> str:
+    """Return the text with Python's escapes for unprintable characters other than line ends and tabs."""
     return "".join(
         char if char.isprintable() or char in "\n\t" else char.encode("unicode_escape").decode()
         for char in text
@@ -139,12 +147,12 @@ def printable(text: str) -> str:
 
 @contextmanager
 def logging_to(folder: Path, first: bool) -> Iterator[None]:
-    """Write ``run.log`` with times while inside; of ranks other than the first it has errors only."""
+    """Log to ``run.log`` with times while inside; ranks other than the first log errors only."""
     handler = logging.FileHandler(folder / "run.log", delay=True, encoding="utf-8")
     handler.setFormatter(_PrintableFormatter("%(asctime)s %(levelname)-7s %(message)s"))
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO if first else logging.ERROR)
-    LOG.propagate = False  # the console has its own words
+    LOG.propagate = False  # the console gets messages of its own
     logging.raiseExceptions = False  # a log that cannot be written must not stop the run
     try:
         yield
@@ -154,29 +162,32 @@ def logging_to(folder: Path, first: bool) -> Iterator[None]:
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Write a table as JSON, whole or not at all."""
+    """Write a table as a JSON file, whole or not at all."""
     write_text(path, json.dumps(value, indent=2, default=float) + "\n")
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file, whole or not at all: written aside, then renamed."""
+    """Write a file, whole or not at all: under another name, which is then changed."""
     aside = path.with_name(f".{path.name}")
     try:
         aside.write_text(text, encoding="utf-8")
         aside.replace(path)
-    except OSError:  # half a file has no use, and takes room
+    except OSError:  # half a file is useless and takes room
         aside.unlink(missing_ok=True)
         raise
 
 
-OF_A_RUN = "run.log"
-OF_A_STUDY = ".lock"
+RUN_LOCK = "run.log"
+STUDY_LOCK = ".lock"
 
 
 @contextmanager
 def lock(file: Path) -> Iterator[None]:
-    """Holds ``file``, made where it is missing, while inside.  Raises FolderUnusable where another
-    process holds it.  On a file system without locks nobody is kept out."""
+    """Lock ``file`` while inside, and make it if it is missing.
+
+    Raises FolderUnusable if another process has locked it.  On a file system without locks, this does
+    not keep other processes out.
+    """
     with file.open("a") as opened:
         try:
             fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -192,21 +203,21 @@ def lock(file: Path) -> Iterator[None]:
 
 @contextmanager
 def study_folder(folder: Path) -> Iterator[None]:
-    """Make the folder of a study, or go on in it; nobody else does meanwhile.  Raises FolderUnusable."""
+    """Make the folder of a study if it is missing, and lock it while inside.  Raises FolderUnusable."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
-    with lock(folder / OF_A_STUDY):
+    with lock(folder / STUDY_LOCK):
         yield
 
 
 def is_at_work(folder: Path) -> bool:
-    """Whether a run is going on in this folder; none does where nobody may write."""
-    if not (folder / OF_A_RUN).exists() or not os.access(folder / OF_A_RUN, os.W_OK):
+    """Return whether a run is going on in a folder; False if this process may not write there."""
+    if not (folder / RUN_LOCK).exists() or not os.access(folder / RUN_LOCK, os.W_OK):
         return False
     try:
-        with lock(folder / OF_A_RUN):
+        with lock(folder / RUN_LOCK):
             return False
     except FolderUnusable:
         return True

@@ -1,4 +1,4 @@
-"""Rows of the time series: motion of frames and probes, forces of panels and bushings."""
+"""The rows of the time series: motion of frames and probes, and forces of panels and bushings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
 
 
 class PanelForces:
-    """Sums over the points of a panel, its clamps and its stops."""
+    """The sums of the forces over the points of each panel, its clamps and its stops."""
 
     def __init__(self, machine: Machine, start: State) -> None:
         self._panels = len(machine.panels)
@@ -29,14 +29,14 @@ class PanelForces:
         self._reactions = _sums(carried, len(start.panel.reaction))
 
     def at(self, state: State) -> Array:
-        """Return (5, panels, 3), in the order of FORCES: means over the interval that ends here."""
+        """Return the mean forces (5, panels, 3) over the interval that ends here, in the order of FORCES."""
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
         sums_N = np.vstack([self._loads @ load_N, self._reactions @ reaction_N])
         return np.asarray(sums_N.reshape(len(FORCES), self._panels, 3))
 
 
 def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
-    """Return (parts, points): sums over the points of each part, all in one product."""
+    """Return the matrix (parts, points) whose product with values at points gives the sum of each part."""
     numbers = [np.arange(points)[part] for part in parts]
     starts = np.cumsum([0, *map(len, numbers)])
     inside = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
@@ -44,8 +44,11 @@ def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
 
 
 class TimeSeries(SavedAttributes):
-    """Writes rows in which motion is that of the moment, and panel forces are means over the sync
-    intervals since the last row, so that none of their impulse is missed."""
+    """The writer of the time series.
+
+    A row has the motion of its moment, and the mean forces of the panels over the sync intervals since
+    the last row, so that the series contain their whole impulse.
+    """
 
     STATE: ClassVar = ("_sum_N", "_summed")
 
@@ -54,13 +57,13 @@ class TimeSeries(SavedAttributes):
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
 
-    def sync_point(self, forces_N: Array) -> None:
-        """Take note of an interval's forces, (5, panels, 3) in the order of FORCES."""
+    def add_forces(self, forces_N: Array) -> None:
+        """Add the forces of a sync interval, (5, panels, 3) in the order of FORCES."""
         self._sum_N += forces_N
         self._summed += 1
 
-    def row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
-        """Write a row; ``followed`` are the particles, where probes ask for them."""
+    def write_row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
+        """Write a row; ``followed`` are the particles if a probe follows one of them."""
         machine, history = self._machine, self._history
         history.add_each("frames", time_s, machine.centres, self._frames(state.clamps))
         for probe in machine.probes:
@@ -90,13 +93,13 @@ class TimeSeries(SavedAttributes):
 
 
 def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
-    """Return rotation vectors since t = 0 in rad and angular velocities in rad/s, (frames, 3) each, in
-    the world.
+    """Return the frames' rotation vectors since t = 0 in rad and their angular velocities in rad/s.
 
-    ``centres`` (frames,): numbers of the centres of mass; the three points after each are the ends
-    of arms that were 1 m long and lay along the world's axes at t = 0 (``coupling/surface_parts.py``).
+    Both are (frames, 3), in world axes.  ``centres`` (frames,) are the point numbers of the centres of mass.
+    The three points after each centre are the ends of arms that are 1 m long and lie along the world's axes
+    at t = 0 (``coupling/surface_parts.py``).
     """
-    if not len(centres):  # which Rotation does not take
+    if not len(centres):  # Rotation refuses empty arrays
         return np.empty((0, 3)), np.empty((0, 3))
     ends = centres[:, None] + np.arange(1, 4)
     arms_m, rates_m_per_s = (
@@ -108,7 +111,7 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
 
 
 def _probe_motion(probe: PlacedProbe, state: State, followed: ParticleSnapshot | None) -> tuple[Array, Array]:
-    """Return position and velocity (3,); NaN for a particle that has left or was left out."""
+    """Return the position and the velocity (3,) of a probe; NaN if its particle is not present."""
     motion: Motion | ParticleSnapshot = state.clamps if probe.on == "clamps" else state.panel.surface
     index = probe.index
     if probe.on == "particle":

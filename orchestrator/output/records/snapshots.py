@@ -1,6 +1,6 @@
-"""Surfaces and particles as files that ParaView opens as an animation.
+"""Snapshots of the surface and the particles, which ParaView opens as an animation.
 
-``surface.pvd`` and ``particles.pvd`` list one VTU file per output time.
+``surface.pvd`` and ``particles.pvd`` list one VTU file for each output time.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 
 
 class Series:
-    """One ParaView series: ``<name>.pvd`` beside the folder ``<name>/`` with a file a time."""
+    """A ParaView series: ``<name>.pvd`` beside the folder ``<name>/`` with a file for each time."""
 
     def __init__(self, folder: Path, name: str) -> None:
         self._folder, self._name = folder, name
         self._time_s: list[float] = []
-        self._rows = ""  # of the list, in words: which takes 20 times as long as writing them
+        self._rows = ""  # the list's text so far: composing it takes 20 times as long as writing it
         (folder / name).mkdir(exist_ok=True)
 
     def add(self, time_s: float, mesh: meshio.Mesh) -> None:
-        """Write the file of a time."""
+        """Write the snapshot of a time, and the list."""
         file = self._file(len(self._time_s))
         try:
             mesh.write(self._folder / file)
@@ -37,16 +37,17 @@ class Series:
         self._write_list()
 
     def save(self) -> Saved:
+        """Return the times so far for a checkpoint."""
         return {"time_s": np.array(self._time_s)}
 
     def restore(self, saved: Saved) -> None:
-        """Go on after the saved times; files of later ones are removed."""
+        """Go on after the saved times, and remove the files of later times."""
         self._time_s, self._rows = [], ""
         for time_s in saved["time_s"].tolist():
             self._note(time_s)
-        kept = {self._folder / self._file(number) for number in range(len(self._time_s))}
+        current = {self._folder / self._file(number) for number in range(len(self._time_s))}
         for file in (self._folder / self._name).glob("*.vtu"):
-            if file not in kept:
+            if file not in current:
                 file.unlink()
         self._write_list()
 
@@ -59,7 +60,7 @@ class Series:
         self._time_s.append(time_s)
 
     def _write_list(self) -> None:
-        """Write the list anew at every time, so that an interrupted run opens, too."""
+        """Write the whole list, so that ParaView can open the series of a run that goes on."""
         text = (
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
             f"<Collection>\n{self._rows}</Collection>\n</VTKFile>\n"
@@ -70,9 +71,11 @@ class Series:
 def surface_mesh(
     surface: Motion, triangles: Indices, panel: Indices, worn: Mapping[str, Array]
 ) -> meshio.Mesh:
-    """Return the triangles with velocity, and ``worn`` (points,) by name, at the points and the number of
-    the panel in each cell; points of no triangle (probes, arms of frames) would only blow up what a
-    viewer frames."""
+    """Return the mesh of the triangles (n, 3), with the number of the ``panel`` (n,) in each cell.
+
+    Its points have their velocity, and the values ``worn`` (points,) by name.  Points without a triangle
+    (probes, arms of frames) are left out: they would enlarge a viewer's view.
+    """
     points, corners = np.unique(triangles, return_inverse=True)
     return meshio.Mesh(
         surface.position_m[points],
@@ -86,7 +89,7 @@ def surface_mesh(
 
 
 def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
-    """Return a mesh with one vertex a particle, with diameter, speed, velocity, spin, material and id."""
+    """Return a mesh with a vertex for each particle, with its id, diameter, motion, density and material."""
     count = len(particles.id)
     return meshio.Mesh(
         particles.position_m.reshape(count, 3),

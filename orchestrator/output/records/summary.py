@@ -1,6 +1,6 @@
-"""``summary.json`` and the closing table: what a run says at its end.
+"""The summary of a run, ``summary.json``, and the table and lines on the console at its end.
 
-The keys are documented in docs/run-folder.md; a test holds the two together.
+docs/run-folder.md documents the keys; a test compares it with the summary.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from orchestrator.coupling.ledger import share_created
 from orchestrator.output.records.run_folder import SUMMARY, write_json
 
 SUMMARY_FORMAT = 2
-"""Version of the table (docs/run-folder.md, "summary.json"); files before had none."""
+"""The version of the table's format (docs/run-folder.md, "summary.json"); the oldest files have none."""
 PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "checkpoints", "monitor")
 
 
@@ -25,13 +25,13 @@ def write_summary(folder: Path, table: dict[str, Any]) -> None:
 
 
 def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
-    """Return the wall time of every part, and ``rest`` so that they add up to the wall time."""
+    """Return the wall time of every part; ``rest`` completes them to the whole wall time."""
     table = {part: parts_s.get(part, 0.0) for part in PARTS}
     return table | {"rest": wall_s - sum(table.values())}
 
 
 def closing_table(summary: dict[str, Any]) -> Table:
-    """Return a table of where the time went."""
+    """Return a table of the wall time of every part, for the console."""
     table = Table(title="where the time went", title_justify="left")
     table.add_column("part")
     table.add_column("wall / s", justify="right")
@@ -43,7 +43,7 @@ def closing_table(summary: dict[str, Any]) -> Table:
 
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:
-    """Say the run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
+    """Return lines about the numerical quality of a run; ``trust.py`` decides whether it is doubtful."""
     created_J = sum(J for name, J in summary["energy_ledger_J"].items() if name.startswith("created."))
     lines = [f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals"]
     if summary["particles"]:
@@ -65,7 +65,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
 
 
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
-    """Say how often intervals were repeated, with a warning where that was not enough."""
+    """Return lines about how often intervals were repeated, with a warning if that was not enough."""
     lines = [f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"]
     if iterations["unsolved"]:
         lines.append(
@@ -76,8 +76,11 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
 
 
 def material_lines(material: dict[str, Any]) -> Iterator[str]:
-    """Say where the particles are and how deep contacts were, with a warning where particles are lost
-    or went through the surface."""
+    """Yield lines about the whereabouts of the particles and the depth of contacts.
+
+    A warning names particles that were lost, came out with the undersize although they fit through no
+    opening, or went through the surface.
+    """
 
     def part(what: str, amount: dict[str, Any]) -> str:
         return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
@@ -110,7 +113,7 @@ def material_lines(material: dict[str, Any]) -> Iterator[str]:
 
 
 def monitor_lines(monitor: dict[str, Any]) -> list[str]:
-    """Say whether intervals had to be shortened."""
+    """Return a warning if the monitor had to shorten sync intervals."""
     if not monitor["shortened_intervals"]:
         return []
     return [

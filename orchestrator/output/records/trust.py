@@ -1,18 +1,17 @@
-"""Whether a run that came to its end can be trusted: one definition for the console, the exit
-code, studies and reports.
+"""The trust in a completed run: one definition for the console, the exit code, studies and reports.
 
 A run ends with one of these states in ``summary.json``:
 
 ``done``
-    It came to its end, and nothing in its own figures speaks against it.
+    The run is complete, and nothing in its own figures speaks against it.
 ``doubtful``
-    It came to its end, and its own figures say that it cannot be trusted; ``doubts`` says why.
+    The run is complete, but its own figures say that it cannot be trusted; ``doubts`` says why.
 ``incomplete``
-    It came to its end, but some of its results could not be made.
+    The run is complete, but some of its results could not be computed.
 ``interrupted``, ``failed``
-    It did not come to its end.
+    The run is not complete.
 
-Each ground for doubt is a small function of the summary in ``GROUNDS``, and nowhere else.
+``GROUNDS`` lists all grounds for doubt; each is a small function of the summary.
 """
 
 from __future__ import annotations
@@ -27,24 +26,23 @@ DONE, DOUBTFUL, INCOMPLETE = "done", "doubtful", "incomplete"
 AT_THE_END = (DONE, DOUBTFUL, INCOMPLETE)
 EXIT_CODES = {DONE: 0, DOUBTFUL: 5, INCOMPLETE: 6}
 
-LARGEST_SHARE_CREATED = 0.01  # by the coupling, of the energy exchanged and lost, where the case has no limit
-LARGEST_SHARE_OF_A_SOLVER = 0.05  # made by its steps, of the energy that it turned over (defect_shares)
+LARGEST_SHARE_CREATED = 0.01  # of the energy exchanged and lost, if the case has no limit for the coupling
+LARGEST_SHARE_OF_A_SOLVER = 0.05  # of the energy that a solver turned over (defect_shares)
 LARGEST_MOMENTUM_RESIDUAL = 1e-9  # relative; rounding is below 1e-12 in all runs of the tests
 LARGEST_SHARE_UNSOLVED = 0.01  # of the sync intervals
-LARGEST_DEVIATION = 0.1  # of the load in an interval that was not solved, of its size
-LARGEST_SHARE_ASTRAY = 0.01  # of the mass that came
+LARGEST_DEVIATION = 0.1  # of the load's size, in an interval that was not solved
+LARGEST_SHARE_ASTRAY = 0.01  # of the mass that came in
 
 Summary = Mapping[str, Any]
 
 
 def doubts(summary: Summary) -> list[str]:
-    """Return the reasons why the run behind ``summary`` (the table of ``summary.json``) is not to
-    be trusted, a whole sentence each; none for a run that can be."""
+    """Return a sentence for each reason not to trust a run, from the table of its ``summary.json``."""
     return [sentence for ground in GROUNDS for sentence in ground(summary)]
 
 
 def state_at_end(summary: Summary) -> str:
-    """Return the state of a run that came to its end, from its ``doubts`` and its results."""
+    """Return the state of a completed run, from its ``doubts`` and its results."""
     if summary.get("doubts"):
         return DOUBTFUL
     results = summary.get("results")
@@ -52,38 +50,40 @@ def state_at_end(summary: Summary) -> str:
 
 
 def came_to_its_end(state: str) -> bool:
-    """Return whether a run of this state need not be run again."""
+    """Return whether a run with this state is complete and need not be run again."""
     return state in AT_THE_END
 
 
 def is_trusted(state: str) -> bool:
-    """Return whether figures of a run of this state may be taken as data."""
+    """Return whether the figures of a run with this state may be used as data."""
     return state == DONE
 
 
-def _monitored(summary: Summary) -> dict[str, Any]:
+def _monitor_items(summary: Summary) -> dict[str, Any]:
     items: dict[str, Any] = summary.get("monitor", {}).get("figures", {})
     return items
 
 
 def _energy_created(summary: Summary) -> Iterator[str]:
-    """Doubts a coupling that makes or destroys more than a small share of the energy that goes through
-    it (``ledger.created_shares``); ``monitor.largest_created_in_total`` of the case says how much."""
+    """Yield a doubt if the coupling creates or destroys too much energy (``ledger.created_shares``).
+
+    The case's ``monitor.largest_created_in_total`` sets the limit.
+    """
     if "energy_ledger_J" not in summary:
         return
     share = share_created(summary)
-    limit = _monitored(summary).get("created_in_total", {}).get("limit", LARGEST_SHARE_CREATED)
+    limit = _monitor_items(summary).get("created_in_total", {}).get("limit", LARGEST_SHARE_CREATED)
     if abs(share) > limit:
         advice = summary.get("stability", {}).get("advice") or "Shorten coupling.sync_interval_s."
-        made = "created" if share > 0 else "destroyed"
+        verb = "created" if share > 0 else "destroyed"
         yield (
-            f"The coupling {made} {100 * abs(share):.2g} % of the energy that was exchanged and "
+            f"The coupling {verb} {100 * abs(share):.2g} % of the energy that was exchanged and "
             f"lost, more than {100 * limit:g} %. {advice}"
         )
 
 
 def _effects_crossed(summary: Summary) -> Iterator[str]:
-    """Doubts a run that contradicts the estimate by which an effect was left out of it."""
+    """Yield a doubt for each left-out effect that matters by the run, against the estimate before it."""
     for name, entry in summary.get("effects", {}).items():
         after = entry.get("after") or {}
         if entry.get("left_out") and entry.get("crossed") and after.get("matters"):
@@ -95,8 +95,8 @@ def _effects_crossed(summary: Summary) -> Iterator[str]:
 
 
 def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
-    """Doubts a run in which a panel went through a surface that would have held it."""
-    observed = _monitored(summary).get("penetrated_surfaces", {})
+    """Yield a doubt if a panel went through a surface that would have stopped it."""
+    observed = _monitor_items(summary).get("penetrated_surfaces", {})
     if observed.get("times"):
         yield (
             f"From t = {observed['first_s']:g} s on a panel went through a surface, by up to "
@@ -106,22 +106,25 @@ def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
 
 
 def _energy_of_solvers(summary: Summary) -> Iterator[str]:
-    """Doubts a solver whose own steps make or destroy energy."""
+    """Yield a doubt for each solver whose own time steps create or destroy energy."""
     if "energy_ledger_J" not in summary:
         return
     for member, share in defect_shares(summary).items():
         if abs(share) > LARGEST_SHARE_OF_A_SOLVER:
-            whose, made = f"{member.removesuffix('s')}s'", "made" if share > 0 else "destroyed"
+            whose, verb = f"{member.removesuffix('s')}s'", "made" if share > 0 else "destroyed"
             yield (
-                f"The time steps of the {whose} solver {made} {100 * abs(share):.2g} % "
+                f"The time steps of the {whose} solver {verb} {100 * abs(share):.2g} % "
                 f"of the energy that it turned over, more than "
                 f"{100 * LARGEST_SHARE_OF_A_SOLVER:g} %; shorten its step or the sync interval."
             )
 
 
 def _momentum(summary: Summary) -> Iterator[str]:
-    """Doubts momentum that does not close to rounding: an error in the program or in a solver.
-    Interfaces whose hand-over is turned off lose it on purpose."""
+    """Yield a doubt for each momentum balance that does not close to rounding.
+
+    The cause is an error in the program or in a solver.  Interfaces whose hand-over is turned off are
+    left out, because they lose momentum on purpose.
+    """
     closed = summary.get("energy_exchanged_J", {})
     for name, residual in summary.get("momentum_residuals", {}).items():
         if residual > LARGEST_MOMENTUM_RESIDUAL and ("-" not in name or name in closed):
@@ -132,8 +135,11 @@ def _momentum(summary: Summary) -> Iterator[str]:
 
 
 def _unsolved_intervals(summary: Summary) -> Iterator[str]:
-    """Doubts many intervals that were far from solved.  One not solved to its tolerance is as good as one
-    of the plain scheme: a few of them, or small deviations, do no harm that the energy would not show."""
+    """Yield a doubt if many sync intervals were far from solved.
+
+    An interval that was not solved to its tolerance is as good as an interval of the staggered scheme.
+    If few intervals or small deviations do harm, the energy balance shows it.
+    """
     iterations, intervals = summary.get("iterations") or {}, summary.get("sync_intervals", 0)
     unsolved, worst = iterations.get("unsolved", 0), iterations.get("worst", 0.0)
     if unsolved > LARGEST_SHARE_UNSOLVED * intervals and worst > LARGEST_DEVIATION:
@@ -145,8 +151,8 @@ def _unsolved_intervals(summary: Summary) -> Iterator[str]:
 
 
 def _material(summary: Summary) -> Iterator[str]:
-    """Doubts products where material took another way than through the exits, a surface that particles
-    went through, and contacts that are not small against them: then no contact law holds."""
+    """Yield a doubt for material that did not leave through the right exits, for particles that went through
+    the surface, and for overlaps that are not small against the particles, where no contact law holds."""
     material = summary.get("material") or {}
     fed_kg = material.get("fed", {}).get("mass_kg", 0.0)
     ways = {

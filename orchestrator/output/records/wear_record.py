@@ -1,4 +1,4 @@
-"""How deep particles have worn the surface: at its points, and in patches of each panel."""
+"""The depth of wear of the surface: at its points, and in patches of each panel."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from orchestrator.coupling.machine import PanelPoints
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import Rectangle, TriangleSurface
 
-PATCHES = (8, 4)  # along and across a panel: large enough to be hit often
+PATCHES = (8, 4)  # along and across a panel: each patch is large enough to be hit often
 
 
 class WearRecord:
-    """Depths are volumes over the area at t = 0, a third of each triangle to each of its corners;
-    patches share out the free length and the width evenly, what is under a clamp counts to the
-    nearest."""
+    """A record of the depth of wear, which is the worn volume over the area at t = 0.
+
+    Each corner of a triangle has a third of the triangle's area.  The patches divide the free length and the
+    width of a panel evenly; a point under a clamp counts to the nearest patch.
+    """
 
     def __init__(
         self, surface: TriangleSurface, panels: Sequence[PanelPoints], rectangles: Sequence[Rectangle]
@@ -28,13 +30,15 @@ class WearRecord:
         }
 
     def point_depth_m(self, worn_m3: Array) -> Array:
-        """Return the depth at (points,); zero at points of no triangle."""
+        """Return the depth (points,) in m at the points; zero at points without a triangle."""
         there = self._area_m2 > 0
         return np.divide(worn_m3, self._area_m2, out=np.zeros(len(worn_m3)), where=there)
 
     def groups(self, worn_m3: Array) -> dict[str, Mapping[str, Array | float]]:
-        """Return, by panel, what is to be recorded: ``worn_m3``, ``mean_m`` and ``depth_m`` of
-        ``PATCHES``, NaN where a patch has no point."""
+        """Return the group ``wear/<name>`` of each panel: ``worn_m3``, ``mean_m``, and ``depth_m`` by patch.
+
+        The depth has the shape ``PATCHES``, and is NaN where a patch has no point.
+        """
         groups: dict[str, Mapping[str, Array | float]] = {}
         for name, (points, patch) in self._panels.items():
             worn, area = (
@@ -48,7 +52,7 @@ class WearRecord:
 
 
 def point_area_m2(surface: TriangleSurface) -> Array:
-    """Return (points,) a third of the triangles' area around each."""
+    """Return the area (points,) of the points: a third of the area of the triangles around each."""
     a, b, c = (surface.position_m[surface.triangles[:, k]] for k in range(3))
     area_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     points, thirds_m2 = surface.triangles.ravel(), np.repeat(area_m2 / 3, 3)
@@ -56,7 +60,7 @@ def point_area_m2(surface: TriangleSurface) -> Array:
 
 
 def _patch(position_m: Array, at: Rectangle) -> Indices:
-    """Return the number of each point's patch (points,), from its place at t = 0."""
+    """Return the number (points,) of each point's patch, from its place at t = 0."""
     from_corner_m = position_m - at.corner_m
     shares = (from_corner_m @ at.along / at.span_m, from_corner_m @ at.across / at.width_m)
     row, column = (

@@ -1,4 +1,4 @@
-"""One style for all figures and pages of the program, and how figures get into pages."""
+"""The common style of all figures and pages of the program, and the embedding of figures in pages."""
 
 from __future__ import annotations
 
@@ -40,33 +40,34 @@ plt.rcParams.update(
 
 
 def figure(rows: int = 1, columns: int = 1, width: float = HALF, height: float = TALL, **more: Any) -> Any:
-    """Return a figure and its axes (rows, columns), in the page's style; ``more`` as for
-    ``matplotlib.pyplot.subplots``."""
+    """Return a figure and its axes (rows, columns) in the page's style.
+
+    ``more`` are arguments of ``matplotlib.pyplot.subplots``.
+    """
     return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, **more)
 
 
-def save(drawn: Any, file: Path) -> None:
-    """Write the figure into a file, and close it."""
-    drawn.savefig(file, dpi=110)
-    plt.close(drawn)
+def save(fig: Any, file: Path) -> None:
+    """Write a figure into a file, and close the figure."""
+    fig.savefig(file, dpi=110)
+    plt.close(fig)
 
 
-def embed(drawn: Any) -> str:
-    """Return the figure as a data URI, and close it."""
-    made = io.BytesIO()
-    drawn.savefig(made, format="svg", metadata={"Date": None})
-    plt.close(drawn)
-    return data_uri(made.getvalue(), "image/svg+xml")
+def embed(fig: Any) -> str:
+    """Return a figure as a data URI with its SVG, and close the figure."""
+    svg = io.BytesIO()
+    fig.savefig(svg, format="svg", metadata={"Date": None})
+    plt.close(fig)
+    return data_uri(svg.getvalue(), "image/svg+xml")
 
 
 def data_uri(content: bytes, kind: str) -> str:
-    """Return a file's content, for an ``src`` that asks nobody for anything."""
+    """Return a file's content as a data URI, so that a page needs no other file."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def fill_template(template: str, **values: Any) -> str:
-    """Return the HTML of a template, named by its place below ``orchestrator/``: a page that holds all it
-    needs."""
+    """Return the HTML of a page from a template, named by its path below ``orchestrator/``."""
     environment = Environment(
         loader=PackageLoader("orchestrator", "."),
         autoescape=select_autoescape(["html"]),

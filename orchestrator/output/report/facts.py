@@ -1,4 +1,4 @@
-"""What a page says beside the results: the machine, what was left out, and what the run warned of."""
+"""The facts on a page beside the results: the machine, the effects left out, and the warnings."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from orchestrator.output.report.formatting import number
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.effect import describe_verdict
 
-SHOWN = 12  # messages of the log
-UNSETTLED = 0.1  # of a frame's orbit: so much of the motion along the deck is no first harmonic
+SHOWN = 12  # messages of the log on the page
+UNSETTLED = 0.1  # of a frame's orbit: largest motion along the deck beside the first harmonic
 Facts = Iterator[tuple[str, str]]
 
 
 def machine_facts(run: RunReader) -> Facts:
-    """Yield facts on the machine and how it is driven."""
+    """Yield facts about the machine and its drive."""
     screen, panels = run.case.screen, single_panels(run.case)
     yield "deck", f"inclined by {screen.inclination_deg:g}°, {len(panels)} panels"
     if panels:
@@ -57,7 +57,7 @@ def machine_facts(run: RunReader) -> Facts:
 
 
 def left_out_facts(summary: dict[str, Any]) -> Facts:
-    """Yield why each effect was left out, and what was judged of it before and after the run."""
+    """Yield the reason why each effect was left out, and its verdicts before and after the run."""
     for name, why in summary["left_out"].items():
         yield name, why
         entry = summary.get("effects", {}).get(name, {})
@@ -68,7 +68,7 @@ def left_out_facts(summary: dict[str, Any]) -> Facts:
 
 
 def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, Any]) -> list[str]:
-    """Say how the run ended, what is not steady, what is missing, and what the log warned of."""
+    """Return warnings about doubts, the run's end, unsteady states, missing results, and from the log."""
     warnings = [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
     if not trust.came_to_its_end(summary["status"]):
         warnings.append(f"The run was {summary['status']}: {summary['reason']}")
@@ -88,11 +88,11 @@ def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, A
         warnings += [line for line in closing_lines(summary) if line.startswith("WARNING")]
     if lost := results.get("screening", {}).get("lost_particles"):
         warnings.append(f"{lost} particles left elsewhere than through an exit.")
-    return warnings + _logged(folder)
+    return warnings + _log_warnings(folder)
 
 
-def _logged(folder: Path) -> list[str]:
-    """Return the first few warnings and errors of the log, each once."""
+def _log_warnings(folder: Path) -> list[str]:
+    """Return the first ``SHOWN`` different warnings and errors of the log."""
     log = folder / "run.log"
     if not log.is_file():
         return []

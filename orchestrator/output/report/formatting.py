@@ -1,4 +1,4 @@
-"""Numbers as a reader wants them: three digits, the interval, the unit."""
+"""The formatting of numbers for readers: three digits, confidence intervals, and units of time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LEAST = 1e-9  # smaller numbers are rounding
 
 
 def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str:
-    """Return a number with ``digits`` significant digits, no exponent for anything a designer meets."""
+    """Return a number with ``digits`` significant digits; very small or large numbers get an exponent."""
     if value is None or not math.isfinite(value):
         return NONE
     scaled = value * scale
@@ -30,21 +30,21 @@ def whole_number(value: float) -> str:
 
 
 def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
-    """Return such as "82.31 ± 0.42": the value to the second digit of its half width."""
+    """Return an estimate such as "82.31 ± 0.42", rounded to the second digit of its half width."""
     if estimate is None or estimate["value"] is None:
         return NONE
     width, size = estimate["half_width"], abs(estimate["value"] * scale)
     if width is None or size < LEAST:
         return number(estimate["value"], scale)
-    shown = max(abs(width * scale), LEAST)
+    half_width = max(abs(width * scale), LEAST)
     most = MOST_DIGITS - 1 - math.floor(math.log10(size))
-    decimals = max(min(1 - math.floor(math.log10(shown)), most), 0)
-    text = f"{estimate['value'] * scale:.{decimals}f} ± {shown:.{decimals}f}"
+    decimals = max(min(1 - math.floor(math.log10(half_width)), most), 0)
+    text = f"{estimate['value'] * scale:.{decimals}f} ± {half_width:.{decimals}f}"
     return text.replace("-", "−")
 
 
 def duration(seconds: float) -> str:
-    """Return a time in seconds, minutes or hours."""
+    """Return a duration in seconds, minutes or hours, with its unit."""
     if seconds < 120:
         return f"{number(seconds)} s"
     if seconds < 7200:

@@ -1,4 +1,4 @@
-"""The figures that a reader looks for first, each with what it was taken from."""
+"""The headline figures of a run, each with the data behind it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from orchestrator.output.report.formatting import NONE, interval, number
 
 NOT_STEADY = "not steady yet"
-SCREENING = {  # words, unit, and which particles that left are counted
+SCREENING = {  # name, unit, and the kind of particles that are counted
     "efficiency_percent": ("screening efficiency η", "%", "particles"),
     "fine_placement_percent": ("undersize recovery", "%", "fine particles"),
     "recovered_percent": ("fines recovered, of what came in", "%", "fine particles"),
@@ -20,8 +20,11 @@ SCREENING = {  # words, unit, and which particles that left are counted
 
 @dataclass(frozen=True)
 class Tile:
-    """A figure with its unit.  ``interval`` is its half width, or empty; ``over`` says over how
-    many particles, cycles and seconds it was taken, ``unsteady`` that it is no lasting value."""
+    """A figure with its unit.
+
+    ``interval`` is the half width of its confidence interval, or empty.  ``over`` names the particles, cycles
+    and seconds behind the figure; ``unsteady`` is True if it comes from a transient.
+    """
 
     name: str
     value: str
@@ -32,22 +35,23 @@ class Tile:
 
     @property
     def line(self) -> str:
-        """All of it in one line, for a terminal."""
+        """The figure in one line, for a terminal."""
         width = f" ± {self.interval}" if self.interval else ""
         basis = f"over {self.over}" + (f"; {NOT_STEADY}" if self.unsteady else "")
         return f"{self.name}: {self.value}{width} {self.unit} ({basis})"
 
 
 def headline(results: dict[str, Any]) -> list[Tile]:
-    """Return a tile for each figure for which the results of a run have a value."""
+    """Return a tile for each figure that has a value in the results of a run."""
     tiles = [*_material_tiles(results), *_motion_tiles(results)] if results else []
     return [tile for tile in tiles if tile.value != NONE]
 
 
 def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
-    """Yield figures of screening and bed, masses of the full width."""
+    """Yield the figures of screening and bed; masses are scaled to the full width of the deck."""
     whole, state = 1.0 / float(results["share_of_width"]), results.get("steady")
-    lasting, unsteady = (_lasting(state), not state["is_steady"]) if state else ("the whole run", True)
+    lasting = _describe_window(state) if state else "the whole run"
+    unsteady = not (state and state["is_steady"])
     screening, bed = results.get("screening", {}), results.get("bed")
     for key, (name, unit, kind) in SCREENING.items():
         if key in screening:
@@ -65,7 +69,7 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     motion = results.get("motion")
     if motion is None:
         return
-    over, unsteady = _lasting(motion), not motion["is_settled"]
+    over, unsteady = _describe_window(motion), not motion["is_settled"]
     for name, orbit in motion["relative"].items():
         yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
     largest = (
@@ -77,8 +81,8 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
         yield Tile(name, number(value), "", unit, over, unsteady)
 
 
-def _lasting(window: dict[str, Any]) -> str:
-    """Return such as "6 cycles, 0.48 s"; a machine that nothing drives has no cycles."""
+def _describe_window(window: dict[str, Any]) -> str:
+    """Return the length of a window, such as "6 cycles, 0.48 s"; without a drive there are no cycles."""
     cycles, lasting_s = window["cycles"], window["end_s"] - window["start_s"]
     counted = f"{cycles} cycle{'' if cycles == 1 else 's'}, " if cycles else ""
     return f"{counted}{number(lasting_s)} s"

@@ -1,4 +1,4 @@
-"""``flipflow report``: from the folder of a run to its page, or to words about what is wrong."""
+"""The command ``flipflow report``: it writes the page of a run from its folder."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, Unde
 def report(folder: Path) -> Path:
     """Write the page of a run and return its path.
 
-    Raises FolderUnusable where ``folder`` is no run, or is a run from which nothing can be read.
+    Raises FolderUnusable if ``folder`` holds no run, or a run that cannot be read.
     """
     missing = [name for name in NEEDED if not (folder / name).is_file()]
     if not folder.is_dir():
@@ -55,11 +55,11 @@ def report(folder: Path) -> Path:
 
 
 def _why_open(folder: Path) -> str:
-    """Return why the run has no summary, and what can be done."""
+    """Return a message about why the run has no summary, with advice."""
     if is_at_work(folder):
         return "the run is still going on"
     killed = "the run was killed before it could close its books"
-    save = checkpoints.newest(folder)
+    save = checkpoints.find_newest(folder)
     if save is None:
         return f"{killed}, and nothing had been saved; run the case again"
     return (
@@ -69,7 +69,7 @@ def _why_open(folder: Path) -> str:
 
 
 def _write_page(folder: Path) -> Path:
-    """Raise FolderUnusable where something in the files cannot be used."""
+    """Write the page and return its path.  Raises FolderUnusable if a file of the run cannot be used."""
     try:
         write_text(folder / NAME, page(folder, compute_results(folder), make_film))
     except CaseError as error:
@@ -91,7 +91,7 @@ def _write_page(folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Film:
-    """An animated WebP of ``frames`` pictures; empty, with the ``reason``, if there is none."""
+    """An animated WebP of ``frames`` pictures; it is empty, with the ``reason``, if rendering failed."""
 
     content: bytes
     frames: int = 0
@@ -101,24 +101,26 @@ class Film:
 
 
 def make_film(folder: Path, lasting_s: float) -> Film:
-    """Return the film of the last ``lasting_s`` seconds of the run, made in a process of its own: a
-    renderer that crashes loses nothing."""
+    """Return the film of the last ``lasting_s`` seconds of the run.
+
+    A process of its own renders the film, so that a crash of the renderer loses nothing.
+    """
     with tempfile.TemporaryDirectory() as place:
-        made = Path(place) / "film.webp"
-        words = ("orchestrator.output.report.rendering", str(folder), str(lasting_s), str(made))
-        done = python("-m", *words, capture_output=True)
-        if done.returncode or not made.is_file():
-            why = done.stderr.strip().splitlines()[-1:] or ["the renderer ended without a word"]
+        file = Path(place) / "film.webp"
+        words = ("orchestrator.output.report.rendering", str(folder), str(lasting_s), str(file))
+        process = python("-m", *words, capture_output=True)
+        if process.returncode or not file.is_file():
+            why = process.stderr.strip().splitlines()[-1:] or ["the renderer ended without a word"]
             return Film(b"", reason=why[0])
-        frames, start_s, end_s = done.stdout.split()
-        return Film(made.read_bytes(), int(frames), float(start_s), float(end_s))
+        frames, start_s, end_s = process.stdout.split()
+        return Film(file.read_bytes(), int(frames), float(start_s), float(end_s))
 
 
 def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
-    """Return the HTML of a run's report.  ``results`` are its results, ``film`` makes the animation."""
+    """Return the HTML of a run's report from its ``results``; the function ``film`` makes the film."""
     with RunReader(folder) as run:
         summary = run.summary
-        shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
+        animation = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
         cost = ("cost", draw_cost(summary["wall_by_part_s"]))
         drawings = chain([cost], draw_results(results), draw_machine(run))
         return fill_template(
@@ -134,9 +136,9 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             not_steady=NOT_STEADY,
             driven=run.is_driven,
             warnings=facts.collect_warnings(folder, summary, results),
-            pictures={name: embed(drawn) for name, drawn in drawings},
-            film=shown,
-            film_uri=data_uri(shown.content, "image/webp"),
+            pictures={name: embed(fig) for name, fig in drawings},
+            film=animation,
+            film_uri=data_uri(animation.content, "image/webp"),
             left_out=list(facts.left_out_facts(summary)),
             share_created=share_created,
             duration=duration,

@@ -1,9 +1,8 @@
-"""Pictures of a run: of its machine from its folder alone, for the page and as files, and of its results,
-for the page.
+"""The pictures of a run: of its machine, for the page and as files, and of its results, for the page.
 
 ``python -m orchestrator.output.report.pictures RUN`` writes the files.  It runs in a process of its
-own: the renderer's libraries do not share memory with the solvers', and a picture that fails loses
-nothing.
+own: the libraries of the renderer then share no memory with the solvers, and a picture that fails loses
+nothing else.
 """
 
 from __future__ import annotations
@@ -22,21 +21,23 @@ from orchestrator.output.report.drawing import FEED, HALF, HELD, OVER, UNDER, WI
 from orchestrator.output.results.run_reader import RunReader
 
 COLUMNS = 4  # panels or bushings side by side
-LOWEST = 3.8  # inches high: a single row of panels is legible
+LOWEST = 3.8  # inches: least height, at which a single row of panels is legible
 MOMENTS = 8  # of a cycle
 MM_IN_1000_H = 1e6  # 1 m/h
 MOST_POINTS = 4000  # of a line
-FEWEST_SECTIONS = 3  # that look well side by side
+FEWEST_SECTIONS = 3  # least width of the axes in sections, so that bars do not become too wide
 SMALLEST_SHARE = 1e-3  # of the largest term of a picture: smaller ones are left out
 
 
 def draw_frames(run: RunReader) -> Any:
-    """Draw the displacement of the frames' centres of mass along and normal to the deck over the
-    run, and their orbits in the last cycle."""
-    drawn, axes = figure(2, 2, WIDE, 5.0, width_ratios=(2, 1))
+    """Draw the displacements of the frames' centres of mass along and normal to the deck, and their orbits.
+
+    The displacements are drawn over the whole run, the orbits over the last cycle.
+    """
+    fig, axes = figure(2, 2, WIDE, 5.0, width_ratios=(2, 1))
     for row in axes:
         row[1].remove()
-    orbit = drawn.add_subplot(axes[0, 1].get_gridspec()[:, 1])
+    orbit = fig.add_subplot(axes[0, 1].get_gridspec()[:, 1])
     for name in run.names("frames"):
         time_s = run.read(f"frames/{name}/time_s")
         moved_mm = 1e3 * run.read(f"frames/{name}/displacement_m") @ run.deck_axes
@@ -51,14 +52,16 @@ def draw_frames(run: RunReader) -> Any:
     axes[1, 0].legend(loc="upper left", ncols=3, bbox_to_anchor=(0, -0.25))
     orbit.set(xlabel="along the deck / mm", ylabel="normal to the deck / mm", title="orbits, last cycle")
     orbit.set_aspect("equal", "datalim")
-    return drawn
+    return fig
 
 
 def draw_panel_shapes(run: RunReader) -> Any:
-    """Draw the centre lines of the panels at moments of the last cycle (of the whole run where
-    nothing drives it), over the line between their ends as built."""
+    """Draw the centre lines of the panels at moments of the last cycle, or of the whole run without a drive.
+
+    Heights are over the straight line between the panels' ends as built.
+    """
     panels = {panel.name: panel.rectangle for panel in single_panels(run.case)}
-    drawn, axes = _grid(len(panels), "height / mm, enlarged", 0.6, 2.3)
+    fig, axes = _grid(len(panels), "height / mm, enlarged", 0.6, 2.3)
     for ax, (name, at) in zip(axes.flat, panels.items(), strict=False):
         time_s = run.read(f"panels/{name}/time_s")
         lines_m = run.read(f"panels/{name}/centre_line_m") - at.corner_m
@@ -67,17 +70,19 @@ def draw_panel_shapes(run: RunReader) -> Any:
         for number in last[np.linspace(0, len(last) - 1, min(MOMENTS, len(last))).astype(int)]:
             phase = time_s[number] / run.cycle_s % 1.0 if run.is_driven else time_s[number] / time_s[-1]
             line_mm = 1e3 * lines_m[number]
-            colour = colormaps["twilight_shifted"](0.1 + 0.8 * phase)  # comes round after a cycle
+            colour = colormaps["twilight_shifted"](0.1 + 0.8 * phase)  # a cyclic map, like the phase
             ax.plot(line_mm @ at.along, line_mm @ at.normal, lw=1.1, color=colour)
         ax.set(title=name, xlabel="along / mm")
-    return drawn
+    return fig
 
 
 def draw_bushing_loops(run: RunReader) -> Any:
-    """Draw force against deformation of every bushing in the last cycle, along the axis in which it
-    is deformed most; the area is the energy lost in the cycle."""
+    """Draw the force over the deformation of every bushing in the last cycle, along its most deformed axis.
+
+    The area of a loop is the energy lost in the cycle.
+    """
     names = run.names("bushings")
-    drawn, axes = _grid(len(names), "force / kN", 1.0, 2.8)
+    fig, axes = _grid(len(names), "force / kN", 1.0, 2.8)
     for ax, name in zip(axes.flat, names, strict=False):
         end_s = float(run.read(f"bushings/{name}/time_s")[-1])
         deformation_m, force_N = (
@@ -88,12 +93,14 @@ def draw_bushing_loops(run: RunReader) -> Any:
         x, y = 1e3 * deformation_m[:, axis], 1e-3 * force_N[:, axis]
         ax.plot(x, y, lw=1.2)
         ax.set(title=f"{name}, {'xyz'[axis]}: {abs(trapezoid(y, x)):.3g} J", xlabel="deformation / mm")
-    return drawn
+    return fig
 
 
 def draw_energy(run: RunReader) -> Any:
-    """Draw the energy ledger in three parts: what went in and out, what is stored, and what should
-    be zero.  Terms below a thousandth of a part's largest are left out."""
+    """Draw the energy ledger in three parts: energy in and out, stored energy, and terms that should be zero.
+
+    Terms below a thousandth of the largest term of a part are left out.
+    """
     time_s = run.read("energy/time_s")
     terms_J = {name: run.read(f"energy/{name}") for name in run.names("energy") if name != "time_s"}
     parts = {
@@ -101,7 +108,7 @@ def draw_energy(run: RunReader) -> Any:
         "change of what is stored": ("stored.",),
         "out of nothing: should be small": ("created.", "defect."),
     }
-    drawn, (row,) = figure(1, 3, WIDE, 3.8)
+    fig, (row,) = figure(1, 3, WIDE, 3.8)
     for ax, (title, books) in zip(row, parts.items(), strict=True):
         sizes_J = {name: float(np.abs(v).max()) for name, v in terms_J.items() if name.startswith(books)}
         for name in sorted(sizes_J, key=lambda name: -sizes_J[name])[:8]:
@@ -109,12 +116,12 @@ def draw_energy(run: RunReader) -> Any:
                 ax.plot(time_s, terms_J[name], lw=1.2, label=name.removesuffix("_J").removeprefix("stored."))
         ax.set(title=title, xlabel="time / s", ylabel="energy / J")
         ax.legend(loc="upper left", bbox_to_anchor=(0, -0.2), fontsize=7.5)
-    return drawn
+    return fig
 
 
 def draw_cost(wall_by_part_s: dict[str, float]) -> Any:
-    """Draw where the wall time went."""
-    drawn, ((axes,),) = figure(1, 1, HALF, 2.6)
+    """Draw the wall time of every part of the program."""
+    fig, ((axes,),) = figure(1, 1, HALF, 2.6)
     parts = list(wall_by_part_s)[::-1]
     seconds = [wall_by_part_s[part] for part in parts]
     bars = axes.barh(parts, seconds, color=HELD)
@@ -122,14 +129,14 @@ def draw_cost(wall_by_part_s: dict[str, float]) -> Any:
     axes.bar_label(bars, [f" {100 * s / whole:.0f} %" for s in seconds], fontsize=9)
     axes.set(title="where the time went", xlabel="wall time / s", xlim=(0, 1.15 * max(seconds)))
     axes.grid(axis="y", visible=False)
-    return drawn
+    return fig
 
 
 def draw_balance(results: dict[str, Any]) -> Any:
-    """Draw the rates in and out by cycle, and the hold-up; the cycles averaged over are shaded."""
+    """Draw the mass rates in and out and the hold-up by cycle, with the steady state shaded."""
     flows, state = results["screening"]["in_time"], results["steady"]
     whole = 1.0 / results["share_of_width"]
-    drawn, ((rates, held),) = figure(1, 2, WIDE, 3.2)
+    fig, ((rates, held),) = figure(1, 2, WIDE, 3.2)
     for name, colour in (("feed", FEED), ("undersize", UNDER), ("oversize", OVER)):
         rates.plot(flows["time_s"], whole * np.array(flows[f"{name}_kg_per_s"]), color=colour, label=name)
     rates.set(title="mass flow, mean of each cycle", ylabel="rate / (kg/s)")
@@ -141,15 +148,15 @@ def draw_balance(results: dict[str, Any]) -> Any:
         if state["is_steady"]:
             axes.axvspan(state["start_s"], state["end_s"], color="#c9d6e8", alpha=0.5, lw=0)
     rates.legend(loc="upper left", ncols=3, bbox_to_anchor=(0, -0.2))
-    return drawn
+    return fig
 
 
 def draw_partition(screening: dict[str, Any]) -> Any:
-    """Draw the partition number over size, with the cut size, d50 and the feed's sizes behind."""
+    """Draw the partition number over the diameter, with the cut size, d50 and the sizes of the feed."""
     table = screening["partition"]
     mean, number = np.array(table["mean_m"], float), np.array(table["oversize_percent"], float)
     edges = 1e3 * np.array(table["edges_m"], float)
-    drawn, ((axes,),) = figure(1, 1, HALF, 3.4)
+    fig, ((axes,),) = figure(1, 1, HALF, 3.4)
     share = table["feed_percent"]
     axes.bar(edges[:-1], share, np.diff(edges), align="edge", color="#dfe3e8", label="feed's mass")
     there = np.isfinite(number)
@@ -161,13 +168,13 @@ def draw_partition(screening: dict[str, Any]) -> Any:
     axes.set(title="partition curve", xlabel="diameter / mm", ylabel="share of mass / %")
     axes.set(ylim=(0, 105))
     axes.legend(loc="upper left", ncols=2, bbox_to_anchor=(0, -0.18))
-    return drawn
+    return fig
 
 
 def draw_sections(screening: dict[str, Any]) -> Any:
-    """Draw the cumulative and local efficiency of the sections; yields where there is no cut size."""
+    """Draw the yields of the sections and, if there is a cut size, their efficiencies."""
     rows = screening["sections"]
-    drawn, ((axes,),) = figure(1, 1, HALF, 3.4)
+    fig, ((axes,),) = figure(1, 1, HALF, 3.4)
     place = np.arange(len(rows))
     divided = "local_efficiency_percent" in rows[0]
     bars = ("local_efficiency", "yield") if divided else ("yield",)
@@ -185,7 +192,7 @@ def draw_sections(screening: dict[str, Any]) -> Any:
     axes.set_xlim(-0.6, max(len(rows), FEWEST_SECTIONS) - 0.4)
     axes.grid(axis="x", visible=False)
     axes.legend(loc="upper left", ncols=3, bbox_to_anchor=(-0.05, -0.18), columnspacing=1.0)
-    return drawn
+    return fig
 
 
 def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
@@ -194,7 +201,7 @@ def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
 
 
 def draw_along_deck(results: dict[str, Any]) -> Any:
-    """Draw bed depth, velocity, mass and, where it is counted, passing rate."""
+    """Draw bed depth, velocity, bed mass and, if it was counted, the passing rate along the deck."""
     profile, whole = results["bed"]["profile"], 1.0 / results["share_of_width"]
     series = [
         ("depth_m", 1e3, "bed depth / mm", HELD),
@@ -202,7 +209,7 @@ def draw_along_deck(results: dict[str, Any]) -> Any:
         ("mass_kg_per_m", whole, "bed mass / (kg/m)", FEED),
     ]
     passing = results.get("transport", {}).get("passing")
-    drawn, axes = figure(2, 2, WIDE, 4.8)
+    fig, axes = figure(2, 2, WIDE, 4.8)
     for ax, (name, scale, label, colour) in zip(axes.flat, series, strict=False):
         values = np.array(profile[name], float) * scale
         ax.plot(profile["along_m"], values, "o-", ms=3, color=colour)
@@ -216,27 +223,27 @@ def draw_along_deck(results: dict[str, Any]) -> Any:
         step = passing["along_m"][1] - passing["along_m"][0]
         last.bar(passing["along_m"], whole * np.array(passing["rate_kg_per_s_m"]), 0.85 * step, color=UNDER)
         last.set(ylabel="passing rate / (kg/(s m))", xlabel="distance along the deck / m")
-    return drawn
+    return fig
 
 
 def draw_wear(wear: dict[str, Any]) -> Any:
-    """Draw the depth in 1000 h of all panels' patches, one panel beside the other."""
+    """Draw the depth of wear in 1000 h in the patches of all panels, side by side."""
     maps = {n: MM_IN_1000_H * np.array(p["depth_m_per_h"], float) for n, p in wear["panels"].items()}
-    drawn, ((axes,),) = figure(1, 1, WIDE, 2.6)
+    fig, ((axes,),) = figure(1, 1, WIDE, 2.6)
     deepest = max(float(np.nanmax(values)) for values in maps.values())
     for place, values in enumerate(maps.values()):
         edges = place + np.linspace(0.02, 0.98, len(values) + 1)
         across = np.linspace(0.0, 1.0, values.shape[1] + 1)
-        shown = axes.pcolormesh(edges, across, values.T, vmin=0.0, vmax=deepest, cmap="magma_r")
-    drawn.colorbar(shown, ax=axes, label="mm in 1000 h")
+        mesh = axes.pcolormesh(edges, across, values.T, vmin=0.0, vmax=deepest, cmap="magma_r")
+    fig.colorbar(mesh, ax=axes, label="mm in 1000 h")
     axes.set_xticks(np.arange(len(maps)) + 0.5, list(maps))
     axes.set(ylabel="share of the width", title="wear, each panel from its first clamp")
     axes.grid(visible=False)
-    return drawn
+    return fig
 
 
 def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the name of every picture that the results have numbers for, and its figure."""
+    """Yield the name and the figure of every picture for which the results have numbers."""
     if screening := results.get("screening"):
         yield "balance", draw_balance(results)
         if screening["partition"]:
@@ -250,7 +257,7 @@ def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
-    """Yield the name of every picture that the run has data for, and its figure."""
+    """Yield the name and the figure of every picture for which the run has data."""
     drawings = {
         "frames": ("frame_motion", draw_frames),
         "panels": ("panel_shapes", draw_panel_shapes),
@@ -263,11 +270,11 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
 
 
 def write_pictures(folder: Path) -> None:
-    """Write all pictures that the folder of a run has data for."""
+    """Write all pictures for which the folder of a run has data."""
     with RunReader(folder) as run:
         end_s = run.end_s
-        for name, drawn in draw_machine(run):
-            save(drawn, folder / f"{name}.png")
+        for name, fig in draw_machine(run):
+            save(fig, folder / f"{name}.png")
     if any((folder / "surface").glob("*.vtu")):
         from orchestrator.output.report.rendering import render_deck
 
@@ -275,15 +282,15 @@ def write_pictures(folder: Path) -> None:
 
 
 def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any]:
-    """Return a figure with axes for so many parts, side by side in rows."""
+    """Return a figure with axes for ``count`` parts, side by side in rows."""
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
-    drawn, axes = figure(rows, columns, WIDE, max(edge + height * rows, LOWEST))
+    fig, axes = figure(rows, columns, WIDE, max(edge + height * rows, LOWEST))
     for ax in axes.flat[count:]:
         ax.axis("off")
     for row in axes:
         row[0].set_ylabel(ylabel)
-    return drawn, axes
+    return fig, axes
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The deck with its particles, rendered from the snapshots of a run: a picture and a short film.
+"""The rendering of the deck with its particles from the snapshots of a run: a picture and a short film.
 
 ``python -m orchestrator.output.report.rendering RUN SECONDS FILE`` writes the film as animated WebP.
 """
@@ -15,7 +15,7 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-PANELS, WALLS = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels can be told apart
+PANELS, WALLS = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels differ in colour
 PICTURE_VIEW = (0.45, -1.0, 0.75)  # from the side and above
 FILM_VIEW = (0.12, -1.0, 0.28)  # nearly from the side, a little from above
 FRAMES = 32
@@ -26,7 +26,7 @@ QUALITY = 65
 
 
 def render_deck(folder: Path, time_s: float, file: Path) -> None:
-    """Write a picture of the last surface, with the particles as spheres coloured by speed."""
+    """Write a picture of the last surface, with the particles as spheres in the colours of their speeds."""
     plotter = pyvista.Plotter(off_screen=True, window_size=(1280, 720))
     plotter.enable_anti_aliasing("ssaa")
     surface = pyvista.read(snapshots(folder, "surface")[-1][1])
@@ -44,34 +44,36 @@ def render_deck(folder: Path, time_s: float, file: Path) -> None:
 
 
 def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
-    """Return the WebP of the run's last ``lasting_s`` seconds, in at most ``FRAMES`` frames, and
-    their times.  Raises FileNotFoundError without snapshots."""
-    shown = _last(snapshots(folder, "surface"), lasting_s)
-    if not shown:
+    """Return the WebP of the run's last ``lasting_s`` seconds and the times of its frames.
+
+    The film has at most ``FRAMES`` frames.  Raises FileNotFoundError if the run has no snapshots.
+    """
+    frames = _last_snapshots(snapshots(folder, "surface"), lasting_s)
+    if not frames:
         raise FileNotFoundError("the run has no snapshots of the surface")
     particles = dict(snapshots(folder, "particles"))
-    ends = np.vstack([_touched_m(pyvista.read(file)) for _, file in (shown[0], shown[-1])])
-    middle = _read(particles.get(shown[len(shown) // 2][0]))
+    ends = np.vstack([_triangle_points_m(pyvista.read(file)) for _, file in (frames[0], frames[-1])])
+    middle = _read(particles.get(frames[len(frames) // 2][0]))
     fast_m_per_s = _fast_m_per_s(middle) if middle is not None else 1.0
     plotter = pyvista.Plotter(off_screen=True)
     plotter.set_background("white")
     pictures = []
-    for time_s, surface in shown:
+    for time_s, surface in frames:
         plotter.clear()
         _add_deck(plotter, pyvista.read(surface), ambient=0.3)
         _add_splats(plotter, _read(particles.get(time_s)), fast_m_per_s)
         plotter.add_text(f"t = {time_s:.3f} s", color="black", font_size=10)
-        _look(plotter, ends)
+        _aim_camera(plotter, ends)
         pictures.append(Image.fromarray(plotter.screenshot(return_img=True)))
     plotter.close()
     webp, first = io.BytesIO(), pictures[0]
-    kept = {"save_all": True, "append_images": pictures[1:], "duration": FRAME_MS, "loop": 0}
-    first.save(webp, "WEBP", quality=QUALITY, method=4, **kept)
-    return webp.getvalue(), [time_s for time_s, _ in shown]
+    animation = {"save_all": True, "append_images": pictures[1:], "duration": FRAME_MS, "loop": 0}
+    first.save(webp, "WEBP", quality=QUALITY, method=4, **animation)
+    return webp.getvalue(), [time_s for time_s, _ in frames]
 
 
 def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
-    """Return times and files of a ParaView series; none if there is no such series."""
+    """Return the times and files of a ParaView series; empty if there is no such series."""
     index = folder / f"{series}.pvd"
     if not index.is_file():
         return []
@@ -80,7 +82,7 @@ def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
     return [(time_s, file) for time_s, file in pairs if file.is_file()]
 
 
-def _last(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tuple[float, Path]]:
+def _last_snapshots(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tuple[float, Path]]:
     if not pairs:
         return []
     last = [pair for pair in pairs if pair[0] > pairs[-1][0] - lasting_s]
@@ -93,19 +95,19 @@ def _read(file: Path | None) -> Any:
 
 
 def _fast_m_per_s(particles: Any) -> float:
-    """Return where the colours end: nearly all particles are slower, and a few that fall do not dim them."""
+    """Return the upper end of the colour scale: a few particles that fall do not dim the slower ones."""
     if particles.n_points == 0:
         return 1.0
     return float(np.percentile(particles["speed_m_per_s"], 97)) or 1.0
 
 
-def _touched_m(surface: Any) -> Any:
-    """Return the (n, 3) points of triangles; others are only looked at, and may be anywhere."""
+def _triangle_points_m(surface: Any) -> Any:
+    """Return the points (n, 3) of triangles; other points, such as probes, may lie anywhere."""
     return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
 
 
 def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
-    """Add panels in two colours, walls as their edges."""
+    """Add the panels in two colours, and the edges of walls."""
     panel = surface.cell_data["panel"]
     for number in (0, 1):
         cells = np.flatnonzero((panel >= 0) & (panel % 2 == number))
@@ -117,7 +119,7 @@ def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
 
 
 def _add_spheres(plotter: Any, particles: Any) -> None:
-    """Add particles as meshes; the colour bar stands uphill, where the fewest particles are in the way."""
+    """Add particles as meshes; the colour bar stands uphill, where it hides the fewest particles."""
     if particles.n_points == 0:
         return
     sphere = pyvista.Sphere(radius=0.5, theta_resolution=16, phi_resolution=16)
@@ -125,12 +127,12 @@ def _add_spheres(plotter: Any, particles: Any) -> None:
     plotter.add_mesh(
         particles.glyph(scale="diameter_m", orient=False, geom=sphere),
         smooth_shading=True,
-        **_by_speed(_fast_m_per_s(particles), title_font_size=18, label_font_size=16, **bar),
+        **_speed_colours(_fast_m_per_s(particles), title_font_size=18, label_font_size=16, **bar),
     )
 
 
 def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
-    """Add particles as splats, which cost a fraction of meshed spheres."""
+    """Add particles as splats, which cost much less than meshed spheres."""
     if particles is None or particles.n_points == 0:
         return
     spheres = pyvista.PolyData(np.asarray(particles.points))
@@ -142,14 +144,14 @@ def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
         style="points_gaussian",
         render_points_as_spheres=True,
         emissive=False,
-        **_by_speed(fast_m_per_s, title_font_size=15, label_font_size=14, **bar),
+        **_speed_colours(fast_m_per_s, title_font_size=15, label_font_size=14, **bar),
     )
     actor.mapper.scale_array = "diameter_m"
     actor.mapper.scale_factor = 0.5
 
 
-def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
-    """Return how speeds are coloured, with the place of the colour bar."""
+def _speed_colours(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
+    """Return the arguments that colour a mesh by speed, with the place of the colour bar."""
     return {
         "scalars": "speed_m_per_s",
         "cmap": "viridis",
@@ -159,8 +161,8 @@ def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
     }
 
 
-def _look(plotter: Any, points_m: Any) -> None:
-    """Lets the points (n, 3) fill the view, with some room above them for what is thrown."""
+def _aim_camera(plotter: Any, points_m: Any) -> None:
+    """Make the points (n, 3) fill the view, with some room above them for thrown particles."""
     toward = np.array(FILM_VIEW) / np.linalg.norm(FILM_VIEW)
     right = np.cross([0.0, 0.0, 1.0], toward)
     right /= np.linalg.norm(right)

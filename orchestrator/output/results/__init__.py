@@ -1,4 +1,4 @@
-"""Results that a screen's designer wants, from the folder of a run: pure functions, no solver.
+"""The results of a run for the designer of a screen: pure functions of the run's folder, without a solver.
 
-Start with ``compute.py``, which gathers them; docs/theory/screening.md defines every figure.
+Start with ``compute.py``, which gathers the results; docs/theory/screening.md defines every figure.
 """

@@ -1,4 +1,4 @@
-"""The bed on the deck: depth, velocity, hold-up and residence, where it passes, what is stuck."""
+"""The bed on the deck: depth, velocity, hold-up, residence, passing rate and retained particles."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ from orchestrator.ports import Array
 
 
 def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
-    """Return the bed's metrics over the output times from ``start_s`` to ``end_s``, of which there must
-    be one; intervals only where it is steady.
+    """Return the bed's metrics over the output times from ``start_s`` to ``end_s`` (at least one).
 
-    All are means over time, in which a bin or a deck without particles has no mass and a depth of
-    0; velocities are means over the mass, to which an empty one gives nothing.
+    All metrics are means over time.  A bin or a deck without particles counts with no mass and a depth of
+    0.  Velocities are means by mass.  Only a steady bed has confidence intervals.
     """
     time_s = run.read("profile/time_s")
     window = within(time_s, start_s, end_s, run.cycle_s)
@@ -49,7 +48,7 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
 
 
 def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
-    """Return stickers and blinded openings over the same times."""
+    """Return the means of stickers and blinded openings over the output times in a window."""
     time_s = run.read_between("held", "time_s", start_s, end_s)
     cycle = cycle_numbers(time_s, run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
@@ -60,7 +59,7 @@ def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bo
 
 
 def residence_s(fed: EventTable, removed: EventTable) -> Array:
-    """Return the (removed,) time from entering to leaving; NaN for particles that were never fed."""
+    """Return the time (removed,) in s from entering to leaving; NaN for particles that were never fed."""
     _, known, place = np.intersect1d(removed.id, fed.id, return_indices=True)
     entered_s = np.full(len(removed.id), np.nan)
     entered_s[known] = fed.time_s[place]
@@ -68,16 +67,18 @@ def residence_s(fed: EventTable, removed: EventTable) -> Array:
 
 
 def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s: float) -> Array:
-    """Return the (bins,) mass passed per length of deck and time; what is outside ``edges_m`` counts to
-    the nearest bin."""
+    """Return the mass (bins,) passed per length of deck and time.
+
+    A particle outside ``edges_m`` counts to the nearest bin.
+    """
     inside = np.clip(along_m, edges_m[0], edges_m[-1])
     passed = np.histogram(inside, edges_m, weights=mass_kg)[0]
     return np.asarray(passed / np.diff(edges_m) / lasting_s)
 
 
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
-    """Return the residence of the oversize, and where along the deck the undersize passes."""
-    removed, counted = events.removed, events.counted
+    """Return the residence time of the oversize, and the passing rate of the undersize along the deck."""
+    removed, counted = events.removed, events.left_in_window
     stay_s = residence_s(events.fed, removed)
     over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE)) & np.isfinite(stay_s)
     sums = np.hstack(

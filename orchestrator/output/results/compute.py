@@ -1,4 +1,4 @@
-"""All results of a run, from its folder: the table ``results`` of ``summary.json``."""
+"""The computation of all results of a run from its folder: the table ``results`` of ``summary.json``."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
 from orchestrator.output.results.estimate import Estimate
 from orchestrator.output.results.events import Events, read_events
+from orchestrator.output.results.power import power_metrics
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
 from orchestrator.output.results.screening import screening
@@ -27,40 +28,40 @@ NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
 
 def compute_results(folder: Path) -> dict[str, Any]:
-    """Return the results as plain numbers, lists and None, documented in docs/run-folder.md.
+    """Return the results as a table of numbers, lists and None, documented in docs/run-folder.md.
 
-    ``missing`` says what the run cannot have, and why: a case without particles has no bed.
-    ``failed`` says what it ought to have and could not be computed, by the name of the part, with
-    the error; one part that fails loses no other.  Raises OSError, OtherFormat or CaseError if the
-    folder holds no run.
+    ``missing`` gives the reason for each part that the run cannot have: a case without particles has no
+    bed.  ``failed`` gives the error for each part that could not be computed; the other parts are still
+    there.  Raises OSError, OtherFormat or CaseError if the folder holds no run.
     """
     with RunReader(folder) as run:
-        table: dict[str, Any] = plain(_gather(run))
+        table: dict[str, Any] = to_json(_gather(run))
         return table
 
 
 def _gather(run: RunReader) -> dict[str, Any]:
-    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(run.case.whole)}
+    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(run.case.whole_machine)}
     if len(run.edges_s) < 2:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table
     events: Events | None = None
-    with _noted(table, "steady"):
+    with _record_failure(table, "steady"):
         events = _add_steady(run, table)
     for part, add in (
         ("screening", _add_screening),
         ("bed", _add_bed),
         ("motion", _add_motion),
         ("wear", _add_wear),
+        ("power", _add_power),
     ):
-        with _noted(table, part):
+        with _record_failure(table, part):
             add(run, events, table)
     return table
 
 
 @contextmanager
-def _noted(table: dict[str, Any], part: str) -> Iterator[None]:
-    """Note the error that prevents a part, and go on."""
+def _record_failure(table: dict[str, Any], part: str) -> Iterator[None]:
+    """Record in ``table["failed"]`` an error that prevents a part, and go on; an OSError is raised."""
     try:
         yield
     except OSError:
@@ -71,13 +72,13 @@ def _noted(table: dict[str, Any], part: str) -> Iterator[None]:
 
 
 def describe_error(error: Exception) -> str:
-    """Name the error, and the line of the program that raised it."""
+    """Return the type and the message of an error with the line of the program that raised it."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
 
 
 def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:
-    """Add the steady state, and return what went in and out, where that was counted."""
+    """Add the steady state, and return the events; None if the run did not count particles in and out."""
     tables = read_events(run.history)
     if tables is None:
         return None
@@ -172,24 +173,39 @@ def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> N
         table["wear"] = metrics
 
 
+def _add_power(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
+    if not run.is_driven:
+        table["missing"]["power"] = NO_CYCLE
+        return
+    has_bed = has_particles(run.case)
+    is_steady = table["motion"]["is_settled"] and (not has_bed or table["steady"]["is_steady"])
+    metrics = power_metrics(run, *motion_window(run, events), events, is_steady)
+    if metrics is None:
+        table["missing"]["power"] = "no whole cycle in the part that is averaged over"
+    else:
+        table["power"] = metrics
+
+
 def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:
-    """Return begin and end of the cycles from which motion is taken: the steady state of the bed, or
-    else the second half of the whole cycles."""
+    """Return the begin and the end of the cycles over which motion is evaluated.
+
+    They are the steady state of the bed, or else the second half of the whole cycles.
+    """
     if events is not None and not events.steady.reason:
         return events.window_s
     return run.second_half_s
 
 
-def plain(value: Any) -> Any:
-    """Return a value as JSON has it: estimates as tables, arrays as lists, None for what is not a number."""
+def to_json(value: Any) -> Any:
+    """Return a value for JSON: estimates become tables, arrays lists, and NaN and infinity None."""
     if isinstance(value, Estimate):
-        return plain(value.table())
+        return to_json(value.table())
     if isinstance(value, dict):
-        return {key: plain(inner) for key, inner in value.items()}
+        return {key: to_json(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(inner) for inner in value]
+        return [to_json(inner) for inner in value]
     if isinstance(value, np.ndarray):
-        return [plain(inner) for inner in value.tolist()]
+        return [to_json(inner) for inner in value.tolist()]
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value

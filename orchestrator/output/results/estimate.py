@@ -1,10 +1,10 @@
-"""Figures with confidence intervals: batch means, by the jackknife.
+"""Estimates with confidence intervals, from batch means by the jackknife.
 
-Successive cycles of a machine are not independent, so they are joined to batches that hardly are
-(Schmeiser, Operations Research 30, 1982, 556-568, doi 10.1287/opre.30.3.556), and what correlation
-is left between neighbouring batches widens the interval.  Leaving out one batch at a time gives
-the interval of any function of sums, such as an efficiency (Miller, Biometrika 61, 1974, 1-15,
-doi 10.1093/biomet/61.1.1); for a plain mean it is Student's.
+Successive cycles of a machine are not independent.  They are joined to batches that are nearly independent
+(Schmeiser, Operations Research 30, 1982, 556-568, doi 10.1287/opre.30.3.556), and the remaining
+correlation between neighbouring batches widens the interval.  The jackknife leaves out one batch at a
+time, which gives the interval of any function of sums, such as an efficiency (Miller, Biometrika 61,
+1974, 1-15, doi 10.1093/biomet/61.1.1).  For a mean it gives Student's interval.
 """
 
 from __future__ import annotations
@@ -17,40 +17,49 @@ from scipy.stats import t as student
 
 from orchestrator.ports import Array, Indices
 
-BATCHES = 20  # Schmeiser: 10 to 30; more would be shorter and so less independent
+BATCHES = 20  # Schmeiser advises 10 to 30; more batches would be shorter and less independent
 FEWEST_BATCHES = 5
 CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value and half the width of its 95 % confidence interval; None where nothing can be
-    said (too few batches, no steady state).  ``value`` is None where it is not defined."""
+    """A value with the half width of its 95 % confidence interval.
+
+    ``value`` is None if it is not defined.  ``half_width`` is None if it is unknown, because there are too
+    few batches or no steady state.  ``counting`` is the standard deviation of a share that its number of
+    particles alone explains; it is None for what is no share.
+    """
 
     value: float | None
     half_width: float | None = None
     batches: int = 0
+    counting: float | None = None
 
     def table(self) -> dict[str, float | int | None]:
-        """Return the estimate as results have it."""
-        return {"value": self.value, "half_width": self.half_width, "batches": self.batches}
+        """Return the estimate as a table of the results."""
+        table = {"value": self.value, "half_width": self.half_width, "batches": self.batches}
+        return table if self.counting is None else table | {"counting": self.counting}
 
 
 def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
-    """Return (batches, ...) sums of (cycles, ...) over equal batches of whole cycles.
+    """Return the sums (batches, ...) of values (cycles, ...) over equal batches of whole cycles.
 
-    What does not divide is left out at the front, next to the start-up.  Fewer cycles than
-    ``batches`` make as many batches as there are cycles.
+    Cycles that are left over are the first ones, next to the start-up.  With fewer cycles than
+    ``batches``, each cycle is a batch.
     """
     count = min(batches, len(per_cycle))
     length = len(per_cycle) // count
-    kept = per_cycle[len(per_cycle) - count * length :]
-    return np.asarray(kept.reshape(count, length, *per_cycle.shape[1:]).sum(axis=1))
+    batched = per_cycle[len(per_cycle) - count * length :]
+    return np.asarray(batched.reshape(count, length, *per_cycle.shape[1:]).sum(axis=1))
 
 
 def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
-    """Return ``statistic`` of the sum of ``batches`` (n, ...), which it must not depend on the number of:
-    a mean is a sum over a sum.  NaN where it is not defined."""
+    """Return the estimate of a statistic of the sum of ``batches`` (n, ...).
+
+    The statistic must not depend on the number of batches: a mean must be a sum over a sum.  It is NaN if
+    it is not defined.
+    """
     total = batches.sum(axis=0)
     whole = statistic(total)
     if not np.isfinite(whole):
@@ -65,21 +74,23 @@ def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
 
 
 def mean(values: Array) -> Estimate:
-    """Return the mean of values (cycles,), by batches."""
+    """Return the mean of values (cycles,), with its interval from batches."""
     ones = np.column_stack([values, np.ones(len(values))])
     return estimate(lambda sums: sums[0] / sums[1], batch_sums(ones))
 
 
 def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Return the mean of values (times,), of which each belongs to a ``cycle``; with its interval from
-    the cycles' means where it is steady."""
+    """Return the mean of values (times,), where ``cycle`` (times,) is the number of each value's cycle.
+
+    In a steady state, the estimate is the mean of the cycles' means and has an interval.
+    """
     if not is_steady:
         return Estimate(float(values.mean()))
     return mean(_sum_by_cycle(values, cycle) / _sum_by_cycle(np.ones(len(values)), cycle))
 
 
 def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Return the sum of ``part`` over the sum of ``whole``, both at the same times; None where that is 0."""
+    """Return the sum of ``part`` over the sum of ``whole``, both (times,); no value if the latter is 0."""
     sums = np.array([_sum_by_cycle(part, cycle), _sum_by_cycle(whole, cycle)]).T
     if not is_steady:
         return Estimate(share(*sums.sum(axis=0)))
@@ -92,17 +103,29 @@ def _sum_by_cycle(values: Array, cycle: Indices) -> Array:
 
 
 def share(part: float, whole: float) -> float:
-    """Return the part over the whole; NaN where there is nothing to share."""
+    """Return the part over the whole; NaN if the whole is not positive."""
     return float(part) / float(whole) if whole > 0 else float("nan")
 
 
-def half_width(values: Array) -> float:
-    """Return the half width of the interval of the mean of n batches: Student's t with the number of
-    independent batches.
+def counting_deviation(part: float, mass_kg: Array) -> float:
+    """Return the standard deviation of a share by mass, ``part``, of particles that go one way or the other.
 
-    With correlation r between neighbours, n values are worth n (1 - r) / (1 + r) independent ones
-    (first-order autoregression; Bayley and Hammersley, Suppl. J. R. Stat. Soc. 8, 1946, 184-197).
-    r is corrected for its bias, -(1 + 3 r) / n or so, and taken as 0 where it is negative.
+    ``mass_kg`` (particles,) are the masses of all of them.  Each goes its way by itself, so that their number
+    counts; unequal masses count as fewer (Kish, Survey Sampling, Wiley 1965, section 11.7).
+    """
+    if not len(mass_kg):
+        return float("nan")
+    number = float(mass_kg.sum()) ** 2 / float(mass_kg @ mass_kg)
+    return float(np.sqrt(max(part * (1.0 - part), 0.0) / number))
+
+
+def half_width(values: Array) -> float:
+    """Return the half width of the confidence interval of the mean of n batches.
+
+    It is Student's interval for the number of independent batches.  With the correlation r between
+    neighbours, n values have the weight of n (1 - r) / (1 + r) independent values (first-order
+    autoregression; Bayley and Hammersley, Suppl. J. R. Stat. Soc. 8, 1946, 184-197).  r is corrected for
+    its bias of about -(1 + 3 r) / n, and a negative r counts as 0.
     """
     n = len(values)
     spread = values - values.mean()

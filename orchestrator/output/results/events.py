@@ -1,10 +1,10 @@
-"""What was fed and what left, particle by particle and by cycles, and the steady state.
+"""The particles that were fed and that left, one by one and by cycles, and the steady state.
 
-The steady state is found from the mass balance in two steps.  Where it may begin: the start-up to
-leave out is the one that makes the mean hold-up of the rest most certain (marginal standard error
-rule; White, Simulation 69, 1997, 323-334, doi 10.1177/003754979706900601).  Whether it is one: over
-the rest, what goes out equals what comes in within 2 %, and so does a straight line through the
-hold-up.
+The steady state follows from the mass balance in two steps.  The first step finds its begin: leaving out
+the start-up makes the mean hold-up of the rest as certain as possible (marginal standard error
+rule; White, Simulation 69, 1997, 323-334, doi 10.1177/003754979706900601).  The second step checks the
+rest: the mass out must equal the mass in within 2 % of the feed, and a straight line through the hold-up
+must not rise or fall by more.
 """
 
 from __future__ import annotations
@@ -29,8 +29,10 @@ LARGEST_IMBALANCE = 0.02
 
 @dataclass(frozen=True)
 class EventTable:
-    """Particles that came (those of t = 0 with time 0), or that left: arrays (n,).  ``position_m``
-    (n, 3) and ``exit``, its number or ``LOST`` = -1, are of those that left alone."""
+    """Particles that came or left, in arrays (n,); particles that are present at t = 0 came at time 0.
+
+    Only particles that left have ``position_m`` (n, 3) and ``exit``, the exit's number or ``LOST`` = -1.
+    """
 
     id: Indices
     time_s: Array
@@ -42,7 +44,7 @@ class EventTable:
 
 @dataclass(frozen=True)
 class Exits:
-    """Names and products ("undersize" or "oversize") of the exits, by number."""
+    """The names and the products ("undersize" or "oversize") of the exits, by number."""
 
     names: tuple[str, ...]
     products: tuple[str, ...]
@@ -53,8 +55,10 @@ class Exits:
 
 
 def read_events(history: Any) -> tuple[EventTable, EventTable, Exits] | None:
-    """Return what an open ``history.h5`` says of particles that came and left, and of the exits; None if
-    the run counted none in and out."""
+    """Return the particles that came, the particles that left, and the exits from an open ``history.h5``.
+
+    Return None if the run did not count particles in and out.
+    """
     if "fed/id" not in history or "removed/id" not in history:
         return None
     removed = history["removed"]
@@ -72,7 +76,7 @@ def _particles(group: Any) -> tuple[Indices, Array, Array, Array]:
 def per_cycle(
     time_s: Array, mass_kg: Array, edges_s: Array, group: Indices | None = None, groups: int = 1
 ) -> Array:
-    """Return (cycles, groups): mass by cycle and group (a number from 0; others are not counted)."""
+    """Return the mass (cycles, groups) by cycle and group; other group numbers are left out."""
     cycle = cycle_numbers(time_s, float(edges_s[1] - edges_s[0]))
     group = np.zeros(len(time_s), dtype=int) if group is None else group
     counted = (cycle < len(edges_s) - 1) & (group >= 0) & (group < groups)
@@ -83,10 +87,10 @@ def per_cycle(
 
 @dataclass(frozen=True)
 class SteadyState:
-    """Cycles ``first`` to ``last`` (not included) over which to average.
+    """The cycles from ``first`` up to ``last``, without ``last``, over which to average.
 
-    Where ``reason`` is not empty they are no steady state, and it says why.  ``imbalance`` is
-    (in - out) / in over them, ``drift`` the slope of the hold-up over the rate of feed.
+    If they are not steady, ``reason`` says why; otherwise it is empty.  ``imbalance`` is (in - out) / in
+    over the cycles, and ``drift`` is the slope of the hold-up over the rate of feed.
     """
 
     first: int
@@ -97,8 +101,11 @@ class SteadyState:
 
 
 def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadyState:
-    """Find the steady state, where ``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole
-    cycle, ``start_kg`` what is there at the first one's beginning."""
+    """Find the steady state from the mass balance.
+
+    ``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole cycle, and ``start_kg`` is the mass
+    in the machine at the start.
+    """
     cycles = len(fed_kg)
     feeding = np.flatnonzero(fed_kg)
     if not len(feeding):
@@ -119,28 +126,32 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     imbalance = (in_kg - gone_kg) / in_kg
     slope_kg = float(np.polyfit(np.arange(last - first), mean_kg[window], 1)[0])
     drift = slope_kg * (last - first) / in_kg
-    reason = _why_not(imbalance, drift, last - first, held_kg[last], gone_kg)
+    reason = _why_not_steady(imbalance, drift, last - first, held_kg[last], gone_kg)
     if reason:
         return SteadyState(0, cycles, reason, imbalance, drift)
     return SteadyState(first, last, "", imbalance, drift)
 
 
 def hold_up_kg(fed_kg: Array, out_kg: Array, start_kg: float) -> Array:
-    """Return what is in the machine at the (cycles + 1,) edges of the cycles."""
+    """Return the mass in the machine (cycles + 1,) at the edges of the cycles."""
     return np.asarray(start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)]))
 
 
 def find_truncation(values: Array) -> int:
-    """Return how many of the first values to leave out: at most half of them, at least ``FEWEST_CYCLES``
-    staying."""
+    """Return the number of first values to leave out by the marginal standard error rule.
+
+    At most half of the values are left out, and at least ``FEWEST_CYCLES`` stay.
+    """
     candidates = range(min(len(values) // 2, len(values) - FEWEST_CYCLES) + 1)
     errors = [float(values[d:].var()) / (len(values) - d) for d in candidates]
     return int(np.argmin(errors))
 
 
-def _why_not(imbalance: float, drift: float, cycles: int, held_kg: float, gone_kg: float) -> str:
-    """Return why a state is not steady.  By Little's law, with more on the deck than left it, particles
-    stay longer than the cycles last."""
+def _why_not_steady(imbalance: float, drift: float, cycles: int, held_kg: float, gone_kg: float) -> str:
+    """Return why a state is not steady; empty if it is.
+
+    If the deck holds more mass than left it, the particles stay longer than the cycles last (Little's law).
+    """
     largest = 100 * LARGEST_IMBALANCE
     for what, value in (("in less out", imbalance), ("the growth of the hold-up", drift)):
         if abs(value) > LARGEST_IMBALANCE:
@@ -153,8 +164,10 @@ def _why_not(imbalance: float, drift: float, cycles: int, held_kg: float, gone_k
 
 @dataclass(frozen=True)
 class Events:
-    """What went in and out, and the whole cycles' ``edges_s``.  Particles of t = 0 are there at the start,
-    not fed."""
+    """The particles that came and left, and the ``edges_s`` of the whole cycles.
+
+    Particles that are present at t = 0 do not count as fed.
+    """
 
     fed: EventTable
     removed: EventTable
@@ -163,7 +176,7 @@ class Events:
 
     @cached_property
     def balance_kg(self) -> tuple[Array, Array, float]:
-        """What was fed and what left in each cycle, (cycles,) each, and what was there at the start."""
+        """The masses fed and removed in each cycle, (cycles,) each, and the mass at the start."""
         later = self.fed.time_s > 0
         fed_kg = per_cycle(self.fed.time_s[later], self.fed.mass_kg[later], self.edges_s)[:, 0]
         out_kg = per_cycle(self.removed.time_s, self.removed.mass_kg, self.edges_s)[:, 0]
@@ -171,27 +184,30 @@ class Events:
 
     @cached_property
     def steady(self) -> SteadyState:
-        """The cycles over which to average."""
+        """The steady state, or the cycles over which to average without one."""
         return find_steady_state(*self.balance_kg)
 
     @property
     def window(self) -> slice:
-        """The same cycles."""
+        """The slice of the cycles over which to average."""
         return slice(self.steady.first, self.steady.last)
 
     @property
     def window_s(self) -> tuple[float, float]:
-        """When they begin and end."""
+        """The begin and the end of the cycles over which to average."""
         return float(self.edges_s[self.steady.first]), float(self.edges_s[self.steady.last])
 
     @property
-    def counted(self) -> Any:
-        """(removed,) which of the particles left through an exit within them."""
+    def left_in_window(self) -> Any:
+        """The mask (removed,) of particles that left through an exit in the cycles over which to average."""
         inside = within(self.removed.time_s, *self.window_s, float(self.edges_s[1]))
         return inside & (self.removed.exit != LOST)
 
     def figure(self, statistic: Callable[[Array], float], cycles: Array) -> Estimate:
-        """Return ``statistic`` of sums of ``cycles`` (cycles, ...); with an interval if it is steady."""
+        """Return the estimate of a statistic of the sum of ``cycles`` (cycles, ...).
+
+        The estimate has an interval in a steady state.
+        """
         if self.steady.reason:
             value = statistic(cycles[self.window].sum(axis=0))
             return Estimate(float(value) if np.isfinite(value) else None)
@@ -202,5 +218,5 @@ class Events:
         return self.figure(lambda sums: sums[0] / sums[1], np.column_stack([part, whole]))
 
     def rate(self, per_cycle: Array) -> Estimate:
-        """Return the rate of something summed per cycle (cycles,), per second."""
+        """Return the rate per second of a quantity (cycles,) that is summed over each cycle."""
         return self.ratio(per_cycle, np.full(len(per_cycle), float(self.edges_s[1] - self.edges_s[0])))

@@ -1,14 +1,14 @@
 """The first harmonic of a motion: the one definition of amplitude and phase in all results.
 
-A motion x(t) of a machine with angular speed w is A cos(w t + phi), a mean place, a slow drift,
-harmonics, and what else rings or shakes.  A and phi are found by weighted least squares over whole
-cycles.  The weight is Hann's window, which keeps out what is no multiple of w: a machine on soft
-springs swings for seconds at a frequency of its own (Harris, Proc. IEEE 66, 1978, 51-83, doi
+A motion x(t) of a machine with angular speed w is the sum of A cos(w t + phi), a mean place, a slow drift,
+higher harmonics, and other vibrations.  A and phi follow from weighted least squares over whole
+cycles.  The weight is Hann's window, which suppresses frequencies that are no multiples of w: a machine on
+soft springs swings for seconds at a frequency of its own (Harris, Proc. IEEE 66, 1978, 51-83, doi
 10.1109/PROC.1978.10837).  Multiples of w are orthogonal over whole cycles and change nothing.
 
-The interval comes from batches of whole cycles (``estimate.py``).  Each has an amplitude and a phase of
-its own; what counts is their part along the mean one, so noise widens the interval of the amplitude
-and does not raise the amplitude, as a mean of the cycles' amplitudes or half a range would.
+The interval comes from batches of whole cycles (``estimate.py``).  Each batch has a phasor of its own, of
+which only the component along the mean phasor counts.  Noise therefore widens the interval and does not
+raise the amplitude, as it would raise a mean of the cycles' amplitudes or half a range.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from orchestrator.output.results.estimate import BATCHES, FEWEST_BATCHES, Estima
 from orchestrator.ports import Array
 
 Phasors = npt.NDArray[Any]  # complex
-FEWEST_CYCLES_FOR_HANN = 2  # of one cycle it would let the second harmonic in
+FEWEST_CYCLES_FOR_HANN = 2  # over a single cycle, the window would let the second harmonic in
 FEWEST_CYCLES_FOR_CHANGE = 4  # two in each half
 HANN_WIDENS = 1.5**0.5  # the standard error of a mean that is weighted by Hann's window
 
 
 @dataclass(frozen=True)
 class Harmonic:
-    """First harmonic of a motion over ``cycles`` whole cycles, by component.
+    """The first harmonic of a motion over whole cycles, by component.
 
-    The motion is Re(``phasor`` exp(i w t)), so that its amplitude is the phasor's size and its phase
-    the angle in cos(w t + phase), t being the time of the run.  ``half_width`` is that of the
-    amplitudes' 95 % confidence interval, None with fewer than five batches.  ``other`` is half the
-    range of all that mean place, drift and first harmonic leave.  ``change`` is that of the phasor
-    from the first half of the cycles to the second, None with fewer than four cycles.
+    The motion is Re(``phasor`` exp(i w t)): its amplitude is the size of the phasor, and its phase is the
+    angle in cos(w t + phase), where t is the time of the run.  ``half_width`` is the half width of the
+    amplitude's 95 % confidence interval, or None with fewer than five ``batches``.  ``other`` is half the
+    range of the motion without mean place, drift and first harmonic.  ``change`` is the change of the
+    phasor from the first half of the cycles to the second, or None with fewer than four cycles.
     """
 
     phasor: Phasors
@@ -49,7 +49,7 @@ class Harmonic:
 
     @property
     def amplitude(self) -> Array:
-        """Amplitudes by component."""
+        """The amplitudes by component."""
         return np.abs(self.phasor)
 
     def estimate(self, component: int) -> Estimate:
@@ -58,8 +58,10 @@ class Harmonic:
         return Estimate(float(self.amplitude[component]), width, self.batches)
 
     def orbit(self) -> dict[str, Any]:
-        """Return the table of a point's motion in m along x, y and z (``results.motion`` in
-        docs/run-folder.md), with the ellipse that it draws in the plane of x and z."""
+        """Return the table of a point's motion in m along x, y and z, with its ellipse in the x-z plane.
+
+        docs/run-folder.md documents the table (``results.motion``).
+        """
         major_m, minor_m, tilt_rad = ellipse(self.phasor[0], self.phasor[2])
         return {
             "amplitude_m": self.amplitude,
@@ -77,8 +79,8 @@ def first_harmonic(
 ) -> Harmonic:
     """Return the first harmonic of ``values`` (rows, components) at ``time_s`` (rows,).
 
-    It is taken over the last whole cycles between ``start_s`` and ``end_s`` (the last row's time where
-    none is given).  Raises ValueError where there is none, or where a cycle has fewer than four rows.
+    It covers the last whole cycles between ``start_s`` and ``end_s``, which is by default the time of the
+    last row.  Raises ValueError if there is no whole cycle, or fewer than four rows for each cycle.
     """
     end_s = float(time_s[-1]) if end_s is None else end_s
     cycles = count_whole_cycles(end_s - start_s, cycle_s)
@@ -109,16 +111,20 @@ def first_harmonic(
 
 
 def drift(harmonics: list[Harmonic]) -> float | None:
-    """Return the largest change of any component from the first half of the cycles to the second,
-    over the largest amplitude; None where too few cycles tell it, or nothing moves."""
+    """Return the largest change from the first half of the cycles to the second, over the largest amplitude.
+
+    Return None if there are too few cycles, or if nothing moves.
+    """
     changes = [np.abs(each.change).max() for each in harmonics if each.change is not None]
     largest = max((each.amplitude.max() for each in harmonics), default=0.0)
     return float(max(changes) / largest) if changes and largest > 0 else None
 
 
 def find_orbits(results: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the tables of first harmonics in a run's results by name: frames, probes on frames, and
-    frames against each other; none where the run has none."""
+    """Return the tables of first harmonics in a run's results by name; empty if there are none.
+
+    They belong to frames, to probes on frames, and to pairs of frames.
+    """
     motion = results.get("motion", {})
     return {**motion.get("frames", {}), **motion.get("relative", {})}
 
@@ -131,11 +137,11 @@ def why_no_orbits(results: Mapping[str, Any]) -> str:
 
 
 def ellipse(x: complex, z: complex) -> tuple[float, float, float]:
-    """Return half axes and tilt of the path (Re x e^{iwt}, Re z e^{iwt}).
+    """Return the half axes and the tilt of the ellipse (Re x e^{iwt}, Re z e^{iwt}).
 
-    It is the sum of two circles turning against each other, with radii |x + iz| / 2 and
-    |x - iz| / 2.  The minor half axis is positive when the point turns from x towards z; the tilt
-    turns the long axis from x towards z, in (-pi/2, pi/2].
+    The ellipse is the sum of two circles that turn against each other, with the radii |x + iz| / 2 and
+    |x - iz| / 2.  The minor half axis is positive if the point turns from x towards z.  The tilt, in rad,
+    turns the long axis from x towards z, and lies in [-pi/2, pi/2).
     """
     forward, backward = (x + 1j * z) / 2, (np.conj(x) + 1j * np.conj(z)) / 2
     tilt = (np.angle(forward) + np.angle(backward)) / 2 if abs(forward * backward) else 0.0
@@ -144,8 +150,10 @@ def ellipse(x: complex, z: complex) -> tuple[float, float, float]:
 
 
 def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: float) -> tuple[Phasors, Array]:
-    """Return of the whole cycles between two times the phasors (components,), and the mean place with
-    its drift (rows, components)."""
+    """Return the phasors (components,) of the whole cycles between two times, and the slow motion.
+
+    The slow motion (rows, components) is the mean place with its drift.
+    """
     inside = within(time_s, start_s, end_s, cycle_s)
     time_s, values = time_s[inside], values[inside]
     speed_rad_per_s = 2 * np.pi / cycle_s
@@ -163,8 +171,7 @@ def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: fl
 def _half_width(
     time_s: Array, moved: Array, phasor: Phasors, end_s: float, cycle_s: float, length: int, batches: int
 ) -> Array:
-    """Return the half width of the amplitudes, from batches of ``length`` cycles; cycles that are left over
-    are the first."""
+    """Return the half widths of the amplitudes, from the last ``batches`` batches of ``length`` cycles."""
     phase = 2 * np.pi / cycle_s * time_s
     terms = np.column_stack([np.cos(phase), -np.sin(phase), np.ones_like(phase)])
     lasting_s = length * cycle_s

@@ -1,4 +1,4 @@
-"""The machine's motion: orbits of frames, accelerations and pull of panels, ranges of points."""
+"""The machine's motion: orbits of frames, accelerations and pulls of panels, and ranges of points."""
 
 from __future__ import annotations
 
@@ -18,17 +18,20 @@ from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 
 BAND_HZ = 500.0
-LARGEST_BAND = 0.9  # of half the rows' rate: up to there a filter can be made
+LARGEST_BAND = 0.9  # of half the rows' rate: highest frequency at which a filter can be made
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
-FEWEST_CYCLES = 4  # of a window whose halves are compared
-RANGE_CYCLES = 2  # the last whole ones, of which the ranges of points are taken
+FEWEST_CYCLES = 4  # in a window whose halves are compared
+RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
 UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
 
 
 def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Return first harmonics in deck axes: ``frames``, of every frame's centre of mass and every
-    probe on a frame; ``relative``, of every two frames, in the case's order, the motion of the second
-    seen from the first, with its amplitude along the deck as an estimate; and their ``drift``."""
+    """Return the first harmonics in deck axes, and their ``drift``.
+
+    ``frames`` has every frame's centre of mass and every probe on a frame.  ``relative`` has, for every
+    two frames in the case's order, the motion of the second frame against the first, with its
+    amplitude along the deck as an estimate.
+    """
     frames = [name for name in run.case.screen.frames if run.has(f"frames/{name}")]
     probes = [name for name, probe in run.case.probes.items() if probe.frame and run.has(f"probes/{name}")]
     moved_m = {name: run.read(f"frames/{name}/displacement_m") for name in frames}
@@ -52,11 +55,11 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
     }
 
 
-def why_not_settled(run: RunReader, start_s: float, end_s: float, drifted: float | None) -> str:
-    """Return why the frames' motion from ``start_s`` to ``end_s`` is no steady one; empty if it is.
+def why_not_settled(run: RunReader, start_s: float, end_s: float, drift_share: float | None) -> str:
+    """Return why the frames' motion from ``start_s`` to ``end_s`` has not settled; empty if it has.
 
-    ``drifted`` is the change of the first harmonics.  What is no harmonic is looked at by its range
-    in each cycle, from every sync point.
+    ``drift_share`` is the change of the first harmonics (``harmonics.drift``).  Other motions show in the
+    range of each cycle, which is recorded from every sync point.
     """
     if not run.is_driven:
         return "nothing drives the machine: it has no steady motion"
@@ -70,13 +73,13 @@ def why_not_settled(run: RunReader, start_s: float, end_s: float, drifted: float
         early_m, late_m = range_m[: count // 2].mean(), range_m[-(count // 2) :].mean()
         changed = float(abs(late_m - early_m) / early_m) if early_m > 0 else 0.0
         if changed > LARGEST_DRIFT:
-            return _changes(f"the range of {name} in a cycle", changed, count)
-    if drifted is not None and drifted > LARGEST_DRIFT:
-        return _changes("the first harmonic", drifted, round((end_s - start_s) / run.cycle_s))
+            return _describe_change(f"the range of {name} in a cycle", changed, count)
+    if drift_share is not None and drift_share > LARGEST_DRIFT:
+        return _describe_change("the first harmonic", drift_share, round((end_s - start_s) / run.cycle_s))
     return ""
 
 
-def _changes(what: str, share: float, cycles: int) -> str:
+def _describe_change(what: str, share: float, cycles: int) -> str:
     return (
         f"{what} still changes: by {100 * share:.2g} % from the first half of the {cycles} cycles to the "
         f"second; up to {100 * LARGEST_DRIFT:g} % counts as settled"
@@ -84,8 +87,10 @@ def _changes(what: str, share: float, cycles: int) -> str:
 
 
 def why_no_band(run: RunReader) -> str:
-    """Return why the series tell no acceleration up to BAND_HZ, although sync points would; empty
-    where they do, or where sync points are no nearer to each other."""
+    """Return why the series show no accelerations up to BAND_HZ, although sync points would.
+
+    The reason is empty if the series show them, or if sync points are as far apart as the rows.
+    """
     time_s = run.series_s()
     if len(time_s) < 2:
         return "the series have one row only (output.series_s)"
@@ -99,10 +104,10 @@ def why_no_band(run: RunReader) -> str:
 
 
 def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
-    """Return (n, 3) accelerations from (n, 3) velocities at equal steps.
+    """Return the accelerations (n, 3) from velocities (n, 3) at equal steps.
 
-    They are band-limited to ``BAND_HZ`` by a Butterworth filter of fourth order run to and fro (no
-    phase shift), then differentiated by central differences.
+    A Butterworth filter of fourth order limits the velocities to ``BAND_HZ``; it runs forward and backward
+    and so shifts no phase.  Central differences then give the accelerations.
     """
     limit = 2 * BAND_HZ * step_s
     if limit < LARGEST_BAND:  # else the steps themselves are the limit
@@ -111,12 +116,12 @@ def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
 
 
 def band_hz(step_s: float) -> float:
-    """Return up to which frequency ``acceleration_m_per_s2`` tells something."""
+    """Return the highest frequency that ``acceleration_m_per_s2`` shows at steps of ``step_s``."""
     return BAND_HZ if 2 * BAND_HZ * step_s < LARGEST_BAND else 0.5 / step_s
 
 
 def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Return the accelerations, in g, of the probes on panels; ``band_Hz`` is how far they reach."""
+    """Return the accelerations, in g, of the probes on panels; ``band_Hz`` is their highest frequency."""
     normals = {panel.name: panel.rectangle.normal for panel in single_panels(run.case)}
     table = {}
     for name, probe in run.case.probes.items():
@@ -151,8 +156,10 @@ def rms(values: Array) -> float:
 
 
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Return the pull on the clamps, the load of the bed and the stretch along the middle line of
-    every panel, from every sync point of the cycles averaged over."""
+    """Return the pull on the clamps, the load of the bed and the stretch of the middle line of every panel.
+
+    They come from every sync point of the cycles from ``start_s`` to ``end_s``.
+    """
     table = {}
     for name in run.names("panel_cycles"):
         rows = run.read_cycles(f"panel_cycles/{name}", start_s, end_s)
@@ -170,15 +177,14 @@ def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
 
 
 def point_ranges(run: RunReader) -> dict[str, dict[str, Any]]:
-    """Return how far every frame's centre of mass and every probe moved, whatever its harmonics.
+    """Return the ranges of motion of every frame's centre of mass and of every probe.
 
-    ``half_range_m`` (3,) is half the range over the last two whole cycles of the machine, or over all
-    of a run that is shorter or has no cycle; ``mean_m`` (3,) the mean displacement over them;
-    ``peak_m`` the largest size of the displacement from the place at t = 0 over the whole run;
-    ``peak_speed_m_per_s`` likewise.  Of points on frames and panels these are taken at sync points,
-    however seldom rows are written.  Of a particle the rows of the series are all there is, and the
-    time in which it is present is taken for the run.  Where nothing can be said all four are None,
-    and ``reason`` says why.
+    ``half_range_m`` (3,) is half the range over the last two whole cycles of the machine, or over the
+    whole run if it is shorter or has no cycle.  ``mean_m`` (3,) is the mean displacement over the same
+    time.  ``peak_m`` is the largest distance from the place at t = 0, and ``peak_speed_m_per_s`` the
+    largest speed, both over the whole run.  Points on frames and panels are evaluated at every sync point.
+    A particle is evaluated at the rows of its series, as long as it is present.  If there are too few rows,
+    all four are None, and ``reason`` says why.
     """
     table = {name: _range_of_point(run, f"point_cycles/{name}") for name in run.names("point_cycles")}
     for name in run.names("probes"):
@@ -201,8 +207,10 @@ def _range_of_point(run: RunReader, group: str) -> dict[str, Any]:
 
 
 def last_cycles(end_s: Array, cycle_s: float | None) -> slice:
-    """Return which of the rows of cycles that end at ``end_s`` are of the last whole ones; all where
-    there are not so many, or no cycles (None)."""
+    """Return the rows of the last ``RANGE_CYCLES`` whole cycles, among rows of cycles that end at ``end_s``.
+
+    Return all rows if there are fewer whole cycles, or no cycles (``cycle_s`` is None).
+    """
     if cycle_s is None:
         return slice(None)
     number = cycle_numbers(end_s, cycle_s)

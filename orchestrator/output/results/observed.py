@@ -1,7 +1,7 @@
-"""What a run tells of the numbers by which its effects were judged.
+"""The values that a run gives to the numbers by which its effects were judged.
 
-Motion of frames and strokes of panels are first harmonics (``harmonics.py``) over the window of the
-results' motion; shapes of panels are extremes of every sync point in it.
+The motion of frames and the strokes of panels are first harmonics (``harmonics.py``) over the window of the
+results' motion.  The shapes of panels are extremes over all sync points in this window.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ from orchestrator.preflight.scene.clamp_motion import (
     motion_out_of_plane,
 )
 from orchestrator.preflight.scene.moved_panel import MovedPanel
-from orchestrator.preflight.scene.observed import Bearing, Deepest, Observed, Products, Shape, Turned
+from orchestrator.preflight.scene.observed import Bearing, Deepest, ExciterLoad, Observed, Products, Shape
 from orchestrator.preflight.scene.scene import Scene, deck_m2, scene
 from orchestrator.preflight.scene.shaking import PanelSpring, free_frames, solve_shakings
 
-FEWEST = 30  # particles of a product whose mean size is compared: the project's own choice
-STILL_M = 1e-9  # a stretch of less than this is none
+FEWEST = 30  # particles of a product whose mean size is compared (a choice of this project)
+STILL_M = 1e-9  # a smaller stretch counts as none
 
 
-def checked_by_run(
+def check_effects_by_run(
     entries: Mapping[str, Entry], described: Case, folder: Path, results: Mapping[str, Any]
 ) -> dict[str, Entry]:
-    """Return the entries with the verdicts that the run's own numbers give, where it has them.
+    """Return the entries, with verdicts from the run's own numbers where the run has them.
 
-    ``described`` is the case with all that it describes; ``results`` are those of the run in
-    ``folder``.
+    ``described`` is the case with all effects that it describes, and ``results`` are the results of the
+    run in ``folder``.
     """
     with RunReader(folder) as run:
         observed = observed_scene(scene(described), run, results)
@@ -60,12 +60,15 @@ def checked_by_run(
 
 
 def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any]) -> Scene:
-    """Return the scene with the numbers of the run: motion over the window of ``results``, bed over
-    all of it.  Nothing is said of motion where the series do not show it."""
+    """Return the scene with the numbers of the run.
+
+    They are the motion over the window of ``results``, and the bed over the whole run.  The motion is left
+    out if the rows of the series are too few to show it.
+    """
     bed = Observed(
         bed_kg_per_m2=bed_kg_per_m2(run),
         transport_m_per_s=transport_m_per_s(results),
-        deepest=deepest(run),
+        deepest=deepest_contacts(run),
         products=products(run),
         closed=not has_effect(run.case, "apertures"),
     )
@@ -78,11 +81,11 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
     whole = replace(
         bed,
         frames_throw=motion.frames_throw(),
-        rotation=motion.outermost("frame-rotation", motion_by_rotation),
-        sideways=motion.outermost("sideways-motion", motion_out_of_plane),
+        rotation=motion.largest_at_clamps("frame-rotation", motion_by_rotation),
+        sideways=motion.largest_at_clamps("sideways-motion", motion_out_of_plane),
         panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
-        turned=motion.turned(),
+        exciter_load=motion.exciter_load(),
         bearing=bearing(estimated, run, window["start_s"], window["end_s"]),
     )
     moved = replace(estimated, panels=motion.panels(), observed=whole)
@@ -92,7 +95,7 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
 
 
 def bed_kg_per_m2(run: RunReader) -> float | None:
-    """Return the largest mass on the deck at an output time, per area of the panels."""
+    """Return the largest mass on the deck at an output time per area of the panels, or None without a bed."""
     area_m2 = deck_m2(run.case)
     group = next((name for name in ("profile", "bed") if run.has(name)), None)
     if area_m2 == 0.0 or group is None:
@@ -102,14 +105,14 @@ def bed_kg_per_m2(run: RunReader) -> float | None:
 
 
 def transport_m_per_s(results: Mapping[str, Any]) -> float | None:
-    """Return the speed of the bed along the deck."""
+    """Return the speed of the bed along the deck (at least 0), or None if the results have none."""
     bed = results.get("bed")
     speed_m_per_s = bed["velocity_m_per_s"]["value"] if bed else None
     return None if speed_m_per_s is None else max(0.0, float(speed_m_per_s))
 
 
 def bearing(scene: Scene, run: RunReader, start_s: float, end_s: float) -> Bearing | None:
-    """Return means over a window of the force on all panels together; None where nothing lies on them."""
+    """Return how the panels bear the bed, from mean forces over a window; None if nothing lies on them."""
     if not run.has("bed") or not scene.panels:
         return None
     mass_kg = run.read_between("bed", "mass_kg", start_s, end_s)
@@ -131,8 +134,8 @@ def bearing(scene: Scene, run: RunReader, start_s: float, end_s: float) -> Beari
     return Bearing(normal_N / weight_N, max(0.0, downhill_N / normal_N) if rubs else None)
 
 
-def deepest(run: RunReader) -> Deepest | None:
-    """Return the deepest contacts of all steps; None if nothing ever touched."""
+def deepest_contacts(run: RunReader) -> Deepest | None:
+    """Return the deepest contacts of all steps, or None if nothing ever touched."""
     if not run.has("overlaps"):
         return None
     names = ("between_per_diameter", "surface_per_diameter", "surface_m")
@@ -143,8 +146,10 @@ def deepest(run: RunReader) -> Deepest | None:
 
 
 def products(run: RunReader) -> Products | None:
-    """Return mean diameters by mass of what left through each exit; None with fewer than two that many
-    particles left through."""
+    """Return the ratio of the coarsest to the finest product, by the mean diameters of the exits by mass.
+
+    Return None if fewer than two exits have at least ``FEWEST`` particles.
+    """
     tables = read_events(run.history)
     if tables is None:
         return None
@@ -162,7 +167,7 @@ def products(run: RunReader) -> Products | None:
 
 
 class ObservedMotion:
-    """What moved in a window of whole cycles, by its first harmonic at the fastest excitation."""
+    """The motion in a window of whole cycles, by its first harmonic at the speed of the scene."""
 
     def __init__(self, scene: Scene, run: RunReader, start_s: float, end_s: float) -> None:
         self._scene, self._run, self._window_s = scene, run, (start_s, end_s)
@@ -177,7 +182,7 @@ class ObservedMotion:
         return first_harmonic(time_s, values, self._cycle_s, *self._window_s).phasor
 
     def frames_throw(self) -> float:
-        """Return w^2 a / g of the centre of mass that moves most normal to the deck."""
+        """Return w^2 a / g for the centre of mass with the largest amplitude a normal to the deck."""
         normal = self._run.deck_axes[:, 2]
         largest_m = max((abs(self.phasor(name) @ normal) for name in self._bodies), default=0.0)
         return float(self._scene.speed_rad_per_s**2 * largest_m / self._scene.gravity_m_per_s2)
@@ -195,8 +200,10 @@ class ObservedMotion:
         )
 
     def springs(self) -> tuple[PanelSpring, ...]:
-        """Return the panels' springs as their pull and stretch have them; none where panels do not
-        bend, or nothing stretches one."""
+        """Return the panels' springs with stiffnesses from their pull and stretch.
+
+        Return no springs if the panels do not bend, or if one of them is not stretched.
+        """
         springs = []
         for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True):
             stretch_m = self._stretch_m(spring)
@@ -208,14 +215,16 @@ class ObservedMotion:
         return tuple(springs)
 
     def loss_factor(self) -> float | None:
-        """Return the largest loss factor of a panel's material at the frequencies that move it."""
+        """Return the largest loss factor of a panel's material at the frequencies of its pull, or None."""
         factors = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels if self._bend]
         return max((factor for factor in factors if factor is not None), default=None)
 
-    def turned(self) -> Turned | None:
-        """Return the power of the exciters in the window, and their largest torque before it,
-        revolution by revolution; None where none turns at its own speed: a motor's lag would be in
-        it."""
+    def exciter_load(self) -> ExciterLoad | None:
+        """Return the mean power of the exciters in the window, and their largest mean torque in a revolution.
+
+        Return None without exciters, with a motor, whose lag would be part of the power, or with too few
+        output times.
+        """
         exciters = list(self._run.case.screen.exciters.values())
         path = "energy/supplied.frames.exciter_J"
         if not self._run.has(path) or any(exciter.motor for exciter in exciters):
@@ -230,12 +239,13 @@ class ObservedMotion:
         if inside.sum() < 2 or not len(torque_N_m):
             return None
         spent_J, over_s = np.ptp(given_J[inside]), np.ptp(time_s[inside])
-        return Turned(float(spent_J / over_s), float(torque_N_m.max()))
+        return ExciterLoad(float(spent_J / over_s), float(torque_N_m.max()))
 
-    def outermost(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
-        """Return a part of the displacement at a frame's outermost clamp over the translation of its
-        centre of mass, of the frame for which it is largest; None where the solver leaves out the
-        effect, or nothing moves."""
+    def largest_at_clamps(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
+        """Return the largest part of the motion at a clamp over its frame's translation, and its place.
+
+        Return None if the case leaves out the effect, or if nothing moves.
+        """
         ratios = []
         for name in free_frames(self._scene.plan) if has_effect(self._run.case, effect) else ():
             moved_m = self.phasor(name)
@@ -249,7 +259,7 @@ class ObservedMotion:
         return ratio, f"at the outermost clamp of {name}"
 
     def _pull(self, panel: MovedPanel) -> tuple[Array, Array]:
-        """Return times (rows,) and pull (rows,) of a panel in the window."""
+        """Return the times (rows,) and the pull (rows,) of a panel in the window."""
         time_s, first_N, second_N = (
             self._run.read_between(f"forces/{panel.panel.name}", column, *self._window_s)
             for column in ("time_s", "first_clamp_N", "second_clamp_N")
@@ -257,19 +267,19 @@ class ObservedMotion:
         return time_s, panel_pull_N(first_N, second_N, panel.panel.rectangle.along)
 
     def _stretch_m(self, spring: PanelSpring) -> complex:
-        """Return the phasor of the panel's second end against the first, along it."""
-        first_m, second_m = map(self._carried, spring.frames, spring.ends_m)
+        """Return the phasor of the second end's motion against the first end, along the panel."""
+        first_m, second_m = map(self._place_phasor, spring.frames, spring.ends_m)
         return complex((second_m - first_m) @ spring.along)
 
-    def _carried(self, frame: str, place_m: Array) -> Phasors:
-        """Return the phasor (3,) of a place on a frame that turns little; the ground stands."""
+    def _place_phasor(self, frame: str, place_m: Array) -> Phasors:
+        """Return the phasor (3,) of a place on a frame that rotates little; it is zero for the ground."""
         if frame not in self._bodies:
             return np.zeros(3, complex)
         arm_m = place_m - self._bodies[frame].center_of_mass_m
         return self.phasor(frame) + np.cross(self.phasor(frame, "rotation_rad"), arm_m)
 
     def _shape(self, panel: MovedPanel) -> Shape:
-        """Return the shape from every sync point of the cycles in the window."""
+        """Return a panel's shape from every sync point of the cycles in the window."""
         rows = self._run.read_cycles(f"panel_cycles/{panel.panel.name}", *self._window_s)
         return Shape(
             sag_m=float(rows["sag_most_m"].max()),
@@ -279,14 +289,19 @@ class ObservedMotion:
 
 
 def spring_N_per_m(pull_N: complex, stretch_m: complex) -> float:
-    """Return the stiffness of the spring whose pull is the part of a panel's pull in phase with the
-    stretch of its ends, both phasors."""
+    """Return the stiffness of a panel: its pull in phase with the stretch of its ends, over this stretch.
+
+    ``pull_N`` and ``stretch_m`` are phasors.
+    """
     return max(0.0, float((pull_N / stretch_m).real))
 
 
 def loss_factor(panel: MovedPanel, time_s: Array, pull_N: Array) -> float | None:
-    """Return the loss factor of the panel's material, weighted with the square of the pull's
-    amplitude at each frequency: as if stiffness did not depend on it, with the energy stored there."""
+    """Return the loss factor of the panel's material at the frequencies of its pull, or None without any.
+
+    The weight of a frequency is the squared amplitude of the pull.  If the stiffness is the same at all
+    frequencies, this is the energy stored at the frequency.
+    """
     steps_s = np.diff(time_s)
     power_N2 = np.abs(np.fft.rfft(np.hanning(len(pull_N)) * (pull_N - pull_N.mean()))) ** 2
     speed_rad_per_s = 2 * np.pi * np.fft.rfftfreq(len(pull_N), float(steps_s.mean()))
@@ -297,7 +312,7 @@ def loss_factor(panel: MovedPanel, time_s: Array, pull_N: Array) -> float | None
 
 
 def angle_rad(time_s: Array, exciter: Exciter) -> Array:
-    """Return the angle of a shaft that runs up as prescribed: its speed rises with half a cosine."""
+    """Return the angle of a shaft in rad, whose speed rises as half a cosine during the run-up."""
     since_s = np.maximum(time_s - exciter.start_s, 0.0)
     run_up_s = exciter.run_up_s
     rising_s = np.minimum(since_s, run_up_s)

@@ -1,4 +1,4 @@
-"""One reader of a run: nothing else in the program opens ``history.h5`` or ``summary.json``."""
+"""The reader of a run; nothing else in the program opens ``history.h5`` or ``summary.json``."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from orchestrator.preflight.judge import load_judged
 class RunReader:
     """The folder of a run, open for reading.
 
-    Each file is read when it is first asked for.  Raises OSError or ValueError where that file is
-    missing or damaged, and OtherFormat where another version of flipflow wrote it.  Used in a
-    ``with`` statement, or closed with ``close``, where time series are read.
+    Each file is read when it is first needed.  This raises OSError or ValueError if the file is missing or
+    damaged, and OtherFormat if another version of flipflow wrote it.  Use the reader in a ``with``
+    statement, or call ``close`` after reading time series.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -80,56 +80,56 @@ class RunReader:
 
     @cached_property
     def case(self) -> Case:
-        """The case that was run.  Raises CaseError where it cannot be read."""
+        """The case of the run.  Raises CaseError if it cannot be read."""
         return load_judged(self.folder / "case.toml").case
 
     @property
     def end_s(self) -> float:
-        """The time up to which the run was recorded."""
+        """The last recorded output time; 0 if there is none."""
         return float(self.history["energy/time_s"][-1]) if "energy" in self.history else 0.0
 
     @property
     def cycle_s(self) -> float:
-        """The machine's cycle, or a part of the run where nothing drives the machine."""
+        """The machine's cycle, or a fiftieth of the run if nothing drives the machine."""
         return counted_cycle_s(self.case)
 
     @property
     def is_driven(self) -> bool:
-        """Whether something gives the machine a cycle."""
+        """True if an exciter or a drive gives the machine a cycle."""
         return is_driven(self.case)
 
     @property
     def edges_s(self) -> Array:
-        """(cycles + 1,) times at which whole cycles begin and end."""
+        """The times (cycles + 1,) at which whole cycles begin and end."""
         return self.cycle_s * np.arange(count_whole_cycles(self.end_s, self.cycle_s) + 1)
 
     @property
     def second_half_s(self) -> tuple[float, float]:
-        """Begin and end of the second half of the whole cycles."""
+        """The begin and the end of the second half of the whole cycles."""
         edges_s = self.edges_s
         return float(edges_s[(len(edges_s) - 1) // 2]), float(edges_s[-1])
 
     @property
     def deck_axes(self) -> Array:
-        """(3, 3) matrix whose columns are the deck axes in the world."""
+        """The matrix (3, 3) whose columns are the deck axes in the world."""
         return axes(self.case)
 
     @property
     def deck(self) -> DeckLine | None:
-        """The line of the deck at t = 0; None where the panels form none."""
+        """The line of the deck at t = 0, or None if the panels form no line."""
         lines_m = [self.history[f"panels/{name}/centre_line_m"][0] for name in self.names("panels")]
         return deck_line(lines_m)
 
     def has(self, path: str) -> bool:
-        """Return whether the time series have this group or dataset."""
+        """Return whether the time series have a group or a dataset ``path``."""
         return path in self.history
 
     def names(self, group: str) -> list[str]:
-        """Return the names in a group, in the order of the alphabet; none where it is not there."""
+        """Return the names in a group in alphabetical order; empty if the group is missing."""
         return list(self.history.get(group, {}))
 
     def read(self, path: str) -> Array:
-        """Return a whole dataset.  Raises KeyError where there is none."""
+        """Return a whole dataset.  Raises KeyError if it is missing."""
         return np.asarray(self.history[path][:])
 
     def read_between(self, group: str, name: str, start_s: float, end_s: float) -> Array:
@@ -138,12 +138,14 @@ class RunReader:
         return self.read(f"{group}/{name}")[within(time_s, start_s, end_s, self.cycle_s)]
 
     def read_cycles(self, group: str, start_s: float, end_s: float) -> dict[str, Array]:
-        """Return the rows of ``point_cycles`` or ``panel_cycles``, by column, of the cycles between
-        two of ``edges_s``."""
+        """Return the columns of a group of ``point_cycles`` or ``panel_cycles`` for the cycles in a span.
+
+        ``start_s`` and ``end_s`` must be two of ``edges_s``.
+        """
         return {name: self.read_between(group, name, start_s, end_s) for name in self.names(group)}
 
     def series_s(self) -> Array:
-        """Return the times of the rows of the series; none where nothing is recorded in them."""
+        """Return the times of the rows of the series; empty if the series record nothing."""
         for kind in ("frames", "forces", "probes"):
             for name in self.names(kind):
                 return self.read(f"{kind}/{name}/time_s")
@@ -151,7 +153,7 @@ class RunReader:
 
 
 def cut_size_m(case: Case) -> float | None:
-    """Return ``output.cut_size_m``, or the smaller side of the largest openings; None without either."""
+    """Return ``output.cut_size_m``, or else the smaller side of the largest openings, or else None."""
     if case.output.cut_size_m is not None:
         return case.output.cut_size_m
     return max(smaller_sides_m(case), default=None)

@@ -1,17 +1,20 @@
-"""Screening: how much is separated, how well, and where.
+"""The screening results: rates, efficiencies, and partition curve.
 
-``out_kg`` is always (exits, 2): the mass that left through each exit, fine (below the cut size)
-and coarse.  Feed means the sum over all exits: what a steady deck gets is what leaves it.
-Definitions: docs/theory/screening.md.
+``out_kg`` (exits, 2) is always the mass that left through each exit, fine (below the cut size) and
+coarse.  The feed is the sum over all exits, since the mass that a steady deck gets also leaves it.
+docs/theory/screening.md has the definitions.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from orchestrator.output.results.estimate import Estimate, share
+from orchestrator.output.cycles import within
+from orchestrator.output.results.estimate import Estimate, counting_deviation, share
 from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, hold_up_kg, per_cycle
 from orchestrator.ports import Array, Indices
 
@@ -29,12 +32,13 @@ def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
 
 
 def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
-    """Return the shares of the whole deck by name; NaN where there is nothing to share.
+    """Return the shares of the whole deck by name; NaN where the mass to share is zero.
 
-    ``fine_placement`` is the share of the feed's fines that pass (the recovery of undersize),
-    ``coarse_placement`` that of its coarse that is held back, ``efficiency`` both less one (1 for a
-    perfect screen, 0 for a mere splitter).  ``misplaced`` are fines in the oversize and coarse in the
-    undersize over the feed, ``fines_in_oversize`` is the fine share of the oversize.
+    ``fine_placement`` is the share of the feed's fines that pass (the recovery of undersize), and
+    ``coarse_placement`` is the share of the feed's coarse that is held back.  ``efficiency`` is their sum
+    less one: 1 for a perfect screen, and 0 for a mere splitter.  ``misplaced`` is the mass of fines in the
+    oversize and of coarse in the undersize over the feed.  ``fines_in_oversize`` is the fine share of the
+    oversize.
     """
     under, over = (out_kg[exits.of(product)].sum(axis=0) for product in (UNDERSIZE, OVERSIZE))
     feed_kg = float(out_kg.sum())
@@ -50,10 +54,35 @@ def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
     }
 
 
+def counting_deviations(mass_kg: Array, group: Indices, exits: Exits) -> dict[str, float]:
+    """Return the standard deviations by counting of ``placements``, from the particles that left.
+
+    ``mass_kg`` and ``group`` are (particles,); a group is twice the exit's number, plus ``COARSE`` or
+    ``FINE``.  The efficiency is the sum of two shares of different particles, so that their variances add.
+    """
+    out_kg = np.bincount(group, mass_kg, 2 * len(exits.names)).astype(float).reshape(-1, 2)
+    shares, fine = placements(out_kg, exits), group % 2 == FINE
+    over = np.isin(group // 2, exits.of(OVERSIZE))
+    of = {"fine_placement": fine, "coarse_placement": ~fine, "fines_in_oversize": over}
+    all_of_them = np.ones(len(group), dtype=bool)
+    table = {
+        name: counting_deviation(share, mass_kg[of.get(name, all_of_them)]) for name, share in shares.items()
+    }
+    table["efficiency"] = math.hypot(table["fine_placement"], table["coarse_placement"])
+    return table
+
+
+def _known(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
 def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, float]:
-    """Return the shares of the section at ``place`` of ``sections`` (numbers of exits): its ``yield`` is
-    what passes there over the feed, ``cumulative_efficiency`` the fines passed up to its end over the
-    feed's fines, ``local_efficiency`` the fines passed there over the fines that arrive there."""
+    """Return the shares of the section at ``place`` of ``sections`` (numbers of exits).
+
+    ``yield`` is the mass that passes in the section over the feed.  ``cumulative_efficiency`` is the fines
+    passed up to its end over the feed's fines.  ``local_efficiency`` is the fines passed in it over the
+    fines that arrive there.
+    """
     fines_kg, passed_kg = float(out_kg[:, FINE].sum()), out_kg[sections, FINE]
     return {
         "yield": share(float(out_kg[sections[place]].sum()), float(out_kg.sum())),
@@ -63,8 +92,11 @@ def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, fl
 
 
 def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
-    """Return (classes + 1,) edges: evenly spaced in the logarithm, one of them at the cut size, with at
-    least ``FEWEST_IN_CLASS`` particles in each (neighbours are joined until they have)."""
+    """Return the edges (classes + 1,) of size classes, spaced evenly in the logarithm.
+
+    An edge lies at a cut size within the range.  Neighbouring classes are joined until each has at least
+    ``FEWEST_IN_CLASS`` particles; classes next to the cut size may have fewer.
+    """
     low, high = float(diameter_m.min()), float(diameter_m.max())
     if high <= low * (1 + 1e-9):
         return np.array([low * 0.999, high * 1.001])
@@ -72,26 +104,30 @@ def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
     if cut_m is not None and low < cut_m < high:
         edges[1 + np.abs(np.log(edges[1:-1] / cut_m)).argmin()] = cut_m
     counts = np.histogram(diameter_m, edges)[0]
-    kept, inside = [edges[0]], 0
+    class_edges, inside = [edges[0]], 0
     for edge, count in zip(edges[1:], counts, strict=True):
         inside += count
         if inside >= FEWEST_IN_CLASS or edge == cut_m:
-            kept.append(edge)
+            class_edges.append(edge)
             inside = 0
-    if kept[-1] < edges[-1]:
-        kept[-1 if len(kept) > 1 and kept[-1] != cut_m else len(kept) :] = [edges[-1]]
-    return np.array(kept)
+    if class_edges[-1] < edges[-1]:
+        if len(class_edges) > 1 and class_edges[-1] != cut_m:  # too few particles for a class of their own
+            class_edges.pop()
+        class_edges.append(edges[-1])
+    return np.array(class_edges)
 
 
 def partition(under_kg: Array, over_kg: Array) -> Array:
-    """Return the share (classes,) that goes to the oversize; NaN where a class is empty."""
+    """Return the share (classes,) of each class that goes to the oversize; NaN for an empty class."""
     all_kg = under_kg + over_kg
     return np.divide(over_kg, all_kg, out=np.full(len(all_kg), np.nan), where=all_kg > 0)
 
 
 def size_at(share: float, size_m: Array, partition_number: Array) -> float:
-    """Return the size at which the curve first rises through ``share``, straight between the classes'
-    mean sizes (classes,); NaN if it does not."""
+    """Return the size at which the partition curve first rises through ``share``; NaN if it never does.
+
+    The curve is linear between the mean sizes (classes,) of the classes.
+    """
     there = np.isfinite(partition_number)
     size, number = size_m[there], partition_number[there]
     rises = np.flatnonzero((number[:-1] < share) & (number[1:] >= share))
@@ -103,14 +139,14 @@ def size_at(share: float, size_m: Array, partition_number: Array) -> float:
 
 
 def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
-    """Return d50 and the probable error Ep = (d75 - d25) / 2; NaN where the curve does not reach."""
+    """Return d50 and the probable error Ep = (d75 - d25) / 2; NaN if the curve does not reach a share."""
     d25, d50, d75 = (size_at(share, size_m, number) for share in (0.25, 0.5, 0.75))
     return d50, (d75 - d25) / 2
 
 
 def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
-    """Return every metric that needs no more than what went in and out."""
-    removed, exits, counted = events.removed, events.exits, events.counted
+    """Return every metric that follows from the particles that came and left."""
+    removed, exits, counted = events.removed, events.exits, events.left_in_window
     fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
     group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
     count = len(exits.names)
@@ -128,27 +164,36 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
         **_flows(events, out_kg),
     }
     names = PLACEMENTS if cut_m is not None else PLACEMENTS[:1]
-    table |= {f"{name}_percent": placement(name) for name in names}
+    chance = counting_deviations(removed.mass_kg[counted], group[counted], exits)
+    table |= {
+        f"{name}_percent": replace(placement(name), counting=_known(100.0 * chance[name])) for name in names
+    }
     if cut_m is not None:
-        table["recovered_percent"] = _recovered(events, out_kg, cut_m)
+        table["recovered_percent"] = _recovery(events, out_kg, cut_m)
     table["sections"] = _sections(events, out_kg, cut_m is not None)
     table["partition"] = _partition(events, cut_m)
     return table
 
 
-def _recovered(events: Events, out_kg: Array, cut_m: float) -> Estimate:
-    """Return fines passed over fines that came in: unlike the fine placement, fines that stay on the
-    deck count as not recovered."""
+def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
+    """Return the fines passed over the fines that came in.
+
+    Other than in the fine placement, fines that stay on the deck count as not recovered.
+    """
     fed = events.fed
     came = np.where(fine_or_coarse(fed.diameter_m, cut_m) == FINE, 0, -1)
     came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came)[:, 0]
     passed_kg = out_kg[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
     pairs = np.column_stack([passed_kg, came_kg])
-    return events.figure(lambda sums: 100.0 * share(sums[0], sums[1]), pairs)
+    estimate = events.figure(lambda sums: 100.0 * share(sums[0], sums[1]), pairs)
+    mass_kg = fed.mass_kg[(came == 0) & within(fed.time_s, *events.window_s, float(events.edges_s[1]))]
+    if estimate.value is None or not len(mass_kg):
+        return estimate
+    return replace(estimate, counting=100.0 * counting_deviation(estimate.value / 100.0, mass_kg))
 
 
 def _flows(events: Events, out_kg: Array) -> dict[str, Any]:
-    """Return mass rates; ``hold_up_kg`` is all that was fed and has not left."""
+    """Return the mass rates and the hold-up, which is the mass that came and has not left."""
     held_kg, length_s = hold_up_kg(*events.balance_kg), np.diff(events.edges_s)
     flows = {"feed": events.balance_kg[0]}
     flows |= {p: out_kg[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
@@ -178,8 +223,8 @@ def _sections(events: Events, out_kg: Array, divided: bool) -> list[dict[str, An
 
 
 def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
-    """Return classes, partition numbers, d50 and Ep; None as long as nothing has left."""
-    removed, counted = events.removed, events.counted
+    """Return the size classes with their partition numbers, d50 and Ep; None if nothing has left."""
+    removed, counted = events.removed, events.left_in_window
     if not counted.any():
         return None
     edges = size_classes(removed.diameter_m[counted], cut_m)

@@ -1,4 +1,4 @@
-"""Wear of the panels: how deep in an hour, where, and how long they last."""
+"""The wear of the panels: its rate, its places, and the panels' life."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ HOUR_S = 3600.0
 
 
 def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any] | None:
-    """Return the wear from the output times from ``start_s`` to ``end_s``; intervals only where it is
-    steady. None if fewer than two output times lie there."""
+    """Return the wear between the output times from ``start_s`` to ``end_s``.
+
+    Only a steady state has confidence intervals.  Return None with fewer than two output times.
+    """
     panels = {panel.name: panel for panel in single_panels(run.case)}
     time_s = run.read(f"wear/{next(iter(panels))}/time_s")
     there = np.flatnonzero((time_s >= start_s - 1e-9) & (time_s <= end_s + 1e-9))
@@ -43,8 +45,10 @@ def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) 
 
 
 def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
-    """Return of the patch that wears fastest: its rate, its middle as shares of length and width, and
-    when it is worn through."""
+    """Return the rate of the patch that wears fastest, its middle, and the time until it is worn through.
+
+    The middle is given as shares of the panel's length and width.
+    """
     row, column = np.unravel_index(int(np.nanargmax(depth_m_per_h)), depth_m_per_h.shape)
     rate = float(depth_m_per_h[row, column])
     middle = (np.array([row, column]) + 0.5) / depth_m_per_h.shape
@@ -56,7 +60,7 @@ def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
 
 
 def _profile(run: RunReader, names: list[str], rates: list[Array], deck: DeckLine) -> dict[str, Array]:
-    """Return means across the width, along the deck."""
+    """Return the wear rates along the deck, as means across the width."""
     points = [run.history[f"panels/{name}/centre_line_m"].shape[1] for name in names]
     along, mean, passed = [], [], 0
     for number, forth in deck.panels:

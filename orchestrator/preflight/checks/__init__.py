@@ -1,4 +1,4 @@
-"""Checks of a case before anything starts: small functions, each with its own rule and test."""
+"""The checks of a case: small functions, each with its own rule and test."""
 
 from orchestrator.case.file.plausible import wrong_sizes
 from orchestrator.preflight.checks import bed, machine, names, panels, steps, surfaces

@@ -1,4 +1,4 @@
-"""The bed: materials and their contacts, adhesion, sizes of particles, feeds, exits, and a slice."""
+"""The checks of the bed: materials, contacts, adhesion, sizes of particles, feeds, exits and slices."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
 from orchestrator.case.bed.contact_times import smallest_diameters_m
-from orchestrator.case.bed.feed import RateFeed, apart
+from orchestrator.case.bed.feed import RateFeed, are_apart
 from orchestrator.case.bed.size_distribution import classes, faults, finer_share
 from orchestrator.case.bed.sources import batch_s, inlets, largest_diameter_m
 from orchestrator.case.deck.panels import single_panels, to_world, walls
@@ -31,7 +31,7 @@ LOWEST_FIRST = "give the lowest corner, then the highest"
 
 
 def complete_materials(case: Case) -> Iterator[CaseProblem]:
-    """Panels need a material law, and all that particles touch elastic constants."""
+    """Check that panels have a material law, and all other materials elastic constants."""
     for name, panel in case.screen.panels.items():
         material = case.materials.get(panel.material)
         if material is not None and material.hyperelastic is None:
@@ -48,13 +48,15 @@ def complete_materials(case: Case) -> Iterator[CaseProblem]:
 
 
 def _grains(case: Case) -> set[str]:
-    """Materials that particles are made of."""
+    """Return the materials of the particles."""
     return {row.material for row in (*case.bed.particles.values(), *case.bed.sources)}
 
 
 def complete_contacts(case: Case) -> Iterator[CaseProblem]:
-    """Every pair of materials that can meet needs one contact.  Specific wear needs a surface that is
-    worn, and particles that do it."""
+    """Check that every pair of materials that can meet has one contact.
+
+    Check as well that specific wear is given only for contacts of particles with surfaces.
+    """
     given: set[frozenset[str]] = set()
     grains, surfaces = _grains(case), surface_materials(case)
     for key, contact in rows(case, "contacts"):
@@ -78,7 +80,7 @@ def complete_contacts(case: Case) -> Iterator[CaseProblem]:
 
 
 def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
-    """Corners and sizes stand in order, and shares add up to 1."""
+    """Check that corners of boxes and limits of sizes are in order, and that mass fractions add up to 1."""
     boxes: list[tuple[Key, tuple[tuple[float, ...], tuple[float, ...]]]] = [(("domain_m",), case.domain_m)]
     for key, source in (row for path in SOURCES for row in rows(case, path)):
         boxes.append(((*key, "box_m"), source.box_m))
@@ -98,7 +100,7 @@ def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
 
 
 def fines(case: Case) -> Iterator[str]:
-    """Warn with numbers of each source that does without its fines."""
+    """Yield a warning with numbers for each source without its fines."""
     for key, source in (row for path in SOURCES for row in rows(case, path)):
         if source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
             fate = {"leave-out": "left out", "next-class": "made of the next class"}[source.finer]
@@ -108,12 +110,15 @@ def fines(case: Case) -> Iterator[str]:
             )
 
 
-FULLEST = 0.38  # share of a box that spheres at random places can fill (bed/packing.py)
+FULLEST = 0.38  # largest share of a box that spheres at random places can fill (bed/packing.py)
 
 
 def crowded_boxes(case: Case) -> Iterator[CaseProblem]:
-    """Boxes of sources must be wider than their largest particles, and those of blocks must hold their
-    particles at least if all had the smallest size: found here before anybody tries to place them."""
+    """Check that the boxes of sources are wide enough for the largest particles.
+
+    Check as well, before any particle is placed, that a block's box could hold its particles if all
+    had the smallest size.
+    """
     for key, source in (row for path in SOURCES for row in rows(case, path)):
         sides_m = [b - a for a, b in zip(*source.box_m, strict=True)]
         largest_m = max(size.largest_m for size in classes(source))
@@ -129,12 +134,12 @@ def crowded_boxes(case: Case) -> Iterator[CaseProblem]:
                 yield CaseProblem((*key, "count"), what, hint)
 
 
-WIDEST_NECK = 0.5  # of the smaller radius; JKR's paraboloids have no flanks
-STRONGEST_PULL = 1e6  # weights of the smallest particle
+WIDEST_NECK = 0.5  # over the smaller radius; JKR's theory takes spheres for paraboloids
+STRONGEST_PULL = 1e6  # over the weight of the smallest particle
 
 
 def works_of_adhesion(case: Case) -> Iterator[CaseProblem]:
-    """A law that is asked for needs work, and each law its own keys."""
+    """Check that a law of adhesion has a work of adhesion, and that keys of ``sjkr`` come with that law."""
     asked = case.particles.adhesion
     if asked not in (None, "none") and not any(row.work_of_adhesion_J_per_m2 for row in case.contacts):
         what = f'"{asked}" is asked for, but every work of adhesion is zero'
@@ -146,8 +151,11 @@ def works_of_adhesion(case: Case) -> Iterator[CaseProblem]:
 
 
 def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
-    """Works of adhesion must not be absurd for the particles' size and stiffness; ``sjkr`` has one
-    strength for each pair of materials, which depends on the curvature."""
+    """Check that works of adhesion are plausible for the particles' size and stiffness.
+
+    Check as well that no surface shares a material with particles under ``sjkr``, whose strength for a
+    pair of materials depends on the curvature.
+    """
     for pair in sticky_contacts(case):
         key: Key = ("contacts", pair.contact, "work_of_adhesion_J_per_m2")
         who = f"the smallest particles ({2e3 * pair.radius_m:.3g} mm)"
@@ -160,15 +168,15 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
         if pull > STRONGEST_PULL:
             what = f"{who} would stick with {pull:.2g} times their weight"
             yield CaseProblem(key, what, "is the unit right? Surface energies are given in mJ/m2, too")
-    both = surface_materials(case) & set(smallest_diameters_m(case))
-    for name in sorted(both) if adhesion_law(case) == "sjkr" else ():
+    shared = surface_materials(case) & set(smallest_diameters_m(case))
+    for name in sorted(shared) if adhesion_law(case) == "sjkr" else ():
         what = f"particles and surfaces are both made of {name}; sjkr cannot tell them apart"
         hint = "give the surface a material of its own with the same values"
         yield CaseProblem(("materials", name), what, hint)
 
 
-def too_soft(case: Case) -> Iterator[str]:
-    """Warn of contacts in which particles are expected to sink deeper than contact laws hold."""
+def soft_contacts(case: Case) -> Iterator[str]:
+    """Yield a warning if particles are expected to overlap more than contact laws allow."""
     if not has_particles(case):
         return
     soft = compute_softness(scene(case))
@@ -181,14 +189,17 @@ def too_soft(case: Case) -> Iterator[str]:
         )
 
 
-SLACK_M = 1e-9  # rounding when boxes are turned
+SLACK_M = 1e-9  # allowance for rounding in rotated boxes
 
 
 def feeds(case: Case) -> Iterator[CaseProblem]:
-    """Feeds run within the run, from boxes apart within the domain, at rates that find room."""
+    """Check that feeds start and stop within the run, and that their boxes are in the domain and separate.
+
+    Check as well that each box has room for its rate.
+    """
     low, high = np.array(case.domain_m)
-    every = inlets(case, material_numbers(case))
-    for name, inlet in every.items():
+    by_name = inlets(case, material_numbers(case))
+    for name, inlet in by_name.items():
         key: Key = ("bed", "feeds", name)
         if inlet.start_s >= case.duration_s:
             what = f"{inlet.start_s:g} s is not before the end, duration_s = {case.duration_s:g} s"
@@ -203,19 +214,21 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
             largest = f"the largest rate is {inlet.largest_rate_kg_per_s:.3g} kg/s"
             hint = f"{largest}; a larger box or velocity_m_per_s takes more"
             yield CaseProblem((*key, "rate_kg_per_s"), what, hint)
-    for (one, first), (two, second) in combinations(every.items(), 2):
-        if not apart(first, second):
+    for (one, first), (two, second) in combinations(by_name.items(), 2):
+        if not are_apart(first, second):
             yield CaseProblem(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
 
 
-ENOUGH = 0.8  # of what is due by the end
-ROUNDED = 0.01  # of the time between batches
+ENOUGH = 0.8  # share of the mass due by the end that must come
+ROUNDED = 0.01  # allowed change of the time between batches by rounding, as a share of that time
 
 
 def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
-    """Warn of feeds of which nothing, or clearly less than is due by the end, comes before it:
-    particles come in batches, and the last batch may be long before the end; and of a time between
-    batches that is no whole number of sync intervals."""
+    """Yield warnings about feeds that bring nothing, or clearly less than is due by the end.
+
+    Particles come in batches, and the last batch may be long before the end.  Yield a warning as well
+    if the time between batches is no whole number of sync intervals.
+    """
     for name, inlet in inlets(case, material_numbers(case)).items():
         batches = math.ceil(case.duration_s / inlet.batch_s - 1e-9)
         last_s = (batches - 1) * inlet.batch_s
@@ -246,7 +259,7 @@ SAME_PLACE_M = 1e-6  # neighbouring exits may share a face
 
 
 def exits(case: Case) -> Iterator[CaseProblem]:
-    """Exits are boxes within the domain, apart from each other and from all panels."""
+    """Check that exits are boxes that particles can reach, apart from each other and from all panels."""
     boxes_m = {name: np.array(row.box_m) for name, row in case.screen.exits.items()}
     for name, box_m in boxes_m.items():
         key: Key = ("screen", "exits", name, "box_m")
@@ -273,11 +286,11 @@ def _overlap(one_m: Array, two_m: Array) -> bool:
     return bool((low <= two_m[1]).all() and (two_m[0] <= high).all())
 
 
-FEWEST_DIAMETERS = 3.0  # a particle must not meet itself, or a neighbour twice
+FEWEST_DIAMETERS = 3.0  # in a narrower slice, a particle could meet itself, or a neighbour twice
 
 
 def narrow_slice(case: Case) -> Iterator[CaseProblem]:
-    """Periodic sides must not be so close that particles would touch each other on both sides."""
+    """Check that periodic sides are so far apart that no two particles touch each other on both sides."""
     if case.slice is None or case.slice.sides == "walls" or not has_particles(case):
         return
     least_m = FEWEST_DIAMETERS * largest_diameter_m(case)
@@ -287,8 +300,10 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
 
 
 def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
-    """Warn of a slice that large particles may bridge, and of one whose sides are open: where no
-    triangle stands along a side of the panels, or outside of them."""
+    """Yield warnings about a slice that large particles may bridge, and about one with open sides.
+
+    The sides are open if no triangle stands along a side of the panels or beyond it.
+    """
     if case.slice is None or not has_particles(case):
         return
     width_m, diameter_m = case.slice.width_m, largest_diameter_m(case)

@@ -1,4 +1,4 @@
-"""The machine: tables that contradict each other or lack what their solver needs, and drives."""
+"""The checks of the machine: contradicting tables, keys that solvers need, and drives."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from orchestrator.preflight.checks.names import rows
 
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
-    """Frames that forces move need masses, and drives a solver that knows them."""
+    """Check that frames that forces move have masses, and that the solver of driven frames knows drives."""
     solver, able = case.frames.solver, case.frames.adapter
     if not able.moved_by_forces:
         return
@@ -37,9 +37,11 @@ def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it")
 
 
-def possible_inertia(case: Case) -> Iterator[CaseProblem]:
-    """Principal moments are positive and none exceeds the sum of the others, which would take
-    negative mass."""
+def inertia_tensors(case: Case) -> Iterator[CaseProblem]:
+    """Check that principal moments are positive and that none exceeds the sum of the others.
+
+    Only a body with negative mass somewhere could break these rules.
+    """
     for key, frame in rows(case, "screen.frames"):
         if frame.inertia_kg_m2 is None:
             continue
@@ -51,9 +53,11 @@ def possible_inertia(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, "inertia_kg_m2"), what, "none may exceed the sum of the others")
 
 
-def held_frames(case: Case) -> Iterator[CaseProblem]:
-    """Frames drawn at rest need bushings that can hold their weight, to the ground or to driven
-    frames: the static equations K u = weight, translations only, must have a solution."""
+def frame_weights(case: Case) -> Iterator[CaseProblem]:
+    """Check that bushings to the ground or to driven frames hold the weight of frames drawn at rest.
+
+    The static equations K u = weight must have a solution in translations alone.
+    """
     if not (case.frames.adapter.moved_by_forces and case.screen.drawn_at_rest):
         return
     plan = frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
@@ -68,8 +72,10 @@ def held_frames(case: Case) -> Iterator[CaseProblem]:
 
 
 def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
-    """Bushings lie between two different bodies.  Exciters have a proper shaft, on a frame that no
-    drive moves while forces move others."""
+    """Check that bushings join two different bodies, and that exciters have a valid shaft and frame.
+
+    An exciter on a frame with a drive would have no effect.
+    """
     for key, bushing in rows(case, "screen.bushings"):
         if bushing.between[0] == bushing.between[1]:
             yield CaseProblem((*key, "between"), f'"{bushing.between[0]}" twice', "name two frames")
@@ -94,7 +100,7 @@ def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
 
 
 def right_angle(key: Key, row: Any, one: str, other: str) -> Iterator[CaseProblem]:
-    """Two directions of a row must have a size and stand at right angles."""
+    """Check that two directions of a row are not zero and stand at right angles."""
     vectors = [getattr(row, one), getattr(row, other)]
     sizes = np.linalg.norm(vectors, axis=1)
     for name, size in zip((one, other), sizes, strict=True):
@@ -105,8 +111,10 @@ def right_angle(key: Key, row: Any, one: str, other: str) -> Iterator[CaseProble
 
 
 def solvers_objections(case: Case) -> Iterator[CaseProblem]:
-    """Adapters of panels and frames object to what they cannot take in their plans, which can be made
-    of a case whose tables fit together."""
+    """Yield the objections of the panels' and frames' adapters to their plans.
+
+    Plans can only be made of a case whose tables fit together.
+    """
     asked: list[tuple[Port, list[Any]]] = [
         ("panel", list(panel_plans(case))),
         ("frames", [frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))]),
@@ -118,7 +126,7 @@ def solvers_objections(case: Case) -> Iterator[CaseProblem]:
 
 
 def probes(case: Case) -> Iterator[CaseProblem]:
-    """Each probe is on exactly one thing and says where on it."""
+    """Check that each probe is on exactly one frame, panel or particle, and says where on it."""
     for key, probe in rows(case, "probes"):
         on = [kind for kind in ("frame", "panel", "particle") if getattr(probe, kind) is not None]
         if len(on) != 1:
@@ -134,7 +142,7 @@ def probes(case: Case) -> Iterator[CaseProblem]:
 
 
 def start_of_drives(case: Case) -> Iterator[CaseProblem]:
-    """A drive without run-up must start from the place in which its frame is drawn."""
+    """Check that a drive without run-up starts from the place in which its frame is drawn."""
     for key, drive in rows(case, "screen.frames.drive"):
         if drive.run_up_s > 0:
             continue
@@ -149,12 +157,11 @@ def start_of_drives(case: Case) -> Iterator[CaseProblem]:
 
 
 def sudden_drives(case: Case) -> Iterator[str]:
-    """Warn of drives without run-up that move panels' clamps at full speed from t = 0, while the
-    panels are at rest."""
+    """Yield a warning for each drive without run-up whose frame holds panels that are at rest at t = 0."""
     for name, frame in case.screen.frames.items():
         drive = frame.drive
-        held = [panel.name for panel in single_panels(case) if name in panel.frames]
-        if drive is None or drive.run_up_s > 0 or not held:
+        panels = [panel.name for panel in single_panels(case) if name in panel.frames]
+        if drive is None or drive.run_up_s > 0 or not panels:
             continue
         moving = np.multiply(drive.amplitude_m, np.cos(drive.phase_rad))
         turning = np.multiply(drive.rotation_rad, np.cos(drive.rotation_phase_rad))
@@ -165,9 +172,9 @@ def sudden_drives(case: Case) -> Iterator[str]:
         ]
         if speeds:
             cycles_s = 2 * 2 * np.pi / drive.speed_rad_per_s
-            more = f" and {len(held) - 1} more" if len(held) > 1 else ""
+            more = f" and {len(panels) - 1} more" if len(panels) > 1 else ""
             yield (
                 f'frame "{name}" moves at {" and ".join(speeds)} from t = 0, while panel '
-                f"{held[0]}{more} on it is at rest: a blow that no machine gives; give its drive a "
+                f"{panels[0]}{more} on it is at rest: a blow that no machine gives; give its drive a "
                 f"run_up_s, two cycles are {cycles_s:.2g} s"
             )

@@ -1,4 +1,4 @@
-"""Names: each that is referred to must exist, and those that share a file must differ."""
+"""The checks of names: each name that is referred to must exist, and names in one file must differ."""
 
 from __future__ import annotations
 
@@ -29,12 +29,15 @@ REFERENCES = {
     ),
     "panel": ("probes.panel",),
 }
-"""Where things of a kind are referred to by their name."""
+"""Dotted paths of the keys that refer to frames, materials and panels by their names."""
 
 
 def rows(case: Case, path: str) -> Iterator[tuple[Key, Any]]:
-    """Yield each row or value at a dotted path of a case with its key: ``screen.panels.stops`` are all
-    stops of all panels.  What is not given is left out."""
+    """Yield each row or value at a dotted path of a case with its key.
+
+    The path ``screen.panels.stops``, for example, leads to all stops of all panels.  Values that the
+    case does not give are left out.
+    """
     reached: list[tuple[Key, Any]] = [((), case)]
     for part in path.split("."):
         inner = [((*key, part), getattr(table, part)) for key, table in reached]
@@ -53,7 +56,7 @@ def _members(key: Key, value: Any) -> Iterator[tuple[Key, Any]]:
 
 
 def unknown_names(case: Case) -> Iterator[CaseProblem]:
-    """Frames, materials and panels that are referred to must be there."""
+    """Check that all frames, materials and panels that the case refers to exist."""
     known = {
         "frame": [*case.screen.frames, GROUND],
         "material": [*case.materials],
@@ -67,17 +70,17 @@ def unknown_names(case: Case) -> Iterator[CaseProblem]:
 
 
 def shared_names(case: Case) -> Iterator[CaseProblem]:
-    """Frames, panels and surfaces, and frames and probes, are told apart by name alone."""
+    """Check that frames, panels and surfaces have different names, and that no probe has a frame's name."""
     screen = case.screen
-    taken: dict[str, Key] = {GROUND: ("screen", "frames", GROUND)}
+    owners: dict[str, Key] = {GROUND: ("screen", "frames", GROUND)}
     keys: list[tuple[str, Key]] = [(name, ("screen", "frames", name)) for name in screen.frames]
     keys += [(p.name, ("screen", "panels", p.name)) for p in single_panels(case)]
     keys += [(name, ("screen", "surfaces", name)) for name in screen.surfaces]
     for name, key in keys:
-        if name in taken:
-            what = "is the ground's" if name == GROUND else f"is taken by {taken[name][1]}"
+        if name in owners:
+            what = "is the ground's" if name == GROUND else f"is taken by {owners[name][1]}"
             yield CaseProblem(key, f'the name "{name}" {what}', "take another name")
-        taken[name] = key
+        owners[name] = key
     for name in case.probes:
         if name in screen.frames:
             yield CaseProblem(("probes", name), f'the name "{name}" is a frame\'s', "take another name")

@@ -1,4 +1,4 @@
-"""Panels: their tables, openings, meshes and recordings, and the beams below them."""
+"""The checks of panels: their tables, openings, meshes and recordings, and the beams below them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from orchestrator.ports.plans import LARGEST_MESHES_GIB, SolverMissing
 from orchestrator.preflight.checks.machine import right_angle
 from orchestrator.preflight.checks.names import rows
 
-THINNEST_LAND = 0.02  # of the longer pitch: thinner ones no unit cell's mesh resolves
-PLATE = 3.0  # thicknesses over an opening's larger pitch above which a panel is a block
+THINNEST_LAND = 0.02  # over the longer pitch: no unit cell's mesh resolves thinner lands
+PLATE = 3.0  # ratio of thickness to the openings' longer pitch above which a panel is a block, no plate
 RECORDING = ("panel", "recording")
 OTHER_SPEED = 0.01
 GIB = 2**30
 
 
 def panel_rows(case: Case) -> Iterator[CaseProblem]:
-    """Each row gives one of tension and span, a pitch, and directions that span a rectangle."""
+    """Check that each row gives one of tension and span, a pitch, and the directions of a rectangle."""
     if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
         yield CaseProblem(("screen", "panels"), "missing: there is nothing for particles to touch")
     for key, panel in rows(case, "screen.panels"):
@@ -58,7 +58,7 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
 
 
 def panel_integrator(case: Case) -> Iterator[CaseProblem]:
-    """The panels' solver must have the integrator."""
+    """Check that the panels' solver has the integrator that the case names."""
     asked, able = case.panel.integrator, case.panel.adapter.integrators
     if asked not in able:
         others = solvers.names_able_to("panel", lambda panel: asked in panel.integrators)
@@ -68,7 +68,7 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
 
 
 def openings(case: Case) -> Iterator[CaseProblem]:
-    """Openings must leave enough land, fit into the panel, and be far enough apart that it is a plate."""
+    """Check that openings leave enough land and fit into the panel, and that the panel is a plate."""
     for panel, *_ in perforated_panels(case):
         key: Key = ("screen", "panels", panel.table_name)
         pattern, thickness_m = panel.apertures, panel.table.thickness_m
@@ -77,7 +77,7 @@ def openings(case: Case) -> Iterator[CaseProblem]:
         in_pattern: Key = (*key, "apertures")
         if problems := [*_lands(in_pattern, pattern, longest_m)] or [*_room(in_pattern, pattern, panel)]:
             yield from problems
-        elif thickness_m > PLATE * longest_m:  # plate theory for the lands needs a plate
+        elif thickness_m > PLATE * longest_m:  # the theory for the lands only holds for plates
             what = (
                 f"the panel is {thickness_m:g} m thick, its openings are only {longest_m:g} m apart: no plate"
             )
@@ -116,8 +116,10 @@ def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[Ca
 
 
 def triangles(case: Case) -> Iterator[CaseProblem]:
-    """The mesh generator must make triangles of the openings.  One that is not installed is not asked:
-    missing_solvers says so."""
+    """Check that the mesh generator can make triangles around the openings.
+
+    If it is not installed, nothing is checked, and missing_solvers reports it.
+    """
     if not perforated_panels(case):
         return
     from orchestrator.case.deck.triangle_grid import BadMesh, surface_grids
@@ -130,8 +132,8 @@ def triangles(case: Case) -> Iterator[CaseProblem]:
         return
 
 
-def too_large(case: Case) -> Iterator[CaseProblem]:
-    """Meshes must fit into the memory that is allowed; the message says what would."""
+def mesh_memory(case: Case) -> Iterator[CaseProblem]:
+    """Check that the panels' meshes fit into the allowed memory; the hint says what would fit."""
     needed_GiB = memory_GiB(case)
     if needed_GiB <= LARGEST_MESHES_GIB:
         return
@@ -149,8 +151,11 @@ def too_large(case: Case) -> Iterator[CaseProblem]:
     yield CaseProblem(("panel", "solver"), what, hint)
 
 
-def beyond_this_machine(case: Case) -> Iterator[str]:
-    """Warn where a run would be ended by the system, without a word, when its memory is used up."""
+def machine_memory(case: Case) -> Iterator[str]:
+    """Yield a warning if meshes need more memory than the machine has.
+
+    The system would end such a run without a message.
+    """
     there_GiB = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / GIB
     needed_GiB = memory_GiB(case)
     if needed_GiB > there_GiB:
@@ -161,8 +166,10 @@ def beyond_this_machine(case: Case) -> Iterator[str]:
 
 
 def stops(case: Case) -> Iterator[CaseProblem]:
-    """Stops lie between the clamps, and are no stiffer than the sync interval allows; each row of
-    panels is looked at once."""
+    """Check that stops lie between the clamps, and are not too stiff for the sync interval.
+
+    The check takes the first panel of each row.
+    """
     first = {panel.table_name: panel for panel in reversed(single_panels(case))}
     for key, stop in rows(case, "screen.panels.stops"):
         panel = first[str(key[2])]
@@ -183,7 +190,7 @@ def stops(case: Case) -> Iterator[CaseProblem]:
 
 
 def named_recording(case: Case) -> Iterator[CaseProblem]:
-    """A solver that plays back needs a file, and a machine whose angle it can follow."""
+    """Check that a solver that plays back has a file, and a machine whose angle it can follow."""
     if not case.panel.adapter.plays_back:
         return
     if case.panel.recording is None:
@@ -194,7 +201,10 @@ def named_recording(case: Case) -> Iterator[CaseProblem]:
 
 
 def own_recording(case: Case, folder: Path, source: str) -> Iterator[CaseProblem]:
-    """A file outside of the case's folder must be named by the user; ``source`` is who named it."""
+    """Check that only the user names a recording outside of the case's folder.
+
+    ``source`` is the file or option that gave the key.
+    """
     if not case.panel.adapter.plays_back or case.panel.recording is None or source == "--set":
         return
     file = folder / case.panel.recording
@@ -203,7 +213,7 @@ def own_recording(case: Case, folder: Path, source: str) -> Iterator[CaseProblem
 
 
 def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """The file must be a recording, and of panels like these."""
+    """Check that the file is a recording of panels like those of the case."""
     try:
         playbacks(case, folder)
     except (NoMatch, recordings.UnreadableRecording) as error:
@@ -211,7 +221,7 @@ def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
 
 
 def other_speed(case: Case, folder: Path) -> Iterator[str]:
-    """Warn of a recording made at another speed than it is played back at."""
+    """Yield a warning if a recording was made at another speed than the one of its playback."""
     machine = turning(case)
     if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
         return

@@ -1,4 +1,4 @@
-"""Time steps against what limits them, and solvers that are missing."""
+"""The checks of time steps, and of missing solvers."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from orchestrator.ports.plans import SolverFailed, SolverMissing
 
 
 def particle_step(case: Case) -> Iterator[CaseProblem]:
-    """A step above 0.2 of the Rayleigh time does not resolve a contact; contacts that stick need
-    shorter ones."""
+    """Check that the particles' step resolves contacts: it is at most 0.2 of the Rayleigh time.
+
+    Adhesive contacts need shorter steps.
+    """
     if not has_particles(case):
         return
     rayleigh_s, step_s = shortest_rayleigh_s(case), particle_step_s(case)
@@ -36,9 +38,11 @@ def particle_step(case: Case) -> Iterator[CaseProblem]:
 
 
 def panel_step(case: Case) -> Iterator[CaseProblem]:
-    """A step given for the panels must be within the solver's own limit, where it tells one.  A
-    solver that is not installed is not asked: missing_solvers says so; nor is one that finds no
-    resting shape: the run says so."""
+    """Check that the step given for the panels is within their solver's limit, if the solver tells one.
+
+    Nothing is checked if the solver is not installed, which missing_solvers reports, or finds no
+    resting shape, which the run reports.
+    """
     limit = case.panel.adapter.largest_step_s
     if case.panel.step_s == 0 or limit is None:
         return
@@ -53,7 +57,7 @@ def panel_step(case: Case) -> Iterator[CaseProblem]:
 
 
 def whole_times(case: Case) -> Iterator[CaseProblem]:
-    """A sync interval may not be longer than the run or than the time between records."""
+    """Check that the sync interval is not longer than the run or the time between records."""
     interval_s, output = case.coupling.sync_interval_s, case.output
     times_s: dict[Key, float] = {
         ("duration_s",): case.duration_s,
@@ -68,7 +72,10 @@ def whole_times(case: Case) -> Iterator[CaseProblem]:
 
 
 def missing_solvers(case: Case) -> Iterator[str]:
-    """Yield the solvers that the case wants and this installation lacks; takes as long as they load."""
+    """Yield a message for each solver that the case needs and this installation lacks.
+
+    The check loads the solvers, which takes some time.
+    """
     for port, adapter in case.adapters.items():
         if port == "particles" and not has_particles(case):
             continue

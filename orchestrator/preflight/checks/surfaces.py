@@ -1,4 +1,4 @@
-"""What stands where at t = 0: STL files, plates and panels, and particles clear of them and of each other."""
+"""The checks of places at t = 0: surfaces and panels in the domain, and particles clear of everything."""
 
 from __future__ import annotations
 
@@ -25,8 +25,7 @@ ENLARGE = "enlarge domain_m"
 
 
 def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """The files of ``[screen.surfaces]`` must be there, whole, consistently oriented, and inside the
-    domain."""
+    """Check that STL files of ``[screen.surfaces]`` are whole, consistently oriented and in the domain."""
     for key, file in rows(case, "screen.surfaces.stl"):
         try:
             facets = stl.read(folder, file)
@@ -43,7 +42,7 @@ def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
 
 
 def plates(case: Case) -> Iterator[CaseProblem]:
-    """Each surface is a file or a plate, and a plate has an area."""
+    """Check that each surface is either a file or a plate, and that plates have an area."""
     for key, surface in rows(case, "screen.surfaces"):
         given = [surface.corner_m is not None, surface.edges_m is not None]
         if surface.stl is not None and any(given):
@@ -58,7 +57,7 @@ def plates(case: Case) -> Iterator[CaseProblem]:
 
 
 def panels_inside(case: Case) -> Iterator[CaseProblem]:
-    """Panels and plates must have their corners inside the domain."""
+    """Check that panels and plates have their corners inside the domain."""
     for key, surface in rows(case, "screen.surfaces"):
         if surface.edges_m is None:
             continue
@@ -74,7 +73,7 @@ def panels_inside(case: Case) -> Iterator[CaseProblem]:
 
 
 def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
-    """Yield what is wrong with a triangulation, and what to do about it."""
+    """Yield a description and a remedy for each fault of a triangulation."""
     corners = facets.position_m[facets.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.ptp(corners.reshape(-1, 3), axis=0).max()
@@ -85,15 +84,15 @@ def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
     # edges as pairs of points, as the triangles run through them
     edges = facets.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     _, alike = np.unique(edges, axis=0, return_counts=True)
-    both, sharing = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    pairs, sharing = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     if (sharing > 2).any():
-        middle = np.round(facets.position_m[both[np.argmax(sharing > 2)]].mean(axis=0), 4).tolist()
+        middle = np.round(facets.position_m[pairs[np.argmax(sharing > 2)]].mean(axis=0), 4).tolist()
         what = f"{(sharing > 2).sum()} edges with more than two triangles, the first at {middle}"
         yield what, "remove double or inner triangles"
     elif (alike > 1).any():
         yield "neighbouring triangles are oriented against each other", "orient all alike"
     elif (sharing == 2).all() and np.linalg.det(corners - corners.reshape(-1, 3).mean(axis=0)).sum() < 0:
-        # six times its volume, by the divergence theorem
+        # the sum is six times the enclosed volume, by the divergence theorem
         yield "a closed surface whose normals point inwards", "turn its triangles over"
     against = np.einsum("ij,ij->i", normal, facets.normal) < 0
     if against.any():
@@ -101,7 +100,7 @@ def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
 
 
 def _outside(case: Case, position_m: Array) -> str:
-    """Return how far points reach outside the domain, in words; empty if they do not."""
+    """Return a text about how far points reach out of the domain; empty if all are inside."""
     low, high = np.array(case.domain_m)
     beyond = np.maximum(low - position_m, position_m - high).max(axis=0)
     if beyond.max() <= 0:
@@ -114,8 +113,10 @@ ALLOWED = 1e-6  # overlap over diameter that counts as touching
 
 
 def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """Particles must be inside the domain, apart from each other, and clear of surfaces.  Slack panels
-    are looked at in ``in_hanging_panels``: how they hang only their solvers know."""
+    """Check that particles are inside the domain, apart from each other, and clear of surfaces.
+
+    ``hanging_panels`` checks slack panels, because only their solvers know how they hang.
+    """
     try:
         particles = initial_particles(case, material_numbers(case))
     except NoRoom as full:
@@ -127,24 +128,24 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     beyond = ((particles.position_m < low) | (particles.position_m > high)).any(axis=1)
     outside = np.flatnonzero(beyond)
     if len(outside):
-        key, name = _named(case, outside[0])
+        key, name = _describe_particle(case, outside[0])
         place = np.round(particles.position_m[outside[0]], 4).tolist()
-        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_more(outside)}")
+        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}")
     yield from _overlapping(case, particles)
     for name, corners_m in _surfaces(case, folder):
         yield from _in_surface(case, particles, name, corners_m)
 
 
 def feeds_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """No surface may reach into the box of a feed: what appeared there would be inside it."""
+    """Check that no surface reaches into the box of a feed, where particles would appear inside it."""
     for name, corners_m in _surfaces(case, folder) if case.bed.feeds else ():
         yield from _in_feed_box(case, name, corners_m)
 
 
-def beyond_surfaces(
+def surface_penetrations(
     case: Case, penetrations: Penetrations, surface: TriangleSurface
 ) -> Iterator[CaseProblem]:
-    """No panel may hang through a surface or another panel where the monitor would stop the run."""
+    """Check that no panel hangs through another surface so far that the monitor would stop the run."""
     deepest = penetrations.deepest(surface.position_m)
     if deepest is None or case.monitor.penetrated_surfaces != "stop":
         return
@@ -156,10 +157,10 @@ def beyond_surfaces(
         yield CaseProblem(("screen", "panels", tables[deepest.panel]), what, hint)
 
 
-def in_hanging_panels(
+def hanging_panels(
     case: Case, surface: TriangleSurface, panel_of_triangle: Indices, particles: ParticleList
 ) -> Iterator[CaseProblem]:
-    """No panel at rest may reach into particles, or boxes of feeds."""
+    """Check that no panel at rest reaches into particles or into boxes of feeds."""
     corners_m = surface.position_m[surface.triangles]
     for number, panel in enumerate(single_panels(case)):
         at_rest = f"panel {panel.name} as it hangs at rest"
@@ -169,17 +170,19 @@ def in_hanging_panels(
 
 
 def _in_surface(case: Case, particles: ParticleList, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
-    """Particles' centres may not be nearer to the triangles (m, 3, 3) than their radius."""
+    """Check that no particle's centre is nearer to the triangles (m, 3, 3) than its radius."""
     depth_m = overlap_m(particles.position_m, particles.diameter_m / 2, corners_m)
     inside = np.flatnonzero(depth_m > ALLOWED * particles.diameter_m)
     if len(inside):
         deepest = inside[np.argmax(depth_m[inside])]
-        key, name = _named(case, deepest)
-        yield CaseProblem(key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_more(inside)}")
+        key, name = _describe_particle(case, deepest)
+        yield CaseProblem(
+            key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_count_of_others(inside)}"
+        )
 
 
 def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
-    """None of the triangles (m, 3, 3) may reach into the box of a feed."""
+    """Check that none of the triangles (m, 3, 3) reaches into the box of a feed."""
     for feed, inlet in inlets(case, material_numbers(case)).items():
         low, high = inlet.box_m
         rim_m = ALLOWED * (high - low)  # a box may stand against a wall
@@ -188,8 +191,10 @@ def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CasePro
 
 
 def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
-    """Yield panels that are not slack, straight between their clamps, and rigid surfaces: by name,
-    their triangles (m, 3, 3) in the world."""
+    """Yield the names and the triangles (m, 3, 3), in world axes, of taut panels and rigid surfaces.
+
+    Taut panels are straight between their clamps.
+    """
     for panel in single_panels(case):
         if panel.rectangle.span_m >= panel.rectangle.length_m:
             flat = grid(panel.rectangle, (1, 1))
@@ -199,7 +204,7 @@ def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
 
 
 def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
-    """Pairs may not be nearer than the sum of their radii; found by a k-d tree."""
+    """Check with a k-d tree that no two particles are nearer than the sum of their radii."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(particles.position_m)
@@ -209,18 +214,18 @@ def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
     pairs = np.flatnonzero(distance_m < radii_m * (1 - ALLOWED))
     if len(pairs):
         deepest = pairs[np.argmax((radii_m - distance_m)[pairs])]
-        key, name = _named(case, one[deepest])
-        other = _named(case, two[deepest])[1]
+        key, name = _describe_particle(case, one[deepest])
+        other = _describe_particle(case, two[deepest])[1]
         depth_m = (radii_m - distance_m)[deepest]
-        yield CaseProblem(key, f"{name} overlaps {other} by {depth_m:.3g} m{_more(pairs)}")
+        yield CaseProblem(key, f"{name} overlaps {other} by {depth_m:.3g} m{_count_of_others(pairs)}")
 
 
-def _more(numbers: Indices) -> str:
+def _count_of_others(numbers: Indices) -> str:
     return f" ({len(numbers) - 1} more)" if len(numbers) > 1 else ""
 
 
-def _named(case: Case, number: int) -> tuple[Key, str]:
-    """Return the key that puts particle ``number`` (from 0) where it is, and what to call it."""
+def _describe_particle(case: Case, number: int) -> tuple[Key, str]:
+    """Return the key that places particle ``number`` (from 0), and the particle's name for messages."""
     singles = list(case.bed.particles)
     if number < len(singles):
         return ("bed", "particles", singles[number], "position_m"), f'"{singles[number]}"'

@@ -1,5 +1,5 @@
-"""One file for each effect that a scene may call for (docs/theory/effects.md).
+"""The effects that a scene may call for, one in each file (docs/theory/effects.md).
 
-The file's name is the effect's, and its ``EFFECT`` is all there is to say of it;
-``judgement/catalogue.py`` finds them.
+The name of a file is the name of its effect, and ``EFFECT`` defines it.  ``judgement/catalogue.py``
+collects the effects.
 """

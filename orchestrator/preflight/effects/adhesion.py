@@ -1,5 +1,8 @@
-"""Adhesion matters where JKR's pull-off force of the smallest particles over their weight (the Bond
-number) is not small against what pulls them apart, their weight and the throw."""
+"""Adhesion of particles.
+
+It matters if JKR's pull-off force of the smallest particles is not small against the forces that pull
+them apart.  The Bond number is the pull-off force over the weight; weight and throw pull apart.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +30,10 @@ def judge(scene: Scene) -> Verdict:
 
 
 def _pulls(case: Case) -> Iterator[tuple[float, float]]:
-    """Yield the pull-off force over weight for a work of adhesion of 1 J/m2, and the work, of the
-    smallest real particles of each pair that can meet, whatever coarse ones the case computes."""
+    """Yield the pull-off force over the weight at 1 J/m2, and the work of adhesion, of each pair that meets.
+
+    Both are those of the smallest real particles, even if the case computes coarse ones.
+    """
     k = case.particles.coarse_graining
     radius_m = {name: d / 2 / k for name, d in smallest_diameters_m(case).items()}
     for row in case.contacts:

@@ -1,5 +1,8 @@
-"""Openings matter where the smallest particles pass, or by what they take of the panel's mass and of
-its stiffness, by which the stroke changes."""
+"""Openings of the panels.
+
+They matter if the smallest particles pass them, if they take away much of the panel's mass, or if
+they change the stroke by taking away stiffness.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ COST = "thousands of triangles for the particles"
 BY_MASS = "0.1 (of the panel's mass)"
 
 Share = Callable[[AperturePattern | None, Rectangle], float]
-"""The share of a panel's stiffness that its openings leave."""
+"""Function that returns the share of a panel's stiffness that its openings leave."""
 
 
 def judge(scene: Scene) -> Verdict:
@@ -40,23 +43,27 @@ def judge(scene: Scene) -> Verdict:
 
 
 def _changes_of_stroke(scene: Scene) -> tuple[float, float, str]:
-    """Return the relative changes of the stroke by leaving out the openings, the least and the most
-    that bounds of the panels' stiffness give, and words about them."""
+    """Return the least and the largest relative change of the stroke without openings, and a text.
+
+    Both follow from bounds of the panels' stiffness.
+    """
     low_m, high_m = sorted(_stroke_m(scene, share) for share in (stiffness_share, softest_share))
     closed_m = _stroke_m(scene, lambda pattern, rectangle: 1.0)
-    least, most = sorted(abs(closed_m / one_m - 1) if one_m else 0.0 for one_m in (low_m, high_m))
+    least, most = sorted(abs(closed_m / open_m - 1) if open_m else 0.0 for open_m in (low_m, high_m))
     strokes = f"{closed_m * 1e3:.3g} instead of {low_m * 1e3:.3g} to {high_m * 1e3:.3g} mm"
     return least, most, f"without them the stroke would be {strokes}"
 
 
 def _stroke_m(scene: Scene, share: Share) -> float:
-    """Return the stroke with another share of the stiffness than the springs of the scene have: all
-    of it in a run without openings."""
+    """Return the stroke if openings leave another share of the panels' stiffness.
+
+    The springs of a scene have the share of ``stiffness_share``, or 1 after a run without openings.
+    """
     springs = []
     for panel, spring in zip(scene.panels, scene.springs, strict=True):
         pattern, rectangle = panel.panel.apertures, panel.panel.rectangle
-        there = 1.0 if scene.observed.closed else stiffness_share(pattern, rectangle)
-        stiffness_N_per_m = spring.stiffness_N_per_m * float(share(pattern, rectangle) / there)
+        present_share = 1.0 if scene.observed.closed else stiffness_share(pattern, rectangle)
+        stiffness_N_per_m = spring.stiffness_N_per_m * float(share(pattern, rectangle) / present_share)
         springs.append(replace(spring, stiffness_N_per_m=stiffness_N_per_m))
     return largest_stroke_m(scene, solve_shakings(scene.plan, springs))
 

@@ -1,4 +1,4 @@
-"""Panels come to lie on beams below them where they sag by more than the gap above a beam."""
+"""Contact of panels with beams below them, which they touch if they sag by more than the gap."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def judge(scene: Scene) -> Verdict:
 
 
 def _sag_over_gaps(panel: MovedPanel) -> list[float]:
-    """Return the height of a sine arch over the middle of each stop, over the stop's gap."""
+    """Return the height of the panel's sine arch over each stop's middle, divided by the stop's gap."""
     table = panel.panel.table
     return [
         panel.sag_m * math.sin(math.pi * (stop.from_m + stop.to_m) / 2 / table.length_m) / stop.gap_m

@@ -1,4 +1,4 @@
-"""Damping in the bushings matters where the stroke changes without it."""
+"""Damping in the bushings, which matters if the stroke changes without it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict,
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames, solve_shakings
 
-RUBBER = 0.1  # loss factor taken where no damping is given (docs/theory/machine.md)
+RUBBER = 0.1  # loss factor of rubber, assumed if no damping is given (docs/theory/machine.md)
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without bushings on free frames."""
+    """Return the verdict on the change of the stroke; None without bushings or free frames."""
     if not scene.plan.bushings or not free_frames(scene.plan):
         return None
     given = any(bushing.damping_N_s_per_m.any() for bushing in scene.plan.bushings)
@@ -30,7 +30,7 @@ def overlay(case: Case) -> Overlay:
     return overlay_of_rows("screen.bushings", case.screen.bushings, {"damping_N_s_per_m": [0.0, 0.0, 0.0]})
 
 
-def describe_damping(case: Case) -> bool:
+def describes_damping(case: Case) -> bool:
     damped = any(any(row.damping_N_s_per_m) for row in case.screen.bushings.values())
     return damped and has_moved_by_forces(case)
 
@@ -38,7 +38,7 @@ def describe_damping(case: Case) -> bool:
 EFFECT = Effect(
     part="frames",
     judge=judge,
-    described=describe_damping,
+    described=describes_damping,
     overlay=overlay,
     needs=("frame-dynamics",),
     key="screen.bushings.<name>.damping_N_s_per_m",

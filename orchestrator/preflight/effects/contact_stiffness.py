@@ -1,4 +1,4 @@
-"""Contacts are as stiff as the materials; softened ones must not let particles through."""
+"""Contacts as stiff as the materials; softened contacts must not let particles through panels."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
 LARGEST_OVERLAP = 1 / 3
-"""Of the radius.  Results of loaded cases were found to differ by 0.3 % from 1e6 to 1e8 Pa, which
-for cases/ffs0827-slice are estimated overlaps of 0.30 to 0.05.  Overlaps in runs are up to 1.5
-times as large as estimated, so that from here on a particle's centre may come within half a radius
-of a panel, through which it passes at 1."""
+"""Largest overlap over the radius.
+
+Results of loaded cases differ by 0.3 % between 1e6 and 1e8 Pa; the estimated overlaps of
+cases/ffs0827-slice are then 0.30 and 0.05.  Overlaps in runs are up to 1.5 times as large as estimated.
+Above the limit, a particle's centre may therefore come within half a radius of a panel; at an overlap
+of 1 it passes through."""
 
 
 def judge(scene: Scene) -> Verdict:

@@ -1,4 +1,4 @@
-"""A feed replaces a share of the bed in the run, by which it matters."""
+"""Feeds, which matter by the share of the bed that they replace in the run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without particles."""
+    """Return the verdict on the passage of the bed; None without particles."""
     if not has_particles(scene.case):
         return None
     verdict = compare_passage(scene, cost="a deck that fills for as long as material stays on it")

@@ -1,4 +1,7 @@
-"""Free frames move as forces make them, driven ones as told: there is nothing to estimate."""
+"""Motion of frames by forces.
+
+Forces move free frames, and drives prescribe the motion of the others, so nothing is estimated.
+"""
 
 from __future__ import annotations
 
@@ -28,6 +31,6 @@ EFFECT = Effect(
     part="frames",
     judge=judge,
     described=has_moved_by_forces,
-    overlay=lambda case: {"frames": {"solver": solvers.without("frames", "frame-dynamics")}},
+    overlay=lambda case: {"frames": {"solver": solvers.name_without("frames", "frame-dynamics")}},
     key="frames.solver",
 )

@@ -1,4 +1,4 @@
-"""Frames move the panels' clamps, which matters by what that throws, over its weight."""
+"""Motion of the panels' clamps with the frames, which matters by the throw intensity."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without frames or panels."""
+    """Return the verdict on the throw; None without frames or panels."""
     if not scene.panels or not scene.plan.bodies:
         return None
     verdict = compare_throw(

@@ -1,4 +1,4 @@
-"""Frames rotate, which moves their outermost clamps against the translation of the frame."""
+"""Rotation of frames, which matters by the motion of a frame's outermost clamp over its translation."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without free frames, or where nothing shakes."""
+    """Return the verdict on the motion by rotation; None without free frames, or if nothing shakes."""
     number, cost = "rotation x lever / translation", "0.2 ms per sync interval, 0.1 ms without"
     return compare_outermost(scene, scene.observed.rotation, motion_by_rotation, number, cost)
 
 
 def overlay(case: Case) -> Overlay:
-    """Return another solver; frames that only translate have no drives."""
+    """Return the key of a solver whose frames only translate; empty with drives, which it does not know."""
     frames = case.screen.frames.values()
     driven = any(frame.drive or frame.mass_kg is None for frame in frames)
-    return {} if driven else {"frames": {"solver": solvers.without("frames", "frame-rotation")}}
+    return {} if driven else {"frames": {"solver": solvers.name_without("frames", "frame-rotation")}}
 
 
 EFFECT = Effect(

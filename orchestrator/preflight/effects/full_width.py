@@ -1,4 +1,4 @@
-"""A slice stands for the whole width of the machine if it is wide against the largest particle."""
+"""The full width of the machine, for which a slice can stand if it is wide against the particles."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without a slice."""
+    """Return the verdict on the width over the largest diameter; None without a slice or particles."""
     part = scene.case.slice
     if part is None or not has_particles(scene.case):
         return None

@@ -1,5 +1,7 @@
-"""Gravity matters always, but for frames that are driven and nothing else; the number says how it
-compares."""
+"""Gravity, which always matters, except in a case of driven frames alone.
+
+The number compares it with the throw.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""A panel's material at large strain has Mooney-Rivlin's stress, which is compared with the linear
-law's where the panel is most taut."""
+"""Mooney-Rivlin's stress of the panels at large strain.
+
+It is compared with the stress of the linear law when the panel is most taut.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ from orchestrator.preflight.scene.scene import Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
-    panel = max(scene.panels, key=lambda one: one.strain)
+    panel = max(scene.panels, key=lambda panel: panel.strain)
     return compare(
         "Mooney-Rivlin / linear stress - 1",
         abs(mooney_ratio(panel.material, panel.strain) - 1),

@@ -1,4 +1,4 @@
-"""Deflections stretch a panel where it sags by as much as it is thick."""
+"""Stretching of panels by large deflections, which matters if they sag by a share of their thickness."""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
-"""Motors lag behind under load: the mean lag changes the stroke, and a load too large for them keeps
-them from getting past the resonances on their way up."""
+"""Slip of motors under load.
+
+The mean slip changes the stroke, and a load that is too large for a motor keeps it from passing the
+resonances during the run-up.
+"""
 
 from __future__ import annotations
 
@@ -16,18 +19,18 @@ from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import Shaking, exciter_N, solve_shakings
 
 COST = "half a millisecond per step of the frames"
-SPEEDS = 200  # at which a resonance on the way up is looked for
-ENOUGH = 1 / 3  # of the motor's torque: what surely lets it pass
+SPEEDS = 200  # number of speeds at which a resonance during the run-up is searched
+ENOUGH = 1 / 3  # share of the motor's torque below which the load surely lets it pass
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without motors, or without forces on the frames."""
-    exciters, turned = scene.plan.exciters, scene.observed.turned
+    """Return the verdict on the change of the stroke or on the torque; None without motors."""
+    exciters, exciter_load = scene.plan.exciters, scene.observed.exciter_load
     motors = [(exciter, exciter.motor) for exciter in exciters if exciter.motor is not None]
     if not motors:
         return None
-    slip, share = max(_slip(scene, *one) for one in motors)
-    slower = tuple(replace(one, speed_rad_per_s=(1 - slip) * one.speed_rad_per_s) for one in exciters)
+    slip, share = max(_slip(scene, exciter, motor) for exciter, motor in motors)
+    slower = tuple(replace(row, speed_rad_per_s=(1 - slip) * row.speed_rad_per_s) for row in exciters)
     now_m = largest_stroke_m(scene, scene.shaken)
     then = solve_shakings(replace(scene.plan, exciters=slower), scene.springs)
     change = abs(largest_stroke_m(scene, then) / now_m - 1) if now_m else 0.0
@@ -35,10 +38,10 @@ def judge(scene: Scene) -> Verdict | None:
     slipping = compare("change of the stroke by slip", change, why, cost=COST)
     if share > 1.0:
         slipping = replace(slipping, matters=True)
-    torque_share, at_rad_per_s = max(_torque_share(scene, *one) for one in motors)
+    torque_share, at_rad_per_s = max(_torque_share(scene, exciter, motor) for exciter, motor in motors)
     if slipping.matters or torque_share <= ENOUGH:
         return slipping
-    takes = "took" if turned is not None else "takes, if it stays there,"
+    takes = "took" if exciter_load is not None else "takes, if it stays there,"
     passing = (
         f"at {at_rad_per_s:.3g} rad/s, on its way up, the machine {takes} {torque_share:.2g} of the torque "
         "that the motor has"
@@ -54,42 +57,41 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def _slip(scene: Scene, exciter: ExciterPlan, motor: MotorPlan) -> tuple[float, float]:
-    """Return the mean slip, in proportion to the mean power, and that power over the rated one."""
-    power_W = sum(_power_W(exciter, one) for one in scene.shaken)
-    if scene.observed.turned is not None:
-        power_W = scene.observed.turned.power_W
+    """Return the mean slip and the mean power over the rated power, to which the slip is proportional."""
+    power_W = sum(_power_W(exciter, shaking) for shaking in scene.shaken)
+    if scene.observed.exciter_load is not None:
+        power_W = scene.observed.exciter_load.power_W
     power_W += motor.bearing_N_m_s * exciter.speed_rad_per_s**2
     share = power_W / motor.rated_power_W
     return motor.rated_slip * share, share
 
 
 def _torque_share(scene: Scene, exciter: ExciterPlan, motor: MotorPlan) -> tuple[float, float]:
-    """Return the largest share that the machine takes of the torque that the motor has, at any speed
-    below its own, and that speed.
+    """Return the largest share of the motor's torque that the machine takes during the run-up, and the speed.
 
-    A machine that is slow to pass a resonance takes the steady motion's power there: an upper bound
-    (Sommerfeld's effect; Kononenko, V. O., Vibrating Systems with a Limited Power Supply, 1969).  The
-    motor has its breakdown torque at most, and what is left of it where the supply is at its full
-    speed already."""
+    A machine that passes a resonance slowly takes the power of the steady motion there, which is an
+    upper bound (Sommerfeld's effect; Kononenko, V. O., Vibrating Systems with a Limited Power Supply,
+    1969).  The motor has the torque that its curve gives while the supply is at full speed.
+    """
 
-    def left_N_m(speed_rad_per_s: float) -> float:
+    def available_N_m(speed_rad_per_s: float) -> float:
         return float(motor_torque_N_m(motor, np.array(motor.synchronous_rad_per_s - speed_rad_per_s)))
 
     shares = []
     for speed_rad_per_s in (np.linspace(0.1, 0.95, SPEEDS) * exciter.speed_rad_per_s).tolist():
         slow = replace(exciter, speed_rad_per_s=speed_rad_per_s)
         shaken = solve_shakings(replace(scene.plan, exciters=(slow,)), scene.springs)
-        taken_N_m = sum(_power_W(slow, one) for one in shaken) / speed_rad_per_s
-        taken_N_m += motor.bearing_N_m_s * speed_rad_per_s
-        shares.append((taken_N_m / left_N_m(speed_rad_per_s), speed_rad_per_s))
+        load_N_m = sum(_power_W(slow, shaking) for shaking in shaken) / speed_rad_per_s
+        load_N_m += motor.bearing_N_m_s * speed_rad_per_s
+        shares.append((load_N_m / available_N_m(speed_rad_per_s), speed_rad_per_s))
     most, at_rad_per_s = max(shares)
-    if scene.observed.turned is not None:
-        most = scene.observed.turned.largest_N_m / left_N_m(at_rad_per_s)
+    if scene.observed.exciter_load is not None:
+        most = scene.observed.exciter_load.largest_N_m / available_N_m(at_rad_per_s)
     return most, at_rad_per_s
 
 
 def _power_W(exciter: ExciterPlan, shaking: Shaking) -> float:
-    """Return the mean power of an exciter's force on the frame's motion at its own speed."""
+    """Return the mean power of an exciter's force in the frame's motion at the exciter's own speed."""
     if shaking.speed_rad_per_s != exciter.speed_rad_per_s:
         return 0.0
     velocity_m_per_s = 1j * exciter.speed_rad_per_s * shaking.amplitude_m[exciter.body]
@@ -108,6 +110,6 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("frame-dynamics",),
     key="screen.exciters.<name>.motor",
-    checked_by="turned",
+    checked_by="exciter_load",
     saves=True,
 )

@@ -1,5 +1,7 @@
-"""Damping in the panels' material takes a share of the energy stored in each cycle, 2 pi times the
-loss factor."""
+"""Damping in the panels' material.
+
+In each cycle, it takes a share of the stored energy that is 2 pi times the loss factor.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 NUMBER = "energy lost / stored, per cycle", "0.1 (loss factor 0.016)"
 COST = "hardly anything if nothing varies across, else an eighth to a quarter of the panels' time"
-HARMONICS = 20  # of the excitation: to some hundred Hz
+HARMONICS = 20  # multiples of the excitation's frequency that count, up to some hundred Hz
 
 
 def judge(scene: Scene) -> Verdict:
@@ -28,10 +30,10 @@ def judge(scene: Scene) -> Verdict:
     if not any(panel.material.branches for panel in scene.panels):
         unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"
         return compare(number, None, unknown, threshold, cost=COST)
-    speed, where = scene.speed_rad_per_s, "the excitation's frequency"
-    if speed == 0:
-        speed, where = min(panel.frequency_rad_per_s for panel in scene.panels), "its own frequency"
-    factor = max(loss_factor(panel.material, speed) for panel in scene.panels)
+    w, where = scene.speed_rad_per_s, "the excitation's frequency"
+    if w == 0:
+        w, where = min(panel.frequency_rad_per_s for panel in scene.panels), "its own frequency"
+    factor = max(loss_factor(panel.material, w) for panel in scene.panels)
     if scene.observed.loss_factor is not None:
         factor, where = scene.observed.loss_factor, "the frequencies of the panels' pull"
     why = f"loss factor {factor:.2g} at {where}"
@@ -48,8 +50,10 @@ def judge(scene: Scene) -> Verdict:
 
 
 def _lost_at_harmonics(scene: Scene) -> float:
-    """Return the largest loss per cycle at multiples of the excitation of panels that are slack in
-    part of the cycle: their pull is a train of pulses."""
+    """Return the largest loss per cycle at multiples of the excitation's frequency.
+
+    Only panels that are slack in a part of the cycle count, because their pull is a train of pulses.
+    """
     factors = (
         loss_factor(panel.material, number * scene.speed_rad_per_s)
         for panel in scene.panels

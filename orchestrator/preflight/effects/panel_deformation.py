@@ -1,4 +1,4 @@
-"""Panels deform: flat ones would move otherwise in their middles, and change the stroke."""
+"""Deformation of panels; the middles of flat panels would move otherwise, and the stroke would change."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ COST = "little if nothing varies across, else a tenth to a half of the particles
 
 
 def judge(scene: Scene) -> Verdict:
-    """Return the verdict on the largest of three shares: throw of the panels' middles of the frames';
-    what the clamps' motion alone, normal to a panel, makes of its middle; and what becomes of the
-    stroke, as flat panels do not pull."""
+    """Return the verdict on the largest of three numbers.
+
+    They are the throw of the panels' middles over the throw of the frames, the response of a panel's
+    middle to its clamps' normal motion, and the change of the stroke, because flat panels do not pull.
+    """
     change, pulling = change_of_stroke(scene, solve_shakings(scene.plan), "flat panels do not pull: then")
     shares = _slackening(scene), _answering(scene), ("change of the stroke", abs(change), pulling)
     number, ratio, why = max(shares, key=lambda share: share[1])
@@ -32,7 +34,7 @@ def judge(scene: Scene) -> Verdict:
 
 
 def _slackening(scene: Scene) -> tuple[str, float, str]:
-    """Return the share of the arches of panels that are slack in part of the cycle."""
+    """Return the name, value and text of the number for panels that are slack in a part of the cycle."""
     throw, rigid = scene.panels_throw, scene.frames_throw
     ratio = throw / rigid if rigid else math.inf if throw else 0.0
     why = f"panels' middles are thrown with {throw:.2g} g, frames with {rigid:.2g} g"
@@ -40,10 +42,10 @@ def _slackening(scene: Scene) -> tuple[str, float, str]:
 
 
 def _answering(scene: Scene) -> tuple[str, float, str]:
-    """Return the share of the panel nearest to its resonance."""
+    """Return the name, value and text of the number for the panel that is closest to its resonance."""
     ratio, lowest = max(
-        (clamp_response(scene.speed_rad_per_s / one.frequency_rad_per_s), one.frequency_rad_per_s)
-        for one in scene.panels
+        (clamp_response(scene.speed_rad_per_s / panel.frequency_rad_per_s), panel.frequency_rad_per_s)
+        for panel in scene.panels
     )
     why = f"panels with {lowest:.3g} rad/s of their own answer a shaking of {scene.speed_rad_per_s:.3g}"
     return "answer of the middle / of the clamps", ratio, why
@@ -52,7 +54,7 @@ def _answering(scene: Scene) -> tuple[str, float, str]:
 EFFECT = Effect(
     part="panels",
     judge=judge,
-    overlay=lambda case: {"panel": {"solver": solvers.without("panel", "panel-deformation")}},
+    overlay=lambda case: {"panel": {"solver": solvers.name_without("panel", "panel-deformation")}},
     key="panel.solver",
     checked_by="frames_throw",
     saves=True,

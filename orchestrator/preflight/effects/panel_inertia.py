@@ -1,4 +1,4 @@
-"""Panels' inertia matters by the square of the excitation's frequency over the panel's lowest."""
+"""Inertia of the panels, which matters by the square of the excitation's frequency over their lowest one."""
 
 from __future__ import annotations
 

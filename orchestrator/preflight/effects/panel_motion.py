@@ -1,4 +1,4 @@
-"""The surface moves under the particles, which matters by what throws them, over their weight."""
+"""Motion of the surface under the particles, which matters by the throw intensity."""
 
 from __future__ import annotations
 

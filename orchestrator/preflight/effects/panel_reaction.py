@@ -1,5 +1,8 @@
-"""Panels push the frames: their stiffness along the deck is compared with that of the bushings
-between the same frames, and the stroke with the one without panels."""
+"""Reaction of the panels on the frames.
+
+The panels' stiffness along the deck is compared with the bushings' stiffness between the same frames,
+and the stroke with the stroke without panels.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from orchestrator.preflight.scene.shaking import free_frames, solve_shakings
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without frames."""
+    """Return the verdict on the panels' stiffness and the stroke; None without frames."""
     if not scene.plan.bodies:
         return None
     free = bool(free_frames(scene.plan))
@@ -29,8 +32,10 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def _panels_share(scene: Scene) -> float:
-    """Return the largest share of the pairs of frames that panels join; infinite where nothing else
-    joins one."""
+    """Return the largest ratio of the panels' stiffness to the bushings' of all pairs of frames.
+
+    The ratio is infinite if panels alone join a pair.
+    """
     shares = [0.0]
     pairs = {frozenset(spring.frames) for spring in scene.springs}
     for pair in (pair for pair in pairs if len(pair) == 2):

@@ -1,4 +1,4 @@
-"""Panels move as their clamps and their own state make them, not as they did in an earlier run."""
+"""Response of panels to their clamps and loads, instead of the motion that an earlier run recorded."""
 
 from __future__ import annotations
 

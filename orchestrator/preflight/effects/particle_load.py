@@ -1,4 +1,4 @@
-"""Particles load the panels, which matters by the mass of the bed over that of the panel."""
+"""Load of the particles on the panels, which matters by the mass of the bed over the panel's mass."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without particles."""
+    """Return the verdict on the mass of the bed over the panel's; None without particles."""
     if not has_particles(scene.case):
         return None
     ratio = scene.bed_kg_per_m2 / min(panel.mass_kg_per_m2 for panel in scene.panels)

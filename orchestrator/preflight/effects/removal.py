@@ -1,4 +1,4 @@
-"""Exits take out what has left the deck, which matters by the share of the bed that leaves."""
+"""Removal of material at exits, which matters by the share of the bed that leaves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without particles."""
+    """Return the verdict on the passage of the bed; None without particles."""
     return compare_passage(scene, cost="nothing") if has_particles(scene.case) else None
 
 

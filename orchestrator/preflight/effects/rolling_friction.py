@@ -1,4 +1,4 @@
-"""Rolling friction slows down a sphere, which rolls down with 5/7 g (sin - mu_r cos)."""
+"""Rolling friction, with which a sphere rolls down a slope with 5/7 g (sin - mu_r cos)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The machine runs up: in N cycles, that adds up to 1/(2 N) of the acceleration."""
+"""Run-up of the machine, which in N cycles increases accelerations by up to the share 1/(2 N)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CYCLES = 5.0
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None where nothing shakes."""
+    """Return the verdict on the cycles of the run-up; None if nothing shakes."""
     cycles = _cycles(scene.case)
     if cycles is None:
         return None
@@ -32,7 +32,7 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def _cycles(case: Case) -> float | None:
-    """Return the fewest cycles of the run-ups of all exciters and drives."""
+    """Return the smallest number of cycles in a run-up of an exciter or a drive; None without any."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
     cycles = [row.run_up_s * row.speed_rad_per_s / (2 * math.pi) for row in drives]
     cycles += [row.run_up_s * row.speed_rad_per_s / (2 * math.pi) for row in case.screen.exciters.values()]

@@ -1,5 +1,7 @@
-"""Frames leave the vertical plane: they move across, roll and yaw, which moves their outermost clamps
-against the translation of the frame."""
+"""Motion of frames out of the vertical plane, across, in roll and in yaw.
+
+It matters by the motion of a frame's outermost clamp over the frame's translation.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without free frames, or where nothing shakes."""
+    """Return the verdict on the motion out of the plane; None without free frames, or if nothing shakes."""
     number = "motion across, by roll and by yaw / translation"
     cost = "0.35 ms per sync interval, 0.2 ms without"
     verdict = compare_outermost(scene, scene.observed.sideways, motion_out_of_plane, number, cost)
@@ -27,10 +29,10 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def overlay(case: Case) -> Overlay:
-    """Return another solver; frames that stay in the plane have no drives that leave it."""
+    """Return the key of a solver whose frames stay in the plane; empty if a drive leaves the plane."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
     leaves = any(d.amplitude_m[1] or d.rotation_rad[0] or d.rotation_rad[2] for d in drives)
-    return {} if leaves else {"frames": {"solver": solvers.without("frames", "sideways-motion")}}
+    return {} if leaves else {"frames": {"solver": solvers.name_without("frames", "sideways-motion")}}
 
 
 EFFECT = Effect(

@@ -1,4 +1,4 @@
-"""Particles stand for themselves; a bed of coarse ones must be several deep."""
+"""Single particles instead of coarse ones; a bed of coarse particles must have several layers."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene, layer_kg_per_m2
 
-FEWEST_LAYERS = 5.0  # of coarse particles: the project's choice
+FEWEST_LAYERS = 5.0  # of coarse particles; the project's own choice
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None where particles are themselves."""
+    """Return the verdict on the layers of coarse particles; None without coarse graining."""
     k = scene.case.particles.coarse_graining
     if k == 1.0:
         return None

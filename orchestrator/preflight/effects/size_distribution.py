@@ -1,4 +1,7 @@
-"""Sizes decide what passes; in a bed, small ones trickle through from a ratio of 6.46."""
+"""Distribution of the particles' sizes, which decides what passes the openings.
+
+In a bed, small particles trickle through the gaps from a ratio of diameters of 6.46.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,12 @@ from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
-PERCOLATION = 1 / (2 / math.sqrt(3) - 1)  # 6.46: through the throat between three touching spheres
+PERCOLATION = 1 / (2 / math.sqrt(3) - 1)  # 6.46: the throat between three touching spheres
 COST = "number of particles with 1/d^3, step with d of the smallest"
 
 
 def judge(scene: Scene) -> Verdict:
-    """Return the verdict on the sizes that there are, or on those of a run's products."""
+    """Return the verdict on the sizes of the particles or, after a run, of its products."""
     products = scene.observed.products
     if products is not None:
         number, threshold = "coarsest / finest product, mean diameter", f"{1 + TENTH:g} (own choice)"

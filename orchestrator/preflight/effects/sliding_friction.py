@@ -1,4 +1,7 @@
-"""Sliding friction takes the share mu / tan of what pulls a body down: it slides with g (sin - mu cos)."""
+"""Sliding friction, which takes the share mu / tan of the pull down a slope.
+
+A body slides with g (sin - mu cos).
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
-    """Return the verdict on the coefficient, or on the force that a run with friction has found."""
+    """Return the verdict on the coefficient or, after a run with friction, on the force of friction."""
     number, friction, bearing = "mu / tan(slope)", _friction(scene.case), scene.observed.bearing
     if bearing is not None and bearing.mobilised is not None:
         number, friction = "friction / weight, along the deck", bearing.mobilised

@@ -1,5 +1,8 @@
-"""Contacts are as stiff as the materials, at openings: a soft particle passes one that is smaller by
-its overlaps with both of its sides, and counts as one that is finer than it is."""
+"""Contacts as stiff as the materials at openings.
+
+A softened particle passes an opening that is smaller by its overlaps with both sides, and so counts
+as finer than it is.
+"""
 
 from __future__ import annotations
 
@@ -20,11 +23,11 @@ from orchestrator.preflight.scene.scene import Scene, bed_parts
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return the verdict on the mass of the particles that pass by overlap alone, over that of those
-    that pass in any case; None without openings.
+    """Return the verdict on the mass that passes only by overlap over the mass that passes anyway.
 
-    Pressed by its weight and the throw, a particle overlaps at least so much; at its impact speed it
-    overlaps at most so much."""
+    A particle overlaps at least as if its weight and the throw pressed it, and at most as in an impact.
+    Return None without openings.
+    """
     if not scene.openings_m:
         return None
     softness, opening_m = compute_softness(scene), max(scene.openings_m)
@@ -47,8 +50,7 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def _pressed_overlap_m(scene: Scene, diameter_m: float) -> float:
-    """Return the overlap of a particle with a panel, of the softest pair, pressed by its weight and
-    the throw."""
+    """Return the overlap with a panel, for the softest pair, by the particle's weight and the throw."""
     case, cap_Pa = scene.case, scene.case.particles.largest_youngs_modulus_Pa
     overlaps_m = [0.0]
     for grain in smallest_diameters_m(case):
@@ -61,8 +63,10 @@ def _pressed_overlap_m(scene: Scene, diameter_m: float) -> float:
 
 
 def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
-    """Return the mass between the opening and what overlaps on both sides make of it, over the mass
-    below; infinite where nothing is finer, 0 where nothing is between."""
+    """Return the mass of particles that pass an opening only by overlap over the mass of finer ones.
+
+    The result is 0 if no particle passes by overlap alone; else it is infinite if none is finer.
+    """
     masses = list(_masses(scene))
     more = sum(kg * _share_between(row, opening_m, opening_m + 2 * overlap_m) for kg, row in masses)
     finer = sum(kg * _share_between(row, 0.0, opening_m) for kg, row in masses)
@@ -72,8 +76,10 @@ def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
 
 
 def _share_between(row: SizeClass, low_m: float, high_m: float) -> float:
-    """Return the share of the mass of a class between two diameters, where its own are evenly
-    spread; single ones are all or nothing."""
+    """Return the share of a class's mass between two diameters, with evenly spread diameters.
+
+    A class with one diameter is inside or outside as a whole.
+    """
     if row.largest_m <= row.smallest_m:
         return 1.0 if low_m <= row.smallest_m < high_m else 0.0
     low, high = (min(max(limit, row.smallest_m), row.largest_m) for limit in (low_m, high_m))
@@ -81,7 +87,7 @@ def _share_between(row: SizeClass, low_m: float, high_m: float) -> float:
 
 
 def _masses(scene: Scene) -> Iterator[tuple[float, SizeClass]]:
-    """Yield the mass in kg of every class, of real particles."""
+    """Yield the mass in kg of every size class, with the diameters of real particles."""
     case, k = scene.case, scene.case.particles.coarse_graining
     for mass_kg, rows in bed_parts(case, lambda feed: feed.rate_kg_per_s * case.duration_s):
         for row in rows:

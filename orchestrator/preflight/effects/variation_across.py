@@ -1,4 +1,7 @@
-"""Panels vary across where they are wide against their length, as clamps hinder their contraction."""
+"""Variation of the panels across their width.
+
+It matters if panels are wide against their length, because the clamps hinder their contraction.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +11,15 @@ from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
 WIDE = 1.0
-"""A panel that nothing varies across is off by 2 and 9 % at width / length 0.15 and 1.2
-(docs/theory/panel_strip.md)."""
+"""Width over length above which it matters.  A panel without variation across is wrong by 2 and 9 % at
+0.15 and 1.2 (docs/theory/panel_strip.md)."""
 
 
 def judge(scene: Scene) -> Verdict:
     aspect = max(panel.panel.rectangle.width_m / panel.length_m for panel in scene.panels)
     why = "particles spread unevenly across, and corners, are not in this number"
     if scene.case.slice is not None:
-        rows = scene.case.whole.screen.panels.values()
+        rows = scene.case.whole_machine.screen.panels.values()
         whole = max(row.width_m / row.length_m for row in rows)
         why = f"of the slice; the whole machine's panels have {whole:.2g}"
     return Verdict(
@@ -30,10 +33,10 @@ def judge(scene: Scene) -> Verdict:
 
 
 def overlay(case: Case) -> Overlay:
-    """Return a solver without it, with its own step; it has at least two cells along."""
+    """Return the keys of a solver without the variation, with its own step; empty with one cell along."""
     if case.panel.cells[0] < 2:
         return {}
-    uniform = solvers.without("panel", "variation-across")
+    uniform = solvers.name_without("panel", "variation-across")
     return {"panel": {"solver": uniform, "integrator": "explicit", "step_s": 0.0}}
 
 

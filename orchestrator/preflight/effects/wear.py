@@ -1,5 +1,8 @@
-"""Wear rubs off a share of a panel's thickness in a thousand hours, at most (the bed lies on the panel
-all the time, and slides as fast as the frames shake and it is carried)."""
+"""Wear of the panels, which matters by the largest share of the thickness lost in a thousand hours.
+
+The estimate assumes that the bed always lies on the panel, and slides as fast as the frames shake plus
+its own speed along the deck.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ HARSHEST_M3_PER_N_M = 1e-10  # a polyurethane on abrasive paper: docs/theory/wea
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return None without panels."""
+    """Return the verdict on the share of the thickness that wears off; None without panels."""
     if not scene.panels:
         return None
     rate_m3_per_N_m = max((row.specific_wear_m3_per_N_m for row in contacts_on_deck(scene.case)), default=0.0)
@@ -37,10 +40,10 @@ def _worn_share(scene: Scene, rate_m3_per_N_m: float) -> float:
 
 
 def _sliding_m_per_s(scene: Scene) -> float:
-    """Return the mean speed of the fastest frame along the deck plus that of the material."""
+    """Return the mean speed of the fastest frame along the deck plus the speed of the material."""
     along = axes(scene.case)[:, 0]
     shaking_m_per_s = (
-        sum(one.speed_rad_per_s * abs(one.amplitude_m[body.name] @ along) for one in scene.shaken)
+        sum(row.speed_rad_per_s * abs(row.amplitude_m[body.name] @ along) for row in scene.shaken)
         for body in scene.plan.bodies
     )
     return 2 / math.pi * float(max(shaking_m_per_s, default=0.0)) + scene.transport_m_per_s

@@ -1,1 +1,1 @@
-"""Which effects matter in a case: the catalogue of them, and their verdicts weighed together."""
+"""The judgement of effects in a case: their catalogue, and their verdicts weighed together."""

@@ -1,4 +1,4 @@
-"""What is said of the effects of a run: before it from the case, after it from what it recorded."""
+"""The account of a run's effects: before the run from the case, and after it from the records."""
 
 from __future__ import annotations
 
@@ -15,8 +15,11 @@ from orchestrator.preflight.scene.effect import Verdict, describe_verdict
 
 @dataclass(frozen=True)
 class Entry:
-    """What is said of one effect: ``left_out`` says why it is ("": it is not); ``before`` is None where
-    nothing can be said of it, ``after`` where the run does not tell."""
+    """The account of one effect.
+
+    ``left_out`` is the reason why the effect is left out, "" if it is not.  ``before`` is None if the
+    case allows no verdict, and ``after`` is None if the run does not tell.
+    """
 
     left_out: str
     present: bool
@@ -24,8 +27,8 @@ class Entry:
     after: Verdict | None = None
 
     @property
-    def crossed(self) -> bool:
-        """Whether the run says otherwise than the estimate; what two runs measured stands."""
+    def is_crossed(self) -> bool:
+        """Whether the run contradicts the estimate; it cannot contradict what two runs have measured."""
         if self.before is None or self.after is None or self.before.measured:
             return False
         return {self.before.matters, self.after.matters} == {True, False}
@@ -37,7 +40,7 @@ class Entry:
             "present": self.present,
             "before": _figures(self.before),
             "after": _figures(self.after),
-            "crossed": self.crossed,
+            "crossed": self.is_crossed,
         }
 
 
@@ -47,8 +50,12 @@ def account(
     pairs: Mapping[str, Pair] | None = None,
     asked: Sequence[str] = (),
 ) -> dict[str, Entry]:
-    """Return the entries of all effects, from the case with all that it describes, and those left out
-    of it.  ``pairs`` of runs with and without an effect say what results ``asked`` for they change."""
+    """Return the entries of all effects by name.
+
+    ``described`` is the case with all that it describes, and ``left_out`` maps the effects that are
+    left out of it to the reasons.  ``pairs`` of runs with and without an effect tell how it changes the
+    results ``asked`` for.
+    """
     entries = {}
     for name, judged in weigh_effects(described, pairs, asked).items():
         why = left_out.get(name, "")
@@ -56,8 +63,8 @@ def account(
     return entries | {name: Entry(why, False) for name, why in left_out.items() if name not in entries}
 
 
-def at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
-    """Yield lines about what is left out, and why."""
+def lines_at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
+    """Yield a line for each effect that is left out, with the reason and the estimate."""
     for name, entry in entries.items():
         if entry.left_out:
             estimate = ""
@@ -66,9 +73,11 @@ def at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
             yield f"left out: {name}: {entry.left_out}{estimate}"
 
 
-def at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
-    """Yield the deciding numbers again of what was left out, where the run has them, and warnings
-    where they are on the other side of their thresholds."""
+def lines_at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
+    """Yield the deciding numbers, by the run, of the effects that were left out.
+
+    Yield a warning as well for each number on the other side of its threshold.
+    """
     for name, entry in entries.items():
         if not entry.left_out or entry.before is None:
             continue
@@ -76,7 +85,7 @@ def at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
             yield f"left out: {name}; the run does not tell what it would have changed"
             continue
         yield f"left out: {name}; by the run {entry.after.in_numbers}"
-        if entry.crossed:
+        if entry.is_crossed:
             yield (
                 f"WARNING: {name}, which is left out, {describe_verdict(entry.after.matters)} by the run; "
                 f"the estimate before it was {entry.before.value_in_words}"

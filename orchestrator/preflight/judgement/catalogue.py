@@ -1,5 +1,8 @@
-"""All effects that there are: every file in ``orchestrator/preflight/effects`` is one, and so is every
-entry point of an installed package in the group ``flipflow.effects``."""
+"""The catalogue of all effects.
+
+Every file in ``orchestrator/preflight/effects`` is an effect, and so is every entry point of an
+installed package in the group ``flipflow.effects``.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from pkgutil import iter_modules
 
-from orchestrator.case.tables.case import Case, absent
+from orchestrator.case.tables.case import Case, missing_features
 from orchestrator.preflight import effects
 from orchestrator.preflight.scene.effect import PARTS, Effect, Part, Verdict, has_part
 from orchestrator.preflight.scene.observed import Observed
@@ -17,7 +20,7 @@ from orchestrator.preflight.scene.scene import scene
 
 
 def _find_effects() -> dict[str, Effect]:
-    """Return every effect by its name: those in ``effects``, then those of installed packages."""
+    """Return every effect by its name, first the project's own and then those of installed packages."""
     by_name: dict[str, Effect] = {}
     for module in iter_modules(effects.__path__):
         effect = import_module(f"{effects.__name__}.{module.name}").EFFECT
@@ -32,13 +35,16 @@ def _find_effects() -> dict[str, Effect]:
 
 EFFECTS = _find_effects()
 FLAT = ("frames", "panel", "particles", "exchange")
-"""Tables of the case that have no tables in them: solvers and hand-overs."""
+"""Tables of the case that contain no tables, for solvers and hand-overs."""
 
 
 @dataclass(frozen=True)
 class Judged:
-    """An effect in one scene: ``present`` says whether the case has it, ``can_go`` whether keys of the
-    case can still leave it out."""
+    """An effect judged in one scene.
+
+    ``present`` says whether the case has the effect, and ``can_go`` whether keys of the case can still
+    leave it out.
+    """
 
     effect: str
     part: Part
@@ -48,19 +54,21 @@ class Judged:
     verdict: Verdict
 
     @property
-    def lacking(self) -> bool:
-        """Whether it matters, and the case does not have it."""
+    def is_lacking(self) -> bool:
+        """Whether the effect matters, and the case does not have it."""
         return self.verdict.matters is True and not self.present
 
     @property
-    def spare(self) -> bool:
-        """Whether the case has it, could do without, and a key takes it out."""
+    def is_spare(self) -> bool:
+        """Whether the case has the effect, could do without it, and has a key that leaves it out."""
         return self.verdict.matters is False and self.present and bool(self.key)
 
 
 def judge_effects(case: Case) -> dict[str, Judged]:
-    """Return what is said of each effect, part by part; nothing of particles and panels where there
-    are none.  For a case whose tables fit together (``find_table_problems``)."""
+    """Return the judgements of effects by name, part by part, for a case without problems in its tables.
+
+    Cases without particles or without panels have no judgements of the effects of these.
+    """
     numbers, judged = scene(case), {}
     for name, effect in sorted(EFFECTS.items(), key=lambda item: PARTS.index(item[1].part)):
         verdict = effect.judge(numbers) if has_part(case, effect.part) else None
@@ -71,19 +79,21 @@ def judge_effects(case: Case) -> dict[str, Judged]:
 
 
 def can_leave_out(case: Case, name: str) -> bool:
-    """Return whether keys of the case leave it out that do not do so yet: neither it nor, with another
-    value of the same key, something that it needs."""
+    """Return whether keys of the case can still leave an effect out.
+
+    They cannot if settings leave out the effect already, or another one that it needs.
+    """
     gone = any(why_left_out(case, effect) for effect in (name, *all_needs(name)))
     return bool(EFFECTS[name].overlay(case)) and not gone
 
 
 def find_dispensable(every: Iterable[Judged]) -> list[str]:
-    """Return the effects that may be left out, by keys of the case."""
-    return [one.effect for one in every if one.can_go and one.verdict.matters is False]
+    """Return the names of the effects that may be left out and that keys of the case can leave out."""
+    return [judged.effect for judged in every if judged.can_go and judged.verdict.matters is False]
 
 
 def with_dependents(names: Collection[str], why: str) -> dict[str, str]:
-    """Return these, and all that needs one of them: name -> why."""
+    """Return the reasons why these effects, and all that need one of them, are left out, by name."""
     reasons = dict.fromkeys(names, why)
     for name in EFFECTS:
         if need := next((need for need in all_needs(name) if need in names), None):
@@ -92,41 +102,45 @@ def with_dependents(names: Collection[str], why: str) -> dict[str, str]:
 
 
 def all_needs(name: str) -> Iterator[str]:
-    """Yield all effects without which this is nothing."""
+    """Yield the names of all effects that an effect needs, directly or through others."""
     for need in EFFECTS[name].needs:
         yield need
         yield from all_needs(need)
 
 
 def has_effect(case: Case, name: str) -> bool:
-    """Return whether the case describes it and nothing leaves it out, nor what it needs."""
+    """Return whether the case describes an effect and has it, and has all effects that it needs."""
     effect = EFFECTS[name]
-    there = effect.is_described(case) and not why_left_out(case, name)
-    return there and all(has_effect(case, one) for one in effect.needs)
+    present = effect.is_described(case) and not why_left_out(case, name)
+    return present and all(has_effect(case, need) for need in effect.needs)
 
 
 def find_also_lost(case: Case, name: str) -> list[str]:
-    """Return what else the case loses with an effect although it does not need it: solvers that leave
-    out the one may not know the other."""
+    """Return the effects that the case loses together with an effect although they do not need it.
+
+    A solver that leaves out the one may not know the other.
+    """
     flat = {
         table: getattr(case, table).model_copy(update=dict(keys))
         for table, keys in EFFECTS[name].overlay(case).items()
         if table in FLAT
     }
     without = case.model_copy(update=flat)
-    others = (one for one in EFFECTS if one != name and name not in all_needs(one))
-    return [one for one in others if has_effect(case, one) and not has_effect(without, one)]
+    others = (other for other in EFFECTS if other != name and name not in all_needs(other))
+    return [other for other in others if has_effect(case, other) and not has_effect(without, other)]
 
 
 def find_left_out(case: Case) -> dict[str, str]:
-    """Return what solvers and other settings leave out of this case: name -> why."""
+    """Return the reasons why solvers and other settings leave effects out of a case, by effect."""
     reasons = {name: why_left_out(case, name) for name in EFFECTS}
     return {name: why for name, why in reasons.items() if why}
 
 
 def why_left_out(case: Case, name: str) -> str:
-    """Return why settings leave an effect out, or a solver one that the case describes; "" if none
-    does."""
+    """Return why settings, or a solver, leave out an effect; "" if none does.
+
+    A solver only leaves out effects that the case describes.
+    """
     effect = EFFECTS[name]
     if why := effect.left_out(case):
         return why
@@ -138,8 +152,11 @@ def why_left_out(case: Case, name: str) -> str:
 
 
 def find_left_out_by_level(bare: Case, at_level: Case) -> dict[str, str]:
-    """Return what the level leaves out of the bare case."""
-    before, after = absent(bare) | find_left_out(bare), absent(at_level) | find_left_out(at_level)
+    """Return the reasons why a level leaves effects out of the bare case, by effect."""
+    before, after = (
+        missing_features(bare) | find_left_out(bare),
+        missing_features(at_level) | find_left_out(at_level),
+    )
     reasons = {name: why for name, why in after.items() if name not in before}
     for name, effect in EFFECTS.items():
         if effect.overlay(bare) and effect.is_described(bare) and not effect.described(at_level):

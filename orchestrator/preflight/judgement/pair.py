@@ -1,7 +1,7 @@
-"""A case run with and without an effect: what that changed, and the memory of it.
+"""Pairs of runs of a case with and without an effect, the changes of their results, and their memory.
 
-The memory is a folder in the user's cache, never in the case's: a pair is found again by a
-checksum of all that the case was read from, the effect, and the version of this program.
+The memory is a folder in the user's cache, never in the case's folder.  The key of a pair is a
+checksum of everything that the case was read from, of the effect, and of the version of this program.
 """
 
 from __future__ import annotations
@@ -23,10 +23,13 @@ from orchestrator.preflight.scene.effect import TENTH
 
 @dataclass(frozen=True)
 class Change:
-    """The change of one result: ``with_it`` and ``without`` the effect; ``relative`` is the size of their
-    difference over the value with the effect (infinite where only one run has the result), None
-    where neither run has it or both values are too small to be resolved; ``uncertain`` is half the
-    width of its interval, None where the runs give none."""
+    """The change of one result by an effect.
+
+    ``with_it`` and ``without`` are its values with and without the effect.  ``relative`` is the size of
+    their difference over the value with the effect.  It is infinite if only one run has the result, and
+    None if neither has it or both values are too small to be resolved.  ``uncertain`` is half the width
+    of its confidence interval, None if the runs give none.
+    """
 
     with_it: float | None
     without: float | None
@@ -35,7 +38,7 @@ class Change:
 
     @property
     def matters(self) -> bool | None:
-        """Whether it is more than a tenth; None where there is no change, or chance decides."""
+        """Whether the change is more than a tenth; None if it is unknown, or chance decides."""
         if self.relative is None:
             return None
         chance = self.uncertain or 0.0
@@ -45,7 +48,7 @@ class Change:
 
     @property
     def in_words(self) -> str:
-        """Both values, and what is by chance."""
+        """The two values and the uncertainty as text."""
         values = ("none" if value is None else f"{value:.3g}" for value in (self.with_it, self.without))
         chance = "" if self.uncertain is None else f", +- {100 * self.uncertain:.2g} % by chance"
         return "{} with it, {} without".format(*values) + chance
@@ -53,11 +56,11 @@ class Change:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs of a case at a cheap level, with and without an effect; ``refused`` says why there are
-    none ("": there are).
+    """Two runs of a case at a cheap level, with and without an effect.
 
-    ``summary_with`` and ``summary_without`` are theirs; ``processor_s`` is of both together;
-    ``level`` and ``sets`` say how the case was made cheap, ``limit_s`` what a run was allowed.
+    ``refused`` says why there are no runs, and is "" if there are.  ``level`` and ``sets`` say how the
+    case was made cheap.  ``processor_s`` is the time of both runs together, and ``limit_s`` the allowed
+    time of one.  ``summary_with`` and ``summary_without`` are the summaries of the runs.
     """
 
     effect: str
@@ -70,24 +73,26 @@ class Pair:
     summary_without: Mapping[str, Any] | None = None
 
     def change(self, name: str) -> Change | None:
-        """Return the change of a result by its name (``case/scalars.py``); None without runs."""
+        """Return the change of a result by its name in ``case/scalars.py``; None without runs."""
         if self.summary_with is None or self.summary_without is None:
             return None
         asked = scalar(name)
         return compute_change(asked.of(self.summary_with), asked.of(self.summary_without), asked.floor)
 
     def changes(self, names: Sequence[str]) -> dict[str, Change]:
-        """Return the changes of those results that the runs have, by name."""
-        every = {name: self.change(name) for name in names}
-        return {name: each for name, each in every.items() if each and each.relative is not None}
+        """Return the changes of the named results that the runs have, by name."""
+        changes = {name: self.change(name) for name in names}
+        return {name: change for name, change in changes.items() if change and change.relative is not None}
 
 
 def compute_change(with_it: Value | None, without: Value | None, floor: float) -> Change:
-    """Return the change of a result, which is too small to be resolved below ``floor``; a result that
-    one run alone has has changed by all of it."""
+    """Return the change of a result, which cannot be resolved below ``floor``.
+
+    If only one run has the result, the relative change is infinite.
+    """
     if with_it is None or without is None:
-        one, other = (None if value is None else value.value for value in (with_it, without))
-        return Change(one, other, None if with_it is without else math.inf)
+        values = [None if value is None else value.value for value in (with_it, without)]
+        return Change(values[0], values[1], None if with_it is without else math.inf)
     if max(abs(with_it.value), abs(without.value)) < floor:
         return Change(with_it.value, without.value, None)
     by = max(abs(with_it.value), floor)
@@ -98,22 +103,21 @@ def compute_change(with_it: Value | None, without: Value | None, floor: float) -
 
 
 def _memory() -> Path:
-    """Return the folder of all pairs."""
+    """Return the folder of all remembered pairs."""
     home = Path(os.getenv("XDG_CACHE_HOME") or Path.home() / ".cache")
     return home / "flipflow" / "pairs"
 
 
 @cache
 def _program() -> str:
-    """Return what computes: other versions may find other values."""
-    from orchestrator.case.provenance import commit, versions  # loads much, and is rarely asked
+    """Return the versions of all programs that compute; other versions may compute other values."""
+    from orchestrator.case.provenance import commit, versions  # this import is slow and rarely needed
 
     return json.dumps([commit(), versions()], sort_keys=True)
 
 
 def key_of(read: Mapping[str, Any], effect: str) -> str:
-    """Return the checksum by which a pair is found again; ``read`` is all that the case was read from
-    (``case/file/layers.py``)."""
+    """Return the checksum by which a pair is stored; ``read`` has all sources of the case."""
     text = json.dumps([_program(), read, effect], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -122,13 +126,15 @@ _AGREED: dict[str, Pair | None] = {}
 
 
 def share_pairs(by_key: Mapping[str, Pair | None]) -> None:
-    """Remember these pairs from now on, whatever this process's own memory has: processes that run
-    one case together must choose alike."""
+    """Use these pairs from now on instead of those in the memory.
+
+    Processes that run one case together must make the same choice.
+    """
     _AGREED.update(by_key)
 
 
 def recall(key: str) -> Pair | None:
-    """Return the pair of a key; None where it is not known, or its file is no pair."""
+    """Return the remembered pair of a key; None if there is none, or its file is damaged."""
     if key in _AGREED:
         return _AGREED[key]
     try:
@@ -139,7 +145,10 @@ def recall(key: str) -> Pair | None:
 
 
 def remember(key: str, pair: Pair) -> None:
-    """Write a pair whole or not at all; where nothing can be written, it is asked again another time."""
+    """Write a pair to the memory, whole or not at all.
+
+    If nothing can be written, a later run makes the pair again.
+    """
     with suppress(OSError):
         folder = _memory()
         folder.mkdir(parents=True, exist_ok=True)

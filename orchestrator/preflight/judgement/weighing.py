@@ -1,18 +1,19 @@
-"""Verdicts weighed against each other: what may be left out must be so beyond doubt.
+"""The weighing of verdicts against each other, so that only effects beyond doubt may be left out.
 
-An estimate that says "may be left out" is overruled to "cannot say" where
+An estimate "may be left out" becomes "cannot say" if
 
-- it is within its own error of the threshold (``Verdict.is_close``), or
-- the separation is asked for, and the effect brings or removes material, or
-- something that the case has would go with the effect, as it needs it or as the solver that leaves
-  the effect out does not know it, and matters or cannot be judged.
+- the number is within the estimate's error of the threshold (``Verdict.is_close``), or
+- the user asks for the separation, and the effect brings or removes material, or
+- another effect of the case would go as well, because it needs this one or because the solver that
+  leaves this one out does not know it, and that effect matters or cannot be judged.
 
-An estimate that says "matters" is overruled to "cannot say" of an effect that could be left out
+An estimate "matters" of an effect that could be left out becomes "cannot say" if
 
-- where it is an estimate of other parts' results than those that are asked for, and
-- within a factor of ``MARGIN`` above the threshold, where a pair of runs decides (``with_doubt``).
+- it estimates the results of other parts than the user asks for, or
+- it is within a factor of ``MARGIN`` above the threshold, so that a pair of runs decides
+  (``with_doubt``).
 
-Pairs of runs that have measured what an effect changes take the place of its estimate before.
+Before the weighing, pairs of runs that have measured the changes by an effect replace its estimate.
 """
 
 from __future__ import annotations
@@ -38,21 +39,25 @@ NEAR = f"within a factor of {MARGIN:g} of the threshold"
 def weigh_effects(
     case: Case, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
 ) -> dict[str, Judged]:
-    """Return the effects as ``judge_effects`` does, weighed, with the ``pairs`` that are known, by the
-    results that are ``asked`` for."""
+    """Return the weighed judgements of all effects by name.
+
+    ``pairs`` are the remembered runs by effect, and ``asked`` has the names of the results that count.
+    """
     judged = judge_effects(case)
     for name, pair in (pairs or {}).items():
         if name in judged:
             judged[name] = replace(judged[name], verdict=measured_verdict(judged[name].verdict, pair, asked))
     separates = any(is_of_separation(name) for name in asked)
     parts = {part_of(name, case) for name in asked}
-    doubted = {name: _doubted(one, _doubt(one, parts, separates)) for name, one in judged.items()}
-    return {name: _consistent(case, one, doubted.values()) for name, one in doubted.items()}
+    doubted = {name: _add_doubt(effect, _doubt(effect, parts, separates)) for name, effect in judged.items()}
+    return {name: _consistent(case, effect, doubted.values()) for name, effect in doubted.items()}
 
 
 def is_undecided(judged: Judged) -> bool:
-    """Return whether only a pair of runs can say if the case can do without the effect: it has it, a
-    key takes it out, and no estimate says with certainty that it matters."""
+    """Return whether only a pair of runs can tell if the case can do without an effect.
+
+    The case has such an effect, keys can leave it out, and no estimate is certain that it matters.
+    """
     verdict = judged.verdict
     if verdict.measured or not (judged.present and judged.can_go):
         return False
@@ -60,14 +65,19 @@ def is_undecided(judged: Judged) -> bool:
 
 
 def with_doubt(judged: Judged) -> Judged:
-    """Return "cannot say" in place of a "matters" that is no further above its threshold than
-    estimates err, where a pair of runs can decide."""
-    return _doubted(judged, NEAR if is_undecided(judged) and judged.verdict.matters else "")
+    """Return the judgement with "cannot say" in place of an uncertain "matters".
+
+    The estimate is uncertain if its error may exceed the distance to the threshold; then a pair of runs
+    can decide.
+    """
+    return _add_doubt(judged, NEAR if is_undecided(judged) and judged.verdict.matters else "")
 
 
 def measured_verdict(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verdict:
-    """Return the verdict by the largest change of the results that are asked for; as it was where
-    there are no runs, or neither has such a result."""
+    """Return the verdict by the largest change of the results that are asked for.
+
+    Return the given verdict if there are no runs, or neither has such a result.
+    """
     changes = pair.changes(asked)
     if not changes:
         return verdict
@@ -85,16 +95,17 @@ def measured_verdict(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verd
     )
 
 
-def _doubted(judged: Judged, because: str) -> Judged:
+def _add_doubt(judged: Judged, because: str) -> Judged:
     return replace(judged, verdict=judged.verdict.doubted(because)) if because else judged
 
 
 def _doubt(judged: Judged, parts: Set[str], separates: bool) -> str:
-    """Return why an estimate does not decide, "" where it does.
+    """Return the reason why an estimate does not decide; "" if it does.
 
-    ``parts`` are those of the results that are asked for ("" stands for any), ``separates`` says
-    whether a separation is among these: without what comes and goes a run has none to tell of,
-    however little that is."""
+    ``parts`` has the parts to which the results belong that are asked for ("" stands for any part).
+    ``separates`` says whether a separation is among these results; a run without feed or removal has
+    no separation, however little material comes and goes.
+    """
     verdict = judged.verdict
     if verdict.matters is False:
         if separates and judged.effect in ("feed", "removal"):
@@ -108,17 +119,19 @@ def _doubt(judged: Judged, parts: Set[str], separates: bool) -> str:
 
 
 def _consistent(case: Case, judged: Judged, every: Collection[Judged]) -> Judged:
-    """Return "cannot say" where what goes with the effect may matter; what is measured speaks for all
-    that goes with it, but against another measurement."""
+    """Return the judgement, with "cannot say" if another effect that goes as well may matter.
+
+    A measured verdict includes the effects that go as well, unless a measurement of one contradicts it.
+    """
     measured = judged.verdict.measured
     if judged.verdict.matters is not False:
         return judged
-    along = find_also_lost(case, judged.effect) if judged.present and judged.can_go else []
+    also_lost = find_also_lost(case, judged.effect) if judged.present and judged.can_go else []
     for other in every:
         if measured and not (other.verdict.measured and other.verdict.matters):
             continue
-        goes = other.effect in along or judged.effect in all_needs(other.effect)
+        goes = other.effect in also_lost or judged.effect in all_needs(other.effect)
         if goes and other.present and other.verdict.matters is not False:
             says = describe_verdict(other.verdict.matters)
-            return _doubted(judged, f"{other.effect} goes with it: {says}")
+            return _add_doubt(judged, f"{other.effect} goes with it: {says}")
     return judged

@@ -1,4 +1,4 @@
-"""How the frames' steady motion moves the panels' clamps: strokes, and the share of rotations."""
+"""The motion of the panels' clamps by the frames' steady motion: strokes, and the share of rotations."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ def has_moved_by_forces(case: Case) -> bool:
 
 
 def largest_stroke_m(scene: Scene, shaken: tuple[Shaking, ...]) -> float:
-    """Return the largest stroke of all panels; without panels, that of the frame that moves most."""
+    """Return the largest stroke of all panels or, without panels, the largest amplitude of all frames."""
     if scene.springs:
         return max(stroke_m(shaken, spring) for spring in scene.springs)
     names = [body.name for body in scene.plan.bodies]
-    strokes_m = [sum(np.linalg.norm(one.amplitude_m[name]) for one in shaken) for name in names]
+    strokes_m = [sum(np.linalg.norm(shaking.amplitude_m[name]) for shaking in shaken) for name in names]
     return float(max(strokes_m, default=0.0))
 
 
 def change_of_stroke(scene: Scene, other: tuple[Shaking, ...], what: str) -> tuple[float, str]:
-    """Return the relative change of the largest stroke in another motion, and words about it."""
+    """Return the relative change of the largest stroke in another motion, and a text about it."""
     now_m, then_m = largest_stroke_m(scene, scene.shaken), largest_stroke_m(scene, other)
     if now_m == 0.0:
         return 0.0, "nothing shakes the frames"
@@ -37,27 +37,28 @@ def change_of_stroke(scene: Scene, other: tuple[Shaking, ...], what: str) -> tup
 
 
 MotionPart = Callable[[Array, Array, Array], Array]
-"""Part of the displacement (n, 3) at ``arms_m`` (n, 3) from a centre of mass that moves by
-``amplitude_m`` and turns by ``angle_rad``, (3,) and complex each."""
+"""Function that returns a part of the displacement (n, 3) at ``arms_m`` (n, 3) from a centre of mass, which
+moves by ``amplitude_m`` (3,) and turns by ``angle_rad`` (3,), both complex."""
 
 
 def motion_by_rotation(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """Return the motion by rotation alone."""
+    """Return the part of the displacement by rotation."""
     return np.cross(angle_rad, arms_m)
 
 
 def motion_out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """Return the motion across, by roll and by yaw."""
+    """Return the part of the displacement by motion across, by roll and by yaw."""
     return np.asarray(amplitude_m * [0, 1, 0] + np.cross(angle_rad * [1, 0, 1], arms_m))
 
 
 def compare_outermost(
     scene: Scene, observed: tuple[float, str] | None, part: MotionPart, number: str, cost: str
 ) -> Verdict | None:
-    """Return the verdict on a part of the motion at a frame's outermost clamp over the translation
-    of the frame's centre of mass: of a run or, where it does not tell, as estimated.
+    """Return the verdict on a part of the motion at a frame's outermost clamp.
 
-    None without free frames, or where nothing shakes them."""
+    The number is its ratio to the translation of the frame's centre of mass, as a run has shown it
+    (``observed``) or as estimated.  Return None without free frames, or if nothing shakes them.
+    """
     free = free_frames(scene.plan)
     if not free or scene.speed_rad_per_s == 0:
         return None
@@ -72,8 +73,11 @@ def compare_outermost(
 
 
 def compare_throw(scene: Scene, thrown: str, slow: str, still: str, cost: str) -> Verdict:
-    """Return the verdict on what throws particles and panels, over their weight: ``thrown`` is said of
-    the throw, ``slow`` where it is small, and ``still`` where nothing shakes."""
+    """Return the verdict on the force that throws particles and panels, over their weight.
+
+    ``thrown`` is the text about the throw, ``slow`` the doubt about a small one, and ``still`` the text
+    of a scene in which nothing shakes.
+    """
     number, threshold = "throw", "0.1 (of the weight)"
     if not scene.speed_rad_per_s > 0:
         return compare(number, None, still, threshold, cost=cost)
@@ -83,16 +87,18 @@ def compare_throw(scene: Scene, thrown: str, slow: str, still: str, cost: str) -
 
 def _ratio(scene: Scene, name: str, turning: tuple[Shaking, ...], part: MotionPart) -> float:
     arms_m, at_clamp_m, moved_m = clamp_arms_m(scene, name), 0.0, 0.0
-    for one in turning:
-        displacement_m = part(one.amplitude_m[name], one.angle_rad[name], arms_m)
+    for shaking in turning:
+        displacement_m = part(shaking.amplitude_m[name], shaking.angle_rad[name], arms_m)
         at_clamp_m += float(np.linalg.norm(displacement_m, axis=1).max())
-        moved_m += float(np.linalg.norm(one.amplitude_m[name]))
+        moved_m += float(np.linalg.norm(shaking.amplitude_m[name]))
     return at_clamp_m / moved_m if moved_m else 0.0
 
 
 def clamp_arms_m(scene: Scene, name: str) -> Array:
-    """Return the arms (n, 3) from a frame's centre of mass to the middles of the clamps that it
-    holds; without any, to its bushings."""
+    """Return the arms (n, 3) from a frame's centre of mass to the middles of its clamps.
+
+    Return the arms to its bushings if it has no clamps.
+    """
     places_m = [
         place_m
         for spring in scene.springs

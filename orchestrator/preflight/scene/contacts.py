@@ -1,4 +1,4 @@
-"""Contacts of particles in a scene: effects that are contact laws, overlaps, and friction on the deck."""
+"""The contacts of particles in a scene: effects of contact laws, overlaps, and friction on the deck."""
 
 from __future__ import annotations
 
@@ -23,9 +23,12 @@ from orchestrator.preflight.scene.scene import Scene
 def contact_law_effect(
     judge: Judge, *, coefficient: str, law: str, laws: tuple[str, ...], without: str, **more: Any
 ) -> Effect:
-    """Return an effect of the particles that a case describes by a ``coefficient`` of its contacts
-    above zero, and whose ``law``, a key of the particles, is one of ``laws`` or "none": ``without``
-    says what that means.  ``more`` are the effect's other fields."""
+    """Return an effect of the particles that is a contact law.
+
+    A case describes it by a positive ``coefficient`` of one of its contacts.  The key ``law`` of the
+    particles chooses one of ``laws`` or "none"; ``without`` says what "none" means.  ``more`` has the
+    effect's other fields.
+    """
 
     def described(case: Case) -> bool:
         return any(getattr(row, coefficient) for row in case.contacts)
@@ -52,8 +55,11 @@ STEP_COST = "the particles' step goes with 1/sqrt(stiffness)"
 
 @dataclass(frozen=True)
 class Softness:
-    """The largest ``overlap`` of impacts over the radius, with the stiffness in use, and in which of
-    them; ``cap_Pa`` limits Young's moduli, and ``softened`` says whether it softens a contact."""
+    """The largest overlap of impacts over the radius with the stiffness in use.
+
+    ``where`` describes the impact, ``cap_Pa`` limits Young's moduli, and ``softened`` says whether it
+    softens a contact.
+    """
 
     overlap: float
     where: str
@@ -61,7 +67,7 @@ class Softness:
     softened: bool
 
     def in_words(self, limit: float) -> str:
-        """Return words about the overlap against a limit; overlaps go with E^(-2/5)."""
+        """Return a text that compares the overlap with a limit; overlaps go with E^(-2/5)."""
         factor = math.pow(self.overlap / limit, 2.5)
         if not self.softened and factor < 1:
             return f"the materials' own stiffness, {self.where}; {factor:.1g} of it would do"
@@ -72,12 +78,12 @@ class Softness:
 
 
 def compute_softness(scene: Scene) -> Softness:
-    """Return the softness of all pairs of particles, and of particles and panels, that meet, or what
-    a run had.
+    """Return the softness of contacts among particles and with panels, by the run if it tells.
 
-    Hertz: overlap = (15 m v^2 / (16 sqrt(R) E*))^(2/5) = 0.9745 (m^2 v^4 / (R E*^2))^(1/5) with
-    reduced mass, radius and modulus; over the radius it knows no size.  Johnson, K. L., Contact
-    Mechanics, 1985, section 11.4."""
+    Hertz's overlap is (15 m v^2 / (16 sqrt(R) E*))^(2/5) = 0.9745 (m^2 v^4 / (R E*^2))^(1/5) with
+    reduced mass, radius and modulus.  Divided by the radius, it does not depend on the size.  Johnson,
+    K. L., Contact Mechanics, 1985, section 11.4.
+    """
     case = scene.case
     grains = set(smallest_diameters_m(case))
     overlaps = [_overlap(scene, *pair, both=pair[1] in grains) for pair in _meeting(case)]
@@ -95,20 +101,20 @@ def is_softened(case: Case) -> bool:
 
 
 def _meeting(case: Case) -> set[tuple[str, str]]:
-    """Return the materials of a particle and of what it can meet: particles or panels."""
+    """Return the pairs of materials of a particle and of a particle or panel that it can meet."""
     panels = {panel.material for panel in case.screen.panels.values()}
     met = panels | set(smallest_diameters_m(case))
     return {pair for _, pair in _contacts_with(case, met)}
 
 
 def contacts_on_deck(case: Case) -> list[Contact]:
-    """Return the contacts of particles with panels or, without any, with other surfaces."""
+    """Return the contacts of particles with panels or, without panels, with other surfaces."""
     panels = {panel.material for panel in case.screen.panels.values()} or surface_materials(case)
     return [row for row, _ in _contacts_with(case, panels)]
 
 
 def _contacts_with(case: Case, materials: Collection[str]) -> Iterator[tuple[Contact, tuple[str, str]]]:
-    """Yield the contacts of particles with some materials, the particle's material first."""
+    """Yield the contacts of particles with some materials, each with its pair, the particle's first."""
     grains = set(smallest_diameters_m(case))
     for row in case.contacts:
         for grain, other in (row.between, row.between[::-1]):
@@ -117,8 +123,10 @@ def _contacts_with(case: Case, materials: Collection[str]) -> Iterator[tuple[Con
 
 
 def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
-    """Return the overlap of two equal spheres (``both``), or of a sphere and a surface, over the
-    sphere's radius of 1 m."""
+    """Return the overlap over the radius of two equal spheres (``both``), or of a sphere and a surface.
+
+    The spheres have a radius of 1 m.
+    """
     case = scene.case
     cap_Pa = case.particles.largest_youngs_modulus_Pa
     reduced_Pa = reduced_modulus_Pa(
@@ -130,8 +138,11 @@ def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
 
 
 def friction_over_pull(scene: Scene, friction: float) -> float:
-    """Return the share of what pulls the bed down the deck that a coefficient of friction takes, or
-    as a run has it carried; infinite on the level."""
+    """Return the ratio of a friction coefficient's force to the pull on the bed down the deck.
+
+    The share of the weight that the deck carries is that of a run if it tells.  On a level deck, the
+    ratio is infinite, or 0 without friction.
+    """
     if scene.slope < 1e-9:
         return math.inf if friction else 0.0
     bearing = scene.observed.bearing
@@ -139,7 +150,7 @@ def friction_over_pull(scene: Scene, friction: float) -> float:
 
 
 def describe_friction(ratio: float, how: str) -> str:
-    """Return words about that share."""
+    """Return a text about the ratio of friction to the pull down the deck."""
     if math.isinf(ratio):
         return "on the level, friction holds what lies"
     if ratio >= 1:

@@ -1,4 +1,4 @@
-"""What an effect is, and what is said of one in a scene."""
+"""Effects, and the verdicts on them in a scene."""
 
 from __future__ import annotations
 
@@ -15,23 +15,22 @@ PARTS: tuple[Part, ...] = get_args(Part)
 Overlay = Mapping[str, Any]
 NOTHING_BUT_ROUNDING = 1e-9
 MARGIN = 3.0
-"""Estimates are good to a factor of three (docs/theory/effects.md): the project's own choice."""
+"""Factor by which estimates may be wrong (docs/theory/effects.md), the project's own choice."""
 TENTH = 0.1
-"""What changes a result by less than a tenth may be left out: the project's own choice, as the
-amplitudes of cases/ffs0827-empty meet the published ones to about a tenth."""
+"""Share of a result below which a change does not matter.  The project chose it because the amplitudes of
+cases/ffs0827-empty agree with the published ones to about a tenth."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether an effect matters in a scene.
+    """The verdict whether an effect matters in a scene.
 
-    ``number`` names the dimensionless number that decides, ``value`` is its value (None: there is
-    none), ``threshold`` what it is compared with; ``matters`` is None where the scene does not
-    tell; ``why`` says so in words, ``cost`` what the effect costs.  ``limit`` is the threshold as
-    a number where the estimate is only good to a factor: within ``MARGIN`` below it, the estimate
-    does not decide.  ``measured`` marks a verdict by a pair of runs with and without the effect.
-    ``about`` has the parts whose results the number is an estimate of, where they are others than
-    those of the effect.
+    ``number`` names the dimensionless number that decides, ``value`` is its value or None, and
+    ``threshold`` describes its threshold.  ``matters`` is None if the scene does not tell.  ``why``
+    explains the verdict, and ``cost`` says what the effect costs.  ``limit`` is the threshold as a
+    number if the estimate is only good to a factor; within ``MARGIN`` below it, the estimate does not
+    decide.  ``measured`` marks a verdict by a pair of runs with and without the effect.  ``about`` has
+    the parts whose results the number estimates if they differ from those of the effect.
     """
 
     number: str
@@ -46,20 +45,19 @@ class Verdict:
 
     @property
     def is_close(self) -> bool:
-        """Whether the value is below the limit and yet too near to it for an estimate to say that
-        the effect may be left out."""
+        """Whether the value is below the limit, but too close to it for the estimate to decide."""
         if self.limit is None or self.value is None or self.measured:
             return False
         return self.limit / MARGIN < self.value <= self.limit
 
     @property
     def is_clear(self) -> bool:
-        """Whether an effect that matters does so beyond the error of its estimate."""
+        """Whether the value is farther above the limit than the estimate may be wrong."""
         return self.limit is None or self.value is None or self.value > MARGIN * self.limit
 
     @property
     def value_in_words(self) -> str:
-        """The value to three digits; "-" without one."""
+        """The value as text with three digits; "-" without a value."""
         if self.value is None:
             return "-"
         if math.isinf(self.value):
@@ -68,11 +66,11 @@ class Verdict:
 
     @property
     def in_numbers(self) -> str:
-        """The number, its value and its threshold."""
+        """The name of the number, its value and its threshold as text."""
         return f"{self.number} {self.value_in_words}, threshold {self.threshold}"
 
     def doubted(self, because: str) -> Verdict:
-        """Return the verdict as one that cannot say, with the reason."""
+        """Return the verdict "cannot say", with a further reason."""
         return replace(self, matters=None, why=f"{self.why}; {because}")
 
 
@@ -85,7 +83,7 @@ def compare(
     cost: str = "",
     about: tuple[Part, ...] = (),
 ) -> Verdict:
-    """Return the verdict of a number that matters above a limit; without a value it cannot say."""
+    """Return the verdict of a number that matters above a limit, or "cannot say" without a value."""
     matters = None if value is None else value > limit
     return Verdict(number, value, threshold, matters, why, cost, limit, about=about)
 
@@ -98,7 +96,7 @@ def describe_verdict(matters: bool | None) -> str:
 
 
 def has_part(case: Case, part: Part) -> bool:
-    """Return whether a case has particles or panels; it always has frames and a machine."""
+    """Return whether a case has a part; every case has frames and a machine."""
     return {"particles": has_particles(case), "panels": bool(case.screen.panels)}.get(part, True)
 
 
@@ -119,20 +117,19 @@ Judge = Callable[[Scene], Verdict | None]
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect: a file in ``orchestrator/preflight/effects`` named after it.
+    """An effect, which a file in ``orchestrator/preflight/effects`` with its name defines.
 
-    ``part`` is what it belongs to; ``judge`` is asked of cases that have this part, and returns None
-    where the scene has no such question.  ``described`` says whether the data of such a case
-    describe the effect.  ``left_out`` says in words what settings leave it out nevertheless ("":
-    none do).  ``overlay`` has the keys of the case that leave it out, laid over it before it is read
-    (None takes a key away); it is empty where only a number could be changed, or where this case
-    cannot do without.  ``needs`` are effects without which it is nothing.  ``laws`` are names by
-    which it can be called for with one of several laws, and the keys that choose it; two of them
-    exclude each other.  ``key`` is what a user changes to have it or not.
-    ``checked_by`` is what a run must tell (a field of ``Observed``) for ``judge`` to be asked again
-    after it.  ``saves`` says whether a run without it takes less time, so that it is worth a trial.
-    ``about`` has the parts whose results the number is an estimate of; of others it says nothing
-    when it is above its threshold.
+    ``part`` is the part of the scene to which the effect belongs.  ``judge`` returns the verdict for a
+    case that has this part, or None if the scene does not raise the question.  ``described`` says
+    whether the data of such a case describe the effect.  ``left_out`` names the setting that leaves out
+    the effect, or returns "".  ``overlay`` returns the keys that leave the effect out of a case (None
+    removes a key); it is empty if only a number could be changed, or if the case cannot do without the
+    effect.  ``needs`` names the effects without which this one has no meaning.  ``laws`` maps the names
+    of alternative laws, by which a case can call for the effect, to the keys that choose them.  ``key``
+    names the key with which a user chooses the effect.  ``checked_by`` is the field of ``Observed``
+    that a run must have before ``judge`` can repeat its verdict after the run.  ``saves`` says whether a
+    run without the effect takes less time, so that a trial is worthwhile.  ``about`` has the parts whose
+    results the number estimates; a number above its threshold says nothing of other parts.
     """
 
     part: Part
@@ -149,7 +146,7 @@ class Effect:
 
     @property
     def optional(self) -> bool:
-        """Whether ``effects`` can leave it out."""
+        """Whether the case key ``effects`` can leave the effect out."""
         return self.overlay is not _nothing
 
     def is_described(self, case: Case) -> bool:
@@ -158,8 +155,10 @@ class Effect:
 
 
 def exchange_effect(part: Part, judge: Judge, switch: str, off: str, **more: Any) -> Effect:
-    """Return an effect that a key of ``exchange`` switches; ``off`` says what its being off means,
-    and ``more`` are the effect's other fields."""
+    """Return an effect that a key of ``exchange`` switches on and off.
+
+    ``off`` says what happens without it, and ``more`` has the effect's other fields.
+    """
 
     def left_out(case: Case) -> str:
         return "" if getattr(case.exchange, switch) else f"exchange.{switch} is off: {off}"
@@ -170,8 +169,10 @@ def exchange_effect(part: Part, judge: Judge, switch: str, off: str, **more: Any
 
 
 def overlay_of_rows(path: str, names: Iterable[str], keys: Overlay) -> Overlay:
-    """Return an overlay that gives rows of a table, "screen.bushings", the same keys; empty without
-    any."""
+    """Return an overlay that gives the named rows of a table, such as "screen.bushings", the same keys.
+
+    The overlay is empty without names.
+    """
     overlay: Overlay = {name: keys for name in names}
     for word in reversed(path.split(".")) if overlay else ():
         overlay = {word: overlay}
@@ -179,7 +180,7 @@ def overlay_of_rows(path: str, names: Iterable[str], keys: Overlay) -> Overlay:
 
 
 def overlay_of_panels(case: Case, key: str) -> Overlay:
-    """Return the keys that take ``key`` out of all panels and decks that have it."""
+    """Return the overlay that removes ``key`` from all panels and decks that have it."""
     kinds: dict[str, Mapping[str, Any]] = {"panels": case.screen.panels, "decks": case.screen.decks}
     tables = {
         kind: overlay

@@ -1,5 +1,7 @@
-"""A panel whose ends move against each other: sag, strain, frequency and stiffness, by closed
-forms (docs/theory/effects.md)."""
+"""A panel whose ends move against each other.
+
+Closed forms give its sag, strain, frequency and stiffness (docs/theory/effects.md).
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,11 @@ from orchestrator.preflight.scene.observed import Shape
 
 @dataclass(frozen=True)
 class MovedPanel:
-    """A panel and what moves it: ``stroke_m`` is the amplitude of one clamp against the other along the
-    panel; ``shape`` is as a run has seen it, None where it is estimated."""
+    """A panel whose clamps move against each other.
+
+    ``stroke_m`` is the amplitude of one clamp against the other along the panel.  ``shape`` is the
+    panel's shape in a run, None if it is to be estimated.
+    """
 
     panel: SinglePanel
     material: HyperelasticPlan
@@ -32,39 +37,39 @@ class MovedPanel:
 
     @property
     def tension_m(self) -> float:
-        """The stretch in which it is mounted: positive is taut, negative slack."""
+        """The stretch in which the panel is mounted; positive if taut, negative if slack."""
         return self.panel.rectangle.span_m - self.length_m
 
     @property
     def sag_m(self) -> float:
-        """The largest height of its arch."""
+        """The largest height of the panel's arch."""
         if self.shape is not None:
             return self.shape.sag_m
         return sine_arch_m(self.length_m, self.stroke_m - self.tension_m)
 
     @property
     def travel_m(self) -> float:
-        """The range of its middle's motion, without snapping from one side to the other."""
+        """The range of the middle's motion if the panel does not snap from one side to the other."""
         if self.shape is not None:
             return self.shape.travel_m
         return self.sag_m - sine_arch_m(self.length_m, -self.stroke_m - self.tension_m)
 
     @property
     def strain(self) -> float:
-        """The strain when it is most taut; 0 if it never is."""
+        """The strain when the panel is most taut; 0 if it is never taut."""
         if self.shape is not None:
             return self.shape.strain
         return max(0.0, self.tension_m + self.stroke_m) / self.length_m
 
     @property
     def material_share(self) -> float:
-        """The share of material in its free area."""
+        """The share of material in the panel's free area."""
         pattern = self.panel.apertures
         return pattern.material_share(self.panel.rectangle) if pattern else 1.0
 
     @property
     def mass_kg_per_m2(self) -> float:
-        """The mass per area of the free panel, its openings counted in."""
+        """The mass per area of the free panel, including the area of its openings."""
         thickness_m = self.panel.table.thickness_m
         return self.material.density_kg_per_m3 * thickness_m * self.material_share
 
@@ -75,14 +80,14 @@ class MovedPanel:
 
     @property
     def whole_mass_kg(self) -> float:
-        """The mass with what is under the clamps."""
+        """The mass of the panel including the parts under the clamps."""
         clamps_m2 = 2 * self.panel.rectangle.clamp_m * self.panel.rectangle.width_m
         law, thickness_m = self.material, self.panel.table.thickness_m
         return self.free_mass_kg + law.density_kg_per_m3 * thickness_m * clamps_m2
 
     @property
     def frequency_rad_per_s(self) -> float:
-        """The lowest frequency: bending between clamps and, where the panel is mounted taut, a string's."""
+        """The lowest angular frequency, by bending and, if the panel is mounted taut, by its tension."""
         law, thickness_m = self.material, self.panel.table.thickness_m
         plate_N_m = law.youngs_modulus_Pa * thickness_m**3 / 9  # E t^3 / (12 (1 - 1/4))
         areal_kg_per_m2 = law.density_kg_per_m3 * thickness_m
@@ -93,41 +98,49 @@ class MovedPanel:
 
     @property
     def taut_stiffness_N_per_m(self) -> float:
-        """The stiffness along itself while it is taut, for small strain."""
+        """The stiffness along the taut panel at small strain."""
         area_m2 = self.panel.rectangle.width_m * self.panel.table.thickness_m
         whole_N_per_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
         return whole_N_per_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
 
     @property
     def stiffening(self) -> float:
-        """The stiffness against fast changes over that against slow ones: Maxwell branches answer fast
-        ones like springs."""
+        """The ratio of the stiffness against fast changes to the stiffness against slow ones.
+
+        Maxwell branches respond to fast changes like springs.
+        """
         return 1.0 + sum(ratio for ratio, _ in self.material.branches)
 
     @property
     def spring_N_per_m(self) -> float:
-        """The stiffness of the spring that has the first harmonic of a panel which pulls while taut
-        only."""
+        """The stiffness of a spring whose force is the first harmonic of the panel's pull.
+
+        The panel pulls only while it is taut.
+        """
         ratio = self.tension_m / self.stroke_m if self.stroke_m else math.copysign(2, self.tension_m)
-        return self.taut_stiffness_N_per_m * one_sided(ratio)
+        return self.taut_stiffness_N_per_m * one_sided_share(ratio)
 
 
 def sine_arch_m(length_m: float, approach_m: float) -> float:
-    """Return the height of a sine arch of a length whose ends came nearer by so much; 0 for a taut one."""
+    """Return the height of a sine arch of a length whose ends approach each other; 0 if it is taut."""
     return 2 / math.pi * math.sqrt(length_m * max(0.0, approach_m))
 
 
-def one_sided(ratio: float) -> float:
-    """Return the share of a one-sided spring's stiffness in the first harmonic, its stretch being
-    tension + amplitude * sin: ``ratio`` = tension / amplitude.  Gelb, A. and Vander Velde, W. E.,
-    Multiple-Input Describing Functions, 1968, ch. 2."""
+def one_sided_share(ratio: float) -> float:
+    """Return the share of a one-sided spring's stiffness in the first harmonic of its force.
+
+    Its stretch is tension + amplitude * sin, and ``ratio`` is tension / amplitude.  Gelb, A. and Vander
+    Velde, W. E., Multiple-Input Describing Functions, 1968, ch. 2.
+    """
     r = min(1.0, max(-1.0, ratio))
     return 0.5 + (math.asin(r) + r * math.sqrt(1 - r * r)) / math.pi
 
 
 def stiffness_share(pattern: AperturePattern | None, rectangle: Rectangle) -> float:
-    """Return the stiffness along the panel against the whole panel's: net sections in series, as if every
-    section stayed straight (an upper bound)."""
+    """Return an upper bound of a perforated panel's stiffness along itself over the closed panel's.
+
+    Net sections act in series, as if every section stayed straight.
+    """
     if pattern is None:
         return 1.0
     (low, high) = pattern.region_m(rectangle)
@@ -138,12 +151,13 @@ def stiffness_share(pattern: AperturePattern | None, rectangle: Rectangle) -> fl
 
 
 def softest_share(pattern: AperturePattern | None, rectangle: Rectangle) -> float:
-    """Return a lower bound of the same.
+    """Return a lower bound of a perforated panel's stiffness along itself over the closed panel's.
 
     Besides its net section, each row of openings gives way like a row of collinear cracks as long as
-    the openings are wide, (4 W / pi) ln sec(pi a / W) for cracks 2 a at the pitch W; rows near each
+    the openings are wide, by (4 W / pi) ln sec(pi a / W) for cracks 2 a at the pitch W.  Rows near each
     other shield each other and are stiffer.  Tada, H., Paris, P. C. and Irwin, G. R., The Stress
-    Analysis of Cracks Handbook, 3rd ed., 2000, section 7."""
+    Analysis of Cracks Handbook, 3rd ed., 2000, section 7.
+    """
     if pattern is None:
         return 1.0
     (low, high) = pattern.region_m(rectangle)
@@ -156,17 +170,22 @@ def softest_share(pattern: AperturePattern | None, rectangle: Rectangle) -> floa
 
 
 def clamp_response(ratio: float) -> float:
-    """Return the amplitude of the middle of a panel against its clamps, over theirs normal to it, when they
-    are shaken at ``ratio`` times its lowest frequency without damping: the sine's share of a
-    uniform load, 4/pi, times r^2 / |1 - r^2|.  Infinite at resonance."""
+    """Return the amplitude of a panel's middle against its clamps over the clamps' own normal amplitude.
+
+    The clamps shake at ``ratio`` r times the panel's lowest frequency, without damping.  The result is
+    the sine's share of a uniform load, 4/pi, times r^2 / |1 - r^2|; it is infinite at resonance.
+    """
     square = ratio**2
     return math.inf if square == 1.0 else 4 / math.pi * square / abs(1 - square)
 
 
 def change_of_response(ratio: float, loss_factor: float, mass_ratio: float) -> float:
-    """Return the share by which the amplitude of the middle of a panel, clamps' motion included, changes when
-    it has neither a loss factor nor ``mass_ratio`` times its own mass upon it, which moves with it
-    and lowers its frequency; shaken as in ``clamp_response``, where ``ratio`` is of the empty panel."""
+    """Return the relative change of the amplitude of a panel's middle without a loss factor and a mass on it.
+
+    The mass is ``mass_ratio`` times the panel's own; it moves with the panel and lowers its frequency.
+    The amplitude includes the motion of the clamps, which shake at ``ratio`` times the lowest frequency
+    of the empty panel.
+    """
 
     def amplitude(square: float, loss: float) -> float:
         against_clamps = square / complex(1 - square, loss) if square != 1.0 or loss else math.inf
@@ -178,9 +197,11 @@ def change_of_response(ratio: float, loss_factor: float, mass_ratio: float) -> f
 
 
 def mooney_ratio(law: HyperelasticPlan, strain: float) -> float:
-    """Return the nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
-    over Young's modulus times strain.  Treloar, L. R. G., The Physics of Rubber Elasticity, 1975,
-    ch. 5."""
+    """Return the nominal stress of a uniaxially stretched bar over Young's modulus times strain.
+
+    The bar is incompressible and has the two-parameter law of Mooney and Rivlin.  Treloar, L. R. G.,
+    The Physics of Rubber Elasticity, 1975, ch. 5.
+    """
     if strain <= 0.0:
         return 1.0
     stretch = 1 + strain
@@ -189,5 +210,5 @@ def mooney_ratio(law: HyperelasticPlan, strain: float) -> float:
 
 
 def loss_factor(law: HyperelasticPlan, speed_rad_per_s: float) -> float:
-    """Return the loss factor of the elastic spring with its Maxwell branches at an angular frequency."""
+    """Return the loss factor of a material with its Maxwell branches at an angular frequency."""
     return float(moduli(law.branches, np.array([speed_rad_per_s]))[1][0])

@@ -1,4 +1,4 @@
-"""What a run tells of its scene, in the place of what was estimated."""
+"""The numbers that a run tells of its scene, which replace estimates."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Shape:
-    """A panel in a run: largest height of its arch, range of that height, largest mean strain."""
+    """The largest height of a panel's arch in a run, the range of the height, and the largest mean strain."""
 
     sag_m: float
     travel_m: float
@@ -16,9 +16,11 @@ class Shape:
 
 @dataclass(frozen=True)
 class Bearing:
-    """How particles bear on the panels in the mean: force normal to them over the weight that
-    would lie on them (``carried``), and force down the deck over the normal one (``mobilised``,
-    None in a run without friction)."""
+    """The mean load of the particles on the panels.
+
+    ``carried`` is the normal force over the weight that would lie on the panels.  ``mobilised`` is the
+    force down the deck over the normal force, None in a run without friction.
+    """
 
     carried: float
     mobilised: float | None
@@ -26,8 +28,7 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Deepest:
-    """The largest overlap in any step of the particles, over a particle's diameter, and the largest
-    of those with the surface in m."""
+    """The largest overlap in any step over a particle's diameter, and the largest with the surface in m."""
 
     per_diameter: float
     surface_m: float
@@ -35,16 +36,18 @@ class Deepest:
 
 @dataclass(frozen=True)
 class Products:
-    """The mean diameter of the coarsest product over that of the finest, and words about it."""
+    """The ratio of the coarsest product's mean diameter to the finest product's, with a text about it."""
 
     ratio: float
     words: str
 
 
 @dataclass(frozen=True)
-class Turned:
-    """The mean power of the exciters on the frames, and the largest of a cycle during the run-up over
-    the speed that the shafts had then: the torque."""
+class ExciterLoad:
+    """The mean power of the exciters on the frames, and their largest mean torque over a cycle of the run-up.
+
+    The torque is the mean power of a cycle over the speed of the shafts in that cycle.
+    """
 
     power_W: float
     largest_N_m: float
@@ -52,17 +55,17 @@ class Turned:
 
 @dataclass(frozen=True)
 class Observed:
-    """The numbers of a run; each is None where the run does not tell.
+    """The numbers of a run; each is None if the run does not tell it.
 
     ``frames_throw`` is the throw intensity of the frame that moves most normal to the deck; with it,
-    the scene's panels have the strokes and, where they bend, the shapes of the run.
-    ``bed_kg_per_m2`` is the largest mass on the deck per area.  ``rotation`` and ``sideways`` are the
-    displacement of a frame's outermost clamp by rotation, and out of the vertical plane, over its
-    translation, with words about it.  ``transport_m_per_s`` is the speed of the bed along the deck.
-    ``panels_N_per_m`` is the stiffness of all panels along themselves, pull over stretch; with it
-    the scene's springs have the run's, and ``shaken`` is the frames' motion with them.
-    ``loss_factor`` is the largest of the panels', at the frequencies of their pull.  ``closed`` says
-    that the panels of the run have no openings.  ``turned`` is what the run's exciters took.
+    the scene's panels have the strokes and, if they bend, the shapes of the run.  ``bed_kg_per_m2`` is
+    the largest mass on the deck per area.  ``rotation`` and ``sideways`` are the displacement of a
+    frame's outermost clamp by rotation, and out of the vertical plane, over the frame's translation,
+    each with a text.  ``transport_m_per_s`` is the speed of the bed along the deck.  ``panels_N_per_m``
+    is the stiffness of all panels along themselves, pull over stretch; with it, the scene's springs
+    have the stiffness of the run, and ``shaken`` is the frames' motion with them.  ``loss_factor`` is
+    the largest loss factor of the panels at the frequencies of their pull.  ``closed`` says that the
+    panels of the run have no openings.  ``exciter_load`` has the power and torque of the run's exciters.
     """
 
     frames_throw: float | None = None
@@ -76,4 +79,4 @@ class Observed:
     deepest: Deepest | None = None
     products: Products | None = None
     closed: bool = False
-    turned: Turned | None = None
+    exciter_load: ExciterLoad | None = None

@@ -1,5 +1,7 @@
-"""How much of the bed comes and goes in a run: as a range, since how fast a deck carries its bed is
-only known after a run."""
+"""The share of the bed that comes and goes in a run.
+
+It is a range, because only a run tells how fast a deck carries its bed.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +36,11 @@ def compare_passage(scene: Scene, cost: str) -> Verdict:
 
 
 def _speeds_m_per_s(scene: Scene) -> tuple[float, float, str]:
-    """Return the slowest and the fastest speed of the bed along the deck that can be, and what the
-    fastest is of: what slides down all the deck without friction, or is as fast as the frames and
-    panels that throw it.  After a run, both are its own."""
+    """Return the lowest and the highest possible speed of the bed along the deck, and a text about it.
+
+    The fastest material slides down the whole deck without friction, or is as fast as the frames and
+    panels that throw it.  After a run, both speeds are the speed in the run.
+    """
     observed = scene.observed.transport_m_per_s
     if observed is not None:
         return observed, observed, ", by the run"

@@ -1,7 +1,7 @@
 """The numbers of a scene that several effects need.
 
-They are of the machine as the case describes it, also where its level leaves something out: a
-rigid panel's would-be sag says what leaving its deformation out does.
+They describe the machine of the case even if its level leaves something out.  The sag that a rigid
+panel would have, for example, tells how much its missing deformation changes.
 """
 
 from __future__ import annotations
@@ -31,15 +31,18 @@ from orchestrator.preflight.scene.shaking import PanelSpring, Shaking, solve_sha
 if TYPE_CHECKING:
     from orchestrator.ports.adapters import FramesAdapter
 
-RESONANT = (0.7, 1.4)  # of the lowest frequency: one oscillator answers twice as much or more
-ROUNDS = 200  # of panels' stiffness and frames' stroke, which depend on each other
+RESONANT = (0.7, 1.4)  # over the lowest frequency: an oscillator may respond twice as much or more
+ROUNDS = 200  # largest number of iterations between panels' stiffness and frames' stroke
 NOTHING_MOVES = "nothing moves the panels' ends: what particles do to them, only a run tells"
 
 
 @dataclass(frozen=True)
 class Scene:
-    """``shaken`` is the frames' steady motion with the panels as springs, ``springs``; what was
-    ``observed`` in a run takes the place of what is estimated here."""
+    """A case with the estimated motion of its machine.
+
+    ``shaken`` is the steady motion of the frames with the panels as ``springs``.  Numbers ``observed``
+    in a run replace the estimates.
+    """
 
     case: Case
     plan: FramesPlan
@@ -50,27 +53,27 @@ class Scene:
 
     @property
     def openings_m(self) -> list[float]:
-        """The smaller sides of the openings of each panel that has any."""
+        """The smaller side of the openings of each panel that has openings."""
         return list(smaller_sides_m(self.case))
 
     @property
     def finest_m(self) -> float:
-        """The smallest diameter of real particles, whatever coarse ones the case computes."""
+        """The smallest diameter of the real particles, even if the case computes coarse ones."""
         return min(smallest_diameters_m(self.case).values()) / self.case.particles.coarse_graining
 
     @property
     def falls_through(self) -> bool:
-        """Whether some particles are smaller than the openings."""
+        """Whether some particles are smaller than the largest openings."""
         return bool(self.openings_m) and self.finest_m < max(self.openings_m)
 
     @property
     def speed_rad_per_s(self) -> float:
-        """The fastest excitation; 0 where nothing shakes."""
-        return max((one.speed_rad_per_s for one in self.shaken), default=0.0)
+        """The highest speed of an excitation; 0 if nothing shakes."""
+        return max((shaking.speed_rad_per_s for shaking in self.shaken), default=0.0)
 
     @property
     def gravity_m_per_s2(self) -> float:
-        """The size of gravity; the standard one where the case has none, as a unit."""
+        """The size of gravity; standard gravity, as a unit, if the case has none."""
         return float(np.linalg.norm(self.case.gravity_m_per_s2)) or STANDARD_GRAVITY_M_PER_S2
 
     @property
@@ -81,28 +84,28 @@ class Scene:
         normal = axes(self.case)[:, 2]
         names = [body.name for body in self.plan.bodies]
         accelerations_m_per_s2 = [
-            sum(one.speed_rad_per_s**2 * abs(one.amplitude_m[name] @ normal) for one in self.shaken)
+            sum(row.speed_rad_per_s**2 * abs(row.amplitude_m[name] @ normal) for row in self.shaken)
             for name in names
         ]
         return float(max(accelerations_m_per_s2, default=0.0)) / self.gravity_m_per_s2
 
     @property
     def panels_throw(self) -> float:
-        """The throw intensity w^2 s / g of the middle of the panel that travels farthest."""
+        """The throw intensity w^2 s / g of the middle of the panel whose middle travels farthest."""
         travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
         return self.speed_rad_per_s**2 * travel_m / self.gravity_m_per_s2
 
     @property
     def throw(self) -> float:
-        """The larger throw of frames and panels."""
+        """The larger throw intensity of frames and panels."""
         return max(self.frames_throw, self.panels_throw)
 
     @property
     def bed_kg_per_m2(self) -> float:
-        """The mass of the particles per area of the deck, at most, as estimated or of a run.
+        """The largest mass of the particles per area of the deck, as estimated or of a run.
 
-        It is at least that of the largest particle over the square of its diameter: so much lies
-        where it lies.  0 without particles or panels."""
+        It is at least the mass of one layer of the largest particles, and 0 without particles or panels.
+        """
         if not has_particles(self.case) or not self.case.screen.panels:
             return 0.0
         observed = self.observed.bed_kg_per_m2
@@ -117,43 +120,50 @@ class Scene:
 
     @property
     def slope(self) -> float:
-        """The tangent of the flattest panel's slope against the horizontal; 0 without panels."""
+        """The tangent of the flattest panel's angle to the horizontal; 0 without panels."""
         sines = [min(1.0, abs(p.panel.rectangle.along[2])) for p in self.panels]
         return math.tan(math.asin(min(sines, default=0.0)))
 
     def near_resonance(self, panel: MovedPanel) -> bool:
-        """Return whether the excitation is so near to a panel's lowest frequency that its answer is
-        several times the static one."""
+        """Return whether the excitation is close to a panel's lowest frequency.
+
+        The panel may then respond several times as much as it would to a static load.
+        """
         ratio = self.speed_rad_per_s / panel.frequency_rad_per_s
         return RESONANT[0] < ratio < RESONANT[1]
 
     def change_of_response(self, loss_factor: float = 0.0, mass_ratio: float = 0.0) -> float | None:
-        """Return the largest change of the amplitude of a panel's middle without a loss factor or a mass upon
-        it (``moved_panel.change_of_response``), if all panels are taut all the time and shaken; else
-        None: a slack panel is no oscillator."""
+        """Return the largest change of a middle's amplitude without a loss factor or a mass on the panel.
+
+        ``moved_panel.change_of_response`` computes it.  Return None if nothing shakes, or if a panel is
+        ever slack, because a slack panel is no oscillator.
+        """
         if self.speed_rad_per_s == 0 or any(panel.sag_m > 0 for panel in self.panels):
             return None
         return max(
-            change_of_response(self.speed_rad_per_s / one.frequency_rad_per_s, loss_factor, mass_ratio)
-            for one in self.panels
+            change_of_response(self.speed_rad_per_s / panel.frequency_rad_per_s, loss_factor, mass_ratio)
+            for panel in self.panels
         )
 
     @property
     def impact_m_per_s(self) -> float:
-        """The speed of impacts: the case's own (1 m/s, or the highest it gives), or that of the panels'
-        middles, whichever is more."""
+        """The speed of impacts: the larger of the case's own speed and the speed of the panels' middles.
+
+        The case's own speed is 1 m/s, or the highest speed that it gives.
+        """
         travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
         return max(impact_speed_m_per_s(self.case), self.speed_rad_per_s * travel_m)
 
 
 def scene(case: Case) -> Scene:
-    """Return the scene of a case whose tables fit together.
+    """Return the scene of a case without problems in its tables.
 
-    Its panels pull as the stroke lets them, and the stroke is as the panels let it.
+    An iteration finds the panels' stiffness and the frames' stroke, which depend on each other.
     """
     plan = _moving_plan(case)
     panels = tuple(
-        MovedPanel(one, hyperelastic(case.materials[one.table.material]), 0.0) for one in single_panels(case)
+        MovedPanel(panel, hyperelastic(case.materials[panel.table.material]), 0.0)
+        for panel in single_panels(case)
     )
     stiffness_N_per_m = np.array([panel.taut_stiffness_N_per_m / 2 for panel in panels])
     for _ in range(ROUNDS):
@@ -171,7 +181,7 @@ def scene(case: Case) -> Scene:
 
 
 def _moving_plan(case: Case) -> FramesPlan:
-    """Return frames, bushings, exciters and drives, whatever the level's solver leaves out of them."""
+    """Return the plan of a solver that leaves out no frames' motion, whatever the level's solver does."""
 
     def moves_all(frames: FramesAdapter) -> bool:
         return frames.moved_by_forces and frames.drives and frames.rotates and frames.motors
@@ -193,23 +203,25 @@ def _spring(panel: MovedPanel, stiffness_N_per_m: float) -> PanelSpring:
 
 
 def stroke_m(shaken: tuple[Shaking, ...], spring: PanelSpring) -> float:
-    """Return the amplitude of a panel's ends against each other, along it; of several speeds the sum."""
-    return float(sum(abs(one.relative_m(spring.frames) @ spring.along) for one in shaken))
+    """Return the amplitude of a panel's ends against each other along the panel, summed over all speeds."""
+    return float(sum(abs(shaking.relative_m(spring.frames) @ spring.along) for shaking in shaken))
 
 
 def elastic_solvers() -> str:
-    """Return the panel solvers whose panels deform, as words about a cost."""
+    """Return a text about the cost, which is none with the panel solvers whose panels deform."""
     return f"none with panel.solver {solvers.names_able_to('panel', lambda adapter: adapter.deforms)}"
 
 
 def deck_m2(case: Case) -> float:
-    """Return the area of the panels."""
+    """Return the total area of the panels."""
     return sum(p.rectangle.span_m * p.rectangle.width_m for p in single_panels(case))
 
 
 def bed_kg(case: Case) -> float:
-    """Return the mass of the particles, at most: what is there at the start, and what a feed brings
-    in the time that material stays."""
+    """Return the largest mass of the particles.
+
+    It is the mass at the start plus the mass that feeds bring in the time that material stays.
+    """
 
     def fed_kg(feed: Feed) -> float:
         stop_s = min(case.duration_s, feed.stop_s or math.inf)
@@ -222,9 +234,9 @@ def bed_kg(case: Case) -> float:
 def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[float, tuple[SizeClass, ...]]]:
     """Yield the mass and the size classes of each single particle, each block and, with the mass that
     ``fed_kg`` gives, each feed."""
-    for one in case.bed.particles.values():
-        density = case.materials[one.material].density_kg_per_m3
-        yield sphere_mass_kg(one.diameter_m, density), (size_class(one.diameter_m, one.diameter_m, 1.0),)
+    for particle in case.bed.particles.values():
+        density, diameter_m = case.materials[particle.material].density_kg_per_m3, particle.diameter_m
+        yield sphere_mass_kg(diameter_m, density), (size_class(diameter_m, diameter_m, 1.0),)
     for block in case.bed.blocks.values():
         sizes = classes(block)
         yield block.count * mean_mass_kg(sizes, case.materials[block.material].density_kg_per_m3), sizes

@@ -3,8 +3,8 @@
     (K + i w C - w^2 M) X = F
 
 X has the complex amplitudes of the free frames in world axes, x(t) = Re(X exp(i w t)): three
-translations of each centre of mass or, with rotations, three small angles besides.  Driven frames
-have their drive's translation (its rotation is left out).  Theory: docs/theory/effects.md.
+translations of each centre of mass and, with rotations, three small angles.  Driven frames have
+their drive's translation; its rotation is left out.  docs/theory/effects.md has the theory.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ from orchestrator.ports.plans import BushingPlan, ExciterPlan, FramesPlan
 
 @dataclass(frozen=True)
 class PanelSpring:
-    """A panel between two frames as a spring along itself; half of its free part's mass rides with
-    each end.  ``ends_m`` (2, 3) has the middles of its clamps' inner edges."""
+    """A panel between two frames as a spring along itself, with half of its free mass at each end.
+
+    ``ends_m`` (2, 3) has the middles of the clamps' inner edges.
+    """
 
     frames: tuple[str, str]
     ends_m: Array
@@ -31,7 +33,7 @@ class PanelSpring:
     mass_kg: float
 
     def bushing(self) -> BushingPlan:
-        """Return the same spring as a bushing, whose place along its own line is of no matter."""
+        """Return the same spring as a bushing; its place along its own line has no influence."""
         axes = np.vstack([self.along, np.zeros((2, 3))])
         stiffness_N_per_m = np.array([self.stiffness_N_per_m, 0.0, 0.0])
         return BushingPlan("", self.frames, self.ends_m[0], axes, stiffness_N_per_m, np.zeros(3))
@@ -39,14 +41,14 @@ class PanelSpring:
 
 @dataclass(frozen=True)
 class Shaking:
-    """The amplitudes (3,), complex, of all frames and the ground at one speed of excitation."""
+    """The complex amplitudes (3,) of all frames and the ground at one speed of excitation."""
 
     speed_rad_per_s: float
     amplitude_m: dict[str, Array]
     angle_rad: dict[str, Array]
 
     def relative_m(self, frames: tuple[str, str]) -> Array:
-        """Return the amplitude of the second frame against the first."""
+        """Return the amplitude (3,) of the second frame against the first."""
         return self.amplitude_m[frames[1]] - self.amplitude_m[frames[0]]
 
 
@@ -55,15 +57,16 @@ def solve_shakings(
 ) -> tuple[Shaking, ...]:
     """Return the steady motion at each speed of exciters and drives.
 
-    ``loss_factor`` takes the place of all bushings' own damping (0: none); ``freedoms`` of a frame
-    are 3, or 6 with rotations.
+    ``loss_factor`` replaces the damping of all bushings; 0 is no damping, None keeps their own.  A
+    frame has 3 ``freedoms``, or 6 with rotations.
     """
-    speeds = {one.speed_rad_per_s for one in plan.exciters} | {one.speed_rad_per_s for one in plan.drives}
+    speeds = {exciter.speed_rad_per_s for exciter in plan.exciters}
+    speeds |= {drive.speed_rad_per_s for drive in plan.drives}
     return tuple(_shaking(plan, springs, loss_factor, freedoms, w) for w in sorted(speeds))
 
 
 def free_frames(plan: FramesPlan) -> list[str]:
-    """Return the frames with a mass that no drive moves."""
+    """Return the names of the frames that have a mass and no drive."""
     return [plan.bodies[number].name for number in _free(plan)]
 
 
@@ -74,7 +77,7 @@ def _free(plan: FramesPlan) -> Indices:
 
 
 def exciter_N(exciter: ExciterPlan) -> Array:
-    """Return the complex amplitude (3,) of a force that turns from ``start`` about ``axis``."""
+    """Return the complex amplitude (3,) of an exciter's force, which turns from ``start`` about ``axis``."""
     size_N = exciter.mass_moment_kg_m * exciter.speed_rad_per_s**2 * np.exp(1j * exciter.phase_rad)
     return np.asarray(size_N * (exciter.start - 1j * np.cross(exciter.axis, exciter.start)))
 
@@ -116,7 +119,7 @@ def _shaking(
 
 
 def _with_loss(plan: FramesPlan, loss_factor: float | None, speed_rad_per_s: float) -> FramesPlan:
-    """Return the plan with the damping that bushings of this loss factor have at a speed."""
+    """Return the plan with the damping of bushings that have a loss factor at a speed."""
     if loss_factor is None:
         return plan
     per_speed_s = loss_factor / speed_rad_per_s
@@ -125,7 +128,7 @@ def _with_loss(plan: FramesPlan, loss_factor: float | None, speed_rad_per_s: flo
 
 
 def _with_panels(plan: FramesPlan, springs: Sequence[PanelSpring]) -> FramesPlan:
-    """Return the plan with panels as bushings, whose masses ride at the frames' centres of mass."""
+    """Return the plan with panels as bushings, and with their masses at the frames' centres of mass."""
     bodies = []
     for body in plan.bodies:
         carried_kg = sum(

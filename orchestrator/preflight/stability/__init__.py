@@ -1,4 +1,4 @@
-"""Stability before the run: how long a sync interval may be, bound by bound.
+"""The stability of a coupled run: bounds on its sync interval, computed before the run.
 
-Start with ``report.py``; derivations, tests and measured limits: docs/theory/stability.md.
+``report.py`` is the entry.  docs/theory/stability.md has derivations, tests and measured limits.
 """

@@ -1,9 +1,9 @@
-"""Bounds on the sync interval of a scene, on stability and on accuracy.
+"""The bounds on the sync interval of a scene, for stability and for accuracy.
 
 They come from particles on panels, from panels on frames that they push, and from particles on
-surfaces that move between sync points: where a drive has the surface, its path is known but for
-what a smooth curve between sync points leaves out of it; where it is free, particles see it where
-it would be without speeding up.
+surfaces that move between sync points.  The path of a driven surface is known, except for its
+deviation from a smooth curve between sync points.  Particles see a free surface where it would be
+without acceleration.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ SECTIONS = {
     "moving surface": "moving surfaces",
     "driven surface": "moving surfaces",
 }
-"""Sections of docs/theory/stability.md whose name is not the bound's own."""
+"""Sections of docs/theory/stability.md by the name of the bound, if the two names differ."""
 
 
 @dataclass(frozen=True)
 class Bound:
     """The longest sync interval that one effect allows.
 
-    "stability": beyond it something grows without end.  "accuracy": beyond it the answer is
-    worse than the project's own rule, but bounded.  ``interval_s`` is infinite where the effect
-    sets no limit and 0 where no interval is short enough; ``why`` has the case's own numbers,
-    ``where`` names the particles and the surface that set it.
+    Beyond a bound on "stability" something grows without end.  Beyond a bound on "accuracy" the answer
+    is worse than the project's own rule, but bounded.  ``interval_s`` is infinite if the effect sets no
+    limit, and 0 if no interval is short enough.  ``why`` has the case's own numbers, and ``where``
+    names the particles and the surface that set the bound.
     """
 
     name: str
@@ -54,12 +54,12 @@ class Bound:
 
     @property
     def source(self) -> str:
-        """Where the formula comes from."""
+        """The document and section that derive the formula."""
         return f"docs/theory/stability.md, {SECTIONS.get(self.name, self.name)}"
 
 
 class ContactSpring(NamedTuple):
-    """A contact, linear about some depth."""
+    """The spring and the damper of a contact that is linear about some depth."""
 
     stiffness_N_per_m: float
     damping_N_s_per_m: float
@@ -67,10 +67,13 @@ class ContactSpring(NamedTuple):
 
 @dataclass(frozen=True)
 class Touch:
-    """Spheres of one size on a surface.  ``deepest``: in an impact or under the bed, whichever goes
-    deeper; ``resting``: under the bed as it is thrown; ``resting_m``: how deep one lies under the
-    bed's weight or, where that is more, its own.  ``impact_s`` is the duration of an impact,
-    ``area_m2`` what each takes of the surface where they lie side by side."""
+    """Spheres of one size on a surface.
+
+    ``deepest`` is the contact in an impact or under the bed, whichever goes deeper.  ``resting`` is the
+    contact under the thrown bed.  ``resting_m`` is the depth of a sphere under the larger of the bed's
+    weight and its own.  ``impact_s`` is the duration of an impact, and ``area_m2`` the area of the
+    surface for each sphere if they lie side by side.
+    """
 
     material: str
     diameter_m: float
@@ -86,7 +89,7 @@ class Touch:
 
 
 def touches(scene: Scene, surface_material: str) -> list[Touch]:
-    """Return the smallest and the largest spheres of each material, on surfaces of a material."""
+    """Return the smallest and the largest spheres of each material on surfaces of one material."""
     smallest_m, largest_m = smallest_diameters_m(scene.case), largest_diameters_m(scene.case)
     return [
         _touch(scene, name, diameter_m, surface_material)
@@ -112,9 +115,12 @@ def _touch(scene: Scene, name: str, diameter_m: float, surface_material: str) ->
     log_e = math.log(pairs[frozenset((name, surface_material))])
 
     def spring(depth_m: float) -> ContactSpring:
-        """Hertz's stiffness 2 E* sqrt(R depth) with the damping 2 sqrt(5/6) beta sqrt(stiffness m),
+        """Return Hertz's contact, linear about a depth.
+
+        The stiffness is 2 E* sqrt(R depth) and the damping 2 sqrt(5/6) beta sqrt(stiffness m) with
         beta = -ln e / sqrt(ln^2 e + pi^2) (Tsuji, Tanaka and Ishida, Powder Technology 71, 1992,
-        239-250, doi 10.1016/0032-5910(92)88030-L, in the form of LIGGGHTS's model hertz)."""
+        239-250, doi 10.1016/0032-5910(92)88030-L, in the form of LIGGGHTS's model hertz).
+        """
         stiffness_N_per_m = 2 * reduced_Pa * math.sqrt(radius_m * depth_m)
         beta = -log_e / math.hypot(log_e, math.pi)
         damping_N_s_per_m = 2 * math.sqrt(5 / 6) * beta * math.sqrt(stiffness_N_per_m * mass_kg)
@@ -133,7 +139,10 @@ def _touch(scene: Scene, name: str, diameter_m: float, surface_material: str) ->
 
 
 class Seat(NamedTuple):
-    """A contact, and what it rests on: effective mass, highest frequency (0: a free mass)."""
+    """A sphere in contact with a panel, and the effective mass and highest frequency of its support.
+
+    The frequency is 0 for a free mass.
+    """
 
     panel: str
     touch: Touch
@@ -158,19 +167,19 @@ CONTACT_LIMITS: dict[str, dict[str, tuple[str, Callable[..., float], tuple[str, 
         "late contacts, light points": ("deepest", limits.late_rocking_s, PAIR),
     },
 }
-"""Scheme -> name of each bound -> which contact of a seat it takes, its limit, and what that takes of
-the seat besides the contact's stiffness and damping."""
+"""The bounds of each scheme by name: the contact of a seat, the function of the limit, and the fields of
+the seat that the function takes besides the contact's stiffness and damping."""
 
 
 def contact_bounds(
     scene: Scene, modes_rad_per_s: Mapping[str, float], frames: FrameMatrices | None
 ) -> Iterator[Bound]:
-    """Yield for each limit the worst of all particles on all panels, where their load moves these."""
+    """Yield for each limit the bound of the worst seat, if the particles' load moves the panels."""
     exchange, scheme = scene.case.exchange, scene.case.coupling.scheme
     if not (exchange.particle_load and exchange.panel_motion):
         return
     if scheme == "robin" and not scene.case.panel.adapter.yields:
-        scheme = "particles-first"  # that is what it does on them
+        scheme = "particles-first"  # robin does the same as that scheme on panels that do not yield
     seats = list(_seats(scene, modes_rad_per_s, frames))
     for name, (contact, limit_s, wanted) in CONTACT_LIMITS.get(scheme, {}).items() if seats else ():
         rows = [
@@ -187,9 +196,12 @@ def contact_bounds(
 def _seats(
     scene: Scene, modes_rad_per_s: Mapping[str, float], frames: FrameMatrices | None
 ) -> Iterator[Seat]:
-    """Yield what carries a sphere: the lightest point where it is alone, of many side by side the
-    area that each takes, and of a few that crowd on the lightest point its share.  Panels that do
-    not yield carry with the lightest frame; nothing is yielded where that is not moved."""
+    """Yield the seats of all spheres on all panels.
+
+    A single sphere rests on the lightest point of a panel.  One of many side by side rests on its own
+    area, and one of a few that crowd on the lightest point on its share of that.  Panels that do not
+    yield carry spheres with the lightest frame; if nothing moves that, they have no seats.
+    """
     case, exchange = scene.case, scene.case.exchange
     yields = case.panel.adapter.yields
     area_m2 = sum(p.panel.rectangle.span_m * p.panel.rectangle.width_m for p in scene.panels)
@@ -207,7 +219,7 @@ def _seats(
 
 
 def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
-    """Yield the bounds from panels, as springs and as masses, on frames that they push."""
+    """Yield the bounds that panels, as springs and as masses, set on frames that they push."""
     scheme, exchange = scene.case.coupling.scheme, scene.case.exchange
     if not (exchange.panel_reaction and exchange.frame_motion):
         return
@@ -215,7 +227,7 @@ def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
         share, limit = limits.carried_share(frames.mass, frames.carried), limits.LARGEST_MASS[scheme]
         why = f"panels' mass on the frames is up to {share:.2g} of their own; the limit is {limit:.2g}"
         yield Bound("carried mass", math.inf if share < limit else 0.0, why)
-    if scheme in limits.AHEAD:
+    if scheme in limits.EXTRAPOLATING:
         limit_s = limits.extrapolated_clamps_s(frames.mass, frames.panels_N_per_m)
         yield Bound("extrapolated clamps", limit_s, "frames alone on the panels as springs")
     if scheme == "serial-staggered":
@@ -227,20 +239,23 @@ def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
 
 INTERVALS_PER_CONTACT = 10
 SHARE_OF_OVERLAP = 0.1
-"""How far a surface may be off, of the overlap of what lies on it.  The mean over the interval is
-off by a third of that."""
+"""Allowed error of a surface's place over the overlap of the particles on it.  The mean error over the
+interval is a third of that."""
 STRAIGHT, CHORD = 1 / 2, 1 / 8
-"""By how many a H^2 a surface that speeds up by a is off at most in an interval H: of a straight
-path that leaves with its velocity, at the end; of the chord, in the middle."""
+"""Largest distances, over a H^2, of a surface with acceleration a in an interval H: from a straight path
+that starts with its velocity, at the end of the interval, and from the chord, in the middle."""
 HERMITE = 1 / 384
-"""By how many H^4 times its fourth derivative a cubic Hermite path is off at most."""
+"""Largest error of a cubic Hermite path over H^4 times the fourth derivative of the true path."""
 
 
 @dataclass(frozen=True)
 class MetSurface:
-    """A surface that particles meet, a panel or a wall.  ``known``: a drive has it, or it stands
-    still; ``yields``: its points give way to loads by themselves, as only elastic panels' do;
-    ``acceleration_m_per_s2`` is the largest that the scene gives it."""
+    """A panel or a wall that particles meet.
+
+    ``known`` says that a drive moves it or that it stands still.  ``yields`` says that its points give
+    way to loads by themselves, as only the points of elastic panels do.  ``acceleration_m_per_s2`` is
+    its largest acceleration in the scene.
+    """
 
     name: str
     material: str
@@ -250,8 +265,11 @@ class MetSurface:
 
 
 def met_surfaces(scene: Scene) -> list[MetSurface]:
-    """Return every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
-    middles or as the frames, whichever is more."""
+    """Return every panel and every wall.
+
+    Rigid panels and walls accelerate as the frames do.  Other panels accelerate as their middles or as
+    the frames, whichever is more.
+    """
     case, moves = scene.case, scene.case.exchange.frame_motion
     panel_solver, gravity_m_per_s2 = case.panel.adapter, scene.gravity_m_per_s2
     pushed = case.frames.adapter.moved_by_forces and case.exchange.panel_reaction
@@ -278,8 +296,11 @@ def met_surfaces(scene: Scene) -> list[MetSurface]:
 
 
 def surface_bounds(scene: Scene) -> Iterator[Bound]:
-    """Yield the bounds on accuracy, of all particles on all that they meet: at least ten intervals
-    to the shortest impact on a surface that a load moves, and how far surfaces may be off."""
+    """Yield the bounds on accuracy from all particles on all surfaces that they meet.
+
+    The shortest impact on a surface that loads move must last ten intervals.  The places of surfaces
+    must be exact to a share of the particles' overlaps.
+    """
     meetings = [
         (surface, touch) for surface in met_surfaces(scene) for touch in touches(scene, surface.material)
     ]
@@ -307,8 +328,11 @@ def surface_bounds(scene: Scene) -> Iterator[Bound]:
 
 
 def _extrapolated_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
-    """Return the interval in which a surface that is free is off by ``SHARE_OF_OVERLAP``.  robin drifts on
-    what it does not foresee; serial-staggered shows the particles the way that the surface has gone."""
+    """Return the interval in which the place of a free surface is wrong by ``SHARE_OF_OVERLAP``.
+
+    robin extrapolates surfaces whose motion it does not predict.  serial-staggered sets no limit,
+    because it shows the particles the path that the surface has gone.
+    """
     scheme = scene.case.coupling.scheme
     if surface.known or surface.acceleration_m_per_s2 == 0.0 or scheme == "serial-staggered":
         return math.inf
@@ -318,8 +342,10 @@ def _extrapolated_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
 
 
 def _smoothed_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
-    """Return the interval in which the smooth path of a driven surface, H^4 a w^2, is off by
-    ``SHARE_OF_OVERLAP``."""
+    """Return the interval in which the smooth path of a driven surface is wrong by ``SHARE_OF_OVERLAP``.
+
+    The error of the path goes with H^4 a w^2.
+    """
     if not surface.known or surface.acceleration_m_per_s2 == 0.0:
         return math.inf
     fourth_m_per_s4 = surface.acceleration_m_per_s2 * scene.speed_rad_per_s**2

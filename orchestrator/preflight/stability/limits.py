@@ -1,10 +1,11 @@
-"""The longest stable sync interval for contacts on a surface point and for panels on frames.
+"""The longest stable sync intervals for contacts on a surface point and for panels on frames.
 
-A contact of stiffness k and damping g (its force is k times overlap + g times its rate) touches a
-surface point of effective mass M.  ``mode_rad_per_s`` is the highest angular frequency w with which
-that point can vibrate; 0 for a free mass.  Frames have matrices over the free frames' coordinates:
-M of the frames alone, K of the panels as massless springs, and all modes' shapes X of the whole
-machine.  Derivations and the limits found by bisection: docs/theory/stability.md.
+A contact of stiffness k and damping g touches a surface point of effective mass M; its force is k
+times the overlap plus g times the rate of the overlap.  ``mode_rad_per_s`` is the highest angular
+frequency w at which that point can vibrate; it is 0 for a free mass.  Frames have matrices over the
+free frames' coordinates: M of the frames alone, K of the panels as massless springs, and X with the
+shapes of all modes of the whole machine.  docs/theory/stability.md has the derivations, and limits
+that a bisection found.
 """
 
 from __future__ import annotations
@@ -18,25 +19,27 @@ from scipy.optimize import brentq
 
 from orchestrator.ports import Array
 
-HELD = 0.8
-"""Share of the mass that counts: a sphere as heavy as the point it rests on makes the interval up
-to a tenth shorter than a held one does (scan of 288 linear pairs: docs/measured/stability.md)."""
-FORESEEN = 0.5
-"""Share of the estimate for a free sphere under robin: the real limit over it was 0.57 to 1.06 from
-m/M = 1 to 10^4 (restitution 0.13 to 0.99)."""
+MASS_SHARE = 0.8
+"""Share of the mass that counts.  A sphere as heavy as the point on which it rests makes the interval
+up to a tenth shorter than a fixed sphere does (scan of 288 linear pairs: docs/measured/stability.md)."""
+SPHERE_SHARE = 0.5
+"""Share of the estimate for a free sphere under robin that counts.  The real limit was 0.57 to 1.06 of
+the estimate for m/M from 1 to 10^4 and restitution from 0.13 to 0.99."""
 
 
 def light_point_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
-    """Return the limit of particles-first: the surface drifts through the interval H, so that the
-    contact pushes it back too late.  The point swings from side to side, interval by interval, from
+    """Return the limit of particles-first for a contact on a surface point.
+
+    The surface drifts through the interval H, so the contact pushes it back too late.  The point
+    swings from side to side, interval by interval, if H is above the solution of
 
         (g + k H / 2) tan(w H / 2) = M w,
 
-    on; of a free mass (w = 0) from H = (sqrt(g^2 + 4 k M) - g) / k.
+    or, for a free mass (w = 0), above (sqrt(g^2 + 4 k M) - g) / k.
     """
-    k, g, mass = stiffness_N_per_m, damping_N_s_per_m, HELD * mass_kg
+    k, g, mass = stiffness_N_per_m, damping_N_s_per_m, MASS_SHARE * mass_kg
     free_s = 2 * mass / g if k == 0 else 4 * mass / (math.sqrt(g * g + 4 * k * mass) + g)
     if mode_rad_per_s == 0:
         return free_s
@@ -50,13 +53,14 @@ def light_point_s(
 
 
 def resting_mode_s(stiffness_N_per_m: float, damping_N_s_per_m: float, mode_rad_per_s: float) -> float:
-    """Return the limit of particles-first for a contact that lasts on a vibrating surface: within the
-    interval its damper sees an old velocity and its spring an old place, and together they drive
-    the mode unless
+    """Return the limit of particles-first for a contact that lasts on a vibrating surface.
+
+    Within the interval, its damper sees an old velocity and its spring an old place.  Together they
+    drive the mode unless
 
         tan(x) - x < g w / k,    x = w H / 2.
 
-    Infinite without a damper: such a contact does not last.
+    The limit is infinite without a damper, because such a contact does not last.
     """
     k, g, w = stiffness_N_per_m, damping_N_s_per_m, mode_rad_per_s
     if g == 0 or w == 0:
@@ -72,15 +76,19 @@ def resting_mode_s(stiffness_N_per_m: float, damping_N_s_per_m: float, mode_rad_
 
 
 def rocking_s(stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float) -> float:
-    """Return the limit of particles-first for a free sphere m that stays on a free point: that of
-    ``resting_mode_s`` with the frequency of the pair, and the damper over the point's share in it."""
+    """Return the limit of particles-first for a free sphere m that stays on a free point.
+
+    ``resting_mode_s`` gives it with the frequency of the pair and the damping over the point's share.
+    """
     w, share = _pair(stiffness_N_per_m, sphere_kg, mass_kg)
     return resting_mode_s(stiffness_N_per_m, damping_N_s_per_m / share, w)
 
 
 def _pair(stiffness_N_per_m: float, sphere_kg: float, mass_kg: float) -> tuple[float, float]:
-    """Return the frequency of a free sphere m on a free point, w^2 = k / m + k / M, and the point's
-    share in it, m / (m + M)."""
+    """Return the frequency of a free sphere m on a free point and the point's share in the motion.
+
+    The frequency follows from w^2 = k / m + k / M, and the share is m / (m + M).
+    """
     w = math.sqrt(stiffness_N_per_m / sphere_kg + stiffness_N_per_m / mass_kg)
     return w, sphere_kg / (sphere_kg + mass_kg)
 
@@ -88,13 +96,16 @@ def _pair(stiffness_N_per_m: float, sphere_kg: float, mass_kg: float) -> tuple[f
 def foreseen_mode_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float
 ) -> float:
-    """Return the limit of robin for a mode, whose chord is foreseen as if a change of the load moved
-    a free mass.  It moves less by b = H^2 / (2 M) (1 - sin^2(w H / 2) / (w H / 2)^2), which is told
-    an interval later.  A held sphere cannot drive the mode while
+    """Return the limit of robin for a fixed sphere on a vibrating point.
+
+    robin predicts the chord of the point as if a change of the load moved a free mass.  A mode moves
+    less, by b = H^2 / (2 M) (1 - sin^2(w H / 2) / (w H / 2)^2), and robin learns that an interval
+    later.  The sphere cannot drive the mode while
 
         2 b max_u u (k^2 H / (4 g) (1 + u) + g / H (1 - u)) < 1,    0 < u < 1.
 
-    Infinite for a free mass.  Without a damper contacts do not last: as ``light_point_s``.
+    The limit is infinite for a free mass.  Contacts without a damper do not last, and have the limit
+    of ``light_point_s``.
     """
     k, g, w = stiffness_N_per_m, damping_N_s_per_m, mode_rad_per_s
     if w == 0:
@@ -113,13 +124,15 @@ def foreseen_mode_s(
 def foreseen_sphere_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
-    """Return the limit of robin for a free sphere m on a free point M; the midpoint rule that predicts
-    its load is off by k H^2 / (12 m) and (g H / m)^2 / 12 of it, and H / (2 M) times the impedance,
-    k H / 2 + g twice, is what that does to the point.  Stable below ``FORESEEN`` times the H from
+    """Return the limit of robin for a free sphere m on a free point M.
+
+    The midpoint rule that predicts the load of the sphere is off by the shares k H^2 / (12 m) of the
+    spring's part and (g H / m)^2 / 12 of the damper's.  These parts act on the point by k H^2 / (2 M)
+    and g H / (2 M).  The scheme is stable below ``SPHERE_SHARE`` times the solution H of
 
         (k H^2 / (2 M)) (k H^2 / (12 m)) + (g H / (2 M)) (g H / m)^2 / 12 = 1.
 
-    An estimate: checked against the loop, not derived.
+    This estimate was checked against the loop, and is not derived.
     """
     k, g, m = stiffness_N_per_m, damping_N_s_per_m, sphere_kg
     if k == 0 and g == 0:
@@ -131,18 +144,20 @@ def foreseen_sphere_s(
         spring = k * h * h / (2 * mass_kg) * (k * h * h / (12 * m))
         return spring + g * h / (2 * mass_kg) * (g * h / m) ** 2 / 12 - 1
 
-    return FORESEEN * math.exp(_crossing(excess)) * unit_s
+    return SPHERE_SHARE * math.exp(_crossing(excess)) * unit_s
 
 
 def late_contact_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
-    """Return the limit of serial-staggered: the force comes an interval late, which is the damping
-    -k H; and a damper that comes late overshoots.  Stable below
+    """Return the limit of serial-staggered for a contact on a surface point.
 
-        1 / H = w / arctan(g w / k) + g / (2 M),    k / g + g / (2 M) for w = 0;
+    The force comes an interval late, which acts like the damping -k H, and a late damper overshoots.
+    The scheme is stable below the H from
 
-    0 without a damper: nothing takes out what the late force adds.
+        1 / H = w / arctan(g w / k) + g / (2 M),    or k / g + g / (2 M) for w = 0.
+
+    The limit is 0 without a damper, because nothing removes the energy that the late force adds.
     """
     k, g, w = stiffness_N_per_m, damping_N_s_per_m, mode_rad_per_s
     if k == 0 and g == 0:
@@ -156,8 +171,11 @@ def late_contact_s(
 def late_rocking_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
-    """Return the limit of serial-staggered for a free sphere m on a free point: as ``late_contact_s``
-    with the frequency of the pair, and the damper over the point's share."""
+    """Return the limit of serial-staggered for a free sphere m on a free point.
+
+    The formula of ``late_contact_s`` gives it with the frequency of the pair and, inside the
+    arctangent, the damping over the point's share.
+    """
     k, g = stiffness_N_per_m, damping_N_s_per_m
     if g == 0:
         return 0.0 if k > 0 else math.inf
@@ -174,33 +192,41 @@ def _largest(one: float, other: float) -> float:
 
 
 def _crossing(excess: Callable[[float], float]) -> float:
-    """Return the exponent at which ``excess``, negative far below and positive far above, is first zero."""
+    """Return the lowest exponent at which ``excess``, negative far below, is zero."""
     before, step = -20.0, 0.05
     while excess(before + step) < 0:
         before += step
     return float(brentq(excess, before, before + step))
 
 
-AHEAD = ("particles-first", "robin", "aitken", "quasi-newton")  # schemes that extrapolate the clamps
-LARGEST_MASS = dict.fromkeys(AHEAD, 1 / 3) | {"serial-staggered": 0.95}
-"""Mass that a frame carries stiffly over its own mass, r, above which its acceleration, fed
-back through the panels' inertia, grows at any interval.  ``AHEAD`` schemes extrapolate it,
-z^2 + 2 r z - r = 0; serial-staggered returns it, z = -r: stable below 1, less a margin for
-bushings (measured: 0.99 where they swing by a quarter of a radian in an interval).  Causin, P.,
-Gerbeau, J.-F. and Nobile, F., Computer Methods in Applied Mechanics and Engineering 194, 2005,
-4506-4527, doi 10.1016/j.cma.2004.12.005, on loads from more mass than they act on."""
+EXTRAPOLATING = ("particles-first", "robin", "aitken", "quasi-newton")  # schemes that extrapolate the clamps
+LARGEST_MASS = dict.fromkeys(EXTRAPOLATING, 1 / 3) | {"serial-staggered": 0.95}
+"""Largest ratio r of the mass that a frame carries stiffly to its own mass, by scheme.
+
+Above it, the frame's acceleration, fed back through the panels' inertia, grows at any interval.
+``EXTRAPOLATING`` schemes extrapolate the acceleration, z^2 + 2 r z - r = 0.  serial-staggered returns it,
+z = -r, and is stable below 1, less a margin for bushings (measured: 0.99 if they swing by a quarter of
+a radian in an interval).  Causin, P., Gerbeau, J.-F. and Nobile, F., Computer Methods in Applied
+Mechanics and Engineering 194, 2005, 4506-4527, doi 10.1016/j.cma.2004.12.005, treat loads from more
+mass than they act on."""
 
 
 def extrapolated_clamps_s(mass: Array, panels_N_per_m: Array) -> float:
-    """Return the limit of ``AHEAD`` schemes: clamps extrapolated with the last acceleration, on springs,
-    are stable for w H < 1, w the highest frequency of the frames on the panels alone; damped below."""
+    """Return the limit of ``EXTRAPOLATING`` schemes, which extrapolate the clamps with the last acceleration.
+
+    They are stable, and damped, for w H < 1, where w is the highest frequency of the frames on the
+    panels' springs alone.
+    """
     highest = float(eigh(panels_N_per_m, mass, eigvals_only=True)[-1])
     return 1 / math.sqrt(highest) if highest > 0 else math.inf
 
 
 def late_reaction_s(shapes: Array, panels_N_per_m: Array, damping_N_s_per_m: Array) -> float:
-    """Return the limit of serial-staggered: the panels' force comes an interval late, which is the
-    damping -K H.  Of every mode X (a column), the machine's own must be larger: H < X C X / X K X."""
+    """Return the limit of serial-staggered for the panels' force on the frames.
+
+    The force comes an interval late, which acts like the damping -K H.  The machine's own damping of
+    every mode X (a column of ``shapes``) must be larger, so that H < X C X / X K X.
+    """
     driven = np.einsum("im,ij,jm->m", shapes, panels_N_per_m, shapes)
     damped = np.einsum("im,ij,jm->m", shapes, damping_N_s_per_m, shapes)
     felt = driven > 1e-9 * driven.max(initial=0.0)

@@ -1,4 +1,4 @@
-"""Masses and modes of free frames and of panels."""
+"""The masses and modes of free frames and of panels."""
 
 from __future__ import annotations
 
@@ -21,9 +21,12 @@ from orchestrator.preflight.scene.shaking import free_frames
 
 @dataclass(frozen=True)
 class FrameMatrices:
-    """Square matrices over all coordinates of the free frames (3 each, or 6 with rotations):
-    ``mass`` of the frames alone, ``carried`` of the panels whose ends are on them, ``panels_N_per_m``
-    taut and at their stiffest, ``bushings_N_per_m`` and their ``damping_N_s_per_m``."""
+    """Square matrices over all coordinates of the free frames, 3 for each frame or 6 with rotations.
+
+    ``mass`` is the mass of the frames alone, and ``carried`` the mass of the panels whose ends they
+    carry.  ``panels_N_per_m`` is the stiffness of the taut panels at their stiffest,
+    ``bushings_N_per_m`` the stiffness of the bushings, and ``damping_N_s_per_m`` their damping.
+    """
 
     mass: Array
     carried: Array
@@ -34,17 +37,17 @@ class FrameMatrices:
 
     @property
     def lightest_kg(self) -> float:
-        """The least of the frames' masses."""
+        """The mass of the lightest frame."""
         return float(np.min(np.diag(self.mass)[:: self.freedoms]))
 
     def modes(self) -> tuple[Array, Array]:
-        """Return the angular frequencies, and shapes as columns, of frames with panels on them."""
+        """Return the angular frequencies of the frames with their panels, and the shapes as columns."""
         square, shapes = eigh(self.panels_N_per_m + self.bushings_N_per_m, self.mass + self.carried)
         return np.sqrt(np.maximum(square, 0.0)), shapes
 
 
 def frame_matrices(scene: Scene) -> FrameMatrices | None:
-    """Return the matrices of a scene, or None where no frame is free to be pushed."""
+    """Return the matrices of a scene; None if forces move none of its frames."""
     case, plan = scene.case, scene.plan
     solver = case.frames.adapter
     if not (solver.moved_by_forces and free_frames(plan)):
@@ -73,14 +76,16 @@ def frame_matrices(scene: Scene) -> FrameMatrices | None:
     )
 
 
-STEPPED = 2 * math.sqrt(2) / math.pi
-"""Frequency over the one that velocity Verlet's steps make of it, at worst: two steps to half a
-period.  Steps of h turn w into (2 / h) arcsin(w h / 2)."""
+FREQUENCY_RATIO = 2 * math.sqrt(2) / math.pi
+"""The smallest ratio of a frequency to its numerical value under velocity Verlet, whose steps h turn w
+into (2 / h) arcsin(w h / 2).  It counts two steps to half a period."""
 
 
 def largest_steps_s(case: Case) -> dict[str, float]:
-    """Return the largest step of the solver for each row of panels; none where stability does not limit
-    it.  Raises SolverMissing, and SolverFailed where no resting shape is found."""
+    """Return the solver's largest step for each row of panels; empty if stability does not limit it.
+
+    Raises SolverMissing, and SolverFailed if the solver finds no resting shape.
+    """
     limit = case.panel.adapter.largest_step_s
     if limit is None or case.panel.integrator != "explicit":
         return {}
@@ -90,26 +95,29 @@ def largest_steps_s(case: Case) -> dict[str, float]:
 
 
 def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
-    """Return the highest frequency that its steps make for each row of panels; and why not, if none.
+    """Return the highest numerical frequency of each row of panels, and an error text if it is unknown.
 
-    Implicit steps longer than the mesh's periods have none that matters here: their phase
-    stays below half a turn."""
+    Implicit steps longer than the mesh's periods have no frequency that matters here, because their
+    phase stays below half a turn; the solver then has no largest step, and the result is empty.
+    """
     try:
         steps_s = largest_steps_s(case)
     except (SolverMissing, SolverFailed) as error:
         return {}, str(error)
-    return {name: 2 / step_s / STEPPED for name, step_s in steps_s.items()}, ""
+    return {name: 2 / step_s / FREQUENCY_RATIO for name, step_s in steps_s.items()}, ""
 
 
 def areal_kg_per_m2(case: Case, panel: PanelTable) -> float:
-    """Return the mass of the perforated part per area."""
+    """Return the mass of a panel's perforated part per area."""
     solid = AperturePattern(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
     return solid * case.materials[panel.material].density_kg_per_m3 * panel.thickness_m
 
 
 def lightest_point_kg(case: Case, name: str) -> float:
-    """Return the effective mass of the lightest point of the surface of the panels ``name``, as their
-    solver tells; else the mass under one of the surface's cells."""
+    """Return the effective mass of the lightest surface point of the panels ``name``.
+
+    If their solver does not tell it, return the mass under one cell of the surface.
+    """
     panel, lightest_kg = case.screen.panels[name], case.panel.adapter.lightest_kg
     if lightest_kg is None:
         cell_m2 = panel.width_m * panel.length_m / math.prod(case.panel.surface_cells)

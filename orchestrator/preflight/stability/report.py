@@ -1,7 +1,7 @@
-"""The stability report of a case: every bound of its sync interval, and the scheme that it calls for.
+"""The stability report of a case: every bound on its sync interval, and the scheme that it calls for.
 
 ``stability_report`` needs a case without problems.  It asks the panels' solver for its largest
-step, which for a sheet takes about a second.
+step, which takes about a second for a sheet.
 """
 
 from __future__ import annotations
@@ -39,8 +39,7 @@ BECAUSE = {
     "driven surface": "the smooth path of a driven surface between exchanges must not leave its "
     "true one by what {where} feels",
 }
-"""Why no longer interval, in a designer's words: a clause for each bound by its name; ``where`` are
-the particles."""
+"""Clauses that explain each bound by its name in a designer's words; ``where`` names the particles."""
 
 REMEDIES = {
     "carried mass": "make that frame heavier or its panels lighter",
@@ -48,15 +47,15 @@ REMEDIES = {
     "late contacts": 'set a restitution below 1, or coupling.scheme = "auto"',
     "late contacts, light points": 'set a restitution below 1, or coupling.scheme = "auto"',
 }
-"""What helps where no interval is short enough."""
+"""Remedies by the name of the bound, for cases in which no interval is short enough."""
 
 
 @dataclass(frozen=True)
 class StabilityReport:
-    """All bounds of a case under one scheme, and what is said of them.
+    """All bounds on the sync interval of a case under one scheme, with the texts about them.
 
-    ``facts`` are the numbers behind them, name -> text; ``why`` says why the program chose the
-    scheme, and is empty where the case names it.
+    ``facts`` maps the names of the numbers behind the bounds to texts.  ``why`` says why the program
+    chose the scheme, and is empty if the case names it.
     """
 
     scheme: str
@@ -66,19 +65,19 @@ class StabilityReport:
     why: str = ""
 
     @property
-    def stable(self) -> Bound | None:
-        """The bound on stability that allows least; None if nothing limits it."""
+    def stability_bound(self) -> Bound | None:
+        """The bound on stability with the shortest interval; None if nothing limits stability."""
         return self._least("stability")
 
     @property
-    def accurate(self) -> Bound | None:
-        """The bound on accuracy that allows least; None if nothing limits it."""
+    def accuracy_bound(self) -> Bound | None:
+        """The bound on accuracy with the shortest interval; None if nothing limits accuracy."""
         return self._least("accuracy")
 
     @property
     def safe_s(self) -> float:
-        """The largest interval within all bounds on stability."""
-        return self.stable.interval_s if self.stable else math.inf
+        """The largest interval within all bounds on stability; infinite if nothing limits it."""
+        return self.stability_bound.interval_s if self.stability_bound else math.inf
 
     def _least(self, kind: str) -> Bound | None:
         finite = [b for b in self.bounds if b.kind == kind and math.isfinite(b.interval_s)]
@@ -86,34 +85,35 @@ class StabilityReport:
 
     @property
     def limit(self) -> str:
-        """The safe interval, and what sets it."""
-        return f"{self.safe_s:.2g} s ({self.stable.name})" if self.stable else "unlimited"
+        """The safe interval as text, with the name of the bound that sets it."""
+        bound = self.stability_bound
+        return f"{self.safe_s:.2g} s ({bound.name})" if bound else "unlimited"
 
     @property
-    def unsafe(self) -> bool:
-        """Whether the case is beyond what is sure to be stable."""
+    def is_unsafe(self) -> bool:
+        """Whether the sync interval of the case is longer than the safe one."""
         return self.interval_s > self.safe_s
 
     def short_lines(self) -> Iterator[str]:
-        """Yield how often forces are exchanged, how often they should be, and why."""
+        """Yield lines about the sync interval, the longest safe and accurate ones, and the reasons."""
         scheme = f"scheme {self.scheme}" + (", chosen by the program" if self.why else "")
+        stability, accuracy = self.stability_bound, self.accuracy_bound
         yield (
             f"  particles, panels and frames exchange motion and forces every {self.interval_s:.3g} s "
             f"(coupling.sync_interval_s; {scheme})"
         )
-        if self.stable is None:
+        if stability is None:
             yield "  stable at any interval"
         elif self.safe_s == 0:
-            yield f"  stable at no interval: {because(self.stable)}; {remedy(self.stable)}"
+            yield f"  stable at no interval: {because(stability)}; {remedy(stability)}"
         else:
-            yield f"  sure to be stable up to {self.safe_s:.3g} s: {because(self.stable)}"
-        if self.accurate is not None:
-            limit_s, why = self.accurate.interval_s, because(self.accurate)
-            yield f"  accurate by the usual rules up to {limit_s:.3g} s: {why}"
+            yield f"  sure to be stable up to {self.safe_s:.3g} s: {because(stability)}"
+        if accuracy is not None:
+            yield f"  accurate by the usual rules up to {accuracy.interval_s:.3g} s: {because(accuracy)}"
         yield "  (--detail: all limits, and the numbers behind them)"
 
     def detail_lines(self) -> Iterator[str]:
-        """Yield all of it: numbers, bounds from the least up, and what follows."""
+        """Yield lines with the numbers, all bounds from the shortest interval up, and the conclusion."""
         if self.why:
             yield f"  scheme: {self.scheme}, taken by the program: {self.why}"
         for name, text in self.facts.items():
@@ -124,48 +124,51 @@ class StabilityReport:
         yield f"  {self.verdict()}"
 
     def verdict(self) -> str:
-        """Return the largest safe interval, and where the case is."""
-        if self.stable is None:
+        """Return a clause that compares the case's sync interval with the largest safe one."""
+        bound = self.stability_bound
+        if bound is None:
             return f"nothing limits the sync interval of {self.interval_s:.3g} s ({self.scheme})"
         if self.safe_s == 0:
-            return f"no sync interval is short enough ({self.scheme}, {self.stable.name})"
+            return f"no sync interval is short enough ({self.scheme}, {bound.name})"
         return (
-            f"largest safe sync interval {self.safe_s:.3g} s ({self.scheme}, {self.stable.name}); "
+            f"largest safe sync interval {self.safe_s:.3g} s ({self.scheme}, {bound.name}); "
             f"the case takes {self.interval_s:.3g} s, {self.interval_s / self.safe_s:.2g} of it"
         )
 
     def warnings(self) -> Iterator[str]:
-        """Yield where the case is beyond a limit: one line for stability, one for accuracy."""
-        begin, accurate = f"coupling.sync_interval_s = {self.interval_s:.3g} s", self.accurate
-        if self.stable is not None and self.unsafe:
-            why = because(self.stable)
+        """Yield a warning if the sync interval is beyond the safe one, and one if it is not accurate."""
+        begin = f"coupling.sync_interval_s = {self.interval_s:.3g} s"
+        stability, accuracy = self.stability_bound, self.accuracy_bound
+        if stability is not None and self.is_unsafe:
+            why = because(stability)
             if self.safe_s == 0:
-                yield f"{begin}: no interval is short enough: {why}; {remedy(self.stable)}"
+                yield f"{begin}: no interval is short enough: {why}; {remedy(stability)}"
             else:
                 times = self.interval_s / self.safe_s
                 yield f"{begin}: {times:.2g} times what is sure to be stable, {self.safe_s:.2g} s: {why}"
-        if accurate is not None and self.interval_s > accurate.interval_s:
-            limit_s = accurate.interval_s
-            yield f"{begin}: accurate by the usual rules is at most {limit_s:.2g} s: {because(accurate)}"
+        if accuracy is not None and self.interval_s > accuracy.interval_s:
+            limit_s = accuracy.interval_s
+            yield f"{begin}: accurate by the usual rules is at most {limit_s:.2g} s: {because(accuracy)}"
 
     def advice(self) -> str:
-        """Return a sentence for a run that became unstable."""
-        if self.stable is None or not self.unsafe:
+        """Return a sentence of advice for a run that became unstable."""
+        bound = self.stability_bound
+        if bound is None or not self.is_unsafe:
             return "A smaller coupling.sync_interval_s or solver step usually helps."
         if self.safe_s == 0:
-            return f"No shorter interval helps: {because(self.stable)}; {remedy(self.stable)}."
+            return f"No shorter interval helps: {because(bound)}; {remedy(bound)}."
         safe = f"coupling.sync_interval_s = {self.safe_s:.2g} s"
-        return f"At most {safe} is sure to be stable: {because(self.stable)}."
+        return f"At most {safe} is sure to be stable: {because(bound)}."
 
     def as_json(self) -> dict[str, Any]:
-        """Return what ``summary.json`` has: bounds in s (None: no limit), the one that limits, and
-        what to do where the case is beyond it."""
+        """Return the report as a table of ``summary.json``; a bound of None means no limit."""
+        bound = self.stability_bound
         return {
             "scheme": self.scheme,
             "taken_because": self.why or None,
             "safe_interval_s": self.safe_s if math.isfinite(self.safe_s) else None,
-            "limited_by": self.stable.name if self.stable else None,
-            "advice": self.advice() if self.unsafe else None,
+            "limited_by": bound.name if bound else None,
+            "advice": self.advice() if self.is_unsafe else None,
             "bounds_s": {
                 bound.name: bound.interval_s if math.isfinite(bound.interval_s) else None
                 for bound in self.bounds
@@ -174,27 +177,26 @@ class StabilityReport:
 
 
 def because(bound: Bound) -> str:
-    """Return why the bound allows no longer interval, in a designer's words; what the theory says of a
-    bound that has none."""
+    """Return a clause that explains the bound in a designer's words, or in the theory's if there is none."""
     clause = BECAUSE.get(bound.name)
     return clause.format(where=bound.where) if clause else f"{bound.name} ({bound.why})"
 
 
 def remedy(bound: Bound) -> str:
-    """Return what helps where the bound allows no interval at all."""
+    """Return a remedy for a case in which the bound allows no interval at all."""
     return REMEDIES.get(bound.name, 'set coupling.scheme = "auto"')
 
 
 def stability_report(case: Case) -> StabilityReport:
     """Return the report of a case without problems.
 
-    Where the case leaves its scheme to the program, it is the plain scheme's report if the sync
-    interval is safe there or ``robin`` allows no longer one; else it is ``robin``'s.
+    If the case leaves its scheme to the program, the report is that of the plain scheme, unless the
+    sync interval is unsafe there and ``robin`` allows a longer one; then the report is for ``robin``.
     """
     if case.coupling.scheme != AUTO:
         return _report(case)
     plain = _report(with_scheme(case, PLAIN))
-    if not plain.unsafe:
+    if not plain.is_unsafe:
         return replace(plain, why=f"the sync interval is within its safe one, {plain.limit}")
     beyond = f"the sync interval of {plain.interval_s:.3g} s is above {PLAIN}'s {plain.limit}"
     if not has_particles(case):
@@ -206,7 +208,7 @@ def stability_report(case: Case) -> StabilityReport:
 
 
 def case_with_scheme(case: Case) -> Case:
-    """Return the case with the scheme that it names, or else with the one that its report calls for."""
+    """Return the case with the scheme that it names or, if it names none, that its report calls for."""
     return with_scheme(case, stability_report(case).scheme) if case.coupling.scheme == AUTO else case
 
 
@@ -218,28 +220,28 @@ def with_scheme(case: Case, name: str) -> Case:
 
 def _report(case: Case) -> StabilityReport:
     """Return the report of a case that names its scheme."""
-    there = scene(case)
+    numbers = scene(case)
     modes_rad_per_s, unknown = highest_rad_per_s(case)
-    frames = frame_matrices(there)
+    frames = frame_matrices(numbers)
     bounds: list[Bound] = []
     if has_particles(case):
-        bounds += surface_bounds(there)
-        if there.panels:
-            bounds += contact_bounds(there, modes_rad_per_s, frames)
-    if frames is not None and there.panels:
-        bounds += frame_bounds(there, frames)
+        bounds += surface_bounds(numbers)
+        if numbers.panels:
+            bounds += contact_bounds(numbers, modes_rad_per_s, frames)
+    if frames is not None and numbers.panels:
+        bounds += frame_bounds(numbers, frames)
     return StabilityReport(
         scheme=case.coupling.scheme,
         interval_s=case.coupling.sync_interval_s,
         bounds=tuple(bounds),
-        facts=dict(_facts(there, modes_rad_per_s, unknown, frames)),
+        facts=dict(_facts(numbers, modes_rad_per_s, unknown, frames)),
     )
 
 
 def _facts(
     scene: Scene, modes_rad_per_s: Mapping[str, float], unknown: str, frames: FrameMatrices | None
 ) -> Iterator[tuple[str, str]]:
-    """Yield times, masses, modes and damping of a scene, and the particles' step, by name."""
+    """Yield names and texts of the times, masses, modes and damping behind the bounds of a scene."""
     case, rayleigh_s = scene.case, shortest_rayleigh_s(scene.case)
     if has_particles(case):
         yield "Rayleigh time", f"{rayleigh_s:.3g} s, the smallest particle's"
@@ -251,17 +253,17 @@ def _facts(
         if restitution:
             yield "restitution", f"{min(restitution):g} to {max(restitution):g}"
     if scene.panels:
-        lowest = min(panel.frequency_rad_per_s for panel in scene.panels) / (2 * math.pi)
-        highest = max(modes_rad_per_s.values(), default=0.0) / (2 * math.pi)
-        shown = f"{highest:.3g} Hz, as their mesh and steps make it"
+        lowest_Hz = min(panel.frequency_rad_per_s for panel in scene.panels) / (2 * math.pi)
+        highest_Hz = max(modes_rad_per_s.values(), default=0.0) / (2 * math.pi)
+        end = f"{highest_Hz:.3g} Hz, as their mesh and steps make it"
         if not modes_rad_per_s:
-            shown = unknown or "what their solver does not resolve step by step"
-        yield "panels' modes", f"{lowest:.3g} Hz (mounted, empty) to {shown}"
+            end = unknown or "what their solver does not resolve step by step"
+        yield "panels' modes", f"{lowest_Hz:.3g} Hz (mounted, empty) to {end}"
         factors = [loss_factor(panel.material, panel.frequency_rad_per_s) for panel in scene.panels]
         yield "panels' loss factor", f"{min(factors):.2g} at the lowest"
     if frames is not None:
-        speeds = frames.modes()[0] / (2 * math.pi)
-        yield "frames' modes", f"{speeds[0]:.3g} to {speeds[-1]:.3g} Hz, panels as springs"
+        frequencies_Hz = frames.modes()[0] / (2 * math.pi)
+        yield "frames' modes", f"{frequencies_Hz[0]:.3g} to {frequencies_Hz[-1]:.3g} Hz, panels as springs"
     if has_particles(case):
         share = LARGEST_RAYLEIGH_FRACTION
         why = f"{share:g} of the smallest one's Rayleigh time {rayleigh_s:.3g} s"

@@ -1,17 +1,18 @@
-"""Work that crosses the interfaces, and the energy that the coupling creates there.
+"""The work that crosses the interfaces, and the energy that the coupling creates there.
 
-Between two sync points each side of an interface moves from a known place to a known place under a
-known mean load, so that no solver needs to be asked, and no rank to wait.
+Between two sync points, each side of an interface moves from a known place to a known place under a
+known mean load.  The work therefore needs no call of a solver, and no rank waits.
 
-Particles and panels: the panels move from x to y under the load P, the particles on a path from p
-to q under their mean load F, after a jump to p from where their last path ended, under J.  They
-receive -F.(q - p) and -J.jump, the panels P.(y - x); the sum is what was created.  J is
-(2 F + 5 F_before - F_twice_before)/6, exact for loads that go with the square of time.  Left out:
-what J is off, and on a curved path the load's deviation from its mean times the velocity's; both
-are of second order in what changes within an interval.
+Particles and panels: the panels move from x to y under the load P.  The particles see a path from p to
+q under their mean load F, after a jump from the end of their last path to p under a load J.  The
+particles receive -F.(q - p) and -J.jump, and the panels P.(y - x); the sum is the energy created.  The
+load J = (2 F + 5 F_before - F_twice_before)/6 is exact for loads that are quadratic in time.  Two
+terms are left out: the error of J and, on a curved path, the product of the deviations of load and
+velocity from their means.  Both are of second order in the changes within an interval.
 
-Panels and frames: the clamps are told to go to y - e, with R as the panels' mean reaction, and the
-frames go to y under Q.  Created are  (Q - R).(y - x) + R.(e - e_before).  Left out: likewise.
+Panels and frames: the clamps are told to go to y - e, where R is the panels' mean reaction, and the
+frames go to y under Q.  The energy created is (Q - R).(y - x) + R.(e - e_before).  The terms left out
+are of the same kind.
 
 docs/theory/stability.md derives both; tests/monitor compares both with the ledger.
 """
@@ -31,13 +32,16 @@ from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelS
 from orchestrator.ports.state import SavedAttributes
 
 SLOW_M_PER_S = 1e-3  # nothing on a screen that moves slower counts
-FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
+FADE = 1 - 1 / 20  # factor by which the weight of an interval in recent sums falls with each later interval
 
 
 class InterfaceData(NamedTuple):
-    """What crossed both interfaces in an interval of ``length_s``, under any scheme: the frames' load
-    and motion; where the panels' clamps were told to go, the load on the panels, and what came of
-    it; the particles' path and load, None without any."""
+    """The data that crossed both interfaces in an interval of ``length_s``, under any scheme.
+
+    ``frames`` has the frames' load and motion.  ``panel`` has the prescribed motion of the panels' clamps,
+    the load on the panels, and the panels' state at the end.  ``particles`` has the path that the
+    particles saw and their load, or is None without particles.
+    """
 
     length_s: float
     frames: tuple[Load, Motion]
@@ -46,20 +50,20 @@ class InterfaceData(NamedTuple):
 
 
 def interface_data(members: MeteredSolvers, length_s: float) -> InterfaceData:
-    """Return what crossed in the interval that the members have just ended, as their meters have it."""
+    """Return the data that crossed in the last interval, from the members' meters."""
     particles = members.particles.last if members.particles is not None else None
     return InterfaceData(length_s, members.frames.last, members.panel.last, particles)
 
 
 @dataclass
 class ExchangedEnergy:
-    """The energy that went through an interface since t = 0: the scale for what was created there.
+    """The energy that went through an interface since t = 0, as a scale for the energy created there.
 
-    The work that one side has done on the other since t = 0 (``given_J``) rises where it gives and
-    falls where it gets back.  Its range is what was exchanged, whether it was given for good (a bed
-    that is thrown and takes all of it) or came back (a ball that bounces).  An interface at rest
-    exchanges nothing, and what rounding creates there is not to be measured by nothing: ``slow_J``,
-    what the largest load so far does in a sync interval on points that move at ``SLOW_M_PER_S``, is added.
+    The work that one side has done on the other since t = 0 (``given_J``) rises and falls.  Its range is
+    the energy exchanged, whether the other side keeps the work (a bed that is thrown) or gives it back (a
+    ball that bounces).  An interface at rest exchanges nothing, so that rounding errors would be divided
+    by zero.  ``slow_J`` is therefore added: the work that the largest load so far does in a sync interval
+    on points that move at ``SLOW_M_PER_S``.
     """
 
     given_J: float = 0.0
@@ -68,7 +72,7 @@ class ExchangedEnergy:
     slow_J: float = 0.0
 
     def add(self, work_J: float, force_N: Array, length_s: float) -> None:
-        """Add an interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
+        """Add the work of an interval of ``length_s`` under the mean load ``force_N`` (any shape)."""
         self.given_J += work_J
         self.least_J = min(self.least_J, self.given_J)
         self.most_J = max(self.most_J, self.given_J)
@@ -76,16 +80,18 @@ class ExchangedEnergy:
 
     @property
     def scale_J(self) -> float:
+        """The energy exchanged, with ``slow_J``."""
         return self.most_J - self.least_J + self.slow_J
 
 
 @dataclass
 class Balance:
-    """The energy created at an interface, against what went through it.
+    """The energy created at an interface, against the energy that went through it.
 
-    ``through_J``: sum of the sizes of the work along each axis at each point; a load on what moves
-    slower than ``SLOW_M_PER_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
-    destroyed.  The recent ones fade with each interval; the newest is of the last interval alone.
+    ``through_J`` sums the absolute work along each axis at each point since t = 0; points that are slower
+    than ``SLOW_M_PER_S`` count as if they had this speed.  ``created_J`` is the energy created since
+    t = 0, and is negative if energy was destroyed.  The recent values fade with each interval, and
+    ``newest_J`` is the energy through the interface in the last interval alone.
     """
 
     created_J: float = 0.0
@@ -95,7 +101,7 @@ class Balance:
     newest_J: float = 0.0
 
     def add(self, created_J: float, through_J: float) -> None:
-        """Add an interval."""
+        """Add the energies of an interval."""
         self.created_J += created_J
         self.through_J += through_J
         self.recent_created_J = FADE * self.recent_created_J + created_J
@@ -103,98 +109,100 @@ class Balance:
         self.newest_J = through_J
 
     def recent_share(self) -> float:
-        """Return the share created of what went through in the last twenty intervals or so.  What went
-        through in the newest does not count as created: it may come back in the next."""
+        """Return the energy created over the energy that went through in the last twenty intervals or so.
+
+        Created energy counts only beyond the energy through the newest interval, since the next interval
+        may take it back.
+        """
         beyond_J = abs(self.recent_created_J) - self.newest_J
         if beyond_J <= 0 or self.recent_through_J <= 0:
             return 0.0
         return beyond_J / self.recent_through_J
 
     def begin_anew(self, in_transit_J: float = 0.0) -> None:
-        """Forget what is recent but what the next interval takes back."""
-        self.recent_created_J = in_transit_J / FADE  # whole in the next interval
+        """Forget the recent energies, apart from the energy in transit that the next interval takes back."""
+        self.recent_created_J = in_transit_J / FADE  # fades to its full value in the next interval
         self.recent_through_J = self.newest_J = 0.0
 
 
 @dataclass(frozen=True)
-class Acting:
-    """The components of a load that are not zero: of a surface's many points, particles touch few.
+class NonzeroLoad:
+    """The components of a load that are not zero: particles touch few of a surface's many points.
 
-    ``where`` (n,) are their places among the flattened components, ``force_N`` (n,) their values.
+    ``where`` (n,) are their indices among the flattened components, and ``force_N`` (n,) their values.
     """
 
     where: Indices
     force_N: Array
 
     def moved_m(self, from_m: Array, to_m: Array) -> Array:
-        """Return how far the components moved, (n,)."""
+        """Return the displacements (n,) along the components."""
         return np.subtract(to_m.take(self.where), from_m.take(self.where))
 
     def work_J(self, from_m: Array, to_m: Array) -> float:
-        """Return the work on points that move from one place to another."""
+        """Return the work of the load on points that move from ``from_m`` to ``to_m``."""
         return float(self.force_N.dot(self.moved_m(from_m, to_m)))
 
 
-def acting(load: Load, points: slice) -> Acting:
+def nonzero_load(load: Load, points: slice) -> NonzeroLoad:
     """Return the components of a load that are not zero on some of the points."""
     force_N = load.force_N[points]
     where = np.flatnonzero(force_N != 0.0)
-    return Acting(where, force_N.take(where))
+    return NonzeroLoad(where, force_N.take(where))
 
 
 class ContactWork(SavedAttributes):
-    """The work between particles and panels; ``exchange`` is with all that particles touch,
-    walls included."""
+    """The work between particles and panels; ``exchange`` covers all that particles touch, with walls."""
 
     STATE = ("balance", "exchange", "_whole_m", "_path_end_m", "_load", "_load_before")
     LEDGER_NAME = "particles-panel"
 
     def __init__(self, start: State, points: slice) -> None:
-        """``points`` are those of the surface that count."""
+        """Start at the state ``start``; ``points`` are the points of the surface that count."""
         self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._whole_m = start.panel.surface.position_m
         self._path_end_m = self._whole_m[points]
-        self._load = self._load_before = acting(start.load, points)
+        self._load = self._load_before = nonzero_load(start.load, points)
 
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
         assert data.particles is not None
         path, load = data.particles
-        _, given, state = data.panel
+        _, panel_load, state = data.panel
         before_m, surface_m = (m[self._points] for m in (self._whole_m, state.surface.position_m))
         start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
-        newest = acting(load, self._points)
+        newest = nonzero_load(load, self._points)
         moved_m = newest.moved_m(before_m, surface_m)
         given_J = newest.force_N.dot(moved_m)
-        if given is not load:
-            given_J = acting(given, self._points).work_J(before_m, surface_m)
+        if panel_load is not load:
+            given_J = nonzero_load(panel_load, self._points).work_J(before_m, surface_m)
         new_J, before_J, twice_before_J = (
-            acted.work_J(self._path_end_m, start_m) for acted in (newest, self._load, self._load_before)
+            each.work_J(self._path_end_m, start_m) for each in (newest, self._load, self._load_before)
         )
         jump_J = (2 * new_J + 5 * before_J - twice_before_J) / 6
         particles_J = newest.work_J(start_m, end_m) + jump_J
         went_J = through_J(newest.force_N, moved_m, data.length_s)
         self.balance.add(float(given_J - particles_J), went_J)
-        everywhere = newest if len(surface_m) == len(load) else acting(load, slice(None))
-        work_J = everywhere.work_J(self._whole_m, state.surface.position_m)
-        self.exchange.add(work_J, everywhere.force_N, data.length_s)
+        whole_load = newest if len(surface_m) == len(load) else nonzero_load(load, slice(None))
+        work_J = whole_load.work_J(self._whole_m, state.surface.position_m)
+        self.exchange.add(work_J, whole_load.force_N, data.length_s)
         self._whole_m, self._path_end_m = state.surface.position_m, end_m
         self._load_before, self._load = self._load, newest
 
     def begin_anew(self) -> None:
-        """Forget what is recent: intervals are of another length from now on."""
+        """Forget recent intervals: the next ones have another length."""
         surface_m = self._whole_m[self._points]
         self.balance.begin_anew(self._load.work_J(self._path_end_m, surface_m))
 
 
 class ClampWork(SavedAttributes):
-    """The work between panels and frames; ``exchange`` is with all that frames carry, walls included."""
+    """The work between panels and frames; ``exchange`` covers everything that frames carry, with walls."""
 
     STATE = ("balance", "exchange", "_clamps_m", "_missed_m", "_at_end_J")
     LEDGER_NAME = "panel-frames"
 
     def __init__(self, start: State, points: slice) -> None:
-        """``points`` are those of the clamps that count."""
+        """Start at the state ``start``; ``points`` are the points of the clamps that count."""
         self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._clamps_m = start.clamps.position_m
         self._missed_m = np.zeros_like(self._clamps_m[points])
@@ -203,10 +211,10 @@ class ClampWork(SavedAttributes):
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
         reaction, clamps = data.frames
-        told, _, state = data.panel
+        target, _, state = data.panel
         all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
         moved_m, force_N = all_moved_m[self._points], all_N[self._points]
-        missed_m = (clamps.position_m - told.position_m)[self._points]
+        missed_m = (clamps.position_m - target.position_m)[self._points]
         at_end_J = float(np.vdot(force_N, missed_m))
         created_J = at_end_J - float(np.vdot(force_N, self._missed_m))
         if reaction is not state.reaction:
@@ -217,13 +225,15 @@ class ClampWork(SavedAttributes):
         self._at_end_J = at_end_J
 
     def begin_anew(self) -> None:
-        """Forget what is recent: intervals are of another length from now on."""
+        """Forget recent intervals: the next ones have another length."""
         self.balance.begin_anew(self._at_end_J)
 
 
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
-    """Return the sizes of the work along each axis at each point, added up, of a force and a motion over
-    ``length_s`` of the same shape."""
+    """Return the sum of the absolute work along each axis at each point.
+
+    ``force_N`` and the motion ``moved_m`` in an interval of ``length_s`` have the same shape.
+    """
     return float(np.vdot(np.abs(force_N), np.abs(moved_m) + SLOW_M_PER_S * length_s))
 
 
@@ -231,9 +241,9 @@ Works = dict[str, ContactWork | ClampWork]
 
 
 def interface_works(case: Case, machine: Machine, start: State) -> Works:
-    """Return the work at both interfaces of the panels, whose points come before all else of the surface.
+    """Return the works at both interfaces of the panels, whose points come first in the surface.
 
-    An interface where a hand-over is turned off has none: its energy does not close.
+    An interface whose hand-over is turned off has no work, because its energy does not close.
     """
     surface = slice(0, max((panel.surface.stop for panel in machine.panels), default=None))
     clamps = slice(0, max((panel.clamps.stop for panel in machine.panels), default=None))
@@ -246,5 +256,5 @@ def interface_works(case: Case, machine: Machine, start: State) -> Works:
 
 
 def exchanged_J(works: Works) -> dict[str, float]:
-    """Return for each interface, as the ledger names it, the scale for energy created there."""
+    """Return the scale for the energy created at each interface, by the ledger's names."""
     return {work.LEDGER_NAME: work.exchange.scale_J for work in works.values()}

@@ -1,4 +1,4 @@
-"""What an item of the monitor is, and what it is shown."""
+"""The base class of the monitor's items, and the data that the monitor passes to them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from orchestrator.run.monitor.interface_work import InterfaceData, Works
 
 
 class Observation(NamedTuple):
-    """A value that an item observed, and where it did, for the message."""
+    """A value that an item observed, and its place for the message."""
 
     value: float
     where: str = ""
@@ -23,8 +23,8 @@ class Observation(NamedTuple):
 
 @dataclass(frozen=True)
 class Subject:
-    """The run that is monitored: its case, its open solvers, its first state, and the energy that
-    went through its interfaces so far."""
+    """The run that is monitored: its case, its open solvers, its first state, and the work at its
+    interfaces so far."""
 
     case: Case
     machine: Machine
@@ -41,10 +41,10 @@ class OutputTime(NamedTuple):
 
 
 class MonitorItem:
-    """One quantity that the monitor observes; the base of all items.
+    """A quantity that the monitor observes, and the base class of all items.
 
-    An item observes some sync intervals apart (``observe``), at output times (``observe_output``), or
-    both.  It reports how large the quantity is; the monitor compares that with the limit of the case,
+    An item observes every few sync intervals (``observe``), at output times (``observe_output``), or
+    both.  It reports the value of the quantity.  The monitor compares the value with the limit of the case,
     and warns, shortens the sync intervals or stops the run.  All methods are called on the first rank.
     """
 
@@ -53,28 +53,28 @@ class MonitorItem:
     limit_key: ClassVar[str] = ""
     """The key of ``[monitor]`` that has the limit; empty for items of ``[monitor.items]``."""
     message: ClassVar[str]
-    """What is said beyond the limit, with places for ``{value}`` and ``{where}``."""
+    """The message about a value beyond the limit, with places for ``{value}`` and ``{where}``."""
 
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
 
     def add_interval(self, data: InterfaceData) -> None:
-        """Take in what crossed the interfaces in one interval; called for each, in their order."""
+        """Add the data that crossed the interfaces in an interval; called for every interval in order."""
 
     def observe(self) -> Iterable[Observation]:
-        """Return what is to be judged now: five sync intervals after the last time at most."""
+        """Return the observations to judge now, at most five sync intervals after the last call."""
         return ()
 
     def observe_output(self, output: OutputTime) -> Iterable[Observation]:
-        """Return what is to be judged at an output time."""
+        """Return the observations to judge at an output time."""
         return ()
 
     def begin_anew(self) -> None:
-        """Is called when intervals are of another length from now on."""
+        """Forget recent intervals: the next ones have another length."""
 
     def save(self) -> Saved:
-        """Return all that the item remembers, for a checkpoint."""
+        """Return the memory of the item for a checkpoint."""
         return {}
 
     def restore(self, saved: Saved) -> None:
-        """Take back what ``save`` returned."""
+        """Restore the memory that ``save`` returned."""

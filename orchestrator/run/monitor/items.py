@@ -1,9 +1,9 @@
-"""The items of the monitor that flipflow brings, and how items are found.
+"""The items of the monitor, and the search for them.
 
-Each class here is an item: a quantity that a run observes.  Installed packages bring more by an entry
-point of the group ``flipflow.monitor``.  Nothing else names an item: a case gives its limit in
-``[monitor.items.<name>]``, and those that every case has (with a ``limit_key``) are keys of
-``[monitor]`` itself.
+Each item class here is a quantity that a run observes.  Installed packages add items by an entry
+point of the group ``flipflow.monitor``.  A case gives the limit of an item in
+``[monitor.items.<name>]``; items that every case has (with a ``limit_key``) are keys of ``[monitor]``
+itself.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, 
 
 
 class CreatedEnergy(MonitorItem):
-    """The share created of what went through each interface in some twenty intervals."""
+    """The energy created at each interface over the energy that went through in some twenty intervals."""
 
     name = "created_energy"
     limit_key = "largest_created_share"
@@ -44,7 +44,7 @@ class CreatedEnergy(MonitorItem):
 
 
 class CreatedInTotal(MonitorItem):
-    """The share created of what went through each interface since t = 0 or was lost there."""
+    """The energy created at each interface over the energy exchanged or lost there since t = 0."""
 
     name = "created_in_total"
     limit_key = "largest_created_in_total"
@@ -60,7 +60,7 @@ class CreatedInTotal(MonitorItem):
 
 
 class CrossedSurface(MonitorItem):
-    """How often a particle went through the surface elsewhere than through an opening."""
+    """The number of times that a particle went through the surface other than through an opening."""
 
     name = "crossed_surface"
     limit_key = "most_crossings"
@@ -77,32 +77,32 @@ class CrossedSurface(MonitorItem):
 
 
 class DeepOverlaps(MonitorItem):
-    """The deepest overlap, of the smaller radius."""
+    """The deepest overlap of a contact, over the smaller radius."""
 
     name = "deep_overlaps"
     limit_key = "largest_overlap"
     message = "particles overlap by {value:.2g} of a radius: contacts too soft or steps too long"
 
     def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        if output.bed is not None and len(output.bed[0].id):
-            overlaps = output.bed[1]
+        if output.bed is not None and len(output.bed.particles.id):
+            overlaps = output.bed.overlaps
             yield Observation(2 * max(overlaps.between_per_diameter, overlaps.surface_per_diameter))
 
 
-TURNS = 8  # as often in succession
-ROUND = 0.8  # of the way at least, as a cosine
-GROWTH = 2.0  # as large after so many turns
+TURNS = 8  # reversals in succession that make a mode
+ROUND = 0.8  # least cosine between a change and the reversed change before it
+GROWTH = 2.0  # least growth of the changes over the reversals
 
 
 class Alternation(SavedAttributes):
-    """Finds points of the surface whose velocity (points, 3) alternates between sync points, and grows.
+    """A detector of surface points whose velocity (points, 3) alternates between sync points and grows.
 
     A coupling that is unstable on a light point leaves the unit circle at -1
-    (docs/theory/stability.md): the point's velocity changes its sign with every interval, and grows.
-    The second difference of three velocities is four times as large as what alternates, and small,
-    (w H)^2 of it, of what moves smoothly.  A point whose second differences turn round again and again,
-    each time larger than before, is taken for such a mode: what rings decays between two blows.
-    Points are looked at one by one only where one alternates with the share ``least`` of the
+    (docs/theory/stability.md): the velocity of the point changes its sign with every interval, and grows.
+    The second difference of three velocities is four times as large as an alternating velocity.  Of a
+    smooth motion it is only the share (w H)^2.  A point belongs to a growing mode if its second difference
+    reverses again and again and is larger each time.  A ringing decays between two blows instead.
+    The points are examined one by one only if a point alternates with the share ``least`` of the
     surface's speed.
     """
 
@@ -124,12 +124,13 @@ class Alternation(SavedAttributes):
     def _begin(self, velocity_m_per_s: Array) -> None:
         self._before_m_per_s = velocity_m_per_s
         self._step_m_per_s, self._change_m_per_s = np.zeros((2, *velocity_m_per_s.shape))
-        # making room anew takes longer than filling it
+        # to allocate arrays anew would take longer than to fill them
         self._room: tuple[Array, Array] = (np.empty_like(velocity_m_per_s), np.empty_like(velocity_m_per_s))
         self._first: Array = np.zeros(len(velocity_m_per_s))
         self._turns: Indices = np.zeros(len(velocity_m_per_s), dtype=np.int64)
 
     def add(self, velocity_m_per_s: Array) -> None:
+        """Add the velocities (points, 3) at the next sync point."""
         step_m_per_s, change_m_per_s = self._room
         np.subtract(velocity_m_per_s, self._before_m_per_s, out=step_m_per_s)
         np.subtract(step_m_per_s, self._step_m_per_s, out=change_m_per_s)
@@ -141,15 +142,17 @@ class Alternation(SavedAttributes):
         self._step_m_per_s, self._change_m_per_s = step_m_per_s, change_m_per_s
 
     def _loud(self, change_m_per_s: Array) -> bool:
-        """Return whether a point may alternate fast enough to count.  The norm, no smaller than any of
-        its parts, is the quickest to find."""
+        """Return whether a component alternates fast enough to count.
+
+        The norm of all components is an upper bound for each of them, and the quickest test.
+        """
         least_m_per_s = 4 * self._least * self._quick_m_per_s
         if np.vdot(change_m_per_s, change_m_per_s) < least_m_per_s**2:
             return False
         return bool(max(change_m_per_s.max(), -change_m_per_s.min()) > least_m_per_s)
 
     def _count(self, change_m_per_s: Array, loud: bool) -> None:
-        """Count how often each point has turned round in succession."""
+        """Count the successive reversals of each point, and find the fastest growing point."""
         self._growing_m_per_s = 0.0
         if not loud:
             if self._turns.any():
@@ -171,18 +174,20 @@ class Alternation(SavedAttributes):
             self._growing_m_per_s = float(np.sqrt(square[grows].max())) / 4
 
     def share(self) -> float:
-        """Return the speed of the fastest point that alternates and grows, of the surface's largest speed
-        so far (the root mean square of all points')."""
+        """Return the speed of the fastest point that alternates and grows, over the surface's largest speed.
+
+        The speed of the surface is the root mean square over its points, and the largest so far counts.
+        """
         return self._growing_m_per_s / self._quick_m_per_s
 
     def begin_anew(self) -> None:
-        """Forget what alternates: intervals are of another length from now on."""
+        """Forget recent intervals: the next ones have another length."""
         self._growing_m_per_s = 0.0
         self._begin(self._before_m_per_s)
 
 
 class GrowingModes(MonitorItem):
-    """The largest speed of a point that alternates and grows, of the largest speed of the panels so far."""
+    """The largest speed of a point that alternates and grows, over the panels' largest speed so far."""
 
     name = "growing_modes"
     limit_key = "largest_growing_share"
@@ -214,8 +219,8 @@ class GrowingModes(MonitorItem):
 
 
 class LongSteps(MonitorItem):
-    """The longest motion in a particle step: of particles in their own radii, of the surface in the
-    smallest one."""
+    """The longest motion in a particle step: of a particle over its own radius, and of the surface over the
+    smallest radius."""
 
     name = "long_steps"
     limit_key = "largest_step_share"
@@ -226,9 +231,9 @@ class LongSteps(MonitorItem):
         self._step_s = particle_step_s(subject.case)
 
     def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        if output.bed is None or not len(output.bed[0].id):
+        if output.bed is None or not len(output.bed.particles.id):
             return
-        particles, surface = output.bed[0], output.state.panel.surface
+        particles, surface = output.bed.particles, output.state.panel.surface
         radius_m = particles.diameter_m / 2
         share = self._step_s * np.linalg.norm(particles.velocity_m_per_s, axis=1) / radius_m
         farthest = int(np.argmax(share))
@@ -238,7 +243,7 @@ class LongSteps(MonitorItem):
 
 
 class PenetratedSurfaces(MonitorItem):
-    """The deepest penetration, in thicknesses of the panel."""
+    """The deepest penetration of a panel into a surface, in thicknesses of the panel."""
 
     name = "penetrated_surfaces"
     limit_key = "largest_penetration"
@@ -254,7 +259,7 @@ class PenetratedSurfaces(MonitorItem):
 
 
 class StretchedPanels(MonitorItem):
-    """The largest stretch of each panel along an edge of its triangles."""
+    """The largest stretch of an edge of each panel's triangles."""
 
     name = "stretched_panels"
     limit_key = "largest_stretch"
@@ -267,14 +272,14 @@ class StretchedPanels(MonitorItem):
 
 
 def largest_stretch(panel: PanelPoints, surface_m: Array) -> float:
-    """Return the largest strain of an edge of the panel's triangles, over its stress-free length."""
+    """Return the largest strain of an edge of the panel's triangles, from its stress-free length."""
     ends_m = surface_m[panel.edges]
     length_m = np.linalg.norm(ends_m[:, 1] - ends_m[:, 0], axis=1)
     return float((length_m / panel.edge_length_m).max()) - 1.0
 
 
 class ItemLimit(NamedTuple):
-    """What a case wants of an item: the limit, its key in the case, and what to do beyond it."""
+    """The limit of an item in a case, with the reaction beyond it and the limit's key."""
 
     then: Then
     limit: float
@@ -282,25 +287,25 @@ class ItemLimit(NamedTuple):
 
 
 def all_items() -> dict[str, type[MonitorItem]]:
-    """Return every item by its name: those of this file, then those of installed packages."""
+    """Return every item class by its name: first from this file, then from installed packages."""
     classes = [kind for kind in globals().values() if isclass(kind) and issubclass(kind, MonitorItem)]
     classes += [point.load() for point in entry_points(group="flipflow.monitor")]
     return {kind.name: kind for kind in classes if kind is not MonitorItem}
 
 
 def item_limit(settings: MonitorSettings, kind: type[MonitorItem]) -> ItemLimit | None:
-    """Return what ``[monitor]`` wants of an item, or None for one that the case does not name."""
+    """Return the limit of an item in ``[monitor]``, or None if the case does not name the item."""
     if kind.limit_key:
         limit = getattr(settings, kind.limit_key)
         return ItemLimit(getattr(settings, kind.name), limit, f"monitor.{kind.limit_key}")
-    wanted = settings.items.get(kind.name)
-    if wanted is None:
+    table = settings.items.get(kind.name)
+    if table is None:
         return None
-    return ItemLimit(wanted.then, wanted.limit, f"monitor.items.{kind.name}.limit")
+    return ItemLimit(table.then, table.limit, f"monitor.items.{kind.name}.limit")
 
 
 def unknown_items(case: Case) -> list[CaseProblem]:
-    """Return a problem for each table ``[monitor.items.<name>]`` whose item is nowhere to be found."""
+    """Return a problem for each table ``[monitor.items.<name>]`` whose item does not exist."""
     if not case.monitor.items:
         return []
     names = [name for name, kind in all_items().items() if not kind.limit_key]

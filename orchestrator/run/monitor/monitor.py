@@ -1,4 +1,4 @@
-"""The monitor: it runs each interval as finely as needed, observes it, and does what the case wants."""
+"""The monitor, which runs each interval as finely as needed, observes it, and reacts as the case says."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ from orchestrator.run.monitor.pace import Pace
 
 LOG = logging.getLogger("flipflow")
 MOST_PARTS = 64
-TOGETHER = 5  # intervals are looked at, which costs little more than one, while all is well
+TOGETHER = 5  # intervals judged together while all is well, which costs little more than judging one
 WEIGHT: tuple[Then, ...] = ("stop", "shorten", "warn")
 FASTEST_M_PER_S = 300.0  # nothing on a screen moves at the speed of sound in air
 
 
 class Stopped(SolverFailed):
-    """The monitor stops the run, at a sync point with the ``state`` there."""
+    """A decision of the monitor to stop the run at a sync point; ``state`` is the state at this point."""
 
     def __init__(self, what: str, state: State) -> None:
         super().__init__(f"stopped by the monitor at {what}")
@@ -47,22 +47,22 @@ class Stopped(SolverFailed):
 
 
 class Alarm(NamedTuple):
-    """An observation beyond its limit: what to do about it, what it says, and whether it is the first one."""
+    """An observation beyond its limit: the reaction, the message, and whether it is the item's first."""
 
     then: Then
     what: str
     new: bool
 
 
-class Watched:
-    """An item with its limit, its largest value, how often it was beyond the limit, and when first."""
+class LimitedItem:
+    """An item with its limit, its largest value, how often it was beyond the limit, and when it first was."""
 
     def __init__(self, item: MonitorItem, limit: ItemLimit) -> None:
         self.item, self._limit = item, limit
         self._worst, self._times, self._first_s = 0.0, 0, 0.0
 
     def judge(self, observations: Iterable[Observation], time_s: float) -> list[Alarm]:
-        """Note the observations, and return those beyond the limit."""
+        """Record the observations, and return an alarm for each observation beyond the limit."""
         then, limit, key = self._limit
         alarms = []
         for value, where in observations:
@@ -77,22 +77,24 @@ class Watched:
         return alarms
 
     def as_json(self) -> dict[str, Any]:
-        """Return what ``summary.json`` has of the item."""
+        """Return the table of the item for ``summary.json``."""
         first_s = self._first_s if self._times else None
         return {"worst": self._worst, "limit": self._limit.limit, "times": self._times, "first_s": first_s}
 
     def save(self) -> Saved:
+        """Return the observations so far and the item's memory for a checkpoint."""
         return save_attributes(self, "_worst", "_times", "_first_s") | {"item": self.item.save()}
 
     def restore(self, saved: Saved) -> None:
+        """Restore the memory that ``save`` returned."""
         restore_attributes(self, saved, "_worst", "_times", "_first_s")
         self.item.restore(saved.get("item", {}))
 
 
 class Monitor:
-    """What a run observes and does about it, on every rank; the first one observes and decides for all.
+    """The monitor of a run, on every rank; the first rank observes and decides for all.
 
-    Raises CaseError for a table ``[monitor.items.<name>]`` whose item is nowhere to be found.
+    Raises CaseError for a table ``[monitor.items.<name>]`` whose item does not exist.
     """
 
     def __init__(self, case: Case, machine: Machine, start: State, world: Any, console: Console) -> None:
@@ -103,34 +105,34 @@ class Monitor:
         self.pace = Pace(self._interval_s, MOST_PARTS, calm_intervals(case))
         self._works = interface_works(case, machine, start)
         subject = Subject(case, machine, start, self._works)
-        self._watched = {
-            name: Watched(kind(subject), limit)
+        self._items = {
+            name: LimitedItem(kind(subject), limit)
             for name, kind in all_items().items()
             if (limit := item_limit(case.monitor, kind)) is not None
         }
         self._alarms: list[Alarm] = []
         self._pending: list[InterfaceData] = []
         self._judged, self._at_once = 0, False
-        self._said_shortest = False
+        self._warned_of_shortest = False
 
     def advance(self, interval: Interval, state: State) -> tuple[State, State]:
-        """Return the state after a sync interval, to go on from and to be recorded."""
+        """Return the state after a sync interval, and the state to record (``Pace.advance``)."""
         machine = self._machine
-        with machine.stopwatch("coupling"):  # what the members take is not counted there
+        with machine.stopwatch("coupling"):  # the stopwatch counts the members' time elsewhere
             return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._note)
 
     def observe_output(self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None) -> None:
-        """Observe an output time, after which everything is judged; ``terms_J`` are the ledger's."""
+        """Observe an output time; the next ``act`` judges at once.  ``terms_J`` are the ledger's terms."""
         self._at_once = True
         if is_first(self._world):
             with self._machine.stopwatch("monitor"):
                 self._add_pending()
-                for watched in self._watched.values():
-                    observations = watched.item.observe_output(OutputTime(state, terms_J, bed))
-                    self._alarms += watched.judge(observations, time_s)
+                for limited in self._items.values():
+                    observations = limited.item.observe_output(OutputTime(state, terms_J, bed))
+                    self._alarms += limited.judge(observations, time_s)
 
     def act(self, interval: Interval, state: State) -> None:
-        """Warn after a sync interval, or shorten the next ones, as the case wants.  Raises Stopped."""
+        """Warn after a sync interval, or shorten the next ones, as the case says.  Raises Stopped."""
         done = interval.index + 1
         if self.pace.trusted and not self._at_once and done - self._judged < TOGETHER:
             return
@@ -146,35 +148,38 @@ class Monitor:
             self._begin_anew(f"t = {time_s:.6g} s: nothing was amiss for a while")
 
     def figures(self, intervals: int) -> dict[str, Any]:
-        """Return what ``summary.json`` has of the monitor, after so many sync intervals."""
+        """Return the monitor's table for ``summary.json``, after a number of sync intervals."""
         return {
             "shortened_intervals": self.pace.divided,
             "shortened_share": self.pace.divided / intervals if intervals else 0.0,
             "shortest_interval_s": self._interval_s / self.pace.finest,
-            "figures": {name: watched.as_json() for name, watched in self._watched.items()},
+            "figures": {name: limited.as_json() for name, limited in self._items.items()},
         }
 
     def exchanged_J(self) -> dict[str, float]:
-        """Return the energy that went through each interface since t = 0, which the first rank knows.
-        An interface whose hand-over is turned off has none."""
+        """Return the energy that went through each interface since t = 0; valid on the first rank.
+
+        An interface whose hand-over is turned off has no entry.
+        """
         self._catch_up()
         return exchanged_J(self._works)
 
     def save(self) -> Saved:
+        """Return the monitor's memory for a checkpoint."""
         self._catch_up()
-        items = {name: watched.save() for name, watched in self._watched.items()}
+        items = {name: limited.save() for name, limited in self._items.items()}
         works = {name: work.save() for name, work in self._works.items()}
         books = {"pace": self.pace.save(), "work": works, "items": items}
         return books | save_attributes(self, "_judged", "_at_once")
 
     def restore(self, saved: Saved) -> None:
-        """Take back what ``save`` returned; an item that the case did not have then begins now."""
+        """Restore the memory that ``save`` returned; an item that the case did not have then begins now."""
         self.pace.restore(saved["pace"])
         for name, work in self._works.items():
             work.restore(saved["work"][name])
-        for name, watched in self._watched.items():
+        for name, limited in self._items.items():
             if name in saved["items"]:
-                watched.restore(saved["items"][name])
+                limited.restore(saved["items"][name])
         restore_attributes(self, saved, "_judged", "_at_once")
 
     def _note(self, part: Interval) -> None:
@@ -189,15 +194,15 @@ class Monitor:
         for data in self._pending:
             for work in self._works.values():
                 work.add(data)
-            for watched in self._watched.values():
-                watched.item.add_interval(data)
+            for limited in self._items.values():
+                limited.item.add_interval(data)
         self._pending.clear()
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
-        """Return what is to be done, and why."""
+        """Return the gravest reaction that is due, and its reason."""
         self._catch_up()
-        for watched in self._watched.values():
-            self._alarms += watched.judge(watched.item.observe(), time_s)
+        for limited in self._items.values():
+            self._alarms += limited.judge(limited.item.observe(), time_s)
         alarms, self._alarms = self._alarms, []
         for alarm in alarms:
             if alarm.new:
@@ -210,16 +215,16 @@ class Monitor:
     def _shorten(self, time_s: float, what: str) -> None:
         if self.pace.shorten():
             self._begin_anew(what)
-        elif not self._said_shortest:
-            self._said_shortest = True
+        elif not self._warned_of_shortest:
+            self._warned_of_shortest = True
             self._warn(f"{what}: the sync intervals cannot be shortened any further")
 
     def _begin_anew(self, why: str) -> None:
-        """Intervals are of another length from now on."""
+        """Tell all works and items that the next intervals have another length."""
         for work in self._works.values():
             work.begin_anew()
-        for watched in self._watched.values():
-            watched.item.begin_anew()
+        for limited in self._items.values():
+            limited.item.begin_anew()
         if is_first(self._world):
             LOG.info("%s: sync intervals of %g s from here on", why, self._interval_s / self.pace.parts)
 
@@ -229,8 +234,8 @@ class Monitor:
 
 
 def check_speeds(state: State, time_s: float, advice: str) -> None:
-    """Raise SolverFailed, with the ``advice`` at its end, when a surface or frame point moves
-    impossibly fast."""
+    """Raise SolverFailed, with ``advice`` at its end, if a point of the surface or of a frame is
+    faster than ``FASTEST_M_PER_S``."""
     for member, motion in (("frames", state.clamps), ("panel", state.panel.surface)):
         fastest_m_per_s = float(np.abs(motion.velocity_m_per_s).max(initial=0.0))
         if fastest_m_per_s > FASTEST_M_PER_S:
@@ -241,6 +246,8 @@ def check_speeds(state: State, time_s: float, advice: str) -> None:
 
 
 def calm_intervals(case: Case) -> int:
-    """Return the sync intervals of a cycle of the machine, if the case says nothing else: what was amiss
-    comes back with it."""
+    """Return how many sync intervals without trouble count as calm: ``monitor.calm_s``, or else a cycle.
+
+    Trouble in one phase of the machine's cycle comes back in the next cycle.
+    """
     return steps_in(case.monitor.calm_s or cycle_s(case), case.coupling.sync_interval_s)

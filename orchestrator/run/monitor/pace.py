@@ -1,8 +1,9 @@
-"""How finely a sync interval is run: whole, or in equal parts.
+"""The pace of a run: a sync interval is run whole, or in equal parts.
 
-Parts are halves of halves, so that their lengths are again exact decimal numbers.  Every solver
-takes whole steps in each, as long as its own or, where a part is shorter than that, as the part.
-Nobody else knows of parts: records, checkpoints and counts go by whole sync intervals.
+Parts come from repeated halving, so that their lengths are again exact decimal numbers.  Every solver
+takes whole steps in each part.  Its steps have their usual length, or the length of the part where the
+part is shorter.  Only this module knows of parts: records, checkpoints and counts go by whole sync
+intervals.
 """
 
 from __future__ import annotations
@@ -21,19 +22,21 @@ Look = Callable[[Interval], None]
 
 
 class Pace(SavedAttributes):
-    """Halves intervals while something is amiss, and makes them longer when all is calm again.
+    """The pace of a run, which halves intervals after trouble and doubles them when all is calm again.
 
-    ``parts`` are those of the next interval, ``last_s`` is the length of the last part; ``trusted`` where
-    nothing has been amiss for a while.  Alike on all ranks.
-
-    ``divided`` counts intervals that were run in parts, ``finest`` is the largest number of them.
+    ``parts`` is the number of parts of the next interval, and ``last_s`` the length of the last part.
+    ``trusted`` is True if nothing has been amiss for a while.  ``divided`` counts the intervals that were
+    run in parts, and ``finest`` is the largest number of parts.  All values are the same on all ranks.
     """
 
     STATE = ("parts", "last_s", "trusted", "divided", "finest", "_quiet", "_patience", "_eased")
 
     def __init__(self, length_s: float, most: int, calm: int) -> None:
-        """After ``calm`` intervals without trouble parts become twice as long.  Where that was too early,
-        it is twice as many intervals the next time."""
+        """Run intervals of ``length_s`` in up to ``most`` parts.
+
+        After ``calm`` intervals without trouble, parts become twice as long.  If trouble then comes back,
+        the next time takes twice as many calm intervals.
+        """
         self.parts, self.last_s, self.trusted = 1, length_s, True
         self.divided, self.finest = 0, 1
         self._most, self._patience = most, max(1, calm)
@@ -42,8 +45,11 @@ class Pace(SavedAttributes):
     def advance(
         self, scheme: Scheme, solvers: Solvers, interval: Interval, state: State, look: Look
     ) -> tuple[State, State]:
-        """Return the state after a sync interval to go on from, and the one to be recorded: the same with
-        the mean loads of the whole interval.  ``look`` is called with each part when it has ended."""
+        """Return the state after a sync interval, and the same state with the mean loads of the interval.
+
+        The run goes on from the first state and records the second one.  ``look`` is called with each
+        part after it has ended.
+        """
         ends = []
         for part in interval.divided(self.parts):
             state = scheme.advance(solvers, part, self._with_late_loads(scheme, state, part))
@@ -52,10 +58,10 @@ class Pace(SavedAttributes):
             ends.append(state)
         self.divided += self.parts > 1
         self.finest = max(self.finest, self.parts)
-        return state, mean_of(ends)
+        return state, mean_state(ends)
 
     def shorten(self) -> bool:
-        """Run the next intervals in twice as many parts; False where they are the shortest already."""
+        """Run the next intervals in twice as many parts, and return whether shorter parts are allowed."""
         self._quiet, self.trusted = 0, False
         if 2 * self.parts > self._most:
             return False
@@ -65,7 +71,7 @@ class Pace(SavedAttributes):
         return True
 
     def ease(self, intervals: int = 1) -> bool:
-        """Count intervals without trouble; True where that makes parts longer."""
+        """Count intervals without trouble, and return whether parts become longer."""
         if self.trusted:
             return False
         self._quiet += intervals
@@ -87,8 +93,8 @@ class Pace(SavedAttributes):
         return replace(state, load=Load(share * state.load.force_N), panel=panel)
 
 
-def mean_of(ends: list[State]) -> State:
-    """Return the last of the states at the ends of equal parts, with the loads' means."""
+def mean_state(ends: list[State]) -> State:
+    """Return the last of the states at the ends of equal parts, with the mean loads of the parts."""
     if len(ends) == 1:
         return ends[0]
     load_N = np.mean([end.load.force_N for end in ends], axis=0)

@@ -1,4 +1,4 @@
-"""What accuracy costs: ``flipflow study accuracy``, and ``flipflow plan``, which uses its findings.
+"""The cost of accuracy: ``flipflow study accuracy``, and ``flipflow plan``, which uses its findings.
 
-``refinement.py`` has the parameters, ``study.py`` the order in which points are run.
+``refinement.py`` has the parameters, and ``study.py`` runs the points in their order.
 """

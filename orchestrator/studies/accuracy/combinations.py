@@ -1,4 +1,4 @@
-"""Combinations of settings, the runs that measure them, and how far they are from each other."""
+"""Combinations of settings, the runs that measure them, and their differences from each other."""
 
 from __future__ import annotations
 
@@ -26,15 +26,16 @@ from orchestrator.studies.quantities import COMPARED, Metrics, measure, relative
 
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
 ENDED = (*trust.AT_THE_END, "failed")
-"""States of runs that have come to an end, well or not."""
+"""The states of runs that have ended, successfully or not."""
 
 
 @dataclass(frozen=True)
-class Asked:
-    """The request of a user.
+class StudyRequest:
+    """A user's request for a study of accuracy.
 
-    ``budget_s``: processor time that a single run may take; ``seeds``: number of runs of each point with
-    other random numbers.
+    ``values`` is the number of values of each parameter, ``seeds`` the number of runs of each point with
+    different random numbers, and ``budget_s`` the largest processor time of a single run.  ``judged_by`` are
+    the quantities whose errors decide.
     """
 
     study: CaseStudy
@@ -47,10 +48,10 @@ class Asked:
 
 @dataclass(frozen=True)
 class Combination:
-    """The case with ``settings`` by axis.
+    """A combination of settings: the case with ``settings`` by axis.
 
-    ``runs`` has a run for each seed, or ``omitted`` says why there are none; ``metrics`` belongs to the runs,
-    where all are done.
+    ``runs`` has a run for each seed, or ``omitted`` says why there are none.  ``metrics`` are the metrics of
+    the runs, once all runs are done.
     """
 
     kind: str
@@ -73,34 +74,33 @@ class Combination:
         return "the case as it is" if as_it_is else joint_label(self.settings)
 
     @property
-    def ended(self) -> bool:
-        """Whether all runs have come to an end, well or not."""
+    def has_ended(self) -> bool:
+        """Whether all runs have ended, successfully or not."""
         return bool(self.runs) and all(run.status() in ENDED for run in self.runs)
 
     def with_metrics(self) -> Combination:
-        """Return the point with the metrics of its runs, if all are done."""
+        """Return the combination with the metrics of its runs, if all runs are done."""
         if self.metrics or not self.runs or any(run.status() != trust.DONE for run in self.runs):
             return self
         return replace(self, metrics=tuple(measure(run.folder) for run in self.runs))
 
     def values(self, name: str) -> list[float]:
-        """Return a quantity by seed, as far as it is defined."""
+        """Return the values of a quantity, one for each seed with a defined value."""
         return [of_run.values[name] for of_run in self.metrics if name in of_run.values]
 
     def mean(self, name: str) -> float | None:
-        """Return the mean of a quantity over the seeds."""
+        """Return the mean of a quantity over the seeds; None where it is not defined."""
         values = self.values(name)
         return float(np.mean(values)) if values else None
 
     @property
     def processor_s(self) -> float:
-        """The processor time of a single run."""
+        """The processor time of a single run in s."""
         return self.cost["processor_s"]
 
     @cached_property
     def cost(self) -> dict[str, float]:
-        """The times of a single run, the number of runs side by side, and the largest memory of any of
-        them."""
+        """The times of a single run, the number of runs side by side, and the largest memory of a run."""
         summaries = [of_run.summary for of_run in self.metrics]
         return {
             "processor_s": float(np.mean([summary["processor_s"] for summary in summaries])),
@@ -111,25 +111,29 @@ class Combination:
 
     @property
     def processor_by_part_s(self) -> dict[str, float]:
-        """The processor time by part of the program, as the mean over the seeds."""
+        """The processor time in s by part of the program, as the mean over the seeds."""
         every = [parts_s(of_run.summary) for of_run in self.metrics]
         return {part: float(np.mean([parts[part] for parts in every])) for part in every[0]}
 
 
 def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Return the processor time of a run by part.
+    """Return the processor time of a run in s by part of the program.
 
-    "start" is the time before wall time counts; the rest is divided in the proportions of the wall time.
+    The part "start" is the time before the wall time is measured.  The rest is divided in the proportions of
+    the wall time.
     """
-    before_s = summary.get("processor_before_s", 0.0)  # runs of older versions do not tell
+    before_s = summary.get("processor_before_s", 0.0)  # absent from runs of older versions
     rate = (summary["processor_s"] - before_s) / summary["wall_s"]
     return {"start": before_s} | {part: rate * time_s for part, time_s in summary["wall_by_part_s"].items()}
 
 
 def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
-    """Return ``--set`` overlays of all points alike: written at the same times by all sync intervals
-    down from ``coarsest_s``, and lasting for whole samples.  A monitor that shortens intervals only
-    warns: an interval is what its label says."""
+    """Return the ``--set`` overlays that all points share.
+
+    All points write at the same times, which are whole multiples of all sync intervals down from
+    ``coarsest_s``, and last for a whole number of samples.  A monitor that would shorten intervals only
+    warns, so that an interval has the length in its label.
+    """
     every = sample_s(coarsest_s)
     shortens = [name for name, then in case.monitor.model_dump().items() if then == "shorten"]
     return (
@@ -146,7 +150,7 @@ def _whole(time_s: Fraction, every: Fraction) -> float:
 
 
 def folder_name(kind: str, settings: dict[str, Setting]) -> str:
-    """Return a folder's name; settings taken together are named by a checksum of them."""
+    """Return the name of a point's folder; the name of joint settings is a checksum."""
     if kind == ALONE:
         ((axis, setting),) = settings.items()
         return re.sub(r"[^\w.+-]+", "-", f"{axis}-{setting.label}").strip("-")
@@ -156,15 +160,15 @@ def folder_name(kind: str, settings: dict[str, Setting]) -> str:
 
 
 def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
-    """Return points with their predicted times on this machine, from the points that were measured.
+    """Return the points with predicted times that are scaled by the points measured on this machine.
 
-    Points that take more than the budget are left out, unless they have been run.
+    A point that would take more than the budget loses its runs, unless they have ended.
     """
     factor = median([one.processor_s / one.predicted_s for one in points if one.metrics] or [1.0])
     affordable = []
     for one in points:
         scaled = replace(one, predicted_s=factor * one.predicted_s)
-        spared = one.kind in (BASE, CALIBRATION) or one.omitted or one.ended
+        spared = one.kind in (BASE, CALIBRATION) or one.omitted or one.has_ended
         if not spared and scaled.predicted_s > budget_s:
             why = f"predicted {scaled.predicted_s:.0f} s of processor time, more than --budget {budget_s:g}"
             scaled = replace(scaled, runs=(), omitted=why)
@@ -173,9 +177,9 @@ def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
 
 
 def part_s(case: Case, parts: int) -> float:
-    """Return the length of a short run: a share from ``parts`` of the time in which all feeds run.
+    """Return the duration in s of a short run.
 
-    A case in which a feed does not begin is refused.
+    It lasts until all feeds have started, and then for one of ``parts`` equal parts of the remaining time.
     """
     begun_s = max((feed.start_s for feed in case.bed.feeds.values()), default=0.0)
     return begun_s + (case.duration_s - begun_s) / parts
@@ -183,15 +187,17 @@ def part_s(case: Case, parts: int) -> float:
 
 @dataclass(frozen=True)
 class Error:
-    """A relative error, and half the width of its 95 % confidence interval: 0 where nothing is
-    random, None where a single seed tells nothing."""
+    """A relative error, and half the width of its 95 % confidence interval.
+
+    ``half_width`` is 0 where nothing is random, and None where a single seed gives no interval.
+    """
 
     value: float
     half_width: float | None = 0.0
 
     @property
-    def certain(self) -> bool:
-        """Whether the error is more than chance."""
+    def is_certain(self) -> bool:
+        """Whether the error is larger than chance explains; True where the interval is unknown."""
         return self.half_width is None or self.value > self.half_width
 
     @property
@@ -202,15 +208,18 @@ class Error:
 
 @dataclass(frozen=True)
 class Scatter:
-    """The relative standard deviation from seed to seed, apart from a seed's effect on all points, and its
-    degrees of freedom; none where nothing is random."""
+    """The scatter from seed to seed.
+
+    ``deviation`` is the relative standard deviation by quantity, without a seed's effect on all points, and
+    ``freedom`` its degrees of freedom.  Both are empty where nothing is ``random``.
+    """
 
     random: bool
     deviation: Mapping[str, float]
     freedom: int
 
     def half_width(self, name: str, seeds: Sequence[int]) -> float | None:
-        """Return the half width of the difference of means over so many seeds each."""
+        """Return half the width of the interval of a difference of means over these numbers of ``seeds``."""
         if not self.random:
             return 0.0
         if self.freedom == 0 or name not in self.deviation:
@@ -220,60 +229,62 @@ class Scatter:
 
 
 EXACT = Scatter(False, {}, 0)
-"""No chance: every difference counts."""
+"""The scatter without chance: every difference counts."""
 
 
 def scatter(every: Iterable[Combination], random: bool) -> Scatter:
     """Return the scatter of the points.
 
-    Every point has the same random numbers, so the effect of a seed on all of them alike is no scatter
-    between them: the scatter is the residual of points and seeds (randomised blocks).  Points are assumed to
-    scatter alike, so that two or three seeds each are enough.
+    Every point has the same random numbers, so that a seed's common effect on all points is no scatter
+    between them: the scatter is the residual of points and seeds (randomised blocks).  All points are assumed
+    to have the same scatter, so that two or three seeds each are enough.
     """
     every = list(every)
-    seeds = max((len(one.metrics) for one in every), default=0)
+    seeds = max((len(point.metrics) for point in every), default=0)
     freedom, deviation = 0, {}
     for name in COMPARED:
-        rows = [v for one in every if len(v := one.values(name)) == seeds and np.mean(v)]
+        rows = [v for point in every if len(v := point.values(name)) == seeds and np.mean(v)]
         if seeds < 2 or len(rows) < 2:
             continue
         values = np.array(rows)
         relative_to_mean = values / values.mean(axis=1, keepdims=True)
-        left = relative_to_mean - relative_to_mean.mean(axis=0)
-        own = (len(values) - 1) * (seeds - 1)
-        freedom = max(freedom, own)
-        deviation[name] = math.sqrt(float((left**2).sum()) / own)
+        residual = relative_to_mean - relative_to_mean.mean(axis=0)
+        own_freedom = (len(values) - 1) * (seeds - 1)
+        freedom = max(freedom, own_freedom)
+        deviation[name] = math.sqrt(float((residual**2).sum()) / own_freedom)
     return Scatter(random, deviation, freedom)
 
 
 def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[str, Error]:
-    """Return the errors of every quantity that both have, relative to the reference; shapes seed by
-    seed."""
+    """Return the errors, relative to the reference, of every quantity that both points have.
+
+    Shapes are compared seed by seed.
+    """
     seeds = (len(point.metrics), len(reference.metrics))
     differences = {}
     for name in COMPARED:
         ours, theirs = point.mean(name), reference.mean(name)
         if ours is not None and theirs:
-            off = abs(ours - theirs) / abs(theirs)
-            differences[name] = Error(off, spread.half_width(name, seeds))
+            difference = abs(ours - theirs) / abs(theirs)
+            differences[name] = Error(difference, spread.half_width(name, seeds))
     pairs = [
         relative(a.shapes_m, b.shapes_m)
         for a, b in zip(point.metrics, reference.metrics, strict=True)
         if a.shapes_m.size and a.shapes_m.shape == b.shapes_m.shape
     ]
-    if pairs and np.isfinite(pairs).all():  # else nothing is bent
+    if pairs and np.isfinite(pairs).all():  # they are infinite where no panel bends
         differences["shape"] = Error(float(np.mean(pairs)))
     return differences
 
 
 def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, float]:
-    """Return relative errors against known answers, mean over the seeds."""
+    """Return the relative errors against known answers, as means over the seeds."""
     every = {row.what: [answer_error(row, run.folder) for run in point.runs] for row in known}
-    told = {name: [x for x in each if x is not None] for name, each in every.items()}
-    return {name: float(np.mean(each)) for name, each in told.items() if each}
+    defined = {name: [x for x in each if x is not None] for name, each in every.items()}
+    return {name: float(np.mean(each)) for name, each in defined.items() if each}
 
 
 def worst_error(errors: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
-    """Return the largest of the errors that decide, with its name."""
+    """Return the largest of the errors that decide, with the name of its quantity; None without any."""
     deciding = [(name, errors[name]) for name in judged_by if name in errors]
     return max(deciding, key=lambda pair: pair[1].value, default=None)

@@ -1,9 +1,9 @@
 """Convergence of series of settings, and predictions for settings taken together.
 
-A series shows the order that is observed, and the error that remains in its finest setting.  The errors of
-settings taken together add up, quantity by quantity; the processor time of each part of the program
-(particles, panel, frames ...) is multiplied by the effect of each setting on it.  The study then runs the
-proposed settings, so that a prediction stands beside the measurement.
+A series shows the observed order, and the error that remains in its finest setting.  The errors of joint
+settings add up, quantity by quantity.  The processor time of each part of the program (particles, panel,
+frames ...) is multiplied by the effect of each setting on it.  The study then runs the proposed settings, so
+that the measurement stands beside the prediction.
 """
 
 from __future__ import annotations
@@ -30,62 +30,65 @@ from orchestrator.studies.accuracy.combinations import (
 from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
 from orchestrator.studies.criteria import Criterion
 
-LARGEST = 6.0
-CLEAN = 0.25  # of a logarithm: what a straight line may be off
-LEAST_SHARE = 0.01  # of the processor time, that a part must have to be compared
+LARGEST = 6.0  # the largest order that is tried
+CLEAN = 0.25  # the largest deviation of logarithms from a straight line
+LEAST_SHARE = 0.01  # the share of the processor time from which on a part is compared
 
 
 @dataclass(frozen=True)
 class Order:
-    """e(h) = constant * h^order; ``spread`` is the standard deviation of ln(e) from it, 0 where two
-    points leave no freedom."""
+    """The order of convergence of an error: e(h) = constant * h^order.
+
+    ``spread`` is the standard deviation of ln(e) from this line; it is 0 with only two points.
+    """
 
     order: float
     constant: float
     spread: float
 
     @property
-    def clean(self) -> bool:
+    def is_clean(self) -> bool:
         """Whether the points lie on a line."""
         return self.spread < CLEAN
 
     def error(self, h: float) -> float:
-        """Return the error at a length."""
+        """Return the error at a length ``h``."""
         return float(self.constant * h**self.order)
 
 
 def fit_order(h: Sequence[float], error: Sequence[float], reference_h: float) -> Order | None:
-    """Return the order by least squares in logarithms, of errors against a run of the same series at
-    ``reference_h``, whose own error is not nothing: e_i = C (h_i^p - reference^p).
+    """Return the order of errors, fitted by least squares in logarithms.
 
-    With one halving this is Richardson's p = log2 of the ratio of successive differences (Roache, J.
-    Fluids Eng. 116, 1994, 405-413, doi 10.1115/1.2910291).  Against an exact answer ``reference_h`` is
-    0.  None with fewer than two errors, or where no order from 0 to 6 is the best.
+    The errors are differences from a run of the same series at ``reference_h``, which has an error of its
+    own: e_i = C (h_i^p - reference^p).  With one halving this is Richardson's p = log2 of the ratio of
+    successive differences (Roache, J. Fluids Eng. 116, 1994, 405-413, doi 10.1115/1.2910291).  Against an
+    exact answer ``reference_h`` is 0.  Return None with fewer than two errors, or where the best order is not
+    between 0 and 6.
     """
     at = [i for i, size in enumerate(error) if size > 0 and h[i] > reference_h]
     if len(at) < 2:
         return None
     unit = reference_h or min(h[i] for i in at)
-    lengths, nothing = np.array([h[i] for i in at]) / unit, reference_h / unit
+    lengths, reference = np.array([h[i] for i in at]) / unit, reference_h / unit
     size = np.log([error[i] for i in at])
     tried = np.arange(0.02, LARGEST + 0.005, 0.01)[:, None]
-    off = size[None, :] - np.log(lengths[None, :] ** tried - nothing**tried)
-    spread = off.std(axis=1)
+    residual = size[None, :] - np.log(lengths[None, :] ** tried - reference**tried)
+    spread = residual.std(axis=1)
     best = int(spread.argmin())
     if best in (0, len(tried) - 1):
         return None
     order = float(tried[best, 0])
-    constant = float(np.exp(off[best].mean()) / unit**order)
+    constant = float(np.exp(residual[best].mean()) / unit**order)
     freedom = np.sqrt(len(at) / max(1, len(at) - 2))
     return Order(order, constant, float(spread[best] * freedom))
 
 
 @dataclass(frozen=True)
-class Converged:
-    """A series of which something was measured.
+class MeasuredSeries:
+    """A series with its measurements.
 
-    ``settings``, with their ``points``, from coarse to fine; ``errors`` against the finest of them,
-    ``exact`` against what is known exactly; ``orders`` of both by name, where one was seen.
+    ``settings`` are the measured settings from coarse to fine, and ``points`` their points.  ``errors`` are
+    against the finest setting, and ``exact`` are errors against exact answers.
     """
 
     series: RefinementSeries
@@ -96,49 +99,49 @@ class Converged:
 
     @property
     def lengths(self) -> list[float]:
-        """The length h of each setting; none where the series has no length."""
+        """The length h of each setting; empty where the series has no length."""
         lengths = [setting.h for setting in self.settings if setting.h is not None]
         return lengths if len(lengths) == len(self.settings) else []
 
     @cached_property
     def orders(self) -> dict[str, Order]:
-        """The orders by quantity; errors that chance explains show no order."""
+        """The orders by quantity, where an order is observed; errors that chance explains show no order."""
         h, orders = self.lengths, {}
         if len(h) < 3:
             return {}
         for name in self.errors[0]:
             seen = [each.get(name, Error(0.0)) for each in self.errors]
-            orders[name] = fit_order(h, [one.value if one.certain else 0.0 for one in seen], h[-1])
+            orders[name] = fit_order(h, [one.value if one.is_certain else 0.0 for one in seen], h[-1])
         for name in self.exact[0]:
             orders[name] = fit_order(h, [each.get(name, 0.0) for each in self.exact], 0.0)
         return {name: order for name, order in orders.items() if order is not None}
 
     @property
-    def observed(self) -> float | None:
-        """The median order over the quantities that fall along a line."""
-        clean = [one.order for one in self.orders.values() if one.clean]
+    def observed_order(self) -> float | None:
+        """The median order over the quantities whose errors fall along a line."""
+        clean = [one.order for one in self.orders.values() if one.is_clean]
         return median(clean) if clean else None
 
-    def remaining(self, name: str) -> float:
-        """Return the estimated error of the finest setting.
+    def remaining_error(self, name: str) -> float:
+        """Return the estimated relative error of a quantity at the finest setting.
 
-        It follows from the observed order, else from the expected order and the last difference (Roache's
-        estimate); it is 0 where neither is known.
+        The estimate follows from the observed order, or else from the expected order and the last difference
+        (Roache's estimate).  It is 0 where neither is known.
         """
         finest_h, order = self.settings[-1].h, self.orders.get(name)
-        if order is not None and order.clean and finest_h:
+        if order is not None and order.is_clean and finest_h:
             return order.error(finest_h)
         if self.series.expected is None or len(self.settings) < 2 or not finest_h:
             return 0.0
         last, before_h = self.errors[-2].get(name), self.settings[-2].h
-        if last is None or not last.certain or not before_h:
+        if last is None or not last.is_certain or not before_h:
             return 0.0
         return last.value / float((before_h / finest_h) ** self.series.expected - 1)
 
 
 def measure_series(
     series: RefinementSeries, measured: Mapping[str, Combination], spread: Scatter, known: Sequence[Criterion]
-) -> Converged | None:
+) -> MeasuredSeries | None:
     """Return a series with its measurements; None where nothing was measured."""
     names = {
         setting: folder_name(ALONE, {series.axis: setting}) if setting.sets else BASE
@@ -153,14 +156,17 @@ def measure_series(
         created = point.mean("energy_defect") if series.axis == "coupling" else None
         of_coupling = {} if created is None else {"energy_defect": created}
         exact.append(answer_errors(point, known) | of_coupling)
-    off = tuple(errors(point, points[-1], spread) for point in points)
-    return Converged(series, settings, points, off, tuple(exact))
+    differences = tuple(errors(point, points[-1], spread) for point in points)
+    return MeasuredSeries(series, settings, points, differences, tuple(exact))
 
 
 @dataclass(frozen=True)
 class Option:
-    """A setting that was measured: error by quantity against the best setting of its axis, and the ratio of
-    the processor time of each part to that of the case as it is."""
+    """A measured setting of an axis, which may be chosen.
+
+    ``error`` is by quantity, against the best setting of the axis.  ``ratio`` is the processor time of each
+    part of the program over the time of this part in the unchanged case.
+    """
 
     axis: str
     setting: Setting
@@ -169,7 +175,7 @@ class Option:
 
 
 def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
-    """Return the ratio of processor times by part, and 1 for parts that hardly count."""
+    """Return the ratio of processor times by part; it is 1 for parts that take hardly any time."""
     ours, theirs = point.processor_by_part_s, base.processor_by_part_s
     return {
         part: ours.get(part, 0.0) / theirs[part] if theirs[part] > LEAST_SHARE * base.processor_s else 1.0
@@ -179,7 +185,7 @@ def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Proposal:
-    """A proposal with an option of each axis."""
+    """A proposal: one option of each axis, with the predicted error and the predicted processor time in s."""
 
     options: tuple[Option, ...]
     error: float
@@ -192,10 +198,11 @@ class Proposal:
 
 
 class Model:
-    """A model of error and cost.
+    """A model of the error and cost of joint settings.
 
-    ``axes``: options by axis; ``parts_s``: processor time of the case as it is, by part; ``remaining``: error
-    by quantity that even the best options have.
+    ``axes`` are the options by axis.  ``parts_s`` is the processor time of the unchanged case by part.
+    ``remaining`` are the errors by quantity that remain with the best options, and ``judged_by`` the
+    quantities that decide.
     """
 
     def __init__(
@@ -221,10 +228,10 @@ class Model:
         return self._proposal(int(np.where(self._worst <= tolerance, self._cost_s, np.inf).argmin()))
 
     def best(self, budget_s: float, ties: Literal["cheapest", "finest"]) -> Proposal | None:
-        """Return the proposal of the least error for at most so much processor time; None where none is so
-        cheap.
+        """Return the proposal with the least error within a budget; None where none is so cheap.
 
-        Times are measured, so the finest setting must not be chosen by them.
+        ``ties`` selects among proposals of the same error.  Processor times are measured and so vary from
+        run to run; the choice of the finest settings does not depend on them.
         """
         within = np.flatnonzero(self._cost_s <= budget_s)
         if not len(within):
@@ -245,6 +252,6 @@ def _row(
 
 
 def _combined(how: np.ufunc, axes: list[list[Array]], width: int) -> Array:
-    """Return (n_1, n_2, ..., width) of every choice of one row from each axis."""
+    """Return the combined rows (n_1, n_2, ..., width) of every choice of one row from each axis."""
     start = np.full(width, how.identity, dtype=float)
     return reduce(lambda before, rows: how(before[..., None, :], np.array(rows)), axes, start)

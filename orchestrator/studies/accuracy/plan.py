@@ -1,10 +1,9 @@
-"""``flipflow plan``: which settings to take for a tolerance and a time, and what to give up where both
-do not fit.
+"""``flipflow plan``: settings for a tolerance and a wall time, and remedies where they do not fit.
 
-A run takes its start (importing, and part "rest" of its time: opening the solvers), and then the
-same for each simulated second, but for what feeds add to the particles' share.  The study's short
-run, made again here, tells the start here, and how much faster or slower this machine steps, with
-whatever else it is busy with.
+The time of a run is the time of its start (imports, and the opening of the solvers, which is the part "rest")
+and a constant time for each simulated second, apart from the particles that feeds add.  The study's short run
+is made again on this machine: it gives the time of the start and the speed of the machine relative to the
+study's machine, under its present load.
 """
 
 from __future__ import annotations
@@ -43,8 +42,11 @@ NAME = "accuracy.json"
 
 @dataclass(frozen=True)
 class Candidate:
-    """Settings, their error, and the processor time of a run as long as the study's, on its
-    machine; ``measured`` or predicted."""
+    """A candidate for a plan: joint settings with their error and their processor time.
+
+    ``processor_s`` is the time of a run as long as the study's, on the study's machine.  ``measured`` says
+    whether error and time were measured or predicted.
+    """
 
     label: str
     sets: tuple[str, ...]
@@ -62,7 +64,7 @@ class StoredStudy:
 
     @cached_property
     def model(self) -> Model:
-        """The model that predicts settings taken together."""
+        """The model that predicts error and cost of joint settings."""
         table, axes = self.table, {}
         for axis, every in table["options"].items():
             settings = (Setting(one["label"], tuple(one["sets"])) for one in every)
@@ -71,13 +73,13 @@ class StoredStudy:
         return Model(axes, table["base"]["processor_by_part_s"], table["remaining"], table["judged_by"])
 
     @property
-    def of_nothing(self) -> bool:
-        """Whether nothing happened in the study: errors of unresolvable quantities promise nothing."""
+    def is_empty(self) -> bool:
+        """Whether nothing happened in the study, so that its errors promise nothing."""
         base = [one for one in self.table["points"] if one.get("point") == BASE]
         return bool(base) and not any(happens(one) for one in base)
 
-    def measured(self) -> list[Candidate]:
-        """Return the points with their errors at the upper end of their confidence intervals."""
+    def measured_candidates(self) -> list[Candidate]:
+        """Return the measured points, with their errors at the upper end of their confidence intervals."""
         return [
             Candidate(
                 one["settings"],
@@ -91,24 +93,23 @@ class StoredStudy:
         ]
 
     def cheapest(self, tolerance: float) -> Candidate | None:
-        """Return the cheapest candidate within a tolerance: a measured candidate, or a predicted one where no
-        measured candidate is so cheap."""
-        within = [each for each in self.measured() if each.error <= tolerance]
-        within += self._predicted(self.model.cheapest(tolerance - self._chance))
+        """Return the cheapest candidate within a tolerance, measured or predicted, or None."""
+        within = [each for each in self.measured_candidates() if each.error <= tolerance]
+        within += self._predicted_candidates(self.model.cheapest(tolerance - self._chance))
         return min(within, key=lambda each: each.processor_s, default=None)
 
     def best(self, budget_s: float) -> Candidate | None:
-        """Return the candidate of the least error for so much processor time."""
-        within = [each for each in self.measured() if each.processor_s <= budget_s]
-        within += self._predicted(self.model.best(budget_s, "cheapest"))
+        """Return the candidate with the least error within a processor time; None where there is none."""
+        within = [each for each in self.measured_candidates() if each.processor_s <= budget_s]
+        within += self._predicted_candidates(self.model.best(budget_s, "cheapest"))
         return min(within, key=lambda each: each.error, default=None)
 
     @property
     def _chance(self) -> float:
-        """The uncertainty of a prediction even where all errors add up."""
+        """The largest half width of a deciding error in the study, which is added to predicted errors."""
         return float(self.table["chance"] or 0.0)
 
-    def _predicted(self, proposal: Proposal | None) -> list[Candidate]:
+    def _predicted_candidates(self, proposal: Proposal | None) -> list[Candidate]:
         if proposal is None:
             return []
         label, error = joint_label(proposal.settings) or "the case as it is", proposal.error + self._chance
@@ -116,35 +117,36 @@ class StoredStudy:
 
 
 def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
-    """Return the verdict on an effect with the error and cost of the model that leaves it out.
+    """Return the verdict on an effect, with the measured error and cost of the model that leaves it out.
 
-    Without a run of such a model the verdict stays as it was.
+    Without a run of such a model the verdict is returned unchanged.
     """
     model = _model_without(effect, study.table.get("models", []))
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
     if model is None or not decisive:
         return verdict
-    told = ", ".join(f"{name} {100 * value:.2g} %" for name, value in decisive.items())
+    errors = ", ".join(f"{name} {100 * value:.2g} %" for name, value in decisive.items())
     return replace(
         verdict,
         number=f"largest error of {model['label']}",
         value=max(decisive.values()),
         threshold=f"0.1 (measured against {model['reference']})",
         matters=max(decisive.values()) > TENTH,
-        why=f"measured: {told}",
+        why=f"measured: {errors}",
         cost=f"{model['reference_processor_s']:.3g} s instead of {model['processor_s']:.3g} s of processor",
     )
 
 
 def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
-    """Return the measured model that leaves an effect out: the case's own model, else the finest.
+    """Return the measured model that leaves an effect out, or None where there is none.
 
-    For softened contacts it is the case itself, for single particles the coarser particles.
+    It is the case's own model if that leaves the effect out, or else the finest such model.  For the effect
+    "contact-stiffness" it has softer contacts, for "single-particles" coarser particles.
     """
     wanted = {"contact-stiffness": ("stiffness", ""), "single-particles": ("number", "")}
     ports: tuple[solvers.Port, ...] = ("panel", "frames")
     for port in ports:
-        if name := solvers.without(port, effect):
+        if name := solvers.name_without(port, effect):
             wanted[effect] = (port, name)
     if effect not in wanted:
         return None
@@ -155,8 +157,11 @@ def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, A
 
 
 def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
-    """Return the study in the given file, beside the case, or in its usual folder, if it belongs to this case
-    and level; None where there is none.  Raises CaseError for a file that holds no study."""
+    """Return the study of a case at its level from the given file, or None where there is no study.
+
+    Without a file, the study is searched beside the case and in the usual folder of the study.  Raises
+    CaseError for a file without a study, and for a given file that is missing or belongs to another case.
+    """
 
     def problem(file: Path, what: str) -> CaseError:
         return CaseError([CaseProblem((), what, file=str(file))])
@@ -178,8 +183,10 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 
 
 def filling(case: Case, study_s: float) -> Callable[[float], float]:
-    """Return a function that gives the mean number of particles of a run of so many seconds, relative to runs
-    of ``study_s``."""
+    """Return a function of a run's duration in s that gives the relative mean number of particles.
+
+    The number is relative to the mean number in a run of ``study_s``.
+    """
     if not case.bed.feeds:
         return lambda duration_s: 1.0
     bed = THIN if case.particles.adhesion == "none" else THICK
@@ -193,16 +200,17 @@ def filling(case: Case, study_s: float) -> Callable[[float], float]:
 
 
 START = ("start", "rest")
-PART = 8  # of a run that has no study: of so many parts, one is made
+PART = 8  # the number of parts of a run without a study, of which one is made to measure its speed
 
 
 @dataclass(frozen=True)
 class Timing:
     """The time that runs take on this machine.
 
-    The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``.  A start takes
-    ``start_s`` of wall time here, and a second of the study's processor time in stepping ``factor``;
-    ``particles`` is their share of its stepping, ``filling`` their number in runs of other lengths.
+    The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``.  On this
+    machine a start takes ``start_s`` of wall time, and a second of the study's processor time in stepping
+    takes ``factor`` seconds of wall time.  ``particles`` is the particles' share of the study's stepping
+    time, and ``filling`` gives their relative number in runs of other durations.
     """
 
     study_start_s: float
@@ -213,13 +221,15 @@ class Timing:
     filling: Callable[[float], float] = lambda duration_s: 1.0
 
     def wall_s(self, processor_s: float, duration_s: float) -> float:
-        """Return the wall time here of a run of ``duration_s`` with settings that took
-        ``processor_s`` in the study."""
+        """Return the wall time, on this machine, of a run of ``duration_s``.
+
+        ``processor_s`` is the processor time of its settings in the study.
+        """
         study_s = max(processor_s - self.study_start_s, 0.0)
-        return self.start_s + self.factor * study_s * self._lasts(duration_s)
+        return self.start_s + self.factor * study_s * self._relative_stepping(duration_s)
 
     def duration_s(self, processor_s: float, wall_s: float, longest_s: float) -> float:
-        """Return the longest duration of a run, at most ``longest_s``, that takes so much wall time.
+        """Return the longest duration of a run, at most ``longest_s``, that fits into a wall time.
 
         It is 0 if not even the start fits.
         """
@@ -230,18 +240,18 @@ class Timing:
         return float(brentq(lambda t: self.wall_s(processor_s, t) - wall_s, 0.0, longest_s))
 
     def affordable_s(self, wall_s: float, duration_s: float) -> float:
-        """Return the study's processor time of settings that take so much wall time here."""
+        """Return the processor time in the study of settings that take ``wall_s`` on this machine."""
         stepping_s = max(wall_s - self.start_s, 0.0) / self.factor
-        return self.study_start_s + stepping_s / self._lasts(duration_s)
+        return self.study_start_s + stepping_s / self._relative_stepping(duration_s)
 
-    def _lasts(self, duration_s: float) -> float:
-        """Return the stepping of a run of ``duration_s``, relative to the study's."""
+    def _relative_stepping(self, duration_s: float) -> float:
+        """Return the stepping time of a run of ``duration_s``, relative to the study's run."""
         more = 1.0 + self.particles * (self.filling(duration_s) - 1.0)
         return more * duration_s / self.simulated_s
 
 
 def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
-    """Return the summary of a run that nobody keeps.
+    """Make a run in a scratch folder, and return its summary.
 
     Only its times count, so the run may be doubtful.  Raises CaseError, and SolverFailed if the run does not
     come to its end.
@@ -256,7 +266,7 @@ def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, An
 
 
 def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
-    """Return the time that runs take on this machine, from the study's short run, made again here."""
+    """Make the study's short run on this machine, and return the time that runs take here."""
     base = study.table["base"]
     (short,) = study.table["short"].values()
     here = time_run(case, level, [*study.table["sets"], *study.table["shared"], *short["sets"]])
@@ -273,7 +283,7 @@ def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
 
 
 def predict_wall_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
-    """Return the wall time here of a case without a study, from a short run."""
+    """Return the wall time, on this machine, of a case without a study, predicted from a short run."""
     duration_s = part_s(case, PART)
     short = [*sets, f"duration_s={duration_s!r}", "output.pictures=false"]
     wall_s = time_run(path, level, short)["wall_by_part_s"]
@@ -288,13 +298,13 @@ def _stepping_s(time_s: Mapping[str, float]) -> float:
     return sum(part_s for part, part_s in time_s.items() if part not in START)
 
 
-SHARED = ("particles", "panel")  # parts that ranks divide among them
+SHARED = ("particles", "panel")  # parts whose work the ranks share
 MOST_RANKS = 1024
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The choice for a case by its study, a tolerance and a wall time."""
+    """A plan for a case by its study: the choice of settings for a tolerance and a wall time ``budget_s``."""
 
     case: Case
     study: StoredStudy
@@ -303,14 +313,14 @@ class Plan:
     budget_s: float
 
     @cached_property
-    def chosen(self) -> Candidate | None:
+    def choice(self) -> Candidate | None:
         """The cheapest settings within the tolerance, whether or not they fit the budget."""
         return self.study.cheapest(self.tolerance)
 
     @property
     def wall_s(self) -> float:
-        """The wall time that the chosen settings take here."""
-        return math.inf if self.chosen is None else self._wall_s(self.chosen)
+        """The wall time of the chosen settings on this machine; infinite without a choice."""
+        return math.inf if self.choice is None else self._wall_s(self.choice)
 
     @property
     def fits(self) -> bool:
@@ -321,15 +331,15 @@ class Plan:
         return self.timing.wall_s(candidate.processor_s, self.case.duration_s)
 
     def remedies(self) -> Iterator[str]:
-        """Yield changes that would make the plan fit, in words."""
-        if self.chosen is not None:
-            yield from self._shorter(self.chosen)
+        """Yield changes that would make the plan fit, in words for the console."""
+        if self.choice is not None:
+            yield from self._shorter(self.choice)
         coarser = self.study.best(self.timing.affordable_s(self.budget_s, self.case.duration_s))
         if coarser is not None:
             sets = " ".join(f"--set {each}" for each in coarser.sets) or "the case as it is"
             takes = in_words(self._wall_s(coarser))
             yield f"coarser: {sets} is off by {100 * coarser.error:.2g} % and takes {takes}"
-        if self.chosen is not None:
+        if self.choice is not None:
             yield from self._more_ranks_or_narrower()
 
     def _shorter(self, candidate: Candidate) -> Iterator[str]:
@@ -343,7 +353,7 @@ class Plan:
             yield f"a shorter run: duration_s={duration_s:.3g}"
 
     def _more_ranks_or_narrower(self) -> Iterator[str]:
-        """Yield more ranks, and a slice where particles and panels take most of the time."""
+        """Yield the number of ranks and the width of a slice that would make the plan fit, in words."""
         case, parts_s = self.case, self.study.table["base"]["processor_by_part_s"]
         share = sum(parts_s.get(name, 0.0) for name in SHARED) / sum(parts_s.values())
         shared_s, left_s = share * self.wall_s, self.budget_s - (1 - share) * self.wall_s
@@ -355,7 +365,7 @@ class Plan:
         if not has_particles(case) or case.bed.particles or left_s <= 0:
             return
         try:
-            low, high = full_width_m(case.whole)
+            low, high = full_width_m(case.whole_machine)
         except CaseError:
             return
         now_m = case.slice.width_m if case.slice else high - low

@@ -1,7 +1,7 @@
-"""Refinement parameters: what buys accuracy, and which values of it a case has.
+"""Refinement parameters, which trade time for accuracy, and their settings in a case.
 
-A parameter is intervals, steps, meshes, sizes or models of one solver (``PARAMETERS``).  Its settings
-form series from coarse to fine, each of which goes to one answer; series that exclude each other share
+A parameter varies the intervals, steps, meshes, sizes or models of one solver (``PARAMETERS``).  Its settings
+form series from coarse to fine, each of which converges to one answer.  Series that exclude each other share
 an axis.
 """
 
@@ -24,13 +24,16 @@ from orchestrator.preflight.stability.modes import largest_steps_s
 from orchestrator.preflight.stability.report import case_with_scheme
 
 SCHEME_ORDERS = {"particles-first": 2.0, "serial-staggered": 1.0, "aitken": 2.0, "quasi-newton": 2.0}
-"""Of the position (docs/theory/coupling.md); those of the other schemes are nowhere derived."""
-WITHOUT_PARTICLES = ("particles-first", "serial-staggered")  # the others repeat the first then
-USUAL_CELLS = (22, 8)  # of a sheet, by default
-PLAYED_BACK = 0.5  # above a rigid panel, below any that bends
-USUAL_SHARE = 0.8  # of the largest step, that solvers take by themselves: 0.8 or a little more
-FINEST_STEPS = 3  # own, half, quarter
-SOFTER = 10**0.5  # between neighbours
+"""The orders of the position by scheme (docs/theory/coupling.md); no orders are derived for other schemes."""
+WITHOUT_PARTICLES = (
+    "particles-first",
+    "serial-staggered",
+)  # without particles the other schemes equal the first
+USUAL_CELLS = (22, 8)  # a sheet's default cells
+PLAYED_BACK = 0.5  # fidelity: above a rigid panel, below any panel that bends
+USUAL_SHARE = 0.8  # the part of the largest step that solvers choose by themselves: 0.8 or a little more
+FINEST_STEPS = 3  # the case's own step, its half and its quarter
+SOFTER = 10**0.5  # ratio of neighbouring moduli
 COARSER = 1.5
 HERTZ = 0.4  # duration of a Hertzian impact ~ (Young's modulus) ** -0.4
 DAMPED_COUPLING = (
@@ -49,12 +52,12 @@ JUMPING = (
 
 @dataclass(frozen=True)
 class Setting:
-    """A value of a parameter.
+    """A setting: one value of a parameter.
 
-    ``sets`` are ``--set`` overlays, none for the case as it is; ``h`` is what its error goes to zero
-    with, in the unit of its series, None where it is no matter of degree; ``made_from_run`` says what
-    must be made from the run of the case as it is before this one can be run: a recording of the
-    panels, or drives that move the frames alike.
+    ``sets`` are its ``--set`` overlays; the unchanged case has none.  ``h`` is the length with which the
+    error goes to zero, in the unit of the series; it is None for a setting without a length.
+    ``made_from_run`` names the data that must be made from the run of the unchanged case before this setting
+    can be run: a recording of the panels, or drives that move the frames as in that run.
     """
 
     label: str
@@ -64,24 +67,24 @@ class Setting:
 
 
 def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
-    """Return the ``--set`` overlays of settings by axis, in the order of the axes."""
+    """Return the ``--set`` overlays of joint settings by axis, in the order of the axes."""
     return tuple(overlay for setting in settings.values() for overlay in setting.sets)
 
 
 def joint_label(settings: Mapping[str, Setting]) -> str:
-    """Return settings by axis in words."""
+    """Return joint settings by axis in words."""
     return "; ".join(f"{axis}: {setting.label}" for axis, setting in settings.items())
 
 
 @dataclass(frozen=True)
 class RefinementSeries:
-    """Settings from coarse to fine that go to one answer.
+    """A series of settings from coarse to fine that converges to one answer.
 
-    ``axis``: parameters that exclude each other share one, and one of all their settings is taken;
-    ``length``: what ``h`` is; ``expected``: order in h that theory gives, None where there is none;
-    ``rank``: on one axis the series of the highest is nearest to the truth; ``note``: what a reader
-    must know; ``is_choice``: whether one of its settings may be recommended, rather than only
-    compared; ``parameter``: filled in by ``offer``.
+    Parameters that exclude each other share an ``axis``, from which a combination has one setting.
+    ``length`` describes ``h``.  ``expected`` is the theoretical order in h, or None without a theory.  On one
+    axis the series of the highest ``rank`` is nearest to the truth.  ``note`` is a remark for the reader.
+    ``is_choice`` says whether its settings may be recommended, rather than only compared.  ``offer`` fills in
+    the name of the ``parameter``.
     """
 
     axis: str
@@ -96,15 +99,15 @@ class RefinementSeries:
 
 
 class NotOffered(Exception):
-    """A parameter that this case does not have; the message says why."""
+    """An error of a parameter that a case does not have; the message says why."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """What can be refined.
+    """A refinement parameter.
 
-    ``series``: those of a case, with so many values each; raises NotOffered.  ``needs``: names of
-    ``NEEDS`` that the case must meet first.
+    ``series`` returns the series of a case with a given number of values, or raises NotOffered.  ``needs``
+    are names of ``NEEDS`` that the case must meet first.
     """
 
     title: str
@@ -114,7 +117,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Offer:
-    """The parameters that a case can refine, and the reasons for the rest: parameter -> reason."""
+    """The series that a case can refine; ``missing`` has the reasons for the other parameters, by name."""
 
     series: tuple[RefinementSeries, ...]
     missing: dict[str, str]
@@ -133,8 +136,10 @@ class Offer:
 
 
 def offer(case: Case, names: Sequence[str], points: int) -> Offer:
-    """Return the series of the parameters named, ``points`` values each;
-    "scheme=aitken+robin" has these variants only."""
+    """Return the series of the named parameters, with ``points`` values each.
+
+    The name "scheme=aitken+robin" selects these variants only.
+    """
     every: list[RefinementSeries] = []
     missing = {}
     for each in names:
@@ -152,7 +157,7 @@ def offer(case: Case, names: Sequence[str], points: int) -> Offer:
 
 
 def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> list[RefinementSeries]:
-    """Raise NotOffered for an unknown variant."""
+    """Return the series of these variants.  Raises NotOffered for an unknown variant."""
     known = [each.variant for each in series]
     for name in variants:
         if name not in known:
@@ -161,8 +166,10 @@ def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> li
 
 
 def _degrees(points: int) -> list[int]:
-    """Return how often a value is halved, from coarse to fine, for ``points`` values: 0 is the
-    case's own; 3 gives -1, 0, 1."""
+    """Return the degrees of ``points`` values from coarse to fine: the numbers of times a value is halved.
+
+    Degree 0 is the case's own value; 3 points have the degrees -1, 0, 1.
+    """
     coarser = (points - 1) // 2
     return list(range(-coarser, points - coarser))
 
@@ -173,8 +180,11 @@ def _settings(
     key: str | Callable[[float], tuple[str, ...]],
     h: Callable[[float], float] = float,
 ) -> tuple[Setting, ...]:
-    """Return settings of values by degree, of which 0 is the case's own: ``label`` and ``key`` are
-    formats of a value, or ``key`` makes the overlays."""
+    """Return the settings of values by degree; degree 0 is the case's own value.
+
+    ``label`` is a format of the value.  ``key`` is a format, too, or a function that returns the overlays of
+    a value.  ``h`` returns the length of a value.
+    """
     make = (lambda value: (key.format(value),)) if isinstance(key, str) else key
     return tuple(
         Setting(label.format(value), make(value) if degree else (), h(value))
@@ -183,7 +193,7 @@ def _settings(
 
 
 def _sync(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the interval of the case's own scheme, or of the scheme chosen for it, halved and doubled."""
+    """Yield the series of sync intervals with the case's own scheme, or with the scheme chosen for it."""
     name = case_with_scheme(case).coupling.scheme
     overlay = (f"coupling.scheme={name}",) if case.coupling.scheme != name else ()
     series = _intervals(case, name, (), overlay, points)
@@ -191,7 +201,7 @@ def _sync(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield every other scheme, at the same intervals.  Raises NotOffered."""
+    """Yield the series of every other scheme, at the same intervals.  Raises NotOffered."""
     some, own = has_particles(case), case_with_scheme(case).coupling.scheme
     if not (case.screen.panels and (some or case.screen.frames)):
         raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
@@ -204,7 +214,10 @@ def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
 def _intervals(
     case: Case, name: str, at_own: tuple[str, ...], elsewhere: tuple[str, ...], points: int
 ) -> RefinementSeries:
-    """Return a scheme's series, with overlays at the case's own interval and at others."""
+    """Return a scheme's series of intervals.
+
+    ``at_own`` are the overlays at the case's own interval, ``elsewhere`` the overlays at other intervals.
+    """
     own_s = exact(case.coupling.sync_interval_s)
     settings = []
     for halved in _degrees(points):
@@ -217,14 +230,14 @@ def _intervals(
 
 
 def _panel_mesh(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield meshes of the case's own model.  Raises NotOffered."""
+    """Yield the series of meshes of the case's own model.  Raises NotOffered."""
     if not case.panel.adapter.refined_by:
         raise NotOffered(f"panels of solver {case.panel.solver} have no mesh")
     yield _meshes(case, case.panel.solver, case.panel.cells, points)
 
 
 def _panel_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield every other model, at a few meshes each."""
+    """Yield the series of every other model of the panels, with a few meshes each."""
     own = case.panel.adapter
     along, across = case.panel.cells if own.refined_by and own.varies_across else USUAL_CELLS
     for name in _by_fidelity("panel"):
@@ -244,7 +257,9 @@ def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> Refin
     adapter, own = _adapter("panel", name), name == case.panel.solver
     solver: tuple[str, ...] = ()
     if not own:
-        integrator = "implicit" if adapter.mesh_size else "explicit"  # cells of any size
+        integrator = (
+            "implicit" if adapter.mesh_size else "explicit"
+        )  # explicit steps would follow the smallest cell
         solver = (f"panel.solver={name}", f"panel.integrator={integrator}", "panel.step_s=0")
     settings = []
     for degree in _degrees(points):
@@ -259,7 +274,7 @@ def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> Refin
 
 
 def _model(port: solvers.Port, setting: Setting) -> RefinementSeries:
-    """Return the series of one setting, a model, which is named after its solver."""
+    """Return the series of one model, which is named after its solver."""
     rank, is_choice = _fidelity(port, setting.label), not setting.made_from_run
     return RefinementSeries(port, setting.label, (setting,), rank=rank, is_choice=is_choice)
 
@@ -270,9 +285,9 @@ def _by_fidelity(port: solvers.Port) -> list[str]:
 
 
 def _fidelity(port: solvers.Port, name: str) -> float:
-    """Return the place of a solver.
+    """Return the fidelity of a solver.
 
-    A solver that plays another's motion back is the better of two where nothing bends.
+    A solver that plays a recorded motion back has no fidelity of its own and ranks above a rigid panel.
     """
     fidelity: float | None = _adapter(port, name).fidelity
     return PLAYED_BACK if fidelity is None else fidelity
@@ -283,18 +298,18 @@ def _adapter(port: solvers.Port, name: str) -> Any:
 
 
 def _panel_step(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the panels' own step, its half and its quarter.  Raises NotOffered."""
+    """Yield the series of the panels' own step, its half and its quarter.  Raises NotOffered."""
     own_s = min(case.coupling.sync_interval_s, _usual_panel_step_s(case))
     settings = _steps(case, "panel.step_s", own_s, points)
     yield RefinementSeries("panel-step", "", settings, "panel's step / s", 2.0)
 
 
 def _usual_panel_step_s(case: Case) -> float:
-    """Return the panels' step in the case as it is."""
+    """Return the panels' step in the unchanged case in s.  Raises NotOffered."""
     if case.panel.step_s > 0:
         return case.panel.step_s
     if case.panel.integrator == "implicit" and case.panel.adapter.largest_step_s is not None:
-        return math.inf  # a step for each interval, at most
+        return math.inf  # the sync interval limits the step
     try:
         steps_s = largest_steps_s(case)
     except (SolverMissing, SolverFailed) as error:
@@ -305,7 +320,7 @@ def _usual_panel_step_s(case: Case) -> float:
 
 
 def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ...]:
-    """Return a step, its half and its quarter, whole parts of the sync interval."""
+    """Return the settings of a step, its half and its quarter, which divide the sync interval."""
     interval_s = case.coupling.sync_interval_s
     first = steps_in(interval_s, own_s)
     halves = range(min(points, FINEST_STEPS))
@@ -314,7 +329,7 @@ def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ..
 
 
 def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield every model of the frames."""
+    """Yield the series of every model of the frames."""
     driven = all(frame.drive for frame in case.screen.frames.values())
     for name in _by_fidelity("frames"):
         own = name == case.frames.solver
@@ -325,7 +340,7 @@ def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield no particles at all, and every solver of them."""
+    """Yield the series without particles, and the series of every solver of particles."""
     own, without = case.particles.solver, Setting(solvers.NONE, (f"particles.solver={solvers.NONE}",))
     yield RefinementSeries("particles", solvers.NONE, (without,), rank=-1.0, is_choice=False)
     for name in _by_fidelity("particles"):
@@ -333,16 +348,16 @@ def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _particle_step(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the particles' step, its half and its quarter."""
+    """Yield the series of the particles' step, its half and its quarter."""
     settings = _steps(case, "particles.step_s", particle_step_s(case), points)
     note = DAMPED_STEPS if damped_contacts(case) else JUMPING if _surface_jumps(case) else ""
     yield RefinementSeries("particle-step", "", settings, "step / s", 1.0 if note else 2.0, note=note)
 
 
 def _surface_jumps(case: Case) -> bool:
-    """Return whether an interval's path may begin elsewhere than the last path ended.
+    """Return whether the surface may jump from the end of one interval's path to the start of the next.
 
-    This happens where the surface is extrapolated, and for some surfaces with robin
+    It may jump where it is extrapolated: with particles-first, and for some surfaces with robin
     (docs/theory/coupling.md).
     """
     rigid = not (case.screen.panels and case.panel.adapter.deforms)
@@ -352,8 +367,10 @@ def _surface_jumps(case: Case) -> bool:
 
 
 def _stiffness(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield values of the largest Young's modulus in contacts, up to the materials' own.  Raises
-    NotOffered."""
+    """Yield the series of the largest Young's modulus in contacts, up to the largest of the materials.
+
+    Raises NotOffered.
+    """
     used_Pa = [m.youngs_modulus_Pa for m in case.materials.values() if m.youngs_modulus_Pa]
     if not used_Pa:
         raise NotOffered("no material has a Young's modulus of its own")
@@ -367,7 +384,7 @@ def _stiffness(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _number(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield coarser particles, each for several."""
+    """Yield the series of coarser particles, each of which stands for several real particles."""
     own = case.particles.coarse_graining
     values = {degree: own * COARSER**-degree for degree in range(1 - min(points, 3), 1)}
     settings = _settings(values, "diameters x {:.3g}", "particles.coarse_graining={:.4g}")
@@ -375,7 +392,7 @@ def _number(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield values of the finest size that is fed.  Raises NotOffered."""
+    """Yield the series of the finest size that is fed.  Raises NotOffered."""
     rows = [
         (f"bed.{kind}.{name}.smallest_fed_m", row.smallest_fed_m)
         for kind, table in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
@@ -394,15 +411,15 @@ def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield slices, up to the whole width.  Raises NotOffered."""
+    """Yield the series of slices, up to the whole width.  Raises NotOffered."""
     try:
-        low, high = full_width_m(case.whole)
+        low, high = full_width_m(case.whole_machine)
     except CaseError as error:
         raise NotOffered(str(error.problems[0])) from None
     solver = case.particles.adapter
-    if case.whole.slice is None and solver is not None and not solver.periodic:
+    if case.whole_machine.slice is None and solver is not None and not solver.periodic:
         raise NotOffered(f"solver {case.particles.solver} knows no slice between periodic sides")
-    own_m = case.whole.slice.width_m if case.whole.slice else high - low
+    own_m = case.whole_machine.slice.width_m if case.whole_machine.slice else high - low
     every_m = {degree: own_m * 2.0**degree for degree in _degrees(points)}
     widths_m = {
         degree: width_m for degree, width_m in every_m.items() if width_m <= (high - low) * (1 + 1e-9)
@@ -419,7 +436,7 @@ NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     "particles": (has_particles, "the case has no particles"),
     "many": (lambda case: not case.bed.particles, "single particles stand for themselves"),
 }
-"""What a parameter needs of a case, and what is said where it is missing."""
+"""The conditions that parameters need, by name, and the message where a case does not meet the condition."""
 PARAMETERS = {
     "sync": Parameter("sync interval", _sync),
     "scheme": Parameter("coupling scheme", _scheme),

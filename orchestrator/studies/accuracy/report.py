@@ -1,5 +1,5 @@
-"""What a study of accuracy writes: tables for other programs, ``accuracy.json`` for ``flipflow plan``,
-pictures, and ``accuracy.html``, all of it on one page."""
+"""The output of a study of accuracy: tables for other programs, ``accuracy.json`` for ``flipflow plan``,
+pictures, and ``accuracy.html``, which has everything on one page."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from orchestrator.studies.accuracy.combinations import (
     Combination,
     Error,
 )
-from orchestrator.studies.accuracy.convergence import Converged, Order
+from orchestrator.studies.accuracy.convergence import MeasuredSeries, Order
 from orchestrator.studies.accuracy.refinement import PARAMETERS
-from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, Compared, Row
+from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting, Row
 from orchestrator.studies.quantities import QUANTITIES
 from orchestrator.studies.report import (
     Cell,
@@ -38,14 +38,14 @@ from orchestrator.studies.report import (
 )
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
-DEEP = 1e4  # what is so much smaller than the largest error is not shown
-LEAST = 1e-4  # errors below are drawn here
+DEEP = 1e4  # the ratio of the largest error to the least error that is drawn
+LEAST = 1e-4  # smaller errors are drawn at this value
 MARKS = "os^vDPX<>"
 RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 
 
 def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
-    """Write the tables, the pictures and the page."""
+    """Write the tables, the pictures and the page of a study, and return their files."""
     lines, stored = entries(study), folder / "accuracy.json"
     tables = [write_csv(lines, folder / "accuracy.csv"), write_parquet(lines, folder / "accuracy.parquet")]
     write_json(stored, as_json(study))
@@ -74,8 +74,8 @@ def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
 
 def _axis(study: AccuracyStudy, axis: str, folder: Path) -> dict[str, Any]:
     """Return the page's entry for an axis: its series, its models if it has several, and their pictures."""
-    series = [one for one in study.converged if one.series.axis == axis]
-    every = study.compared(axis)
+    series = [one for one in study.measured_series if one.series.axis == axis]
+    every = study.compare_settings(axis)
     models = every if len({each.series.variant for each in every}) > 1 else []
     files = [
         draw_convergence(series, study.judged_by, folder / f"accuracy-{axis}.png"),
@@ -86,7 +86,7 @@ def _axis(study: AccuracyStudy, axis: str, folder: Path) -> dict[str, Any]:
 
 
 def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
-    """Return the columns of each row, all rows alike; None where something is not known."""
+    """Return the rows of the study's table, all with the same columns; unknown cells are None."""
     every = []
     for row in study.rows:
         point = row.point
@@ -115,7 +115,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
 
 
 def as_json(study: AccuracyStudy) -> dict[str, Any]:
-    """Return the data that ``flipflow plan`` needs."""
+    """Return the content of ``accuracy.json``, which ``flipflow plan`` needs."""
     base, seeds = study.base, len(study.base.metrics)
     chance = (study.spread.half_width(name, (seeds, seeds)) for name in study.judged_by)
 
@@ -126,7 +126,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
     return {
         "case": study.loaded.name,
         "level": study.loaded.level,
-        "sets": list(study.asked.study.sets),
+        "sets": list(study.request.study.sets),
         "shared": list(study.shared),
         "duration_s": base.metrics[0].summary["simulated_s"],
         "judged_by": study.judged_by,
@@ -140,7 +140,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
             for name, one in study.measured.items()
             if one.kind == CALIBRATION
         },
-        "remaining": study.remaining,
+        "remaining": study.remaining_errors,
         "options": {
             axis: [
                 {
@@ -153,15 +153,15 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
             ]
             for axis, options in study.options().items()
         },
-        "models": [row for axis in AXES_OF_MODELS for row in _model_rows(study.compared(axis))],
+        "models": [row for axis in AXES_OF_MODELS for row in _model_rows(study.compare_settings(axis))],
         "points": entries(study),
     }
 
 
-def _model_rows(models: Sequence[Compared]) -> Iterator[dict[str, Any]]:
+def _model_rows(models: Sequence[ComparedSetting]) -> Iterator[dict[str, Any]]:
     best = next((each for each in models if each.is_best), None)
     for each in models:
-        assert best is not None  # where any setting was measured
+        assert best is not None  # one of the measured settings is always the best
         yield {
             "axis": each.series.axis,
             "variant": each.series.variant,
@@ -175,7 +175,7 @@ def _model_rows(models: Sequence[Compared]) -> Iterator[dict[str, Any]]:
 
 
 def cost_table(study: AccuracyStudy) -> Table:
-    """Return the cost and error of every point for the console, from cheap to dear."""
+    """Return a table of the cost and the error of every point for the console, cheap points first."""
     lines = []
     for row in study.by_cost:
         error = ("reference", "")
@@ -188,18 +188,18 @@ def cost_table(study: AccuracyStudy) -> Table:
 
 
 def advice(study: AccuracyStudy) -> Iterator[str]:
-    """Yield a line for each tolerance."""
+    """Yield the recommendation for each tolerance as a line for the console."""
     for each in map(study.recommend, RECOMMENDED):
         if each.row is None:
             yield f"{100 * each.tolerance:g} %: no point of this study is so good"
             continue
-        sure = "" if each.proven else " (as far as chance lets one see: more --seeds would tell)"
+        sure = "" if each.is_proven else " (as far as chance lets one see: more --seeds would tell)"
         words = " ".join(f"--set {one}" for one in each.row.point.sets) or "the case as it is"
         yield f"{100 * each.tolerance:g} %: {words}, {each.row.point.processor_s:.1f} s{sure}"
 
 
 def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
-    """Return an error with its uncertainty."""
+    """Return the error of a quantity with its uncertainty, in words."""
     if name not in errors:
         return ""
     width = errors[name].half_width
@@ -213,7 +213,7 @@ def _words(name: str) -> str:
 
 
 def _scales(axis: Any, across: str, upward: str) -> None:
-    """Make both scales logarithmic, errors upward in per cent."""
+    """Make both scales of a picture logarithmic, with the errors upward in per cent."""
     axis.set(xscale="log", yscale="log", xlabel=across, ylabel=upward)
     axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
@@ -224,11 +224,11 @@ def _scales(axis: Any, across: str, upward: str) -> None:
 
 
 Line = tuple[str, list[float], list[float], str]
-"""Label, lengths, errors and style."""
+"""The label, lengths, errors and style of a line."""
 
 
-def draw_convergence(every: Sequence[Converged], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draw the series of one axis; return None where nothing converges."""
+def draw_convergence(every: Sequence[MeasuredSeries], judged_by: Sequence[str], file: Path) -> Path | None:
+    """Draw the convergence of the series of one axis; return the file, or None where nothing converges."""
     shown = [(one, _lines(one, judged_by)) for one in every if len(one.settings) > 1 and one.lengths]
     heights = [y for _, lines in shown for _, _, line_y, _ in lines for y in line_y]
     if not heights:
@@ -256,8 +256,8 @@ def draw_convergence(every: Sequence[Converged], judged_by: Sequence[str], file:
     return file
 
 
-def _lines(one: Converged, judged_by: Sequence[str]) -> list[Line]:
-    """Return a line for each quantity against the finest setting; lines against exact values are dashed."""
+def _lines(one: MeasuredSeries, judged_by: Sequence[str]) -> list[Line]:
+    """Return the lines of a series: errors against the finest setting solid, against exact answers dashed."""
     lines: list[Line] = []
     finest = one.errors[:-1]
     every = [
@@ -273,12 +273,14 @@ def _lines(one: Converged, judged_by: Sequence[str]) -> list[Line]:
 
 
 def _seen(order: Order | None) -> str:
-    return f", order {order.order:.1f}{'' if order.clean else '?'}" if order else ""
+    return f", order {order.order:.1f}{'' if order.is_clean else '?'}" if order else ""
 
 
-def draw_models(models: Sequence[Compared], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draw the error of every model against its cost, a part for each quantity; return None without any
-    error."""
+def draw_models(models: Sequence[ComparedSetting], judged_by: Sequence[str], file: Path) -> Path | None:
+    """Draw the error of every model over its cost, with a part for each quantity.
+
+    Return the file, or None where there are no errors.
+    """
     others = [each for each in models if not each.is_best]
     names = [name for name in (*judged_by, "shape") if any(name in each.errors for each in others)]
     if not names:
@@ -304,7 +306,7 @@ def _look(number: int) -> dict[str, str]:
 
 
 def draw_costs(study: AccuracyStudy, file: Path) -> Path:
-    """Draw the error of all points against their cost, and a line through the points that nothing beats."""
+    """Draw the error of all points over their cost, with a line through the points that no other beats."""
     drawn, ((axis,),) = figure(width=9.6, height=5.6)
     front, shown = study.front(), [row for row in study.rows if row.error is not None]
     axis.plot(*_places(front), color=GREY, lw=1.2, zorder=1, label="nothing is better in both")
@@ -350,7 +352,7 @@ def draw_costs(study: AccuracyStudy, file: Path) -> Path:
 
 
 def _places(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
-    """Return processor times and errors."""
+    """Return the processor times and the errors of rows as coordinates."""
     heights = [max(row.error.value if row.error else 0.0, LEAST) for row in rows]
     return [row.point.processor_s for row in rows], heights
 

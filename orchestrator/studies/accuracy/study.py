@@ -1,8 +1,9 @@
-"""The study: the case as it is, its refinement parameters one at a time, then what these propose together.
+"""The study of accuracy, and the order in which its points are run.
 
-First the case as it is and a short part of it (``flipflow plan`` compares machines by that), then
-each setting of each parameter.  From these follow the reference, the best that the budget allows, and
-the diagonal: for each tolerance the settings that should meet it at the least cost.
+The unchanged case comes first, with a short part of it, by which ``flipflow plan`` compares machines.  Each
+setting of each parameter follows alone.  These measurements propose joint settings, which are run at the end:
+the reference, which is the best that the budget allows, and the diagonal, which has, for each tolerance, the
+settings that should meet it at the least cost.
 """
 
 from __future__ import annotations
@@ -24,10 +25,10 @@ from orchestrator.studies.accuracy.combinations import (
     EXACT,
     REFERENCE,
     TOGETHER,
-    Asked,
     Combination,
     Error,
     Scatter,
+    StudyRequest,
     afford,
     answer_errors,
     errors,
@@ -38,7 +39,7 @@ from orchestrator.studies.accuracy.combinations import (
     worst_error,
 )
 from orchestrator.studies.accuracy.convergence import (
-    Converged,
+    MeasuredSeries,
     Model,
     Option,
     Proposal,
@@ -54,13 +55,15 @@ from orchestrator.studies.record import drives, record
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
 RECOMMENDED = (0.01, 0.05, 0.1)
 RECORDING = "panels.h5"
-SHORT = 5  # the short part is one of so many of the run
+SHORT = 5  # the number of parts of the run, of which the short run has one
 
 
 @dataclass(frozen=True)
-class Compared:
-    """A setting of an axis with its ``errors`` against the best of all settings; ``is_best`` marks the best
-    itself."""
+class ComparedSetting:
+    """A measured setting of an axis, compared with the best setting of the axis.
+
+    ``errors`` are against the best setting; ``is_best`` says whether this setting is the best itself.
+    """
 
     series: RefinementSeries
     setting: Setting
@@ -71,9 +74,10 @@ class Compared:
 
 @dataclass(frozen=True)
 class Row:
-    """A point with its errors against the reference by quantity.
+    """A point of the study with its errors.
 
-    ``worst`` is the largest of the errors that decide; the other errors are against known answers.
+    ``errors`` are against the reference, by quantity, and ``worst`` is the largest error that decides.
+    ``answers`` are the errors against known answers.  ``proposal`` is the prediction for the point, if any.
     """
 
     point: Combination
@@ -84,12 +88,12 @@ class Row:
 
     @property
     def error(self) -> Error | None:
-        """The largest error that decides."""
+        """The largest error that decides, without the name of its quantity."""
         return self.worst[1] if self.worst else None
 
     @property
     def why(self) -> str:
-        """The reason why nothing was measured."""
+        """The reason why nothing was measured; empty for a measured point."""
         if self.point.metrics:
             return ""
         states = {run.status() for run in self.point.runs}
@@ -98,25 +102,26 @@ class Row:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The cheapest row within a tolerance, None where there is none.
+    """A recommendation: the cheapest ``row`` within a tolerance, or None where there is none.
 
-    ``proven`` means that the row is within the tolerance even at the upper end of its confidence interval.
+    ``is_proven`` means that the row is within the tolerance even at the upper end of its confidence interval.
     """
 
     tolerance: float
     row: Row | None
-    proven: bool = False
+    is_proven: bool = False
 
 
 @dataclass(frozen=True)
 class AccuracyStudy:
     """A study of accuracy with the runs made so far.
 
-    ``shared``: ``--set`` overlays of all points; ``known``: answers known from elsewhere; ``proposals``:
-    predictions for points, by name; ``reference``: name of a point.
+    ``shared`` are the ``--set`` overlays of all points, and ``known`` the answers that are known from
+    elsewhere.  ``proposals`` are the predictions for points, by name of the point.  ``reference`` is the name
+    of the point that serves as reference.
     """
 
-    asked: Asked
+    request: StudyRequest
     loaded: JudgedCase
     offer: Offer
     shared: tuple[str, ...]
@@ -126,28 +131,34 @@ class AccuracyStudy:
     reference: str = BASE
 
     def combine(self, kind: str, settings: dict[str, Setting]) -> Combination:
-        """Return settings as a point of this study, checked, with the time that a run should take."""
+        """Check joint settings, and return them as a point of this study with the predicted time of a run.
+
+        Settings with which the case is wrong give a point without runs.
+        """
         name, case = folder_name(kind, settings), self.loaded.case
-        seeds = self.asked.seeds if is_random(case) and kind != CALIBRATION else 1
+        seeds = self.request.seeds if is_random(case) and kind != CALIBRATION else 1
         runs = []
         try:
             for number in range(seeds):
                 sets = (*self.shared, *joint_sets(settings), *seed_sets(case, number))
-                runs.append(self.asked.study.point(name, sets, f"{name}-seed{number}" if number else name))
+                runs.append(self.request.study.point(name, sets, f"{name}-seed{number}" if number else name))
         except CaseError as error:
             return Combination(kind, name, settings, omitted=str(error.problems[0]))
-        there = runs[0].loaded.case
-        return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
+        first = runs[0].loaded.case
+        return Combination(kind, name, settings, tuple(runs), predicted_s(first, particles_at_start(first)))
 
     def run(self, points: Sequence[Combination]) -> Generator[str, None, AccuracyStudy]:
-        """Run points that are not done, yield a line for each run, and return the study with them
-        and their metrics.  Runs that have failed are results, too, and not run again."""
+        """Run the points that are not done, yield a line for each run, and return the study.
+
+        The returned study has the points with their metrics.  Runs that have failed are results, too, and are
+        not made again.
+        """
         todo = [run for one in points for run in one.runs if run.status() != "failed"]
-        yield from run_points(todo, self.asked.study.crew)
+        yield from run_points(todo, self.request.study.crew)
         return self.with_points([one.with_metrics() for one in points])
 
     def with_points(self, points: Iterable[Combination]) -> AccuracyStudy:
-        """Return the study with these points, which replace points of the same names or are added."""
+        """Return the study with these points added; they replace points of the same names."""
         every = {one.name: one for one in (*self.points, *points)}
         return replace(self, points=tuple(every.values()))
 
@@ -158,13 +169,13 @@ class AccuracyStudy:
 
     @property
     def base(self) -> Combination:
-        """The case as it is."""
+        """The measured point of the unchanged case."""
         return self.measured[BASE]
 
     @property
     def judged_by(self) -> list[str]:
         """The quantities that decide, as far as the case has them."""
-        return [name for name in self.asked.judged_by if self.base.mean(name)]
+        return [name for name in self.request.judged_by if self.base.mean(name)]
 
     @cached_property
     def spread(self) -> Scatter:
@@ -172,70 +183,79 @@ class AccuracyStudy:
         return scatter(self.measured.values(), is_random(self.loaded.case))
 
     @cached_property
-    def converged(self) -> list[Converged]:
-        """Every series that was measured."""
+    def measured_series(self) -> list[MeasuredSeries]:
+        """Every series with at least one measured setting."""
         every = (measure_series(one, self.measured, self.spread, self.known) for one in self.offer.series)
         return [one for one in every if one is not None]
 
-    def best(self, axis: str) -> Converged | None:
-        """Return the series on an axis that is nearest to the truth."""
-        mine = [one for one in self.converged if one.series.axis == axis]
+    def best(self, axis: str) -> MeasuredSeries | None:
+        """Return the measured series of an axis that is nearest to the truth; None where there is none."""
+        mine = [one for one in self.measured_series if one.series.axis == axis]
         return max(mine, key=lambda one: one.series.rank, default=None)
 
-    def compared(self, axis: str, spread: Scatter | None = None) -> list[Compared]:
-        """Return every setting of an axis that was measured, against the best of them; another
-        ``spread`` says what counts as chance."""
+    def compare_settings(self, axis: str, spread: Scatter | None = None) -> list[ComparedSetting]:
+        """Compare every measured setting of an axis with the best of them.
+
+        ``spread`` is the scatter that counts as chance, by default the scatter of this study.
+        """
         best = self.best(axis)
         if best is None:
             return []
         finest, reference, spread = best.settings[-1], best.points[-1], spread or self.spread
         return [
-            Compared(one.series, setting, point, errors(point, reference, spread), setting is finest)
-            for one in self.converged
+            ComparedSetting(one.series, setting, point, errors(point, reference, spread), setting is finest)
+            for one in self.measured_series
             if one.series.axis == axis
             for setting, point in zip(one.settings, one.points, strict=True)
         ]
 
     def options(self, spread: Scatter | None = None) -> dict[str, list[Option]]:
-        """Return the choices by axis; errors that chance explains count as none."""
+        """Return the options of each axis; errors that chance explains count as zero."""
         options: dict[str, list[Option]] = {}
         for axis in self.offer.titles:
-            choices = {one.setting: one for one in self.compared(axis, spread) if one.series.is_choice}
+            choices = {
+                one.setting: one for one in self.compare_settings(axis, spread) if one.series.is_choice
+            }
             for setting, one in choices.items():
-                certain = {name: error.value if error.certain else 0.0 for name, error in one.errors.items()}
+                certain = {
+                    name: error.value if error.is_certain else 0.0 for name, error in one.errors.items()
+                }
                 ratio = cost_ratio(one.point, self.base)
                 options.setdefault(axis, []).append(Option(axis, setting, certain, ratio))
         return options
 
     @cached_property
-    def remaining(self) -> dict[str, float]:
-        """The sum of the errors where every axis has its best setting."""
+    def remaining_errors(self) -> dict[str, float]:
+        """The sum of the errors that remain with the best setting of every axis, by quantity."""
         best = [one for axis in self.offer.titles if (one := self.best(axis)) is not None]
-        return {name: sum(one.remaining(name) for one in best) for name in self.judged_by}
+        return {name: sum(one.remaining_error(name) for one in best) for name in self.judged_by}
 
     def model(self, spread: Scatter | None = None) -> Model:
-        """Return the model that predicts settings taken together."""
-        return Model(self.options(spread), self.base.processor_by_part_s, self.remaining, self.judged_by)
+        """Return the model that predicts error and cost of joint settings."""
+        return Model(
+            self.options(spread), self.base.processor_by_part_s, self.remaining_errors, self.judged_by
+        )
 
     @cached_property
     def rows(self) -> list[Row]:
-        """The points in the order in which they were run; the short part is not among them."""
+        """The rows of all points but the short run, in the order of the runs."""
         best, rows = self.measured[self.reference], []
         for one in self.points:
             if one.kind != CALIBRATION:
-                off = errors(one, best, self.spread) if one.metrics and one is not best else {}
+                differences = errors(one, best, self.spread) if one.metrics and one is not best else {}
                 answers = answer_errors(one, self.known) if one.metrics else {}
                 proposal = self.proposals.get(one.name)
-                rows.append(Row(one, off, worst_error(off, self.judged_by), answers, proposal))
+                worst = worst_error(differences, self.judged_by)
+                rows.append(Row(one, differences, worst, answers, proposal))
         return rows
 
     @cached_property
     def by_cost(self) -> list[Row]:
-        """The rows of points that were measured, from cheap to dear."""
+        """The rows of measured points in ascending order of processor time."""
         return sorted((r for r in self.rows if r.point.metrics), key=lambda row: row.point.processor_s)
 
     def front(self) -> list[Row]:
-        """Return the rows that no other beats in both error and processor time, cheap ones first."""
+        """Return the rows that no other row beats in both error and processor time, cheap rows first."""
         front: list[Row] = []
         least = inf
         for row in self.by_cost:
@@ -245,10 +265,10 @@ class AccuracyStudy:
         return front
 
     def recommend(self, tolerance: float) -> Recommendation:
-        """Return the cheapest of all points that were measured.
+        """Recommend the cheapest measured point that is proven to be within a tolerance.
 
-        Where chance leaves none proven, return the point of which most is sure.  The reference is no
-        candidate: nobody knows its error.
+        Where no point is proven, recommend the point within the tolerance whose confidence interval has the
+        lowest upper end.  The reference is no candidate, since its error is unknown.
         """
         within = [(row, row.error) for row in self.by_cost if row.error and row.error.value <= tolerance]
         for row, error in within:
@@ -258,16 +278,20 @@ class AccuracyStudy:
         return Recommendation(tolerance, surest[0] if surest else None)
 
 
-def plan_study(asked: Asked) -> AccuracyStudy:
-    """Return what is known before anything is run, with the points that need no other run: first the
-    case as it is and its short part.  Raises CaseError."""
-    loaded = asked.study.check()
-    offered = offer(loaded.case, asked.parameters, asked.values)
+def plan_study(request: StudyRequest) -> AccuracyStudy:
+    """Return the study before anything is run, with the points that need no other run.
+
+    The first two points are the unchanged case and its short run.  Raises CaseError.
+    """
+    loaded = request.study.check()
+    offered = offer(loaded.case, request.parameters, request.values)
     lengths_s = [one.h or 0.0 for series in offered.of("coupling") for one in series.settings]
     shared = shared_sets(loaded.case, max([loaded.case.coupling.sync_interval_s, *lengths_s]))
-    # answers are of the case as it is described: they do not hold for another physics
-    numerics = all(overlay.partition(".")[0] in NUMERICS for overlay in asked.study.sets)
-    study = AccuracyStudy(asked, loaded, offered, shared, known_answers(asked.study.case) if numerics else ())
+    # the answers are for the described case: overlays that change its physics make them invalid
+    numerics = all(overlay.partition(".")[0] in NUMERICS for overlay in request.study.sets)
+    study = AccuracyStudy(
+        request, loaded, offered, shared, known_answers(request.study.case) if numerics else ()
+    )
     base = study.combine(BASE, {})
     points = [base, study.combine(CALIBRATION, _short(base))]
     for series in offered.series:
@@ -278,19 +302,19 @@ def plan_study(asked: Asked) -> AccuracyStudy:
 
 
 def _short(base: Combination) -> dict[str, Setting]:
-    """Return a whole number of samples."""
+    """Return the settings of the short run, which lasts a whole number of samples."""
     case = base.runs[0].loaded.case
     sample_s = exact(case.output.series_s)
     short_s = float(ceil(exact(part_s(case, SHORT)) / sample_s) * sample_s)
     return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
 
 
-def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
+def run_study(request: StudyRequest) -> Generator[str, None, AccuracyStudy]:
     """Run the missing points, yield a line for each run, and return the study.
 
-    Raises CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable.
+    Raises FolderUnusable, and CaseError, also where the unchanged case gives nothing to compare with.
     """
-    study = plan_study(asked)
+    study = plan_study(request)
     study = yield from study.run(study.points[:2])
     runs = study.points[0].runs
     if BASE not in study.measured:
@@ -308,30 +332,30 @@ def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
             "to compare",
             "let it last until something does",
         )
-    points = afford([*study.points, *_made_points(study, runs[0])], asked.budget_s)
+    points = afford([*study.points, *_made_points(study, runs[0])], request.budget_s)
     study = yield from study.with_points(points).run(points[2:])
-    proposed, there = _proposals(study), {one.name for one in study.points}
-    new = {one.name: one for one, _ in proposed if one.name not in there}  # several may propose the same
+    proposed, existing = _proposals(study), {one.name for one in study.points}
+    new = {one.name: one for one, _ in proposed if one.name not in existing}  # proposals may coincide
     study = yield from study.run([*new.values()])
     reference = next((one.name for one, _ in proposed if one.name in study.measured), BASE)
     return replace(study, proposals={one.name: each for one, each in proposed}, reference=reference)
 
 
 def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
-    """Yield the points whose settings are made from the run of the case as it is."""
+    """Yield the points whose settings are made from the run of the unchanged case."""
     for series in study.offer.series:
         for setting in series.settings:
             if not setting.made_from_run:
                 continue
             try:
                 if setting.made_from_run == "recording":
-                    file = study.asked.study.folder / RECORDING
+                    file = study.request.study.folder / RECORDING
                     recordings.write(file, record(run.folder, None).file)
                     sets = [f"panel.recording={file.resolve()}"]
                 else:
                     sets = drives(run.folder)
-                made = replace(setting, sets=(*setting.sets, *sets))
-                yield study.combine(ALONE, {series.axis: made})
+                complete = replace(setting, sets=(*setting.sets, *sets))
+                yield study.combine(ALONE, {series.axis: complete})
             except CaseError as error:
                 settings = {series.axis: setting}
                 name, why = folder_name(ALONE, settings), str(error.problems[0])
@@ -343,9 +367,12 @@ def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
 
 
 def _proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
-    """Return the reference first, then the diagonal; existing points stand for themselves."""
-    model, budget_s = study.model(), study.asked.budget_s
-    # chance is no reason to take less than the best for what all are compared with
+    """Return the points of the reference and the diagonal, in this order, with their predictions.
+
+    A point that exists already with the same settings is returned itself.
+    """
+    model, budget_s = study.model(), study.request.budget_s
+    # the reference is the best point, even where chance explains its advantage
     wanted = [(REFERENCE, study.model(EXACT).best(budget_s, "finest"))]
     wanted += [(TOGETHER, model.cheapest(tolerance)) for tolerance in TOLERANCES]
     known = {one.sets: one for one in study.points if one.kind != CALIBRATION}

@@ -1,4 +1,4 @@
-"""``flipflow study accuracy``: what accuracy costs."""
+"""``flipflow study accuracy``: the cost of accuracy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.output.records.run_folder import study_folder
-from orchestrator.studies.accuracy.combinations import ENDED, Asked, afford
+from orchestrator.studies.accuracy.combinations import ENDED, StudyRequest, afford
 from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.report import advice, cost_table, write_study
 from orchestrator.studies.accuracy.study import plan_study, run_study
@@ -41,21 +41,21 @@ def command(
     dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
     knobs: Annotated[str, typer.Option(hidden=True)] = "",
 ) -> StudyOutput:
-    """Measure what accuracy costs: a case over the refinement parameters that buy it.
+    """Measure the cost of accuracy: run a case over its refinement parameters.
 
-    One parameter is changed at a time; then what these propose together is run: the reference, and
-    for each tolerance the cheapest settings that should meet it.  Errors are against the reference,
-    costs in processor time.  Called again, only what is missing is run.  The folder gets
-    accuracy.csv, .parquet, .json, pictures and accuracy.html; accuracy.json is used by
-    flipflow plan.
+    First, one parameter is changed at a time.  These runs propose joint settings, which are run next:
+    the reference, and for each tolerance the cheapest settings that should meet it.  Errors are
+    against the reference, and costs are processor times.  Called again, the command makes only the
+    missing runs.  The folder gets accuracy.csv, .parquet, .json, pictures and accuracy.html;
+    flipflow plan uses accuracy.json.
 
     Exit code 4: a run failed; 2: the case is wrong.
     """
     if knobs:
         raise CaseError([CaseProblem((), "is called --parameters now", f"--parameters {knobs}", "--knobs")])
-    lasting = [f"duration_s={duration!r}"] if duration else []
-    asked = Asked(
-        replace(study, sets=(*study.sets, *lasting)),
+    duration_sets = [f"duration_s={duration!r}"] if duration else []
+    request = StudyRequest(
+        replace(study, sets=(*study.sets, *duration_sets)),
         _names("--parameters", parameters, [*PARAMETERS], [*PARAMETERS]),
         QUICK_VALUES if quick else values,
         QUICK_SEEDS if quick else seeds,
@@ -63,19 +63,19 @@ def command(
         _names("--quantities", quantities, COMPARED, DECISIVE),
     )
     if dry:
-        yield from _predictions(asked)
+        yield from _predictions(request)
         return True
     with study_folder(study.folder):
-        done = yield from run_study(asked)
-    yield cost_table(done)
-    yield from (f"not compared: {row.point.label}: {row.why}" for row in done.rows if row.why)
-    yield from advice(done)
-    yield from write_study(done, study.folder)
-    return not any(row.why and not row.point.omitted for row in done.rows)
+        completed = yield from run_study(request)
+    yield cost_table(completed)
+    yield from (f"not compared: {row.point.label}: {row.why}" for row in completed.rows if row.why)
+    yield from advice(completed)
+    yield from write_study(completed, study.folder)
+    return not any(row.why and not row.point.omitted for row in completed.rows)
 
 
 def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) -> tuple[str, ...]:
-    """Return names that are known, as they are given with commas.  Raises CaseError."""
+    """Return the names in a text with commas, or the usual names.  Raises CaseError for an unknown name."""
     names = tuple(word.strip() for word in given.split(",")) if given else tuple(usual)
     for name in names:
         if name.partition("=")[0] not in known:
@@ -83,19 +83,19 @@ def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) 
     return names
 
 
-def _predictions(asked: Asked) -> Iterator[str]:
-    """Yield what would be run, with predictions."""
-    study = plan_study(asked)
+def _predictions(request: StudyRequest) -> Iterator[str]:
+    """Yield the points that would be run, with predicted times, as lines for the console."""
+    study = plan_study(request)
     yield from (f"not offered: {name}: {why}" for name, why in study.offer.missing.items())
     start = [one.with_metrics() for one in study.points[:2]]
     total_s = 0.0
-    for each in afford([*start, *study.points[2:]], asked.budget_s):
+    for each in afford([*start, *study.points[2:]], request.budget_s):
         todo = [run for run in each.runs if run.status() not in ENDED]
         total_s += each.predicted_s * len(todo)
         what = each.omitted or f"predicted {each.predicted_s:.0f} s each, {len(todo)} to be run"
         yield f"{each.name}: {what}"
     by = "by what was measured here" if any(one.metrics for one in start) else "good to a factor of three"
     yield (
-        f"in all {total_s:.0f} s of processor time ({by}), {asked.study.crew.workers} at a time; "
+        f"in all {total_s:.0f} s of processor time ({by}), {request.study.crew.workers} at a time; "
         "then up to six points, each within the budget, that these propose"
     )

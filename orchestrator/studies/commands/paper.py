@@ -1,4 +1,4 @@
-"""``flipflow study paper``: a case against the numbers that are known of it from elsewhere."""
+"""``flipflow study paper``: a comparison of a case with the numbers of its paper."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from orchestrator.studies.verdicts import case_criteria, verdict_table, write_ve
 
 
 def command(study: CaseStudy) -> StudyOutput:
-    """Compare a case with the paper it comes from: what is printed there, ours, and the error.
+    """Compare a case with the paper it comes from: printed value, computed value, and error.
 
-    The case's criteria.toml has the paper's values, their acceptance bands, and the runs they need;
-    finished runs are not run again.  What the case was fitted to is marked: it proves nothing.  The
-    folder gets paper.csv and paper.md, and sweep.csv and sweep.png of every key that is varied.
+    The case's criteria.toml has the paper's values, their acceptance bands, and the runs that they
+    need; finished runs are not made again.  Values to which the case was fitted are marked: they
+    prove nothing.  The folder gets paper.csv and paper.md, and sweep.csv and sweep.png of every
+    varied key.
 
     Exit code 4: a run failed, or a value that was not fitted is out of its band.
     """

@@ -1,10 +1,10 @@
-"""``flipflow study stability``: benchmarks, cases that are hard to couple, and the map of what stays
-stable: coupling scheme, sync interval, mass of the bed over the panel's.
+"""``flipflow study stability``: benchmarks (cases that are hard to couple) and the map of stability.
 
-A benchmark is a case whose ``criteria.toml`` says what happens and what must come of it.  The map
-belongs to a case whose ``map.toml`` says which key changes the mass of the bed.  Sync intervals are
-multiples of the largest safe one of the plain scheme (particles-first) at that mass, as the
-stability report gives it, for every scheme alike: what a scheme gains is read off along a row.
+A benchmark is a case whose ``criteria.toml`` describes the events and their expected consequences.  The map
+shows the stable combinations of coupling scheme, sync interval, and mass of the bed over the panel's mass.
+It belongs to a case whose ``map.toml`` names the key that changes the mass of the bed.  For all schemes, sync
+intervals are multiples of the largest safe interval of the plain scheme (particles-first) at that mass, from
+the stability report, so that a row of the map shows the gain of a scheme.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from orchestrator.studies.verdicts import (
 MAP_FILE = "map.toml"
 PLAIN = "particles-first"
 QUIET = ("output.pictures=false",)
-# outcome: colour, mark, what it says; told apart by shape, too
+# by outcome: colour, mark and label; marks of different shapes serve readers who see no colours
 SHOWN = {
     "stable": ("#2b7a4b", "o", "stable"),
     "warned": ("#d08a00", "^", "warned: over 1 % of the energy made or lost, or a mode that grows"),
@@ -61,12 +61,13 @@ def command(
     ] = "interval",
     out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
 ) -> StudyOutput:
-    """Run all hard cases, and draw the map of what stays stable.
+    """Run all hard cases, and draw the map of stability.
 
-    hard: every run of every case with criteria.toml, and its criteria.  map: one case over coupling
-    schemes, sync intervals and masses of the bed: stable, warned or stopped.  Called again, only
-    what is missing is run; a run that was stopped with a reason is not missing.  The folder gets
-    hard.csv, hard.md, map.csv, stability-map.png and stability.html.
+    Part "hard" makes every run of every case with criteria.toml and judges it by the criteria.  Part
+    "map" runs one case over coupling schemes, sync intervals and masses of the bed; each run is
+    stable, warned or stopped.  Called again, the command makes only the missing runs; a run that was
+    stopped with a reason is not missing.  The folder gets hard.csv, hard.md, map.csv,
+    stability-map.png and stability.html.
 
     Exit code 4: a criterion is not met, or a known failure is met; 2: a case is wrong.
     """
@@ -97,7 +98,7 @@ def write_stability_page(
     picture: Path | None,
     folder: Path,
 ) -> Path:
-    """Write ``stability.html``."""
+    """Write ``stability.html``, and return the file."""
     verdicts = [result.verdict for _, results in cases for result in results]
     return write_page(
         "commands/stability.html",
@@ -110,8 +111,10 @@ def write_stability_page(
 
 
 def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
-    """Return every case of a folder with criteria, in the order of their numbers; nothing is run.
-    Raises CaseError if one of them is wrong or there is none."""
+    """Return every case of a folder with criteria, in the order of their numbers; nothing is run here.
+
+    Raises CaseError if one of them is wrong or there is none.
+    """
     for case in folder.glob("*/"):
         if not (case / FILE).exists():
             refuse_former(case)
@@ -122,32 +125,35 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
 
 
 def benchmark(case: Path, out: Path) -> CaseCriteria:
-    """Return one case at its default level.  Raises CaseError."""
+    """Return a benchmark, at its default level, with the runs that it needs.  Raises CaseError."""
     return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
 
 
 def is_over(run: Path) -> bool:
-    """Return whether a run is over; a run that was stopped is over, too, since the stop is its result."""
+    """Return whether a run is over; a stopped run is over, too, since the stop is its result."""
     return outcome(run) != "not run"
 
 
 class MapAxes(Table):
-    """``map.toml``."""
+    """The content of ``map.toml``."""
 
     key: OneLine
     """The key that changes the mass of the bed."""
     values: Annotated[tuple[Positive, ...], Len(1)]
-    """Its values."""
+    """The values of the key."""
     multiples: Annotated[tuple[Positive, ...], Len(1)]
-    """Sync intervals over the plain scheme's largest safe one."""
+    """The sync intervals, in multiples of the plain scheme's largest safe interval."""
     sets: tuple[OneLine, ...] = ()
-    """As ``--set``, for every run."""
+    """Overlays of every run, as ``--set`` takes them."""
 
 
 @dataclass(frozen=True)
 class Spot:
-    """One run of the map; ``mass_ratio``: bed over panels, ``multiple``: sync interval over the
-    plain scheme's largest safe one."""
+    """One run of the map.
+
+    ``mass_ratio`` is the mass of the bed over the mass of the panels; ``multiple`` is the sync interval over
+    the plain scheme's largest safe interval.
+    """
 
     scheme: str
     mass_ratio: float
@@ -161,8 +167,11 @@ class Spot:
 
     @property
     def words(self) -> dict[str, str]:
-        """A row of the map's table, with the energy created over all exchanged and lost, intervals that an
-        iterated scheme did not solve to its tolerance, and the reason of an early end."""
+        """The row of the map's table, in words.
+
+        It has the created energy over all energy exchanged and lost, the number of intervals that an iterated
+        scheme did not solve to its tolerance, and the reason of an early end.
+        """
         summary = summary_of(self.run.folder)
         interval_s = self.run.loaded.case.coupling.sync_interval_s
         return {
@@ -178,7 +187,7 @@ class Spot:
 
 
 def map_spots(folder: Path, out: Path) -> list[Spot]:
-    """Return every run of the map; none is run here.  Raises CaseError."""
+    """Return every spot of the map; nothing is run here.  Raises CaseError."""
     try:
         wanted = MapAxes.model_validate(read_toml(folder / MAP_FILE, folder))
     except ValidationError as error:
@@ -192,7 +201,7 @@ def map_spots(folder: Path, out: Path) -> list[Spot]:
             * case.materials[panel.material].density_kg_per_m3
             for panel in case.screen.panels.values()
         )
-        mass_ratio = bed_kg(case) / sum(panels_kg)  # of the panels between their clamps
+        mass_ratio = bed_kg(case) / sum(panels_kg)  # the panels between their clamps
         for multiple in wanted.multiples:
             interval = interval_sets(study, [mass, f"coupling.scheme={PLAIN}"], multiple)
             for scheme in SCHEMES:
@@ -203,7 +212,7 @@ def map_spots(folder: Path, out: Path) -> list[Spot]:
 
 
 def draw_map(spots: Sequence[Spot], file: Path) -> Path:
-    """Draw a panel for each scheme: sync interval across, mass of the bed upwards."""
+    """Draw the map with a part for each scheme: sync interval across, mass of the bed upward."""
     schemes = list(dict.fromkeys(spot.scheme for spot in spots))
     outcomes = [spot.outcome for spot in spots]
     multiples, ratios = (sorted({getattr(s, key) for s in spots}) for key in ("multiple", "mass_ratio"))

@@ -1,4 +1,4 @@
-"""``flipflow study sweep``: a case over values of one key."""
+"""``flipflow study sweep``: runs of a case over the values of one key."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ DRAWN = {
     "bed.largest_depth_m": ("largest bed depth / mm", 1e3),
     "bed.on_deck_kg": ("mass on the deck / kg", 1.0),
 }
-"""Results that are drawn beside the amplitudes, where a sweep has them: label and scale."""
+"""Results that are drawn beside the amplitudes, where a sweep has them, each with its label and scale."""
 LOOKS: dict[str, dict[str, Any]] = {
     "good": {"marker": "o", "ms": 4},
     "open": {"marker": "o", "ms": 5, "mfc": "white"},
@@ -35,7 +35,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 
 Row = dict[str, Cell]
 Part = tuple[str, list[tuple[str, str]], float]
-"""Of the picture: its label, the columns with their names, and the scale."""
+"""A part of the picture: its label, the columns with their names, and the scale."""
 
 
 def command(
@@ -46,11 +46,11 @@ def command(
 ) -> StudyOutput:
     """Run a case over values of one key.
 
-    Each value has a run of its own in a folder of its own.  Called again, only what is missing is
-    run.  sweep.csv has a row for each value: amplitudes of the first harmonic along (x) and normal
-    to the deck (z) of frames, probes on them, and of the frames against each other, drift, how
-    much they still changed, and every single number of the results with its interval.  sweep.png
-    draws what has not settled open, and what is not to be trusted as a cross.
+    Each value has a run of its own in a folder of its own.  Called again, the command makes only the
+    missing runs. sweep.csv has a row for each value: amplitudes of the first harmonic along (x) and
+    normal to the deck (z) of the frames, of probes on frames, and of the frames against each other;
+    their drift; and every single number of the results with its interval.  In sweep.png, a value
+    that has not settled has an open mark, and a value that cannot be trusted is a cross.
     """
     wanted = parse_vary(vary)
     study = replace(study, name=wanted.name)
@@ -61,8 +61,10 @@ def command(
 
 
 def write_sweep(vary: Vary, points: Sequence[Point], folder: Path) -> list[Path]:
-    """Write ``sweep.csv`` and ``sweep.png``; the picture only where values are numbers and two or
-    more came to their end."""
+    """Write ``sweep.csv`` and ``sweep.png``, and return the files.
+
+    There is a picture only where the values are numbers and two or more runs came to their end.
+    """
     rows = sweep_rows(vary, points)
     files = [write_csv(rows, folder / "sweep.csv")]
     ended = [row for row in rows if trust.came_to_its_end(str(row["status"]))]
@@ -79,11 +81,11 @@ def write_sweep(vary: Vary, points: Sequence[Point], folder: Path) -> list[Path]
 def sweep_rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
     """Return a row for each point.
 
-    Its columns are the swept key as it is written after ``--vary``; ``status``, how the run ended;
-    ``settled``, whether its motion had; ``drift`` and the amplitudes of the first harmonic along
-    (x) and normal to the deck (z) of every frame, every probe on a frame, and of the frames against
-    each other, with their half widths; and every single number of the run's results, with the half
-    width of its interval.
+    The first column is the varied key, as it is written after ``--vary``.  ``status`` is the state of the
+    run, ``settled`` says whether its motion had settled, and ``drift`` how much the amplitudes still changed.
+    There are amplitudes of the first harmonic along (x) and normal to the deck (z) of every frame, of every
+    probe on a frame, and of the frames against each other, with their half widths.  Every single number of
+    the run's results follows, with the half width of its interval.
     """
     rows: list[Row] = []
     for point in points:
@@ -96,7 +98,7 @@ def sweep_rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
 
 
 def _motion(summary: dict[str, Any]) -> Row:
-    """Return whether the motion had settled, and the amplitudes with their half widths."""
+    """Return the columns of the motion: whether it had settled, and the amplitudes with their half widths."""
     results = summary.get("results") or {}
     orbits = find_orbits(results)
     if not orbits:
@@ -115,16 +117,17 @@ def _motion(summary: dict[str, Any]) -> Row:
 
 
 def _numbers(value: Any, where: str) -> Iterator[tuple[str, float]]:
-    """Yield every single number of a run's results by its keys with dots between.
+    """Yield every single number of a run's results with its keys, joined by dots.
 
-    An estimate has its ``value`` under its own keys and its ``half_width``, where there is one,
-    under one more; a vector has x, y and z, and a list of tables their ``exit`` or their numbers.
-    Words, and what is known along the deck, by size or over time, are left out.
+    The value of an estimate has the keys of the estimate; its half width, if it has one, has the additional
+    key ``half_width``.  The components of a vector have the keys x, y and z, and the tables of a list have
+    their ``exit`` or their number as key.  Words, and results along the deck, by size or over time, are left
+    out.
     """
     parts: dict[str, Any] = {}
     if isinstance(value, int | float):
         yield where.removeprefix("."), value
-    elif isinstance(value, dict) and set(value) == {"value", "half_width", "batches"}:
+    elif isinstance(value, dict) and set(value) >= {"value", "half_width", "batches"}:
         parts = {"": value["value"], ".half_width": value["half_width"]}
     elif isinstance(value, dict):
         parts = {f".{key}": part for key, part in value.items()}
@@ -150,8 +153,10 @@ def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:
 def _plot(
     rows: Sequence[Row], values: Sequence[float], parts: Sequence[Part], vary: Vary, file: Path
 ) -> Path:
-    """Draw columns over the swept value, with intervals.  A line joins good points that are
-    neighbours, and no others."""
+    """Draw columns over the varied value, with intervals, and return the file.
+
+    A line joins only good points that are neighbours.
+    """
     drawn, every = figure_parts(len(parts), 2, 5.5, 4.5)
     for axes, (label, names, scale) in zip(every, parts, strict=True):
         for number, (column, name) in enumerate(names):
@@ -161,9 +166,9 @@ def _plot(
                 if column in row:
                     keys = (column, f"{column}.half_width")
                     height, width = (scale * float(row.get(key) or 0.0) for key in keys)
-                    kind = _kind(row, column)
-                    line.append((value, height if kind == "good" else math.nan))
-                    axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[kind])
+                    look = _look(row, column)
+                    line.append((value, height if look == "good" else math.nan))
+                    axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[look])
             axes.plot([x for x, _ in line], [y for _, y in line], lw=1, color=colour)
         axes.set(xlabel=vary.key, ylabel=label, ylim=(0, 1.05 * axes.get_ylim()[1]))
         if any(name for _, name in names):
@@ -179,8 +184,11 @@ def _plot(
     return file
 
 
-def _kind(row: Row, column: str) -> str:
-    """Return how far a value may be taken as data: bed values depend on the steady state of the bed."""
+def _look(row: Row, column: str) -> str:
+    """Return the look of a value's mark: "good", "open" where it has not settled, or "cross" without trust.
+
+    Values of the bed count as settled in the steady state of the bed.
+    """
     if not trust.is_trusted(str(row["status"])):
         return "cross"
     steady = row.get("steady.is_steady") if column in DRAWN else row["settled"] == SETTLED

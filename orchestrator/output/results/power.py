@@ -1,0 +1,73 @@
+"""The power of the drives and of each loss over whole cycles, and the drives' work per mass fed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, share
+from orchestrator.output.results.events import Events, per_cycle
+from orchestrator.output.results.run_reader import RunReader
+from orchestrator.ports import Array
+
+DRIVES = ("exciter", "drive", "motor")
+"""The kinds of energy supplied to the frames that an operator pays for."""
+
+
+def power_metrics(
+    run: RunReader, start_s: float, end_s: float, events: Events | None, is_steady: bool
+) -> dict[str, Any] | None:
+    """Return the mean powers from ``start_s`` to ``end_s``, both ends of cycles.
+
+    They are differences of the energy ledger between the last sync points of cycles.  Only a steady motion
+    has confidence intervals.  Return None if the window has no whole cycle in the record.
+    """
+    time_s = run.read("energy_cycles/time_s")
+    number = np.rint(time_s / run.cycle_s).astype(int)  # a cycle's last sync point is near to its end
+    wanted = (number >= round(start_s / run.cycle_s)) & (number <= round(end_s / run.cycle_s))
+    if wanted.sum() < 2:
+        return None
+    lasting_s = np.diff(time_s[wanted])
+
+    def mean_W(work_J: Array) -> Estimate:
+        return _ratio(work_J, lasting_s, is_steady)
+
+    work_J = {
+        name.removesuffix("_J"): np.diff(run.read(f"energy_cycles/{name}")[wanted])
+        for name in run.names("energy_cycles")
+        if name.startswith(("supplied.frames.", "lost."))
+    }
+    drives_J = sum(
+        (J for name, J in work_J.items() if name.removeprefix("supplied.frames.") in DRIVES),
+        np.zeros(len(lasting_s)),
+    )
+    table: dict[str, Any] = {
+        "start_s": float(time_s[wanted][0]),
+        "end_s": float(time_s[wanted][-1]),
+        "drives_W": mean_W(drives_J),
+        "lost_W": {
+            name.removeprefix("lost."): mean_W(J) for name, J in work_J.items() if name.startswith("lost.")
+        },
+    }
+    if events is not None:
+        fed_kg = _fed_kg(events, number[wanted])
+        table["drives_J_per_kg"] = _ratio(drives_J, fed_kg, is_steady)
+    return table
+
+
+def _fed_kg(events: Events, number: Array) -> Array:
+    """Return the mass fed in the cycles that end with the later ones of the ``number``-th cycles' ends."""
+    later = events.fed.time_s > 0
+    fed_kg = per_cycle(events.fed.time_s[later], events.fed.mass_kg[later], events.edges_s)[:, 0]
+    summed_kg = np.concatenate([[0.0], np.cumsum(fed_kg)])
+    return np.diff(summed_kg[np.minimum(number, len(fed_kg)).astype(int)])
+
+
+def _ratio(part: Array, whole: Array, is_steady: bool) -> Estimate:
+    """Return the sum of ``part`` over the sum of ``whole``, both (cycles,)."""
+    sums = np.column_stack([part, whole])
+    if not is_steady:
+        value = share(*sums.sum(axis=0))
+        return Estimate(value if np.isfinite(value) else None)
+    return estimate(lambda total: share(*total), batch_sums(sums))
