@@ -81,8 +81,8 @@ class Runs:
         responses = {}
         for name, table in self._study.file.responses.items():
             if (result := value_at(summary, table.result or name)) is not None:
-                width = result.half_width
-                responses[name] = Measured(result.value, width / HALF_WIDTH if width else table.noise)
+                own = result.half_width / HALF_WIDTH if result.half_width else result.counting
+                responses[name] = Measured(result.value, own or table.noise)
         missing = [name for name in self._study.file.responses if name not in responses]
         why = (
             f"the run does not tell {', '.join(missing)}"
