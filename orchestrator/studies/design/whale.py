@@ -23,16 +23,20 @@ def whale_search(
     whales: int = 30,
     iterations: int = 200,
 ) -> Array:
-    """Search the setting, coded, (factors,), with the largest worth; ``worth`` takes (p, factors)."""
+    """Search the setting, coded, (factors,), with the largest worth; ``worth`` takes (p, factors).
+
+    A, C and l are drawn for each coordinate of each whale: with one number for all of them whales move only
+    along lines through each other and the centre, and stop several percent short of a best on the borders.
+    """
     x = space.sample(whales, int(rng.integers(2**31)))
     values = worth(x)
     best: Array = x[np.argmax(values)].copy()
     best_value = values.max()
     for iteration in range(iterations):
         a = 2.0 * (1.0 - iteration / iterations)
-        step = (2.0 * rng.random((whales, 1)) - 1.0) * a  # A
-        weight = 2.0 * rng.random((whales, 1))  # C
-        angle = rng.uniform(-1.0, 1.0, (whales, 1))  # l
+        step = (2.0 * rng.random(x.shape) - 1.0) * a  # A
+        weight = 2.0 * rng.random(x.shape)  # C
+        angle = rng.uniform(-1.0, 1.0, x.shape)  # l
         leader = np.where(np.abs(step) > 1.0, x[rng.integers(whales, size=whales)], best)
         encircled = leader - step * np.abs(weight * leader - x)
         spiral = np.abs(best - x) * np.exp(SPIRAL * angle) * np.cos(2.0 * np.pi * angle) + best
