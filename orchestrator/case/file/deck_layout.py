@@ -54,11 +54,14 @@ def lay_out_decks(case: Case) -> Case:
 def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
     """Yield the problems of a deck: wrong counts, excessive tension and overlapping panels."""
     key: Key = ("screen", "decks", name)
-    segments = len(deck.slopes_deg)
-    if segments and deck.panels % segments:
+    segments, counts = len(deck.slopes_deg), deck.panels_per_slope
+    if counts and (len(counts) != segments or sum(counts) != deck.panels):
+        what = f"{list(counts)} is not one number for each of {segments} slopes, {deck.panels} panels in all"
+        yield CaseProblem((*key, "panels_per_slope"), what)
+    elif not counts and segments and deck.panels % segments:
         what = f"{segments} segments do not divide {deck.panels} panels"
-        fitting = [count for count in (deck.panels // segments, deck.panels // segments + 1)]
-        hint = "take " + " or ".join(str(count * segments) for count in fitting if count)
+        whole = [count * segments for count in (deck.panels // segments, deck.panels // segments + 1) if count]
+        hint = "give panels_per_slope, or take " + " or ".join(map(str, whole))
         yield CaseProblem((*key, "panels"), what, f"{hint} panels of a pitch that keeps the length")
     if len(deck.tension_m) not in (1, deck.panels):
         what = f"{len(deck.tension_m)} values for {deck.panels} panels"
@@ -98,10 +101,16 @@ def tensions(deck: Deck) -> tuple[float, ...]:
     return deck.tension_m if len(deck.tension_m) == deck.panels else deck.tension_m * deck.panels
 
 
+def panels_per_slope(deck: Deck) -> tuple[int, ...]:
+    """Return the number of panels of each segment; a deck without slopes is one segment."""
+    segments = max(len(deck.slopes_deg), 1)
+    return deck.panels_per_slope or (deck.panels // segments,) * segments
+
+
 def directions(deck: Deck, inclination_deg: float) -> Array:
     """Return a unit vector along each panel, pointing downhill, (panels, 3)."""
     slopes_deg = deck.slopes_deg or (inclination_deg,)
-    each = np.repeat(slopes_deg, deck.panels // len(slopes_deg))
+    each = np.repeat(slopes_deg, panels_per_slope(deck))
     down = np.radians(each - inclination_deg)
     return np.column_stack([np.cos(down), np.zeros_like(down), -np.sin(down)])
 
@@ -150,7 +159,7 @@ def _side_plates(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, S
     """
     plates = deck.side_plates
     assert plates is not None
-    corners_m = beams_m[:: deck.panels // max(len(deck.slopes_deg), 1)]
+    corners_m = beams_m[[0, *np.cumsum(panels_per_slope(deck))]]
     high_m = (plates.height_m + plates.depth_m) * UP
     sides = {"left": -plates.gap_m, "right": deck.width_m + plates.gap_m}
     for side, y_m in sides.items():

@@ -143,8 +143,10 @@ class Deck(PanelSheet):
     number for each panel.  It is positive for taut panels and negative for slack panels."""
     slopes_deg: tuple[Slope, ...] = ()
     """Slope of each segment against the horizontal, from the upper end; all segments have the same
-    number of panels.  By default, the deck is one segment along the deck axes
-    (``screen.inclination_deg``)."""
+    number of panels unless ``panels_per_slope`` is given.  By default, the deck is one segment along the
+    deck axes (``screen.inclination_deg``)."""
+    panels_per_slope: tuple[Few, ...] = ()
+    """Number of panels of each segment, from the upper end, where segments are not equally long."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None

@@ -109,6 +109,8 @@ class StudyFile(Table):
     """What may be changed, by name."""
     set: dict[OneLine, OneLine | tuple[OneLine, ...]] = Field(default_factory=dict)
     """Values of the case's keys, as arithmetic of factors; several for a list."""
+    derived: dict[Name, OneLine] = Field(default_factory=dict)
+    """Numbers that formulas of ``set`` use, as arithmetic of factors and of the numbers above."""
     ordered: tuple[tuple[Name, ...], ...] = ()
     """Chains of factors whose values must not rise."""
     responses: Annotated[dict[Name, ResponseTable], Len(1)]
@@ -142,6 +144,7 @@ class Study:
     folder: Path
     space: Space
     aims: Mapping[str, Aim]
+    derived: Mapping[str, ast.expr]
     formulas: Mapping[str, tuple[ast.expr, ...]]
     simpler: Mapping[str, ast.expr]
 
@@ -172,6 +175,8 @@ class Study:
         BadFormula : a formula has no value there.
         """
         actual = self.actual(coded)
+        for name, expression in self.derived.items():
+            actual[name] = formulas.value(expression, actual)
         overlays = []
         for key, expressions in self.formulas.items():
             values = [formulas.value(each, actual) for each in expressions]
@@ -221,7 +226,8 @@ def read_study(path: Path) -> Study:
         problems = from_validation(error, StudyFile)
         raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems) from None
     problems = []
-    parsed, simpler = _formulas(file, problems), _simpler(file, problems)
+    derived, simpler = _derived(file, problems), _simpler(file, problems)
+    parsed = _formulas(file, derived, problems)
     chains, aims = _chains(file, problems), _aims(file, problems)
     _check_source(file, problems)
     _check_factors_and_responses(file, problems)
@@ -229,7 +235,7 @@ def read_study(path: Path) -> Study:
     if problems:
         raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems)
     low, high = np.array([factor.range for factor in file.factors.values()]).T
-    return Study(file, path.resolve().parent, Space(low, high, chains), aims, parsed, simpler)
+    return Study(file, path.resolve().parent, Space(low, high, chains), aims, derived, parsed, simpler)
 
 
 def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:
@@ -281,9 +287,32 @@ def _check_methods(file: StudyFile, problems: list[CaseProblem]) -> None:
             problems.append(CaseProblem(("plan", "kind"), "a Box-Behnken design has no ordered factors"))
 
 
-def _formulas(file: StudyFile, problems: list[CaseProblem]) -> dict[str, tuple[ast.expr, ...]]:
+def _derived(file: StudyFile, problems: list[CaseProblem]) -> dict[str, ast.expr]:
+    """Parse the derived numbers; each may use factors and the numbers above it."""
+    parsed: dict[str, ast.expr] = {}
+    for name, text in file.derived.items():
+        key = ("derived", name)
+        if name in file.factors:
+            problems.append(CaseProblem(key, "is the name of a factor, too"))
+        try:
+            expression = formulas.parse(text)
+        except BadFormula as error:
+            problems.append(CaseProblem(key, str(error)))
+            continue
+        known = [*file.factors, *parsed]
+        for used in sorted(formulas.names_in(expression) - set(known)):
+            hint = did_you_mean(used, known)
+            problems.append(CaseProblem(key, f'no factor or number above is called "{used}"', hint))
+        parsed[name] = expression
+    return parsed
+
+
+def _formulas(
+    file: StudyFile, derived: Mapping[str, ast.expr], problems: list[CaseProblem]
+) -> dict[str, tuple[ast.expr, ...]]:
     parsed: dict[str, tuple[ast.expr, ...]] = {}
-    used: set[str] = set()
+    used = set(itertools.chain(*map(formulas.names_in, derived.values())))
+    known = file.factors.keys() | file.derived.keys()
     for key, written in file.set.items():
         texts = (written,) if isinstance(written, str) else written
         try:
@@ -293,8 +322,8 @@ def _formulas(file: StudyFile, problems: list[CaseProblem]) -> dict[str, tuple[a
             continue
         names = set(itertools.chain(*map(formulas.names_in, parsed[key])))
         used |= names
-        for name in sorted(names - file.factors.keys()):
-            hint = did_you_mean(name, file.factors)
+        for name in sorted(names - known):
+            hint = did_you_mean(name, known)
             problems.append(CaseProblem(("set", key), f'no factor "{name}"', hint))
     if file.set and len(parsed) == len(file.set):
         for name in file.factors:
