@@ -14,6 +14,7 @@ import os
 import signal
 import subprocess
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -41,6 +42,7 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 
 MAIN = "from orchestrator.cli.main import main; main()"
 MOST_VALUES = 1000
+WAIT_S = 0.5  # between two looks at a run of a study that was killed
 PER_RUN_MIB = 1000  # memory of a run: a run with sheets and tens of thousands of particles takes less
 T = TypeVar("T")
 SAMPLES_PER_S = 2500  # rate of shapes and series: enough for accelerations up to 500 Hz
@@ -275,10 +277,13 @@ def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
 def run_point(point: Point, beside: int) -> str:
     """Run one point, which is not done, in a process of its own, and return a line about its end.
 
-    ``beside`` is the number of runs at a time.  Raises FolderUnusable where a run is at work in its folder.
+    ``beside`` is the number of runs at a time.  A run that still goes on, because only its study was killed,
+    is waited for.
     """
-    if is_at_work(point.folder):
-        raise FolderUnusable(f"{point.folder}: a run is at work there; wait for its end")
+    while is_at_work(point.folder):
+        time.sleep(WAIT_S)
+    if point.done():
+        return f"{point.folder.name}: {point.status()}"
     return _run((point.words, point.then), point.folder.resolve(), beside)
 
 

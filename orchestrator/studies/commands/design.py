@@ -51,7 +51,7 @@ def _foretell(design: DesignStudy) -> StudyOutput:
         for number, setting in enumerate(settings, start=2)
     ]
     yield console_table("planned settings, after the centre", ["run", *file.factors], rows)
-    case = design.runs.centre().case
+    case = design.runs.centre.case
     each_s = campaign.mean_wall_s() or predicted_s(case, particles_at_start(case))
     count = 1 + len(settings) + file.plan.centres - 1
     sides = design.runs.side_by_side

@@ -93,6 +93,20 @@ class Campaign:
             self._fits[key] = SURROGATES[name]().fit(data.x, data.y, data.variance, self.study.file.seed)
         return self._fits[key]
 
+    def best_so_far(self) -> str:
+        """Return the best first goal among the runs that keep all limits of the first aim, with the run; empty
+        where there is none."""
+        aim, data = self.study.aim, self.data()
+        if not aim.goals or not len(data.x):
+            return ""
+        goal, name = aim.goals[0], list(self.study.file.responses)[aim.goals[0].response]
+        gain = np.where(aim.kept(data.y.T), goal.sign * data.y[:, goal.response], np.nan)
+        if not np.isfinite(gain).any():
+            return ""
+        best = int(np.nanargmax(gain))
+        value = float(self.scales[name].from_fit(data.y[best, goal.response]))
+        return f"{name} {value:.4g} (run {data.numbers[best]:04d})"
+
     def mean_wall_s(self) -> float:
         """Compute the mean wall time of a run so far."""
         wall_s = [outcome.wall_s for outcome in self.outcomes if outcome.wall_s > 0]

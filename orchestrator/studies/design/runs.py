@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from functools import partial
+from dataclasses import replace
+from functools import cached_property, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,9 +18,15 @@ from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Trial
-from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, summary_of
+from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
 
+UNFINISHED = ("missing", "interrupted")
 HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
+
+
+def has_ended(folder: Path) -> bool:
+    """Return whether the run of a folder is over for good; a failed run would fail again."""
+    return status(folder) not in UNFINISHED
 
 
 class Runs:
@@ -28,8 +36,9 @@ class Runs:
         self._study, self._runs = study, runs
         self.side_by_side = runs.crew.workers
 
+    @cached_property
     def centre(self) -> JudgedCase:
-        """Return the case at the centre of the ranges.  Raises CaseError."""
+        """The case at the centre of the ranges.  Raises CaseError."""
         return self._runs.check(self._study.overlays(np.zeros(self._study.space.factors)))
 
     def check(self) -> None:
@@ -53,31 +62,35 @@ class Runs:
 
     def outcomes(self, wanted: Iterable[Trial]) -> Iterator[Outcome]:
         """Run the trials that are not done, and yield the outcome of each."""
-        yield from self._runs.crew.each(partial(self._run, trial) for trial in wanted)
+        yield from self._runs.crew.each(partial(self._make, trial) for trial in wanted)
 
     def finished(self, trials: Iterable[Trial]) -> list[Outcome]:
         """Return the outcomes of the trials that have been run to their end; nothing is run."""
-        points = ((trial, self._point(trial)) for trial in trials)
-        return [self._outcome(trial, point) for trial, point in points if point.done()]
+        outcomes = (self._make(trial, may_run=False) for trial in trials)
+        return [outcome for outcome in outcomes if outcome.status not in UNFINISHED]
 
-    def _run(self, trial: Trial) -> Outcome:
-        point = self._point(trial)
-        if not point.done():
+    def _make(self, trial: Trial, may_run: bool = True) -> Outcome:
+        try:
+            point = self._point(trial)
+        except (CaseError, BadFormula) as error:
+            why = str(error.problems[0]) if isinstance(error, CaseError) else str(error)
+            return Outcome(trial, "refused", why)
+        if may_run and not point.done():
             run_point(point, self.side_by_side)
         return self._outcome(trial, point)
 
     def _point(self, trial: Trial) -> Point:
         overlays = self._study.overlays(np.array(trial.setting))
-        case = self._runs.check(overlays).case
-        return self._runs.point(trial.name, [*overlays, *seed_sets(case, trial.seed)])
+        seeds = seed_sets(self.centre.case, trial.seed)
+        return replace(self._runs.point(trial.name, [*overlays, *seeds]), ended=has_ended)
 
     def _outcome(self, trial: Trial, point: Point) -> Outcome:
         summary = summary_of(point.folder)
-        status = str(summary.get("status", "missing"))
+        state = str(summary.get("status", "missing"))
         cost = _cost(summary)
-        if status != trust.DONE:
-            why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or status)
-            return Outcome(trial, status, why, **cost)
+        if state != trust.DONE:
+            why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or state)
+            return Outcome(trial, state, why, **cost)
         responses = {}
         for name, table in self._study.file.responses.items():
             if (result := value_at(summary, table.result or name)) is not None:
@@ -89,7 +102,7 @@ class Runs:
             if len(missing) == len(self._study.file.responses)
             else ""
         )
-        return Outcome(trial, status, why, responses, **cost)
+        return Outcome(trial, state, why, responses, **cost)
 
     def _named(self, corner: Array) -> str:
         values = self._study.space.actual(corner)

@@ -73,6 +73,8 @@ class DesignStudy:
         """Return what is said when a run has ended, with the time left."""
         said = ", ".join(f"{name} {each.value:.4g}" for name, each in outcome.responses.items())
         line = f"{outcome.trial.name} {outcome.trial.stage}: {said or outcome.status}"
+        if best := self.campaign.best_so_far():
+            line += f"; best so far {best}"
         if outcome.why:
             line += f"; no data: {outcome.why}"
         left = self.campaign.trials_left()
