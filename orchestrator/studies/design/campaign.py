@@ -94,8 +94,8 @@ class Campaign:
         return self._fits[key]
 
     def best_so_far(self) -> str:
-        """Return the best first goal among the runs that keep all limits of the first aim, with the run; empty
-        where there is none."""
+        """Return the best first goal among the runs that keep all limits of the first aim, with the run;
+        empty where there is none."""
         aim, data = self.study.aim, self.data()
         if not aim.goals or not len(data.x):
             return ""
