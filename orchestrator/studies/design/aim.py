@@ -58,10 +58,11 @@ class Aim:
         ]
         return np.min(margins, axis=0) if margins else np.full(mean.shape[1:], np.inf)
 
-    def probability(self, mean: Array, deviation: Array) -> Array:
-        """Compute the probability, (...), that all limits are kept; errors of responses are independent."""
-        result = np.ones(mean.shape[1:])
+    def log_probability(self, mean: Array, deviation: Array) -> Array:
+        """Compute the logarithm, (...), of the probability that all limits are kept; errors of responses are
+        independent."""
+        result = np.zeros(mean.shape[1:])
         for limit in self.limits:
             distance = limit.sign * (mean[limit.response] - limit.value)
-            result *= stats.norm.cdf(distance / np.maximum(deviation[limit.response], 1e-12))
+            result += stats.norm.logcdf(distance / np.maximum(deviation[limit.response], 1e-12))
         return result

@@ -21,7 +21,9 @@ CANDIDATES = 150  # of each kind: all over the space, on its borders, around the
 DRAWS = 128  # of all responses at the candidates
 NARROWED = 5  # times that the candidates of a recommendation are drawn around the best
 STARTS = 20  # of SLSQP
-TOLERANCE = 1e-6  # of a limit, on the scale of the surrogates
+SPREAD = 64  # settings that tell how much responses differ over the space
+TOLERANCE = 1e-6  # of a limit, in spreads of its response over the space
+WORTHLESS = -1e30  # of settings that break a limit: below any goal in any unit
 
 
 class Optimiser(Protocol):
@@ -73,6 +75,9 @@ class ExpectedImprovement(_Confident):
         drawn = _draw(fitted, np.vstack([done, candidates]), rng)
         gains, kept = aim.gains(drawn), aim.kept(drawn)
         before, after = np.s_[..., : len(done)], np.s_[..., len(done) :]
+        if not kept.any():  # nothing is to be gained yet: come nearer to the limits
+            margin = aim.margin(*predict_each(fitted, candidates))
+            return np.asarray(candidates[int(np.argmax(margin))])
         mean_gain = _gain(gains[before], kept[before], gains[after], kept[after]).mean(axis=0)
         return np.asarray(candidates[int(np.argmax(mean_gain))])
 
@@ -114,13 +119,17 @@ class Gradient:
     ) -> Array:
         """Search for the best predicted goal where limits are kept by so many standard deviations."""
 
+        spread = np.maximum(predict_each(fitted, space.sample(SPREAD, 1))[0].std(axis=1), 1e-300)
+        goal = aim.goals[0]
+
         def distance(x: Array, limit: Limit) -> float:
             mean, deviation = predict_each(fitted, x[None])
             kept_by = limit.sign * (mean[limit.response, 0] - limit.value)
-            return float(kept_by - margin * deviation[limit.response, 0])
+            return float((kept_by - margin * deviation[limit.response, 0]) / spread[limit.response])
 
         def loss(x: Array) -> float:
-            return -float(aim.gains(predict_each(fitted, x[None])[0])[0, 0])
+            mean, _ = predict_each(fitted, x[None])
+            return -goal.sign * float(mean[goal.response, 0] / spread[goal.response])
 
         limits = [
             {"type": "ineq", "fun": lambda x, limit=limit: distance(x, limit)} for limit in aim.limits
@@ -134,9 +143,13 @@ class Gradient:
             for start in space.sample(STARTS, int(rng.integers(2**31)))
         ]
         settings = space.ordered(np.array(ends))
-        kept = [all(distance(x, limit) > -TOLERANCE for limit in aim.limits) for x in settings]
-        worth = predicted_worth(fitted, aim, settings, slack=np.inf)
-        return np.asarray(settings[int(np.argmax(np.where(kept, worth, worth.min() - 1.0)))])
+        missing = [max((-distance(x, limit) for limit in aim.limits), default=0.0) for x in settings]
+        least = min(missing)
+        losses = [
+            loss(x) if gap <= max(least, TOLERANCE) else np.inf
+            for x, gap in zip(settings, missing, strict=True)
+        ]
+        return np.asarray(settings[int(np.argmin(losses))])
 
 
 class Sobol(_Confident):
@@ -162,17 +175,17 @@ def confident_worth(fitted: Fitted, aim: Aim, x: Array) -> Array:
     The worth of all others is far below, and higher where they keep the limits more probably.
     """
     mean, deviation = predict_each(fitted, x)
-    sure, gain = aim.probability(mean, deviation), aim.gains(mean)[0]
-    return np.where(sure >= aim.confidence, gain, -1e6 * (2.0 - sure))
+    sure, gain = aim.log_probability(mean, deviation), aim.gains(mean)[0]
+    return np.where(sure >= np.log(aim.confidence), gain, WORTHLESS * (1.0 - sure))
 
 
-def predicted_worth(fitted: Fitted, aim: Aim, x: Array, slack: float = 0.0) -> Array:
+def predicted_worth(fitted: Fitted, aim: Aim, x: Array) -> Array:
     """Compute the predicted first goal, (p,); where a limit is predicted to fail, below all that keep it."""
     mean, _ = predict_each(fitted, x)
     missing = np.zeros(len(x))
     for limit in aim.limits:
-        missing += np.maximum(limit.sign * (limit.value - mean[limit.response]) - slack, 0.0)
-    return np.where(missing > 0, -1e6 * (1.0 + missing), aim.gains(mean)[0])
+        missing += np.maximum(limit.sign * (limit.value - mean[limit.response]), 0.0)
+    return np.where(missing > 0, WORTHLESS * (1.0 + missing), aim.gains(mean)[0])
 
 
 def predict_each(fitted: Fitted, x: Array, block: int = 500) -> tuple[Array, Array]:
