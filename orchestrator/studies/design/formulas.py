@@ -18,8 +18,14 @@ OPERATORS = {
 FUNCTIONS = {
     name: getattr(math, name) for name in ("sqrt", "sin", "cos", "tan", "radians", "degrees", "exp", "log")
 }
-FUNCTIONS |= {"min": min, "max": max, "abs": abs, "round": round}
+FUNCTIONS |= {
+    "min": min,
+    "max": max,
+    "abs": abs,
+    "round": lambda number, digits=0: round(number, int(digits)),
+}
 CONSTANTS = {"pi": math.pi}
+LONGEST = 500  # characters: Python parses no formula of any depth
 
 
 class BadFormula(ValueError):
@@ -33,6 +39,8 @@ def parse(text: str) -> ast.expr:
     ------
     BadFormula : it is something else.
     """
+    if len(text) > LONGEST:
+        raise BadFormula(f'"{text[:20]}..." has {len(text)} characters; {LONGEST} are the most')
     try:
         expression = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -55,11 +63,12 @@ def value(expression: ast.expr, factors: Mapping[str, float]) -> float:
 
     Raises
     ------
-    BadFormula : it divides by zero there, or has no finite real value.
+    BadFormula : it divides by zero there, has no finite real value, or gives a function other arguments than
+        it takes.
     """
     try:
         result = _value(expression, factors)
-    except (ArithmeticError, ValueError) as error:
+    except (ArithmeticError, ValueError, TypeError) as error:
         raise BadFormula(f'"{ast.unparse(expression)}" has no value: {error}') from None
     if isinstance(result, complex) or not math.isfinite(result):
         raise BadFormula(f'"{ast.unparse(expression)}" has no finite value')
@@ -92,7 +101,7 @@ def _check(node: ast.expr, text: str) -> None:
 def _value(node: ast.expr, factors: Mapping[str, float]) -> Any:
     match node:
         case ast.Constant(value=number):
-            return number
+            return float(number)  # powers of whole numbers may take for ever
         case ast.Name(id=name):
             return CONSTANTS[name] if name in CONSTANTS else factors[name]
         case ast.UnaryOp(op=ast.USub(), operand=operand):

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from orchestrator.ports import Array
 
@@ -33,8 +34,8 @@ def _plain(value: Array | float) -> Array:
 SCALES = {
     "plain": Scale(_plain, _plain, lambda value: np.ones_like(_plain(value))),
     "percent": Scale(
-        lambda percent: np.log(_inside(percent) / (100.0 - _inside(percent))),
-        lambda logit: 100.0 / (1.0 + np.exp(-_plain(logit))),
+        lambda percent: special.logit(_inside(percent) / 100.0),
+        lambda logit: 100.0 * special.expit(_plain(logit)),
         lambda percent: 100.0 / (_inside(percent) * (100.0 - _inside(percent))),
     ),
     "logarithm": Scale(
