@@ -220,3 +220,16 @@ def test_a_surface_with_too_few_points_says_how_many_and_of_which_rank() -> None
     two_levels = np.where(x[:, :3] >= 0, 1.0, -1.0)  # squares are all one
     with pytest.raises(TooFewPoints, match="43 points, of rank 7, for 10 terms"):
         Quadratic().fit(two_levels, y, y, 1)
+
+
+def test_a_constant_response_has_a_surface_that_explains_nothing() -> None:
+    x, _ = table_5()
+    fitted = Surface.fit(x, np.full(len(x), 5.0), quadratic_terms(5))
+    assert fitted.quality()["r2_predicted"] == 0.0
+    variance, first, total = fitted.sobol_indices()
+    assert variance == pytest.approx(0.0, abs=1e-20)
+    assert [*first, *total] == [0.0] * 10
+    assert fitted.sequential() == []
+    assert len(fitted.anova()) == 21
+    assert np.isfinite(fitted.studentised_residuals()).all()
+    assert fitted.lack_of_fit() is None

@@ -80,3 +80,8 @@ def test_a_gaussian_process_of_some_hundred_points_tells_the_indices_of_ishigami
     (first, _, total, _) = sobol_indices(fitted, 3)[0]
     assert first == pytest.approx(ISHIGAMI_FIRST, abs=0.05)
     assert total == pytest.approx(ISHIGAMI_TOTAL, abs=0.05)
+
+
+def test_no_factor_decides_a_constant_response() -> None:
+    indices = sobol_indices(Known(lambda x: np.full((1, len(x)), 5.0)), 2)
+    np.testing.assert_array_equal(indices, np.zeros((1, 4, 2)))

@@ -19,6 +19,18 @@ from scipy import stats
 from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints
 
+QUALITY = (  # what is told of a surface
+    "r2",
+    "r2_adjusted",
+    "r2_predicted",
+    "sst",
+    "sse",
+    "press",
+    "standard_error",
+    "rmse",
+    "f",
+    "p",
+)
 Term = tuple[int, ...]  # the factors whose product a term is: () 1, (0,) x0, (0, 0) x0 squared
 
 
@@ -113,26 +125,36 @@ class Surface:
         residual = self.fitted.resid / (1.0 - leverage)
         return self.y - residual, np.sqrt(self.fitted.scale * leverage / (1.0 - leverage))
 
+    @property
+    def is_constant(self) -> bool:
+        """Whether the response is the same at all points, so that there is nothing to explain."""
+        return bool(np.ptp(self.y) == 0.0)
+
     def studentised_residuals(self) -> Array:
         """Compute the residual of each point over its error, both estimated without the point."""
+        if self.is_constant:
+            return np.zeros(len(self.y))
         return np.asarray(self.fitted.get_influence().resid_studentized_external)
 
     def quality(self) -> dict[str, float]:
         """Compute R squared, adjusted and predicted (PRESS), and the F test of the whole surface."""
+        if self.is_constant:
+            return dict.fromkeys(QUALITY, 0.0) | {"p": 1.0}
         press = float(((self.y - self.left_out()[0]) ** 2).sum())
         total = float(self.fitted.centered_tss)
-        return {
-            "r2": float(self.fitted.rsquared),
-            "r2_adjusted": float(self.fitted.rsquared_adj),
-            "r2_predicted": 1.0 - press / total,
-            "sst": total,
-            "sse": float(self.fitted.ssr),
-            "press": press,
-            "standard_error": float(np.sqrt(self.fitted.scale)),
-            "rmse": float(np.sqrt(self.fitted.ssr / len(self.y))),
-            "f": float(self.fitted.fvalue),
-            "p": float(self.fitted.f_pvalue),
-        }
+        values = (
+            self.fitted.rsquared,
+            self.fitted.rsquared_adj,
+            1.0 - press / total,
+            total,
+            self.fitted.ssr,
+            press,
+            np.sqrt(self.fitted.scale),
+            np.sqrt(self.fitted.ssr / len(self.y)),
+            self.fitted.fvalue,
+            self.fitted.f_pvalue,
+        )
+        return dict(zip(QUALITY, map(float, values), strict=True))
 
     def anova(self) -> list[dict[str, Any]]:
         """List each term's coefficient, standard error, F and p (one degree of freedom each)."""
@@ -169,6 +191,8 @@ class Surface:
     def sequential(self) -> list[dict[str, float | str]]:
         """Test the groups of terms one after the other: linear, products, squares."""
         rows: list[dict[str, float | str]] = []
+        if self.is_constant:
+            return rows
         groups = {
             "linear": [t for t in self.terms if len(t) < 2],
             "products": [t for t in self.terms if len(t) < 2 or t[0] != t[1]],
@@ -199,4 +223,6 @@ class Surface:
             elif term:
                 total[list(term)] += b**2 / 9.0
         variance = float(first.sum() + (total - first).sum() / 2.0)
+        if self.is_constant:
+            return 0.0, np.zeros(factors), np.zeros(factors)
         return variance, first / variance, total / variance
