@@ -100,7 +100,7 @@ def _check(node: ast.expr, text: str) -> None:
 
 def _value(node: ast.expr, factors: Mapping[str, float]) -> Any:
     match node:
-        case ast.Constant(value=number):
+        case ast.Constant(value=int() | float() as number):
             return float(number)  # powers of whole numbers may take for ever
         case ast.Name(id=name):
             return CONSTANTS[name] if name in CONSTANTS else factors[name]
