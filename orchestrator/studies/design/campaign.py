@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -17,8 +17,9 @@ from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
 from orchestrator.studies.design.scales import SCALES, Scale
 from orchestrator.studies.design.study_file import Study
-from orchestrator.studies.design.surrogates import Fitted, TooFewPoints
+from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints
 from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Stage, Trial
+from orchestrator.studies.design.two_levels import TwoLevels
 
 FOR_CONFIRMING = 0.2  # of the hours
 NARROW = 0.02  # of a goal's range over all data: half an interval that is narrow enough
@@ -50,7 +51,12 @@ class Campaign:
 
         Outcomes of trials that were done before come at once.
         """
-        for stage in (self._centre, self._plan, *((self._search, self._confirm) if search else ())):
+        for stage in (
+            self._centre,
+            self._cheap,
+            self._plan,
+            *((self._search, self._confirm) if search else ()),
+        ):
             for outcome in self.evaluator.outcomes(stage()):
                 self.outcomes.append(outcome)
                 yield outcome
@@ -58,7 +64,8 @@ class Campaign:
     def trials_left(self) -> int:
         """Count the trials still to come, as far as they are known; those of an open search are not."""
         file = self.study.file
-        planned = 1 + len(planned_settings(self.study)) + file.plan.centres - 1
+        cheap = file.cheap.runs if file.cheap is not None else 0
+        planned = 1 + cheap + len(planned_settings(self.study)) + file.plan.centres - 1
         searched = self.most_searched if self.study.aim.goals and file.hours is None else 0
         return max(0, planned + searched - len(self.outcomes))
 
@@ -77,7 +84,10 @@ class Campaign:
 
     def data(self, confirmed: bool = True) -> Data:
         """Collect the data for surrogates, with or without the runs that confirm."""
-        outcomes = [each for each in self.outcomes if confirmed or each.trial.stage != "confirm"]
+        left_out = ("cheap",) if confirmed else ("cheap", "confirm")
+        return self._data_of([each for each in self.outcomes if each.trial.stage not in left_out])
+
+    def _data_of(self, outcomes: Sequence[Outcome]) -> Data:
         return Data.of(outcomes, self.scales)
 
     def fit(self, name: str = "", confirmed: bool = True) -> Fitted:
@@ -87,11 +97,20 @@ class Campaign:
         ------
         TooFewPoints : there are less data than the surrogate has terms.
         """
-        data, name = self.data(confirmed), name or self.study.file.search.surrogate
+        name = name or self.study.file.search.surrogate
         key = (name, confirmed, len(self.outcomes))
         if key not in self._fits:
-            self._fits[key] = SURROGATES[name]().fit(data.x, data.y, data.variance, self.study.file.seed)
+            self._fits[key] = self._fit(SURROGATES[name](), self.data(confirmed))
         return self._fits[key]
+
+    def _fit(self, surrogate: Surrogate, data: Data) -> Fitted:
+        """Fit a surrogate to data, on top of the cheap level where the study has one."""
+        seed = self.study.file.seed
+        if self.study.file.cheap is not None:
+            below = self._data_of([each for each in self.outcomes if each.trial.stage == "cheap"])
+            cheap = surrogate.fit(below.x, below.y, below.variance, seed)
+            surrogate = TwoLevels(cheap, surrogate)
+        return surrogate.fit(data.x, data.y, data.variance, seed)
 
     def best_so_far(self) -> str:
         """Return the best first goal among the runs that keep all limits of the first aim, with the run;
@@ -108,8 +127,9 @@ class Campaign:
         return f"{name} {value:.4g} (run {data.numbers[best]:04d})"
 
     def mean_wall_s(self) -> float:
-        """Compute the mean wall time of a run so far."""
-        wall_s = [outcome.wall_s for outcome in self.outcomes if outcome.wall_s > 0]
+        """Compute the mean wall time of a run so far, without runs at the cheap level."""
+        dear = [outcome for outcome in self.outcomes if outcome.trial.stage != "cheap"]
+        wall_s = [outcome.wall_s for outcome in dear if outcome.wall_s > 0]
         return statistics.fmean(wall_s) if wall_s else 0.0
 
     def spent_s(self) -> float:
@@ -164,6 +184,17 @@ class Campaign:
                 yield self._trial("centre", centre)
 
         return self._stage("centre", new)
+
+    def _cheap(self) -> Iterator[Trial]:
+        """Yield settings all over the space for runs at the cheap level."""
+        cheap, space = self.study.file.cheap, self.study.space
+        settings = space.sample(cheap.runs, self.study.file.seed + 1) if cheap is not None else ()
+
+        def new(stored: int) -> Iterator[Trial]:
+            for setting in settings[stored:]:
+                yield self._trial("cheap", setting)
+
+        return self._stage("cheap", new)
 
     def _plan(self) -> Iterator[Trial]:
         """Yield the plan's settings, then more runs of the centre."""
@@ -252,7 +283,7 @@ class Campaign:
         That is so where half of all runs failed, where the surrogate explains less than half of a goal's
         variance (Q2 < 0.5), or where no setting is expected to keep the limits.
         """
-        tried = [each for each in self.outcomes if each.trial.stage != "confirm"]
+        tried = [each for each in self.outcomes if each.trial.stage not in ("cheap", "confirm")]
         failed = sum(not each.is_data for each in tried)
         if 2 * failed >= len(tried):
             return f"{failed} of {len(tried)} runs gave no data; look at the reasons in points.csv"

@@ -16,7 +16,7 @@ from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.front import nondominated
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
-from orchestrator.studies.design.quadratic import FittedQuadratic, Surface
+from orchestrator.studies.design.quadratic import Quadratic, Surface
 from orchestrator.studies.design.sensitivity import sobol_indices
 from orchestrator.studies.design.surrogates import Fitted, TooFewPoints
 
@@ -109,8 +109,9 @@ class Findings:
     @cached_property
     def quadratic(self) -> dict[str, Surface]:
         """The quadratic surface of each response; empty where there are too few runs."""
-        fitted = next(judged.fitted for judged in self.surrogates if judged.name == "quadratic")
-        if not isinstance(fitted, FittedQuadratic):
+        try:
+            fitted = Quadratic().fit(self.data.x, self.data.y, self.data.variance, 0)
+        except TooFewPoints:
             return {}
         return dict(zip(self.responses, fitted.surfaces, strict=True))
 

@@ -81,8 +81,11 @@ class Runs:
 
     def _point(self, trial: Trial) -> Point:
         overlays = self._study.overlays(np.array(trial.setting))
+        runs, cheap = self._runs, self._study.file.cheap
+        if trial.stage == "cheap" and cheap is not None:
+            runs, overlays = replace(runs, level=cheap.level), [*overlays, *cheap.overrides]
         seeds = seed_sets(self.centre.case, trial.seed)
-        return replace(self._runs.point(trial.name, [*overlays, *seeds]), ended=has_ended)
+        return replace(runs.point(trial.name, [*overlays, *seeds]), ended=has_ended)
 
     def _outcome(self, trial: Trial, point: Point) -> Outcome:
         summary = summary_of(point.folder)

@@ -71,6 +71,17 @@ class PlanTable(Table):
     """Runs at the centre, each with other seeds: they tell the noise."""
 
 
+class CheapTable(Table):
+    """Runs of the same settings at a cheaper level, from which the level of the study is predicted."""
+
+    level: OneLine
+    """Level of these runs."""
+    overrides: tuple[OneLine, ...] = ()
+    """``--set`` of these runs."""
+    runs: Few
+    """Number of these runs."""
+
+
 class SearchTable(Table):
     """The settings that are run then, one after the other, each where the most is to be gained."""
 
@@ -129,6 +140,7 @@ class StudyFile(Table):
     """Wall time for all runs."""
     seed: Whole = 1
     plan: PlanTable = PlanTable()
+    cheap: CheapTable | None = None
     search: SearchTable = SearchTable()
     published: tuple[PublishedTable, ...] = ()
 

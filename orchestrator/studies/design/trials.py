@@ -14,7 +14,7 @@ from typing import Literal, Protocol
 
 from orchestrator.output.records.run_folder import write_json
 
-Stage = Literal["centre", "plan", "search", "confirm"]
+Stage = Literal["centre", "cheap", "plan", "search", "confirm"]
 DONE = "done"
 
 
