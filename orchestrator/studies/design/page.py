@@ -11,8 +11,8 @@ import numpy as np
 from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, role_of
 from orchestrator.studies.design.findings import Confirmed, Findings, Interval
-from orchestrator.studies.design.tables import point_rows, published_rows, term_name
-from orchestrator.studies.report import write_page
+from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
+from orchestrator.studies.report import align_rows, write_page
 
 WIDENED = 1.05  # factor on the noise from which on it is mentioned
 ROUNDING = 1.1  # ratio of implied standard errors that printed digits explain
@@ -212,6 +212,7 @@ def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path
         ],
         noise=list(noise_in_words(findings)),
         anova=list(anova_tables(findings)),
+        effects=align_rows(effect_rows(findings)),
         published_p=errors,
         published_formulas=formulas,
         published_words=list(published_in_words(findings)),

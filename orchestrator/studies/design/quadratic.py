@@ -166,6 +166,13 @@ class Surface:
             for term, b, e, one_f, one_p in columns
         ]
 
+    def effects(self) -> Array:
+        """Compute the change of the response from the lower to the upper end of each factor, the others in
+        the centre, with half of its 95 % interval, (factors, 2)."""
+        linear = [self.terms.index((factor,)) for factor in range(self.x.shape[1])]
+        t = float(stats.t.ppf(0.975, self.fitted.df_resid))
+        return np.column_stack([2.0 * self.fitted.params[linear], 2.0 * t * self.fitted.bse[linear]])
+
     def lack_of_fit(self) -> dict[str, float] | None:
         """Test the lack of fit against the scatter of repeated settings; None without any.
 

@@ -97,6 +97,8 @@ class PublishedTable(Table):
     source: OneLine
     """Where it is printed."""
     response: Name
+    table: OneLine = ""
+    """CSV file with its runs, as ``table`` of the study: its effects are put beside those of this study."""
     p: dict[Name, Number] = Field(default_factory=dict)
     """Probability, printed for the linear term of each factor, that chance alone makes its effect."""
     coefficients: dict[OneLine, Number] = Field(default_factory=dict)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,12 @@ from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text
 from orchestrator.studies.design.campaign import BEST, role_of
+from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.findings import Confirmed, Findings, Interval
 from orchestrator.studies.design.published import compare_formula, implied_errors
-from orchestrator.studies.design.quadratic import Surface, Term, model_matrix
+from orchestrator.studies.design.quadratic import Surface, Term, model_matrix, quadratic_terms
+from orchestrator.studies.design.study_file import PublishedTable
+from orchestrator.studies.design.table_data import read_table
 from orchestrator.studies.report import Cell, write_csv, write_parquet
 
 Row = dict[str, Cell]
@@ -39,6 +43,8 @@ def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
         yield write_csv([_setting_row(findings, x) for x in findings.front], folder / "front.csv")
     if best := best_rows(findings):
         yield write_csv(best, folder / "best.csv")
+    if effects := effect_rows(findings):
+        yield write_csv(effects, folder / "effects.csv")
     yield from _write_published(findings, folder)
 
 
@@ -186,6 +192,43 @@ def _intervals(intervals: Mapping[str, Interval], suffix: str) -> Row:
     for name, interval in intervals.items():
         row |= {name + suffix: interval.value, f"{name}{suffix} half width": interval.half_width}
     return row
+
+
+def effect_rows(findings: Findings) -> list[Row]:
+    """Return the effect of each factor on each response, beside those of published tables.
+
+    An effect is the change from the lower to the upper end of the factor in the quadratic surface.  A
+    published effect has the same sign, the opposite sign, or is chance: one of the two intervals has zero in
+    it.
+    """
+    study = findings.campaign.study
+    rows: list[Row] = []
+    for name, surface in findings.quadratic.items():
+        published = {
+            table.source: _published_effects(findings, table)
+            for table in study.file.published
+            if table.table and table.response == name
+        }
+        for number, factor in enumerate(study.file.factors):
+            own = surface.effects()[number]
+            row: Row = {"response": name, "factor": factor, "effect": own[0], "half width": own[1]}
+            for source, effects in published.items():
+                theirs = effects[number]
+                chance = abs(own[0]) < own[1] or abs(theirs[0]) < theirs[1]
+                row |= {f"{source}": theirs[0], f"{source} half width": theirs[1]}
+                sign = "same sign" if own[0] * theirs[0] > 0 else "opposite sign"
+                row[f"{source} verdict"] = "chance" if chance else sign
+            rows.append(row)
+    return rows
+
+
+def _published_effects(findings: Findings, table: PublishedTable) -> Array:
+    """Fit the quadratic surface to a published table, and return its effects, (factors, 2)."""
+    study = findings.campaign.study
+    file = study.file.model_copy(update={"table": table.table, "case": ""})
+    data = Data.of(read_table(replace(study, file=file)), findings.campaign.scales)
+    y = data.y[:, findings.responses.index(table.response)]
+    return Surface.fit(data.x, y, quadratic_terms(study.space.factors)).effects()
 
 
 def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> Iterator[Path]:
