@@ -19,7 +19,7 @@ import numpy.typing as npt
 from orchestrator.studies.design.aim import Aim, Goal, Limit
 from orchestrator.studies.design.optimisers import Optimiser
 from orchestrator.studies.design.space import Space
-from orchestrator.studies.design.surrogates import Fitted, Surrogate
+from orchestrator.studies.design.surrogates import Fitted, Surrogate, calibrated
 
 Array = npt.NDArray[np.float64]
 
@@ -54,7 +54,7 @@ def study(
         new = optimiser.propose(surrogate.fit(x, y, variance, seed), problem.aim, problem.space, x, rng)
         more = problem.observe(new[None], rng)
         x, y, variance = np.vstack([x, new]), np.vstack([y, more[0]]), np.vstack([variance, more[1]])
-    fitted = surrogate.fit(x, y, variance, seed)
+    fitted = calibrated(surrogate.fit(x, y, variance, seed), y, variance)
     return x, fitted, optimiser.recommend(fitted, problem.aim, problem.space, x, rng)
 
 

@@ -11,7 +11,7 @@ import pytest
 from orchestrator.ports import Array
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.space import Space
-from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints
+from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints, calibrated
 
 POINTS = 24
 SQUARE = Space(-np.ones(2), np.ones(2))
@@ -153,3 +153,26 @@ def test_data_are_left_as_they_are(kind: type[Surrogate]) -> None:
     kind().fit(X, y, variance, 1).predict(NEW)
     for array, copy in zip((X, y, variance), copies, strict=True):
         np.testing.assert_array_equal(array, copy)
+
+
+@EVERY
+def test_a_surrogate_that_is_too_sure_is_widened_to_its_errors(kind: type[Surrogate]) -> None:
+    """Responses scatter four times as much as is said of their noise."""
+    y, variance = noisy()
+    y = planes(X) + 4.0 * (y - planes(X))
+    y[3, 0] = np.nan
+    own = kind().fit(X, y, variance * 1e-6, 1)
+    wide = calibrated(own, y, variance * 1e-6)
+    mean, deviation = wide.left_out()
+    squares = (y - mean) ** 2 / (deviation**2 + wide.factor * variance * 1e-6)
+    assert (np.nanmean(squares, axis=0) < 1.001).all()
+    np.testing.assert_array_equal(wide.predict(NEW)[0], own.predict(NEW)[0])
+    for cov, own_cov, factor in zip(wide.predict(NEW)[1], own.predict(NEW)[1], wide.factor, strict=True):
+        assert factor >= 1.0
+        np.testing.assert_allclose(cov, factor * own_cov, rtol=1e-9)
+
+
+@EVERY
+def test_a_surrogate_that_errs_less_than_it_says_is_left_as_it_is(kind: type[Surrogate]) -> None:
+    y, variance = noisy()
+    assert calibrated(fit(kind), y, variance * 100.0).factor.tolist() == [1.0, 1.0]

@@ -17,7 +17,7 @@ from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
 from orchestrator.studies.design.scales import SCALES, Scale
 from orchestrator.studies.design.study_file import Study
-from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints
+from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Stage, Trial
 from orchestrator.studies.design.two_levels import TwoLevels
 
@@ -265,7 +265,8 @@ class Campaign:
         for number, (name, aim) in enumerate(self.study.aims.items()):
             if not aim.goals or self.why_no_optimum(aim):
                 continue
-            fitted = self.fit(confirmed=False)
+            data = self.data(confirmed=False)
+            fitted = calibrated(self.fit(confirmed=False), data.y, data.variance)
             done = np.array([trial.setting for trial in self._trials if trial.stage != "confirm"])
             spaces = {BEST: self.study.space}
             if self.study.simpler:

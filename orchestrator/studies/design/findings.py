@@ -18,7 +18,7 @@ from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
 from orchestrator.studies.design.quadratic import Quadratic, Surface
 from orchestrator.studies.design.sensitivity import sobol_indices
-from orchestrator.studies.design.surrogates import Fitted, TooFewPoints
+from orchestrator.studies.design.surrogates import Fitted, TooFewPoints, calibrated
 
 HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 ON_THE_FRONT = 40  # settings that are listed
@@ -141,7 +141,8 @@ class Findings:
                 found[name] = chosen[0]
             elif aim.goals and name not in self.why_no_optimum and self.own.fitted is not None:
                 rng = np.random.default_rng([study.file.seed, 2, number])
-                found[name] = optimiser.recommend(self.own.fitted, aim, study.space, self.data.x, rng)
+                fitted = calibrated(self.own.fitted, self.data.y, self.data.variance)
+                found[name] = optimiser.recommend(fitted, aim, study.space, self.data.x, rng)
         return found
 
     def predict(self, setting: Array) -> dict[str, Interval]:

@@ -6,7 +6,10 @@ its errors, at others.  Each one is a class of its own file, chosen by its name 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
+
+import numpy as np
 
 from orchestrator.ports import Array
 
@@ -56,3 +59,35 @@ class Surrogate(Protocol):
 
 class TooFewPoints(ValueError):
     """A model has more terms than there are points with a response."""
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """A surrogate whose covariances are widened, for each response, by a factor."""
+
+    fitted: Fitted
+    factor: Array
+
+    def predict(self, x: Array) -> tuple[Array, Array]:
+        """Predict means, (m, p), and widened covariances, (m, p, p), of the responses at settings, (p, f)."""
+        mean, covariance = self.fitted.predict(x)
+        return mean, covariance * self.factor[:, None, None]
+
+    def left_out(self) -> tuple[Array, Array]:
+        """Predict each response, (n, m), from the others, with widened deviations."""
+        mean, deviation = self.fitted.left_out()
+        return mean, deviation * np.sqrt(self.factor)
+
+
+def calibrated(fitted: Fitted, y: Array, variance: Array) -> Calibrated:
+    """Widen a surrogate's covariances to the errors that it makes of points left out.
+
+    Surrogates whose parameters were fitted to few points are surer of themselves than they may be, and what
+    they recommend breaks a limit more often than it should.  ``y`` and ``variance``, (n, m), are those of the
+    fit.
+    """
+    mean, deviation = fitted.left_out()
+    known = np.isfinite(y) & np.isfinite(mean)
+    squares = (y - mean) ** 2 / np.maximum(deviation**2 + variance, 1e-300)
+    counts = np.maximum(known.sum(axis=0), 1)
+    return Calibrated(fitted, np.maximum(np.where(known, squares, 0.0).sum(axis=0) / counts, 1.0))
