@@ -172,8 +172,9 @@ def test_a_simpler_design_is_kept(kind: type[Optimiser]) -> None:
         return simple
 
     space = SimplerSpace(-np.ones(3), np.ones(3), (), simplify)
-    for choose in (propose, recommend):
-        x = choose(kind, at_least(80.0), space)
+    done = recommend(Gradient, at_least(80.0))[None]  # better than any simpler one
+    for choose in (kind().propose, kind().recommend):
+        x = choose(fitted(), at_least(80.0), space, done, np.random.default_rng(1))
         assert x[1] == pytest.approx(-0.5 * x[0], abs=1e-12)
     best = GRID[np.isclose(GRID[:, 1], -0.5 * GRID[:, 0])]
     mean, deviation = predict_each(fitted(), best)

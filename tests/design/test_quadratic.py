@@ -220,6 +220,9 @@ def test_a_surface_with_too_few_points_says_how_many_and_of_which_rank() -> None
     two_levels = np.where(x[:, :3] >= 0, 1.0, -1.0)  # squares are all one
     with pytest.raises(TooFewPoints, match="43 points, of rank 7, for 10 terms"):
         Quadratic().fit(two_levels, y, y, 1)
+    exact = np.random.default_rng(1).uniform(-1, 1, (10, 3))  # nothing is left for the error
+    with pytest.raises(TooFewPoints, match="10 points, of rank 10, for 10 terms"):
+        Quadratic().fit(exact, y[:10], y[:10], 1)
 
 
 def test_a_constant_response_has_a_surface_that_explains_nothing() -> None:

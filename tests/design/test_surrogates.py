@@ -99,6 +99,19 @@ def test_a_point_that_is_left_out_has_no_say_in_its_own_prediction(kind: type[Su
 
 
 @EVERY
+def test_other_units_of_a_response_give_the_same_answer(kind: type[Surrogate]) -> None:
+    y, variance = noisy()
+    units = np.array([1024.0, 1.0 / 1024.0])
+    other = kind().fit(X, y * units, variance * units**2, 1)
+    (mean, cov), (other_mean, other_cov) = fit(kind).predict(NEW), other.predict(NEW)
+    np.testing.assert_allclose(other_mean, mean * units[:, None], rtol=1e-3)
+    deviations, others = (np.sqrt(np.diagonal(each, axis1=1, axis2=2)) for each in (cov, other_cov))
+    np.testing.assert_allclose(others, deviations * units[:, None], rtol=0.02)
+    for left, other_left in zip(fit(kind).left_out(), other.left_out(), strict=True):
+        np.testing.assert_allclose(other_left, left * units, rtol=0.02)
+
+
+@EVERY
 def test_missing_responses_are_left_out(kind: type[Surrogate]) -> None:
     y, variance = noisy()
     y[[3, 8], 0] = np.nan
