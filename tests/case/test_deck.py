@@ -91,7 +91,9 @@ def test_panels_lie_end_to_end_on_beams_that_alternate(tmp_path: Path) -> None:
 
 def test_segments_of_unequal_length(tmp_path: Path) -> None:
     """Five slopes on eight panels: two panels for each of the first three slopes, one for the others."""
-    loaded = deck(tmp_path, "screen.decks.deck.panels=8", "screen.decks.deck.panels_per_slope=[2, 2, 2, 1, 1]")
+    loaded = deck(
+        tmp_path, "screen.decks.deck.panels=8", "screen.decks.deck.panels_per_slope=[2, 2, 2, 1, 1]"
+    )
     slopes = [
         float(np.degrees(np.arctan2(-panel.rectangle.along[2], panel.rectangle.along[0])))
         for panel in single_panels(loaded.case)
@@ -163,7 +165,10 @@ def test_the_resolved_case_has_the_deck_laid_out(tmp_path: Path) -> None:
     ("override", "said"),
     [
         ("panels=8", "5 segments do not divide 8 panels; give panels_per_slope, or take 5 or 10"),
-        ("panels_per_slope=[2, 2, 2, 2, 1]", "[2, 2, 2, 2, 1] is not one number for each of 5 slopes, 10 panels"),
+        (
+            "panels_per_slope=[2, 2, 2, 2, 1]",
+            "[2, 2, 2, 2, 1] is not one number for each of 5 slopes, 10 panels",
+        ),
         ("slopes_deg=[40, 30, 20, 12, 70]", "slopes_deg.4: 70 is wrong, less than or equal to 60"),
         ("tension_m=[0.001, 0.002]", "2 values for 10 panels"),
         ("tension_m=0.03", "strain of 0.125; at most 0.1, which is 0.024 m"),

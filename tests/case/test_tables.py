@@ -16,6 +16,7 @@ from pydantic import BaseModel, ValidationError
 from orchestrator.case.file.plausible import RANGES
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
+from orchestrator.studies.design.study_file import StudyFile
 from tools.case_reference import __main__ as case_reference
 
 # keys of pure numbers
@@ -101,22 +102,24 @@ def test_plausible_ranges_are_of_keys_that_exist() -> None:
     assert set(RANGES) <= FLOATS
 
 
-@pytest.mark.parametrize("table", sorted(set(tables()), key=lambda table: table.__name__))
+@pytest.mark.parametrize("table", sorted({*tables(), *tables(StudyFile)}, key=lambda table: table.__name__))
 def test_every_table_and_key_is_described(table: type[BaseModel]) -> None:
     assert table.__doc__
     assert all(field.description for field in table.model_fields.values())
 
 
-def test_the_page_on_the_case_format_is_the_tables() -> None:
+@pytest.mark.parametrize(
+    ("page", "words"), [("case-format.md", ()), ("study-format.md", ("study",))], ids=["case", "study"]
+)
+def test_the_page_on_a_format_is_the_tables(page: str, words: tuple[str, ...]) -> None:
     """It is written where no test has brought a solver of its own."""
-    page = Path(__file__).parents[2] / "docs" / "case-format.md"
-    again = "python -m tools.case_reference > docs/case-format.md"
-    command = [sys.executable, "-m", "tools.case_reference"]
+    docs = Path(__file__).parents[2] / "docs"
+    command = ["-m", "tools.case_reference", *words]
     own = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     written = subprocess.run(
-        command, capture_output=True, text=True, check=True, env=own, cwd=page.parents[1]
+        [sys.executable, *command], capture_output=True, text=True, check=True, env=own, cwd=docs.parent
     )
-    assert page.read_text() == written.stdout, again
+    assert (docs / page).read_text() == written.stdout, f"python {' '.join(command)} > docs/{page}"
 
 
 def test_tables_are_frozen() -> None:

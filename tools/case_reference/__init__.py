@@ -1,1 +1,1 @@
-"""The page docs/case-format.md, made from the tables of a case."""
+"""The pages docs/case-format.md and docs/study-format.md, made from the tables of a case and of a study."""

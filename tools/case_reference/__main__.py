@@ -1,6 +1,7 @@
-"""The page docs/case-format.md, which is made from the tables of a case.
+"""The pages docs/case-format.md and docs/study-format.md, made from the tables of a case and a study.
 
-The command ``python -m tools.case_reference > docs/case-format.md`` writes it.
+``python -m tools.case_reference > docs/case-format.md`` writes the first, and
+``python -m tools.case_reference study > docs/study-format.md`` the second.
 """
 
 from __future__ import annotations
@@ -8,8 +9,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from types import NoneType
-from typing import Annotated, Any, Literal, get_args, get_origin
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
@@ -20,17 +21,25 @@ from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Part
+from orchestrator.studies.design.study_file import StudyFile
 
 EFFECTS_TABLE = """\
 | effect | part | can be left out | laws | what else has it or not |
 | --- | --- | --- | --- | --- |"""
 
 
-def reference() -> str:
-    """Return the whole page in Markdown."""
-    return (
-        "\n".join([_rules("case"), *_effects(), *_of_solvers(), *_sections(Case, "", set())]).rstrip() + "\n"
-    )
+def case_reference() -> str:
+    """Return docs/case-format.md."""
+    return _page(_rules("case"), *_effects(), *_of_solvers(), *_sections(Case, "", set(), "case.toml"))
+
+
+def study_reference() -> str:
+    """Return docs/study-format.md."""
+    return _page(_rules("study"), *_sections(StudyFile, "", set(), "study.toml"))
+
+
+def _page(*lines: str) -> str:
+    return "\n".join(lines).rstrip() + "\n"
 
 
 def _rules(of: str) -> str:
@@ -63,10 +72,11 @@ def _of_solvers() -> Iterator[str]:
     yield ""
 
 
-def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]]) -> Iterator[str]:
-    """Yield the keys of a table, then the keys of the tables in it; each table has one section."""
+def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]], file: str) -> Iterator[str]:
+    """Yield the keys of a table, then the keys of the tables in it; each table has one section.  The section
+    of the outermost table is named after the ``file``."""
     seen.add(table)
-    yield f"## `{path}`" if path else "## `case.toml`"
+    yield f"## `{path or file}`"
     yield f"\n{_text(table.__doc__)}\n"
     yield "| key | value | unit | default | meaning |\n| --- | --- | --- | --- | --- |"
     inner = []
@@ -78,7 +88,7 @@ def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]]) -> 
             inner.append((inner_table, f"[[{name}]]" if _is_list(field) else f"[{name}]"))
     yield ""
     for inner_table, place in inner:
-        yield from _sections(inner_table, place, seen)
+        yield from _sections(inner_table, place, seen, file)
 
 
 def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
@@ -128,7 +138,9 @@ def _kind(kind: Any) -> str:
         if arguments[-1] is Ellipsis:
             return f"list of [{_kind(arguments[0])}]"
         return f"{len(arguments)} x {_kind(arguments[0])}"
-    if NoneType in arguments:
+    if origin is dict:
+        return f"table of name = {_kind(arguments[1])}"
+    if origin in (Union, UnionType):
         return " or ".join(_kind(one) for one in arguments if one is not NoneType)
     return {float: "number", int: "whole number", bool: "true or false", str: "text"}[kind]
 
@@ -161,4 +173,4 @@ def _default(field: FieldInfo) -> str:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(reference())
+    sys.stdout.write(study_reference() if sys.argv[1:] == ["study"] else case_reference())

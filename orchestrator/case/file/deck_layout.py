@@ -60,7 +60,9 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
         yield CaseProblem((*key, "panels_per_slope"), what)
     elif not counts and segments and deck.panels % segments:
         what = f"{segments} segments do not divide {deck.panels} panels"
-        whole = [count * segments for count in (deck.panels // segments, deck.panels // segments + 1) if count]
+        whole = [
+            count * segments for count in (deck.panels // segments, deck.panels // segments + 1) if count
+        ]
         hint = "give panels_per_slope, or take " + " or ".join(map(str, whole))
         yield CaseProblem((*key, "panels"), what, f"{hint} panels of a pitch that keeps the length")
     if len(deck.tension_m) not in (1, deck.panels):

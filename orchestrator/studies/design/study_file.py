@@ -39,22 +39,22 @@ class FactorTable(Table):
     """Something that may be changed."""
 
     range: tuple[Number, Number]
-    """From, to."""
+    """Its lower and its upper end."""
     unit: OneLine = ""
-    """For tables and pictures."""
+    """Unit, for tables and pictures."""
 
 
 class ResponseTable(Table):
     """A number of a run that counts."""
 
     result: OneLine = ""
-    """Its short name, as ``flipflow run`` says it, or its keys in summary.json with dots; by default its
-    own name.  In a table it is the name of the column."""
+    """Short name of a result, as ``flipflow run`` prints it, or its keys in summary.json with dots; by
+    default the response's own name.  With a table it is the name of the column."""
     unit: OneLine = ""
-    """For tables and pictures."""
+    """Unit, for tables and pictures."""
     scale: Literal["plain", "percent", "logarithm"] = "plain"
-    """How surrogates see it: percents of a whole by their logit, so that none beyond 0 and 100 is predicted;
-    positive numbers that span decades by their logarithm."""
+    """Scale on which surrogates see the response.  Percents of a whole are seen by their logit, so that no
+    prediction lies beyond 0 and 100; positive numbers that span decades are seen by their logarithm."""
     noise: Positive | None = None
     """Standard deviation of one run's value, where the run itself gives no interval."""
 
@@ -63,54 +63,62 @@ class PlanTable(Table):
     """The settings that are run first."""
 
     kind: Literal["sobol", "box-behnken", "latin-hypercube", "factorial", "none"] = "sobol"
+    """How the settings are chosen; ``box-behnken`` is for 3 to 7 factors that are not ordered."""
     runs: Few | None = None
-    """How many settings, of plans that leave the choice; by default eight for each two factors."""
+    """Number of settings of ``sobol`` and ``latin-hypercube``; by default four for each factor."""
     levels: Few = 3
-    """Of each factor, in a factorial."""
+    """Number of values of each factor in a ``factorial``."""
     centres: Few = 3
-    """Runs at the centre, each with other seeds: they tell the noise."""
+    """Number of runs at the centre.  Each has other random numbers, so that their scatter is the noise."""
 
 
 class CheapTable(Table):
-    """Runs of the same settings at a cheaper level, from which the level of the study is predicted."""
+    """Runs at a cheaper level, from which the responses at the level of the study are predicted."""
 
     level: OneLine
-    """Level of these runs."""
+    """The level of these runs."""
     overrides: tuple[OneLine, ...] = ()
-    """``--set`` of these runs."""
+    """``--set`` of these runs, beside the overrides of all runs."""
     runs: Few
-    """Number of these runs."""
+    """The number of these runs, at settings all over the ranges."""
 
 
 class SearchTable(Table):
-    """The settings that are run then, one after the other, each where the most is to be gained."""
+    """The settings that are run after the plan, one after the other, each where the most is to be gained."""
 
     runs: Whole | None = None
-    """At most so many; by default as many as the hours allow, and without hours as many as the plan has."""
+    """Largest number of runs; by default as many as the hours allow, and without hours as many as the plan
+    has."""
     surrogate: OneLine = "gaussian-process"
+    """``gaussian-process``, ``quadratic`` or ``network``."""
     optimiser: OneLine = "expected-improvement"
+    """``expected-improvement``, ``whale``, ``gradient`` or ``sobol``."""
 
 
 class PublishedTable(Table):
-    """What a publication says of a response's surface, to be compared with the data."""
+    """Printed results for the surface of a response, to be compared with the data."""
 
     source: OneLine
-    """Where it is printed."""
+    """Where the results are printed."""
     response: Name
+    """Name of the response."""
     table: OneLine = ""
-    """CSV file with its runs, as ``table`` of the study: its effects are put beside those of this study."""
+    """CSV file with the published runs, in the format of ``table`` of a study; its effects are put beside
+    those of this study."""
     p: dict[Name, Number] = Field(default_factory=dict)
     """Probability, printed for the linear term of each factor, that chance alone makes its effect."""
     coefficients: dict[OneLine, Number] = Field(default_factory=dict)
-    """Of terms such as ``1``, ``slope``, ``slope*stroke`` and ``slope**2``, in the factors' own units."""
+    """Printed coefficients of terms such as ``1``, ``slope``, ``slope*stroke`` and ``slope**2``, in the
+    factors' own units."""
 
 
 class StudyFile(Table):
     """A design study."""
 
     title: OneLine = ""
+    """Title of the page."""
     case: OneLine = ""
-    """The folder of the case, from the folder of this file."""
+    """Folder of the case."""
     table: OneLine = ""
     """Instead of a case, a CSV file with measured or published data: a column for each factor and response,
     and, where it is known, ``<response> deviation``, the standard deviation of the noise."""
@@ -139,12 +147,18 @@ class StudyFile(Table):
     confidence: Share = 0.9
     """The probability with which what is recommended must keep the limits."""
     hours: Positive | None = None
-    """Wall time for all runs."""
+    """Wall time, in hours, for all runs."""
     seed: Whole = 1
+    """Seed of plans, surrogates and optimisers.  Each run has seeds of its own, which follow from its
+    number."""
     plan: PlanTable = PlanTable()
+    """The settings that are run first."""
     cheap: CheapTable | None = None
+    """Runs at a cheaper level."""
     search: SearchTable = SearchTable()
+    """The settings that are run after the plan."""
     published: tuple[PublishedTable, ...] = ()
+    """Printed results to be compared with the data."""
 
 
 @dataclass(frozen=True)
