@@ -107,6 +107,12 @@ class Findings:
         return self.surrogates[0]
 
     @cached_property
+    def fitted(self) -> Fitted | None:
+        """The study's own surrogate with intervals that hold for points left out; None with too few runs."""
+        own = self.surrogates[0].fitted
+        return None if own is None else calibrated(own, self.data.y, self.data.variance)
+
+    @cached_property
     def quadratic(self) -> dict[str, Surface]:
         """The quadratic surface of each response; empty where there are too few runs."""
         try:
@@ -119,9 +125,9 @@ class Findings:
     def sobol(self) -> Array | None:
         """Sobol indices of the study's own surrogate, (m, 4, factors); None without it, or where factors are
         ordered, since they are then not independent."""
-        if self.own.fitted is None or self.campaign.study.space.chains:
+        if self.fitted is None or self.campaign.study.space.chains:
             return None
-        return sobol_indices(self.own.fitted, self.campaign.study.space.factors)
+        return sobol_indices(self.fitted, self.campaign.study.space.factors)
 
     @cached_property
     def why_no_optimum(self) -> dict[str, str]:
@@ -139,16 +145,15 @@ class Findings:
             chosen = [c.setting for c in self.confirmed if c.role == role_of(BEST, name)]
             if chosen:
                 found[name] = chosen[0]
-            elif aim.goals and name not in self.why_no_optimum and self.own.fitted is not None:
+            elif aim.goals and name not in self.why_no_optimum and self.fitted is not None:
                 rng = np.random.default_rng([study.file.seed, 2, number])
-                fitted = calibrated(self.own.fitted, self.data.y, self.data.variance)
-                found[name] = optimiser.recommend(fitted, aim, study.space, self.data.x, rng)
+                found[name] = optimiser.recommend(self.fitted, aim, study.space, self.data.x, rng)
         return found
 
     def predict(self, setting: Array) -> dict[str, Interval]:
         """Predict the responses at a coded setting, (factors,), by the study's own surrogate."""
-        assert self.own.fitted is not None
-        mean, deviation = predict_each(self.own.fitted, setting[None])
+        assert self.fitted is not None
+        mean, deviation = predict_each(self.fitted, setting[None])
         return self._intervals(mean[:, 0], HALF_WIDTH * deviation[:, 0])
 
     def _intervals(self, mean: Array, half_width: Array) -> dict[str, Interval]:
@@ -222,7 +227,7 @@ class Findings:
         aim = self.campaign.study.aim
         parts = [(goal.response, goal.sign) for goal in aim.goals]
         parts += [(limit.response, limit.sign) for limit in aim.limits]
-        if len(parts) < 2 or self.own.fitted is None:
+        if len(parts) < 2 or self.fitted is None:
             return None
         (first, first_sign), (second, second_sign) = parts[:2]
         return first, second, first_sign, second_sign
@@ -235,7 +240,7 @@ class Findings:
     @cached_property
     def front(self) -> Array:
         """Settings, coded, (n, factors), whose predicted trade-off no other one beats; ordered along it."""
-        if self.trade_off is None or self.own.fitted is None:
+        if self.trade_off is None or self.fitted is None:
             return np.empty((0, self.campaign.study.space.factors))
         first, second, *signs = self.trade_off
         rng = np.random.default_rng([self.campaign.study.file.seed, 3])
@@ -243,10 +248,10 @@ class Findings:
         others = _without(self.campaign.study.aim, second)
         for _ in range(3):
             x = np.vstack([x, space.candidates(x[-DRAWN_AT_RANDOM:], DRAWN_AT_RANDOM // 3, rng)])
-            mean, _ = predict_each(self.own.fitted, x)
+            mean, _ = predict_each(self.fitted, x)
             gains = np.array(signs)[:, None] * mean[[first, second]]
             x = x[nondominated(gains, others.kept(mean))]
-        mean, _ = predict_each(self.own.fitted, x)
+        mean, _ = predict_each(self.fitted, x)
         order = np.argsort(mean[first])
         chosen = (
             order[np.unique(np.linspace(0, len(order) - 1, ON_THE_FRONT).astype(int))] if len(x) else order

@@ -115,7 +115,7 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
                 "intervals say; all "
                 "intervals are widened by this factor."
             )
-    fitted = findings.own.fitted
+    fitted = findings.fitted
     if fitted is None:
         return
     mean, deviation = fitted.left_out()

@@ -23,7 +23,7 @@ MARKS = {BEST: ("*", 15, RED), SIMPLER: ("D", 7, GREEN), CENTRE: ("s", 7, BLACK)
 
 def draw_all(findings: Findings, folder: Path) -> dict[str, Path]:
     """Write the pictures for which there are enough data, and return their files by name."""
-    if findings.own.fitted is None:
+    if findings.fitted is None:
         return {}
     drawings: dict[str, Callable[[Findings], Any]] = {
         "trade_off": _trade_off,
@@ -65,11 +65,11 @@ def _own(findings: Findings, response: int, fitted: Array) -> Array:
 
 def _trade_off(findings: Findings) -> Any:
     """Draw the front with its 95 % band, random settings, all runs, and the settings that were run again."""
-    if findings.trade_off is None or findings.own.fitted is None:
+    if findings.trade_off is None or findings.fitted is None:
         return None
     first, second, *_ = findings.trade_off
     drawn, ((axis,),) = figure(width=8.4, height=5.2)
-    mean, _ = predict_each(findings.own.fitted, findings.random_settings)
+    mean, _ = predict_each(findings.fitted, findings.random_settings)
     places = (_own(findings, response, mean[response]) for response in (second, first))
     axis.plot(
         *places, ".", ms=2, color=GREY, label=f"{len(findings.random_settings)} random settings, predicted"
@@ -81,7 +81,7 @@ def _trade_off(findings: Findings) -> Any:
     )
     axis.errorbar(x, y, dy, dx, "o", ms=3, lw=0.6, color=BLUE, label="runs")
     if len(findings.front):
-        mean, deviation = predict_each(findings.own.fitted, findings.front)
+        mean, deviation = predict_each(findings.fitted, findings.front)
         along = _own(findings, second, mean[second])
         low, high = (_own(findings, first, mean[first] + s * HALF_WIDTH * deviation[first]) for s in (-1, 1))
         order = np.argsort(along)
@@ -119,9 +119,9 @@ def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
     the bins' middles, (b,), in the factor's unit; means and mean 95 % half widths, (b, m), on the surrogates'
     scales.  Averages over settings of the space also hold where factors are ordered.
     """
-    assert findings.own.fitted is not None
+    assert findings.fitted is not None
     x = findings.random_settings
-    mean, deviation = predict_each(findings.own.fitted, x)
+    mean, deviation = predict_each(findings.fitted, x)
     edges = np.quantile(x[:, factor], np.linspace(0, 1, BINS + 1))
     numbers = np.clip(np.searchsorted(edges, x[:, factor], side="right") - 1, 0, BINS - 1)
     bins = [numbers == number for number in range(BINS)]
@@ -169,7 +169,7 @@ def _surface(findings: Findings) -> Any:
     """Draw each response over the two strongest factors, the others as in the best setting; settings that
     miss a limit are hatched."""
     pair = strongest_pair(findings)
-    if pair is None or findings.own.fitted is None:
+    if pair is None or findings.fitted is None:
         return None
     study = findings.campaign.study
     base = next(iter(findings.best.values()), study.space.ordered(np.zeros((1, study.space.factors)))[0])
@@ -177,7 +177,7 @@ def _surface(findings: Findings) -> Any:
     settings = np.tile(base, (GRID * GRID, 1))
     settings[:, pair[0]], settings[:, pair[1]] = (each.ravel() for each in np.meshgrid(side, side))
     possible = (np.abs(study.space.ordered(settings.copy()) - settings) < 1e-9).all(axis=1)
-    mean, _ = predict_each(findings.own.fitted, settings)
+    mean, _ = predict_each(findings.fitted, settings)
     missed = ~study.aim.kept(mean) & possible
     names = list(study.file.factors)
     actual = study.space.actual(settings)

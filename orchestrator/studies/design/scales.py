@@ -31,6 +31,11 @@ def _plain(value: Array | float) -> Array:
     return np.asarray(value, float)
 
 
+def _logarithm(value: Array | float) -> Array:
+    """Return the logarithm; NaN, as of a response that was not measured, for what has none."""
+    return np.asarray(np.log(np.where(np.greater(value, 0.0), value, np.nan)))
+
+
 SCALES = {
     "plain": Scale(_plain, _plain, lambda value: np.ones_like(_plain(value))),
     "percent": Scale(
@@ -39,6 +44,6 @@ SCALES = {
         lambda percent: 100.0 / (_inside(percent) * (100.0 - _inside(percent))),
     ),
     "logarithm": Scale(
-        lambda value: np.log(np.maximum(value, 1e-300)), np.exp, lambda value: 1.0 / np.maximum(value, 1e-300)
+        _logarithm, np.exp, lambda value: np.asarray(1.0 / np.where(np.greater(value, 0.0), value, np.nan))
     ),
 }
