@@ -23,6 +23,7 @@ def side_walls(x_m: tuple[float, float], y_m: tuple[float, float], z_m: tuple[fl
 
 
 def main(words: list[str]) -> None:
+    """Write the file that the command line names."""
     file, (a, b, c, d, e, f) = Path(words[0]), map(float, words[1:])
     meshio.stl.write(file, side_walls((a, b), (c, d), (e, f)))
 

@@ -1,4 +1,6 @@
-"""Draw the pictures of docs/theory: python docs/pictures/draw.py [--out FOLDER] [NAME ...]
+"""Draw the pictures of docs/theory.
+
+``python docs/pictures/draw.py [--out FOLDER] [NAME ...]``
 
 Each picture is a module of this folder with a function ``draw``, and becomes NAME.svg.
 """

@@ -146,7 +146,7 @@ class Crossings:
         return replace(first, number=self.number + later.number)
 
 
-class Bed(NamedTuple):
+class BedSnapshot(NamedTuple):
     """The bed at an output time: its particles and their overlaps since the output time before."""
 
     particles: ParticleSnapshot

@@ -77,6 +77,7 @@ def test_overlap_of_a_sticky_sphere_on_a_plate_that_slows_down(
     assert found == pytest.approx(wanted, rel=0.01)
 
 
+@pytest.mark.solver
 @every_scheme
 @pytest.mark.parametrize(("amplitude_m", "holds"), [(4.75e-3, True), (4.9e-3, False)])
 def test_pull_off(tmp_path: Path, amplitude_m: float, holds: bool, scheme: str) -> None:
@@ -85,7 +86,7 @@ def test_pull_off(tmp_path: Path, amplitude_m: float, holds: bool, scheme: str) 
     shaking = Shaking(PERIOD_S, 0.0, amplitude_m, 0.0, PERIOD_S)
     (wanted,) = reference(shaking, (1.5,), 0.0, WORK_J_PER_M2)
     assert (wanted.overlap_m > 0) is holds
-    settings = solved_by("spheres", scheme, 1e-4)
+    settings = solved_by("liggghts", scheme, 1e-4)
     with opened(load_case(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), settings)) as run:
         run.advance(3 * INTERVALS // 2)
         assert (overlap_m(run, shaking) > 0) is holds

@@ -15,7 +15,7 @@ from orchestrator.coupling.machine import Machine, PanelPoints
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.ports.geometry import Edges
-from orchestrator.ports.particle_records import Bed, Overlaps
+from orchestrator.ports.particle_records import BedSnapshot, Overlaps
 from orchestrator.ports.penetration import Penetrations
 from orchestrator.run.monitor import items
 from orchestrator.run.monitor.item import OutputTime, Subject
@@ -52,7 +52,7 @@ def alarms(now: State, balls: ParticleSnapshot, overlap: float, monkeypatch: pyt
     monkeypatch.setattr(items, "particle_step_s", lambda case: STEP_s)
     machine = SimpleNamespace(panels=[PANEL], penetrations=UNTOUCHED)
     subject = Subject(cast(Case, None), cast(Machine, machine), now, {})
-    output = OutputTime(now, {}, Bed(balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
+    output = OutputTime(now, {}, BedSnapshot(balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
     said = []
     for name in OUTPUT_ITEMS:
         kind = all_items()[name]

@@ -132,12 +132,15 @@ def test_what_is_in_the_cache_waits_for_nobody(tmp_path: Path) -> None:
 
 def test_who_waits_for_a_stopped_process_says_so_and_gives_up(tmp_path: Path) -> None:
     """The second form is not waited for again: the same process still holds the lock."""
-    patience = "import adapters.panel.finite_element.compiled as compiled\ncompiled.GIVEN_UP_AFTER_S = 6.0\n"
+    patience = (
+        "import adapters.panel.finite_element.compiled as compiled\n"
+        "compiled.SAID_AFTER_S, compiled.GIVEN_UP_AFTER_S = 1.0, 2.0\n"
+    )
     with stopped_while_it_compiles(tmp_path) as stopped:
         errors = started(tmp_path, patience + PROGRAM).communicate(timeout=TOGETHER_S)[1]
         assert f"waiting for process {stopped.pid} on " in errors
         assert f"SolverFailed: a panel's form is not compiled: process {stopped.pid} on" in errors
-        assert "for more than 6 s.  Is it stopped (kill -CONT" in errors
+        assert "for more than 2 s.  Is it stopped (kill -CONT" in errors
         assert str(tmp_path) in errors.splitlines()[-1]
 
 

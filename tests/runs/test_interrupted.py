@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.output.checkpoints import newest
+from orchestrator.output.checkpoints import find_newest
 from tests.runs.outside import (
     HANG_S,
     QUICK,
@@ -142,7 +142,7 @@ def test_a_terminal_that_closes(tmp_path: Path, kind: str) -> None:
     os.close(ours)
     assert run.wait(timeout=HANG_S) == 128 + signal.SIGHUP
     assert left_usable(folder, "interrupted")["reason"] == "stopped by SIGHUP"
-    assert newest(folder) is not None
+    assert find_newest(folder) is not None
     assert "ERROR" not in (folder / "run.log").read_text()
 
 

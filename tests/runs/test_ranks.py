@@ -91,13 +91,13 @@ def test_the_real_solvers_give_the_run_of_one(tmp_path: Path) -> None:
             )
 
 
-@pytest.mark.parametrize("rank", [0, 1])
 @pytest.mark.parametrize(
-    ("what", "code", "said"),
+    ("rank", "what", "code", "said"),
     [
-        ("raise SolverFailed('on purpose')", 4, "on purpose"),
-        ("load.force_N[0] = float('nan')", 4, "(strip) failed between t = 0.0002 s and 0.0003 s"),
-        ("raise KeyError('no such thing')", 1, "internal error: KeyError: 'no such thing'"),
+        (0, "raise SolverFailed('on purpose')", 4, "on purpose"),
+        (1, "raise SolverFailed('on purpose')", 4, "on purpose"),
+        (1, "load.force_N[0] = float('nan')", 4, "(strip) failed between t = 0.0002 s and 0.0003 s"),
+        (1, "raise KeyError('no such thing')", 1, "internal error: KeyError: 'no such thing'"),
     ],
 )
 def test_a_failure_on_one_rank_ends_both_with_one_message(

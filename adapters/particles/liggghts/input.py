@@ -60,6 +60,7 @@ def has_sliding(plan: ParticlesPlan) -> bool:
 
 
 def has_rolling(plan: ParticlesPlan) -> bool:
+    """Return whether a contact of the plan has rolling friction."""
     return bool(np.any(plan.rolling_friction > 0))
 
 

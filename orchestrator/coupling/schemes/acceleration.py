@@ -18,7 +18,9 @@ SMALLEST = 1e-3  # least singular value of unit columns over the largest: smalle
 
 
 class Aitken(SavedAttributes):
-    """Aitken's method: a share w of the residual, computed anew from the last two residuals:
+    """Aitken's method, which adds a share w of the residual r.
+
+    The share is computed anew from the last two residuals:
 
         tried <- tried + w r,    w <- -w r_before . (r - r_before) / |r - r_before|^2.
 

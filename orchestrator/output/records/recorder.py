@@ -39,7 +39,7 @@ from orchestrator.output.records.snapshots import Series, particle_mesh, surface
 from orchestrator.output.records.wear_record import WearRecord
 from orchestrator.ports import Array, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in
-from orchestrator.ports.particle_records import Bed
+from orchestrator.ports.particle_records import BedSnapshot
 from orchestrator.ports.physics import sphere_mass_kg
 
 
@@ -112,7 +112,7 @@ class Recorder:
         if self._writes:
             self._series.write_row(time_s, state, followed)
 
-    def record_output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
+    def record_output(self, time_s: float, state: State) -> tuple[dict[str, float], BedSnapshot | None]:
         """Record an output time: shapes, books, and files for ParaView.
 
         Return the terms of the ledger, and the bed (None without particles).
@@ -153,7 +153,7 @@ class Recorder:
         for group, values in groups.items():
             self._history.add(group, time_s, values)
 
-    def _book_material(self, time_s: float) -> Bed | None:
+    def _book_material(self, time_s: float) -> BedSnapshot | None:
         """Book the particles that came and went since the last output time, and return the bed."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is None or book is None:
@@ -168,7 +168,7 @@ class Recorder:
             for feed in book.feed.feeds:
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
             book.add(time_s, fed, removed, present)
-        return Bed(present, overlaps)
+        return BedSnapshot(present, overlaps)
 
     def book_last_contacts(self) -> None:
         """Book the contacts since the last output time if a run ends between output times; collective."""

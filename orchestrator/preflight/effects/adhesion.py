@@ -18,6 +18,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the largest pull-off force in weights of a particle over the pull of the shaking."""
     pulls, apart = list(_pulls(scene.case)), 1 + scene.throw
     pull = max((per_work * work for per_work, work in pulls), default=0.0)
     most = max((per_work for per_work, _ in pulls), default=0.0)

@@ -10,6 +10,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the sag of the panels over the gaps above beams; unknown where the case names no beams."""
     shares = [share for panel in scene.panels for share in _sag_over_gaps(panel)]
     share = max(shares, default=None)
     why = f"a panel sags to {share or 0.0:.3g} times the gap above a beam"

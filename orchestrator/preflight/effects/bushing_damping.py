@@ -27,10 +27,12 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def overlay(case: Case) -> Overlay:
+    """Return the overlay that takes the damping out of all bushings."""
     return overlay_of_rows("screen.bushings", case.screen.bushings, {"damping_N_s_per_m": [0.0, 0.0, 0.0]})
 
 
 def describes_damping(case: Case) -> bool:
+    """Return whether a bushing has damping and forces move a frame."""
     damped = any(any(row.damping_N_s_per_m) for row in case.screen.bushings.values())
     return damped and has_moved_by_forces(case)
 

@@ -16,6 +16,7 @@ of 1 it passes through."""
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the largest overlap of contacts over the radius, as the particles are softened."""
     softness = compute_softness(scene)
     return Verdict(
         number="overlap / radius",

@@ -13,6 +13,7 @@ from orchestrator.preflight.scene.shaking import free_frames
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the number of frames that forces move."""
     free = free_frames(scene.plan)
     why = f"moved by forces: {', '.join(free)}" if free else "all frames move as prescribed"
     if not scene.plan.bodies:

@@ -27,6 +27,7 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def left_out(case: Case) -> str:
+    """Return the width of the slice that stands for the machine; empty without a slice."""
     if case.slice is None:
         return ""
     return f"slice.width_m = {case.slice.width_m:g}: the middle of the width"

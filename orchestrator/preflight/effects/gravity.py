@@ -14,6 +14,7 @@ from orchestrator.preflight.scene.shaking import free_frames
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge gravity, which matters wherever particles, panels or free frames have weight."""
     needed = has_particles(scene.case) or bool(scene.panels) or bool(free_frames(scene.plan))
     return Verdict(
         number="1 / throw",

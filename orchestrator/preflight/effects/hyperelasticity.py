@@ -11,6 +11,7 @@ from orchestrator.preflight.scene.scene import Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge Mooney-Rivlin's stress over the linear one in the panel that is stretched most."""
     panel = max(scene.panels, key=lambda panel: panel.strain)
     return compare(
         "Mooney-Rivlin / linear stress - 1",

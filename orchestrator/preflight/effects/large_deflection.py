@@ -7,6 +7,7 @@ from orchestrator.preflight.scene.scene import NOTHING_MOVES, Scene, elastic_sol
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the sag of the slackest panel over its thickness; unknown where nothing moves."""
     ratio = max(panel.sag_m / panel.panel.table.thickness_m for panel in scene.panels)
     sag_m = max(panel.sag_m for panel in scene.panels)
     moves = scene.speed_rad_per_s > 0 or ratio > 0

@@ -99,6 +99,7 @@ def _power_W(exciter: ExciterPlan, shaking: Shaking) -> float:
 
 
 def overlay(case: Case) -> Overlay:
+    """Return the overlay that takes the motors off their exciters."""
     names = [name for name, row in case.screen.exciters.items() if row.motor]
     return overlay_of_rows("screen.exciters", names, {"motor": None})
 

@@ -26,6 +26,7 @@ HARMONICS = 20  # multiples of the excitation's frequency that count, up to some
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the energy that the panels' material loses in a cycle, over the energy stored."""
     number, threshold = NUMBER
     if not any(panel.material.branches for panel in scene.panels):
         unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"
@@ -64,6 +65,7 @@ def _lost_at_harmonics(scene: Scene) -> float:
 
 
 def overlay(case: Case) -> Overlay:
+    """Return the overlay that takes the loss out of all panel materials."""
     without = {"hyperelastic": {"maxwell": None, "loss_curve": None}}
     return overlay_of_rows("materials", _damped_materials(case), without)
 

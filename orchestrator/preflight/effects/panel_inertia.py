@@ -7,6 +7,7 @@ from orchestrator.preflight.scene.scene import NOTHING_MOVES, Scene, elastic_sol
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the square of the excitation's frequency over the lowest one of a panel."""
     frequency = min(panel.frequency_rad_per_s for panel in scene.panels)
     shaken = scene.speed_rad_per_s > 0
     return compare(

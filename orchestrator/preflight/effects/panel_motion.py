@@ -8,6 +8,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the throw intensity of the surface under the particles."""
     return compare_throw(
         scene,
         thrown=f"particles are thrown with {scene.throw:.2g} g",

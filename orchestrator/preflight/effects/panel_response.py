@@ -7,6 +7,7 @@ from orchestrator.preflight.scene.scene import Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
+    """Return the verdict that no number can judge a recording in place of a panel."""
     why = "a recording holds for the machine and the cycles it was made of, and no others"
     return Verdict("none", None, "none", None, why, elastic_solvers())
 

@@ -13,6 +13,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge rolling friction over the slope; the verdict is in doubt where particles are thrown."""
     friction = max((row.rolling_friction for row in contacts_on_deck(scene.case)), default=0.0)
     ratio = friction_over_pull(scene, friction)
     why, cost = describe_friction(ratio, "rolling alone"), "a contact history (epsd2)"

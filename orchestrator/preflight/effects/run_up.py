@@ -40,6 +40,7 @@ def _cycles(case: Case) -> float | None:
 
 
 def overlay(case: Case) -> Overlay:
+    """Return the overlay that starts exciters and drives at full speed; empty without any."""
     screen = case.screen
     tables: dict[str, Any] = {}
     if screen.exciters:

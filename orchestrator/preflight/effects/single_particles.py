@@ -27,6 +27,7 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def left_out(case: Case) -> str:
+    """Return the number of particles that a coarse one stands for; empty without coarse ones."""
     k = case.particles.coarse_graining
     coarse = k > 1.0 and has_particles(case)
     return f"particles.coarse_graining: one stands for {k**3:.3g}" if coarse else ""

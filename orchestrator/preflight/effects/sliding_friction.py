@@ -22,6 +22,7 @@ def judge(scene: Scene) -> Verdict:
 
 
 def overlay(case: Case) -> Overlay:
+    """Return the overlay that sets the sliding friction of all contacts to 0."""
     return overlay_of_rows("contacts", map(str, range(len(case.contacts))), {"sliding_friction": 0.0})
 
 

@@ -16,6 +16,7 @@ WIDE = 1.0
 
 
 def judge(scene: Scene) -> Verdict:
+    """Judge the width of the panels over their length; of a slice, the reason names the whole machine."""
     aspect = max(panel.panel.rectangle.width_m / panel.length_m for panel in scene.panels)
     why = "particles spread unevenly across, and corners, are not in this number"
     if scene.case.slice is not None:

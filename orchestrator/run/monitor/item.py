@@ -10,7 +10,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Saved
-from orchestrator.ports.particle_records import Bed
+from orchestrator.ports.particle_records import BedSnapshot
 from orchestrator.run.monitor.interface_work import InterfaceData, Works
 
 
@@ -37,7 +37,7 @@ class OutputTime(NamedTuple):
 
     state: State
     terms_J: dict[str, float]
-    bed: Bed | None
+    bed: BedSnapshot | None
 
 
 class MonitorItem:

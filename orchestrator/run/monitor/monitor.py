@@ -18,7 +18,7 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_s
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval, steps_in
-from orchestrator.ports.particle_records import Bed
+from orchestrator.ports.particle_records import BedSnapshot
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.ports.state import restore_attributes, save_attributes
 from orchestrator.run.monitor.interface_work import (
@@ -121,7 +121,9 @@ class Monitor:
         with machine.stopwatch("coupling"):  # the stopwatch counts the members' time elsewhere
             return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._note)
 
-    def observe_output(self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None) -> None:
+    def observe_output(
+        self, time_s: float, state: State, terms_J: dict[str, float], bed: BedSnapshot | None
+    ) -> None:
         """Observe an output time; the next ``act`` judges at once.  ``terms_J`` are the ledger's terms."""
         self._at_once = True
         if is_first(self._world):

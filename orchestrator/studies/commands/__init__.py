@@ -1,0 +1,1 @@
+"""The commands of ``flipflow study``, one module each."""
