@@ -31,7 +31,14 @@ from orchestrator.studies.design.space import SimplerSpace, Space
 
 PLANS = ("sobol", "box-behnken", "latin-hypercube", "factorial", "none")
 MOST_CORNERS = 64  # of the ranges that are checked as cases
+POSSIBLE = {  # limits on each scale: above, below, and both in words
+    "plain": (-math.inf, math.inf, ""),
+    "percent": (0.0, 100.0, "between 0 and 100"),
+    "logarithm": (0.0, math.inf, "above 0"),
+}
 GOAL = re.compile(r"(maximise|maximize|minimise|minimize) +(\S+)")
+NO_RESPONSE = -1  # of a limit that names none
+COLUMNS = ("trial", "stage", "role", "seed", "status", "why_no_data", "particle_steps")  # of points.csv
 LIMIT = re.compile(r"(\S+) *(>=|<=) *(.+)")
 
 
@@ -259,6 +266,7 @@ def read_study(path: Path) -> Study:
     chains, aims = _chains(file, problems), _aims(file, problems)
     _check_source(file, problems)
     _check_factors_and_responses(file, problems)
+    _check_names(file, problems)
     _check_methods(file, problems)
     if problems:
         raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems)
@@ -270,9 +278,9 @@ def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:
     """Check that the data come either from runs of a case or from a table."""
     if bool(file.case) == bool(file.table):
         problems.append(CaseProblem(("case",), "one of case and table is wanted"))
-    if file.table and file.set:
+    elif file.table and file.set:
         problems.append(CaseProblem(("set",), "the data of a table are not run"))
-    if file.case and not file.set:
+    elif file.case and not file.set:
         problems.append(CaseProblem(("set",), "no key of the case depends on a factor"))
 
 
@@ -299,6 +307,19 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
                 term(text, list(file.factors))
             except BadFormula as error:
                 problems.append(CaseProblem(("published", place, "coefficients", text), str(error)))
+
+
+def _check_names(file: StudyFile, problems: list[CaseProblem]) -> None:
+    """Check that every column of the tables, and every word of a formula, has one meaning."""
+    for name in file.factors:
+        if name in formulas.CONSTANTS:
+            problems.append(CaseProblem(("factors", name), f"{name} is a constant of formulas"))
+    for kind in ("factors", "responses"):
+        for name in getattr(file, kind).keys() & set(COLUMNS):
+            hint = f"other names than {', '.join(COLUMNS)} are wanted"
+            problems.append(CaseProblem((kind, name), "points.csv has another column of this name", hint))
+    for name in file.responses.keys() & file.factors.keys():
+        problems.append(CaseProblem(("responses", name), "a factor has this name, too"))
 
 
 def _check_methods(file: StudyFile, problems: list[CaseProblem]) -> None:
@@ -342,6 +363,9 @@ def _formulas(
     used = set(itertools.chain(*map(formulas.names_in, derived.values())))
     known = file.factors.keys() | file.derived.keys()
     for key, written in file.set.items():
+        for other in file.set:
+            if key.startswith(f"{other}."):
+                problems.append(CaseProblem(("set", key), f"{other} is set by a formula of its own, too"))
         texts = (written,) if isinstance(written, str) else written
         try:
             parsed[key] = tuple(map(formulas.parse, texts))
@@ -353,9 +377,9 @@ def _formulas(
         for name in sorted(names - known):
             hint = did_you_mean(name, known)
             problems.append(CaseProblem(("set", key), f'no factor "{name}"', hint))
-    if file.set and len(parsed) == len(file.set):
+    if file.set and len(parsed) == len(file.set) and used <= known:
         for name in file.factors:
-            if name not in used:
+            if name not in used and name not in formulas.CONSTANTS:
                 problems.append(CaseProblem(("factors", name), "no formula of [set] uses it"))
     return parsed
 
@@ -406,7 +430,7 @@ def _aims(file: StudyFile, problems: list[CaseProblem]) -> dict[str, Aim]:
     limited = {limit.response for each in limits for limit in each.values()}
     if {goal.response for goal in goals} & limited:
         problems.append(CaseProblem(("goals",), "a response is a goal and has a limit"))
-    if not goals and file.case and file.search.runs != 0:
+    if not file.goals and file.case and file.search.runs != 0:
         hint = 'give a goal, or "search.runs = 0"'
         problems.append(CaseProblem(("goals",), "nothing to search for", hint))
     if sum(len(each) > 1 for each in limits) > 1:
@@ -440,10 +464,15 @@ def _limits(file: StudyFile, place: int, text: str, problems: list[CaseProblem])
         hint = '"RESPONSE >= NUMBER" or "RESPONSE <= NUMBER" is wanted'
         problems.append(CaseProblem(("limits", place), f'"{text}" is no limit', hint))
     elif (number := _response(file, match[1], ("limits", place), problems)) is not None:
-        to_fit, sign = SCALES[file.responses[match[1]].scale].to_fit, 1.0 if match[2] == ">=" else -1.0
+        scale, sign = file.responses[match[1]].scale, 1.0 if match[2] == ">=" else -1.0
+        low, high, range_in_words = POSSIBLE[scale]
+        to_fit = SCALES[scale].to_fit
         for value in values:
+            if not low < value < high:
+                what = f"{value:g} is impossible: the scale of {match[1]} is {scale}, {range_in_words}"
+                problems.append(CaseProblem(("limits", place), what))
             limits[f"{match[1]} {match[2]} {value:g}"] = Limit(number, sign, float(to_fit(value)))
-    return limits or {text: Limit(0, 1.0, math.nan)}
+    return limits or {text: Limit(NO_RESPONSE, 1.0, math.nan)}
 
 
 def _response(file: StudyFile, name: str, key: tuple[str, int], problems: list[CaseProblem]) -> int | None:

@@ -1,0 +1,264 @@
+"""What is wrong with a study is told at once: file, key, value and the nearest right key."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.studies.design.study_file import read_study
+from tests.design.campaigns import belt, write_study
+
+
+def complaint(file: Path) -> str:
+    """Return the message about a study."""
+    with pytest.raises(CaseError) as refused:
+        read_study(file)
+    return str(refused.value)
+
+
+WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
+    "a range that is turned round": (
+        {"factors/slope/range": [30.0, 10.0]},
+        ["factors.slope.range: 30 is not below 10"],
+    ),
+    "a range of no width": (
+        {"factors/slope/range": [20.0, 20.0]},
+        ["factors.slope.range: 20 is not below 20"],
+    ),
+    "an end that is not a number": (
+        {"factors/slope/range": [10.0, float("nan")]},
+        ["factors.slope.range.1", "nan"],
+    ),
+    "an endless range": ({"factors/slope/range": [10.0, float("inf")]}, ["factors.slope.range.1", "inf"]),
+    "a range with one end": ({"factors/slope/range": [10.0]}, ["factors.slope.range", "10.0"]),
+    "no factors": ({"factors": {}}, ["factors: {}"]),
+    "a misspelt key": ({"plan/run": 7}, ['plan.run: unknown key (its value: 7); did you mean "runs"?']),
+    "a misspelt table": (
+        {"respones": {}},
+        ['respones: unknown key (its value: {}); did you mean "responses"'],
+    ),
+    "an unknown kind of plan": (
+        {"plan/kind": "box-benken"},
+        ["plan.kind: 'box-benken'", 'did you mean "box-behnken"?'],
+    ),
+    "an unknown surrogate": (
+        {"search/surrogate": "quadratics"},
+        ['search.surrogate: no surrogate "quadratics"; did you mean "quadratic"?'],
+    ),
+    "an unknown optimiser": ({"search/optimiser": "wale"}, ['"wale"; did you mean "whale"?']),
+    "a factor that no formula uses": (
+        {
+            "factors/speed": {"range": [1.0, 2.0]},
+            "responses/speed": None,
+            "responses/rate": {"result": "x.y"},
+            "goals": ["maximise rate"],
+        },
+        ["factors.speed: no formula of [set] uses it"],
+    ),
+    "a formula with a misspelt factor": (
+        {"set/screen.inclination_deg": "slop"},
+        ['set.screen.inclination_deg: no factor "slop"; did you mean "slope"?'],
+    ),
+    "a formula that is none": ({"set/screen.inclination_deg": "slope +"}, ['"slope +" is no arithmetic']),
+    "two formulas for one value": (
+        {"set/screen.stroke_m.0": "stroke"},
+        ["set.screen.stroke_m.0: screen.stroke_m is set by a formula of its own, too"],
+    ),
+    "a derived number from one below": (
+        {"derived": {"half": "twice / 2", "twice": "2 * slope"}, "set/screen.x": "half"},
+        ['derived.half: no factor or number above is called "twice"'],
+    ),
+    "an unknown result": (
+        {"responses/share": {"result": "eficiency"}},
+        ["responses.share.result", '"eficiency"', 'did you mean "efficiency"?'],
+    ),
+    "a goal of nothing": (
+        {"goals": ["maximise sped"]},
+        ['goals.0: no response "sped"; did you mean "speed"?'],
+    ),
+    "a goal in other words": (
+        {"goals": ["as fast as possible"]},
+        ['goals.0: "as fast as possible" is no goal', '"maximise RESPONSE"'],
+    ),
+    "three goals": (
+        {"goals": ["maximise speed", "maximise share", "minimise speed"], "limits": []},
+        ["goals: more than two goals; make some of them limits"],
+    ),
+    "a goal that has a limit": ({"limits": ["speed >= 1"]}, ["goals: a response is a goal and has a limit"]),
+    "a limit of nothing": (
+        {"limits": ["shar >= 60"]},
+        ['limits.0: no response "shar"; did you mean "share"?'],
+    ),
+    "a limit without a number": ({"limits": ["share >= much"]}, ['limits.0: "share >= much" is no limit']),
+    "an endless limit": ({"limits": ["share >= inf"]}, ['limits.0: "share >= inf" is no limit']),
+    "a limit beyond the whole": (
+        {"limits": ["share >= 120"], "responses/share/scale": "percent"},
+        ["limits.0: 120 is impossible: the scale of share is percent, between 0 and 100"],
+    ),
+    "a limit that no logarithm has": (
+        {"limits": ["share >= -1"], "responses/share/scale": "logarithm"},
+        ["limits.0: -1 is impossible: the scale of share is logarithm, above 0"],
+    ),
+    "two limits of several values": (
+        {"limits": ["share >= 50, 60", "share <= 80, 90"]},
+        ["limits: more than one limit has several values"],
+    ),
+    "nothing to search for": ({"goals": [], "limits": []}, ["goals: nothing to search for"]),
+    "orders that contradict each other": (
+        {"ordered": [["slope", "stroke"], ["stroke", "slope"]], "factors/stroke/range": [10.0, 30.0]},
+        ["ordered.1: a factor stands in it twice, or in another chain"],
+    ),
+    "ordered factors of two ranges": (
+        {"ordered": [["slope", "stroke"]]},
+        ["ordered.0: ordered factors must have one range"],
+    ),
+    "an order of an unknown factor": (
+        {"ordered": [["slope", "strok"]]},
+        ['ordered.0: no factor "strok"; did you mean "stroke"?'],
+    ),
+    "a simpler design with an unknown factor": (
+        {"simpler": {"stroke": "slop"}},
+        ['simpler.stroke: "slop" is no factor of the simpler design', "slope"],
+    ),
+    "a Box-Behnken plan of two factors": (
+        {"plan/kind": "box-behnken"},
+        ["plan.kind: a Box-Behnken design has 3 to 7 factors, not 2; sobol has any"],
+    ),
+    "neither a case nor a table": ({"case": None}, ["case: one of case and table is wanted"]),
+    "a case and a table": ({"table": "x.csv"}, ["case: one of case and table is wanted"]),
+    "a case that nothing changes": ({"set": {}}, ["set: no key of the case depends on a factor"]),
+    "a probability above one": ({"confidence": 90.0}, ["confidence: 90.0", "1"]),
+    "no time": ({"hours": 0.0}, ["hours: 0.0"]),
+    "text for a number": ({"hours": "ten"}, ["hours: 'ten'"]),
+    "a response and a factor of one name": (
+        {"factors/share": {"range": [1.0, 2.0]}, "set/screen.x": "share"},
+        ["responses.share: a factor has this name, too"],
+    ),
+    "a factor with the name of a column": (
+        {"factors/seed": {"range": [1.0, 2.0]}, "set/screen.x": "seed"},
+        ["factors.seed: points.csv has another column of this name"],
+    ),
+    "a factor with the name of a constant": (
+        {"factors/pi": {"range": [1.0, 2.0]}, "set/screen.x": "pi"},
+        ["factors.pi: pi is a constant of formulas"],
+    ),
+    "a printed p of an unknown factor": (
+        {"published": [{"source": "a", "response": "speed", "p": {"slop": 0.1}}]},
+        ['published.0.p.slop: no factor "slop"; did you mean "slope"?'],
+    ),
+    "a printed term that is none": (
+        {"published": [{"source": "a", "response": "speed", "coefficients": {"slope**3": 0.1}}]},
+        ['published.0.coefficients.slope**3: "slope**3" is not 1, a factor'],
+    ),
+    "a printed result of an unknown response": (
+        {"published": [{"source": "a", "response": "sped"}]},
+        ['published.0.response: no response "sped"; did you mean "speed"?'],
+    ),
+}
+
+
+@pytest.mark.parametrize(("changes", "words"), WRONG.values(), ids=list(WRONG))
+def test_one_message_names_file_key_and_value_of(
+    changes: dict[str, Any], words: list[str], tmp_path: Path
+) -> None:
+    file = write_study(tmp_path, **changes)
+    message = complaint(file)
+    for each in [str(file), *words]:
+        assert each in message
+    assert message.count("\n") == 1, message
+
+
+def test_eight_factors_are_too_many_for_a_box_behnken_plan(tmp_path: Path) -> None:
+    names = [f"f{number}" for number in range(8)]
+    changes = {
+        "factors": {name: {"range": [0.0, 1.0]} for name in names},
+        "set": {f"screen.{name}": name for name in names},
+        "plan/kind": "box-behnken",
+    }
+    assert "3 to 7 factors, not 8; sobol has any" in complaint(write_study(tmp_path, **changes))
+
+
+def test_all_mistakes_stand_in_one_message(tmp_path: Path) -> None:
+    """Two of pydantic's at once; three of our own at once."""
+    message = complaint(write_study(tmp_path, **{"hours": -1.0, "plan/rums": 4}))
+    assert message.startswith("2 problems")
+    changes = {"factors/slope/range": [3.0, 1.0], "goals": ["maximise sped"], "limits": ["shar >= 1"]}
+    message = complaint(write_study(tmp_path, **changes))
+    assert message.startswith("3 problems")
+    assert all(word in message for word in ("factors.slope.range", "goals.0", "limits.0"))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("title = 'x'\ntitle = 'y'\n", "line 2"),
+        ('[set]\n"a.b" = "x"\n"a.b" = "y"\n', "line 3"),
+        ("factors = [", "study.toml"),
+        ("", "factors: missing"),
+    ],
+    ids=["a key twice", "two formulas for one key", "half a file", "nothing"],
+)
+def test_a_file_that_is_no_toml_is_told(text: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(text)
+    message = complaint(file)
+    assert str(file) in message
+    assert words in message
+
+
+def test_a_missing_file_is_told(tmp_path: Path) -> None:
+    assert "study.toml" in complaint(tmp_path)
+    assert "night.toml" in complaint(tmp_path / "night.toml")
+
+
+def test_one_factor_is_enough(tmp_path: Path) -> None:
+    study = belt(tmp_path, **{"factors/stroke": None, "set/screen.stroke_m": None})
+    assert study.space.factors == 1
+    assert [corner.tolist() for corner in study.corners()] == [[-1.0], [1.0]]
+
+
+def test_formulas_become_values_of_the_cases_keys(tmp_path: Path) -> None:
+    changes = {
+        "derived": {"steep": "radians(slope)", "double": "2 * steep"},
+        "set/screen.line": ["0", "double / pi", "-stroke"],
+        "overrides": ["output.pictures=false"],
+    }
+    study = belt(tmp_path, **changes)
+    at = study.overlays(np.array([-1.0, 1.0]))
+    assert at[:3] == ["output.pictures=false", "screen.inclination_deg=10.0", "screen.stroke_m=0.006"]
+    assert at[3] == f"screen.line={[0.0, 2 * np.radians(10.0) / np.pi, -6.0]}"
+
+
+def test_a_limit_of_several_values_makes_an_aim_of_each(tmp_path: Path) -> None:
+    study = belt(tmp_path, limits=["share >= 50, 60, 70"])
+    assert list(study.aims) == ["share >= 50", "share >= 60", "share >= 70"]
+    assert [aim.limits[0].value for aim in study.aims.values()] == [50.0, 60.0, 70.0]
+
+
+def test_a_limit_is_kept_on_the_scale_of_its_response(tmp_path: Path) -> None:
+    study = belt(tmp_path, **{"limits": ["share<=80"], "responses/share/scale": "percent"})
+    (limit,) = study.aim.limits
+    assert limit.sign == -1.0
+    assert limit.value == pytest.approx(np.log(80 / 20))
+
+
+def test_corners_of_ordered_factors_are_ordered(tmp_path: Path) -> None:
+    changes = {"factors/stroke/range": [10.0, 30.0], "ordered": [["slope", "stroke"]]}
+    corners = [tuple(corner) for corner in belt(tmp_path, **changes).corners()]
+    assert sorted(corners) == [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)]
+
+
+def test_of_many_corners_a_spread_choice_is_checked(tmp_path: Path) -> None:
+    names = [f"f{number}" for number in range(9)]
+    changes = {
+        "factors": {name: {"range": [0.0, 1.0]} for name in names},
+        "set": {f"screen.{name}": name for name in names},
+    }
+    corners = np.array(list(belt(tmp_path, **changes).corners()))
+    assert corners.shape == (64, 9)
+    assert (np.abs(corners) == 1.0).all()
+    assert {tuple(corners[0]), tuple(corners[-1])} == {(-1.0,) * 9, (1.0,) * 9}
