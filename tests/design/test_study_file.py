@@ -228,7 +228,7 @@ def test_formulas_become_values_of_the_cases_keys(tmp_path: Path) -> None:
         "overrides": ["output.pictures=false"],
     }
     study = belt(tmp_path, **changes)
-    at = study.overlays(np.array([-1.0, 1.0]))
+    at = study.overlays({"slope": 10.0, "stroke": 6.0})
     assert at[:3] == ["output.pictures=false", "screen.inclination_deg=10.0", "screen.stroke_m=0.006"]
     assert at[3] == f"screen.line={[0.0, 2 * np.radians(10.0) / np.pi, -6.0]}"
 

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.ports import Array
 from orchestrator.studies.design import plans
 from orchestrator.studies.design.aim import Aim
 from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.models import SURROGATES
-from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
+from orchestrator.studies.design.optimisers import OPTIMISERS, ExpectedImprovement, predict_each
 from orchestrator.studies.design.scales import SCALES, Scale
+from orchestrator.studies.design.space import Space, SpaceWithout
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Stage, Trial
@@ -28,7 +30,7 @@ FIRST_NEW_SEED = 1000  # of runs that confirm; equal for all settings, so that t
 CONFIRMING = 2  # stream of random numbers that choose what is confirmed
 FEWEST_EXPLAINED = 0.5  # of a goal's variance, by leave-one-out
 NEAR_A_FAILURE = 0.1  # of the coded range: there nothing more is proposed
-ATTEMPTS = 10  # to find a proposal away from failures
+SAME = 1e-6  # of the coded range: settings no farther apart are one
 BEST, CENTRE, SIMPLER = "best", "centre", "simpler"
 
 
@@ -43,14 +45,39 @@ class Campaign:
     _trials: list[Trial] = field(default_factory=list)
     _fits: dict[tuple[str, bool, int], Fitted] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        self._trials = self.journal.read()
+    def read_trials(self) -> list[Trial]:
+        """Read the stored trials; those that were made with other ranges are coded for the present ones.
 
-    def run(self, search: bool = True) -> Iterator[Outcome]:
+        Raises
+        ------
+        FolderUnusable : they are of other factors.
+        """
+        self._trials = [self._coded(trial) for trial in self.journal.read()]
+        return self._trials
+
+    def _coded(self, trial: Trial) -> Trial:
+        names = list(self.study.file.factors)
+        if sorted(trial.values) != sorted(names):
+            raise FolderUnusable(
+                f"{self.journal.folder}: holds runs of other factors ({', '.join(trial.values)}, not "
+                f"{', '.join(names)}); give another folder with --out"
+            )
+        values = {name: trial.values[name] for name in names}
+        if self.study.actual(np.array(trial.setting)) == values:
+            return replace(trial, values=values)
+        setting = self.study.space.coded(np.array(list(values.values())))
+        return replace(trial, setting=tuple(map(float, setting)), values=values)
+
+    def run(self, search: bool = True) -> Generator[Outcome, None, None]:
         """Run the centre and the plan, then search and confirm, and yield the outcome of each trial.
 
         Outcomes of trials that were done before come at once.
+
+        Raises
+        ------
+        FolderUnusable : the stored trials are of other factors.
         """
+        self.read_trials()
         for stage in (
             self._centre,
             self._cheap,
@@ -98,7 +125,8 @@ class Campaign:
         TooFewPoints : there are less data than the surrogate has terms.
         """
         name = name or self.study.file.search.surrogate
-        key = (name, confirmed, len(self.outcomes))
+        used = sum(confirmed or outcome.trial.stage != "confirm" for outcome in self.outcomes)
+        key = (name, confirmed, used)
         if key not in self._fits:
             self._fits[key] = self._fit(SURROGATES[name](), self.data(confirmed))
         return self._fits[key]
@@ -174,7 +202,8 @@ class Campaign:
             for i, name in enumerate(self.study.file.responses):
                 predicted[name] = (float(mean[i, 0]), float(deviation[i, 0]))
         seed = number - 1 if seed is None else seed
-        return Trial(number, stage, tuple(map(float, setting)), seed, role, predicted)
+        values = self.study.actual(setting)
+        return Trial(number, stage, tuple(map(float, setting)), seed, role, predicted, values)
 
     def _centre(self) -> Iterator[Trial]:
         centre = self.study.space.ordered(np.zeros((1, self.study.space.factors)))[0]
@@ -225,18 +254,30 @@ class Campaign:
         return self._stage("search", new)
 
     def _propose(self, fitted: Fitted) -> Array:
-        """Ask the optimiser for a setting, again where it comes near to a setting whose run failed."""
+        """Ask the optimiser for a setting away from those whose runs failed.
+
+        Where the optimiser's own choice is near one of them, expected improvement chooses among the others.
+        """
+        space = self._space_without_failures(self.study.space)
         done = np.array([trial.setting for trial in self._trials])
-        failed = np.array([each.trial.setting for each in self.outcomes if not each.is_data])
-        optimiser = OPTIMISERS[self.study.file.search.optimiser]()
+        possible = space.holds(done) & (np.abs(done) <= 1.0 + SAME).all(axis=1)
+        done = done[possible] if possible.any() else done
         aims = list(self.study.aims.values())
-        for attempt in range(ATTEMPTS):
-            rng = np.random.default_rng([self.study.file.seed, len(self._trials), attempt])
-            aim = aims[len(self._trials) % len(aims)]
-            setting = optimiser.propose(fitted, aim, self.study.space, done, rng)
-            if not len(failed) or np.abs(failed - setting).max(axis=1).min() > NEAR_A_FAILURE:
+        aim = aims[len(self._trials) % len(aims)]
+        for optimiser in (OPTIMISERS[self.study.file.search.optimiser](), ExpectedImprovement()):
+            rng = np.random.default_rng([self.study.file.seed, len(self._trials)])
+            setting = optimiser.propose(fitted, aim, space, done, rng)
+            if space.holds(setting[None])[0]:
                 break
         return setting
+
+    def _space_without_failures(self, space: Space) -> SpaceWithout:
+        """Leave out the settings whose runs failed before the best one was measured: what is chosen rests on
+        these runs alone."""
+        before = [each for each in self.outcomes if each.trial.stage != "confirm"]
+        failed = [each.trial.setting for each in before if not each.is_data]
+        left_out = np.array(failed).reshape(-1, space.factors)
+        return SpaceWithout(space.low, space.high, space.chains, left_out, NEAR_A_FAILURE)
 
     def _confirm(self) -> Iterator[Trial]:
         """Yield runs with new seeds: of the best setting for each aim, its simpler rival, and the centre."""
@@ -246,8 +287,11 @@ class Campaign:
             if not settings:
                 return
             fitted = self.fit(confirmed=False)
+            made = {role: sum(is_of(trial, role, settings) for trial in self._trials) for role in settings}
             wanted = [(role, repeat) for repeat in range(REPEATS[1]) for role in settings]
-            for role, repeat in wanted[stored:]:
+            for role, repeat in wanted:
+                if repeat < made[role]:
+                    continue
                 if not self._can_afford(1.0) or (repeat >= REPEATS[0] and self._is_narrow(settings)):
                     return
                 yield self._trial("confirm", settings[role], fitted, FIRST_NEW_SEED + repeat, role)
@@ -261,20 +305,24 @@ class Campaign:
         There are none where the data support no optimum.
         """
         chosen: dict[str, Array] = {}
-        optimiser = OPTIMISERS[self.study.file.search.optimiser]()
+        own = OPTIMISERS[self.study.file.search.optimiser]()
         for number, (name, aim) in enumerate(self.study.aims.items()):
             if not aim.goals or self.why_no_optimum(aim):
                 continue
             data = self.data(confirmed=False)
             fitted = calibrated(self.fit(confirmed=False), data.y, data.variance)
-            done = np.array([trial.setting for trial in self._trials if trial.stage != "confirm"])
-            spaces = {BEST: self.study.space}
-            if self.study.simpler:
-                spaces[SIMPLER] = self.study.simpler_space()
-            for kind, space in spaces.items():
+            possible = self._space_without_failures(self.study.space)
+            for optimiser in (own, ExpectedImprovement()):
                 rng = np.random.default_rng([self.study.file.seed, CONFIRMING, number])
-                chosen[role_of(kind, name)] = optimiser.recommend(fitted, aim, space, done, rng)
-        if chosen:
+                setting = optimiser.recommend(fitted, aim, possible, data.x, rng)
+                if possible.holds(setting[None])[0]:
+                    break
+            chosen[role_of(BEST, name)] = setting
+            if self.study.simpler:
+                rng = np.random.default_rng([self.study.file.seed, CONFIRMING, number])
+                space = self.study.simpler_space()
+                chosen[role_of(SIMPLER, name)] = own.recommend(fitted, aim, space, data.x, rng)
+        if chosen and self._trials:
             chosen[CENTRE] = np.array(self._trials[0].setting)
         return chosen
 
@@ -297,7 +345,9 @@ class Campaign:
             y, noise = data.y[:, goal.response], np.sqrt(np.nanmedian(data.variance[:, goal.response]))
             if (q2 := explained(y, fitted.left_out()[0][:, goal.response])) < FEWEST_EXPLAINED:
                 name, spread = names[goal.response], float(np.nanstd(y))
-                times = max(2, int(np.ceil((noise / max(spread, 1e-300)) ** 2 / 0.25)))
+                if spread <= SAME * abs(float(np.nanmean(y))):
+                    return f"{name} is the same in all runs: no factor changes it"
+                times = max(2, int(np.ceil((noise / spread) ** 2 / 0.25)))
                 return (
                     f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % "
                     "is needed "
@@ -307,8 +357,22 @@ class Campaign:
                 )
         mean, _ = predict_each(fitted, self.study.space.sample(2000, 1))
         if not aim.kept(mean).any() and not aim.kept(data.y.T).any():
-            return "no setting is expected to keep all limits; move the limits or widen the ranges"
+            return (
+                f"no setting is expected to keep all limits, and {self._nearest(aim, data)} came nearest; "
+                "move the limits or widen the ranges"
+            )
         return ""
+
+    def _nearest(self, aim: Aim, data: Data) -> str:
+        """Name the run that came nearest to keeping the limits, with its limited responses."""
+        margin = aim.margin(data.y.T, np.sqrt(data.variance.T))
+        if not np.isfinite(margin).any():
+            return "no run"
+        best, scales, values = int(np.nanargmax(margin)), list(self.scales.items()), []
+        for number in dict.fromkeys(limit.response for limit in aim.limits):
+            name, scale = scales[number]
+            values.append(f"{name} {float(scale.from_fit(data.y[best, number])):.4g}")
+        return f"run {data.numbers[best]:04d} with {', '.join(values)}"
 
     def _is_narrow(self, settings: Mapping[str, Array]) -> bool:
         """Tell whether the mean of the runs of each setting is known well enough."""
@@ -322,6 +386,11 @@ class Campaign:
                 if not same.any() or 1.96 * error > NARROW * span:
                     return False
         return True
+
+
+def is_of(trial: Trial, role: str, settings: Mapping[str, Array]) -> bool:
+    """Tell whether a trial is a confirming run of the setting that has a role now."""
+    return trial.role == role and bool(np.abs(np.array(trial.setting) - settings[role]).max() <= SAME)
 
 
 def role_of(kind: str, aim: str) -> str:

@@ -11,14 +11,15 @@ from scipy import stats
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim
-from orchestrator.studies.design.campaign import BEST, SIMPLER, Campaign, explained, role_of
+from orchestrator.studies.design.campaign import BEST, SIMPLER, Campaign, explained, is_of, role_of
 from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.front import nondominated
 from orchestrator.studies.design.models import SURROGATES
-from orchestrator.studies.design.optimisers import OPTIMISERS, predict_each
+from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.quadratic import Quadratic, Surface
 from orchestrator.studies.design.sensitivity import sobol_indices
 from orchestrator.studies.design.surrogates import Fitted, TooFewPoints, calibrated
+from orchestrator.studies.design.trials import Outcome
 
 HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 ON_THE_FRONT = 40  # settings that are listed
@@ -137,18 +138,15 @@ class Findings:
         return {name: why for name, why in reasons.items() if why}
 
     @cached_property
+    def candidates(self) -> dict[str, Array]:
+        """The settings that are to be measured again, by their roles."""
+        return self.campaign.candidates()
+
+    @cached_property
     def best(self) -> dict[str, Array]:
         """The recommended setting of each aim that has one, by the aim's name."""
-        study, found = self.campaign.study, {}
-        optimiser = OPTIMISERS[study.file.search.optimiser]()
-        for number, (name, aim) in enumerate(study.aims.items()):
-            chosen = [c.setting for c in self.confirmed if c.role == role_of(BEST, name)]
-            if chosen:
-                found[name] = chosen[0]
-            elif aim.goals and name not in self.why_no_optimum and self.fitted is not None:
-                rng = np.random.default_rng([study.file.seed, 2, number])
-                found[name] = optimiser.recommend(self.fitted, aim, study.space, self.data.x, rng)
-        return found
+        chosen = {name: role_of(BEST, name) for name in self.campaign.study.aims}
+        return {name: self.candidates[role] for name, role in chosen.items() if role in self.candidates}
 
     def predict(self, setting: Array) -> dict[str, Interval]:
         """Predict the responses at a coded setting, (factors,), by the study's own surrogate."""
@@ -167,12 +165,27 @@ class Findings:
     @cached_property
     def confirmed(self) -> list[Confirmed]:
         """The settings that were run again with new seeds, in the order of their first runs."""
-        runs = [each for each in self.campaign.outcomes if each.trial.stage == "confirm" and each.is_data]
-        roles = dict.fromkeys(each.trial.role for each in sorted(runs, key=lambda each: each.trial.number))
-        return [self._confirm(role) for role in roles]
+        first = {role: self._runs_of(role)[0].trial.number for role in self.candidates if self._runs_of(role)}
+        return [self._confirm(role) for role in sorted(first, key=first.__getitem__)]
+
+    def _runs_of(self, role: str) -> list[Outcome]:
+        """Return the confirming runs that are data of the setting that has a role now.
+
+        Those of settings that had it before the study was changed, or went on, are data as any others.
+        """
+        return [each for each in self._tried(role) if each.is_data]
+
+    def failures_of(self, role: str) -> list[Outcome]:
+        """Return the confirming runs that are no data of the setting that has a role now."""
+        return [each for each in self._tried(role) if not each.is_data]
+
+    def _tried(self, role: str) -> list[Outcome]:
+        runs = [each for each in self.campaign.outcomes if each.trial.stage == "confirm"]
+        mine = [each for each in runs if is_of(each.trial, role, self.candidates)]
+        return sorted(mine, key=lambda each: each.trial.number)
 
     def _confirm(self, role: str) -> Confirmed:
-        mine = [each for each in self.campaign.outcomes if each.trial.role == role and each.is_data]
+        mine = self._runs_of(role)
         numbers = [each.trial.number for each in mine]
         setting = np.array(mine[0].trial.setting)
         rows = np.isin(self.data.numbers, numbers)
@@ -209,8 +222,8 @@ class Findings:
         equal seeds; None where one of them was not."""
         pairs: dict[int, dict[str, float]] = {}
         name = self.responses[response]
-        for each in self.campaign.outcomes:
-            if each.trial.stage == "confirm" and each.trial.role in (role, other) and name in each.responses:
+        for each in (*self._runs_of(role), *self._runs_of(other)):
+            if name in each.responses:
                 pairs.setdefault(each.trial.seed, {})[each.trial.role] = each.responses[name].value
         differences = [pair[role] - pair[other] for pair in pairs.values() if len(pair) == 2]
         if len(differences) < 2:

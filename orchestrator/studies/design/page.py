@@ -69,7 +69,11 @@ def answers(findings: Findings) -> Iterator[str]:
             each = confirmed.get(role_of(BEST, name))
             if each is None:
                 said = responses_in_words(findings, findings.predict(findings.best[name]))
-                yield f"{asked} take {setting}: predicted {said}, not yet measured."
+                failed = findings.failures_of(role_of(BEST, name))
+                why = (
+                    f"NOT measured: its runs gave no data ({failed[0].why})" if failed else "not yet measured"
+                )
+                yield f"{asked} take {setting}: predicted {said}, {why}."
             else:
                 said = responses_in_words(findings, each.measured)
                 verdict = "as predicted" if not each.why_not else f"NOT as predicted: {each.why_not}"

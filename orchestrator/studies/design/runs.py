@@ -39,7 +39,7 @@ class Runs:
     @cached_property
     def centre(self) -> JudgedCase:
         """The case at the centre of the ranges.  Raises CaseError."""
-        return self._runs.check(self._study.overlays(np.zeros(self._study.space.factors)))
+        return self._runs.check(self._study.overlays(self._study.actual(np.zeros(self._study.space.factors))))
 
     def check(self) -> None:
         """Check the centre and the corners of the ranges as cases.
@@ -51,7 +51,7 @@ class Runs:
         problems: list[CaseProblem] = []
         for corner in self._study.corners():
             try:
-                self._runs.check(self._study.overlays(corner))
+                self._runs.check(self._study.overlays(self._study.actual(corner)))
             except BadFormula as error:
                 problems.append(CaseProblem(("set",), f"{self._named(corner)}: {error}"))
             except CaseError as error:
@@ -80,7 +80,7 @@ class Runs:
         return self._outcome(trial, point)
 
     def _point(self, trial: Trial) -> Point:
-        overlays = self._study.overlays(np.array(trial.setting))
+        overlays = self._study.overlays(trial.values)
         runs, cheap = self._runs, self._study.file.cheap
         if trial.stage == "cheap" and cheap is not None:
             runs, overlays = replace(runs, level=cheap.level), [*overlays, *cheap.overrides]

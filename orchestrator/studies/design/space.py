@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 from scipy.stats import qmc
 
 from orchestrator.ports import Array
@@ -85,3 +86,25 @@ class SimplerSpace(Space):
     def ordered(self, coded: Array) -> Array:
         """Move settings, (n, factors), into the part of the space."""
         return Space.ordered(self, self.simplify(Space.ordered(self, coded)))
+
+
+@dataclass(frozen=True)
+class SpaceWithout(Space):
+    """A space without the neighbourhoods, of half the width ``distance``, of the settings ``left_out``,
+    (n, factors)."""
+
+    left_out: Array = field(default_factory=lambda: np.empty((0, 0)))
+    distance: float = 0.0
+
+    def holds(self, x: Array) -> npt.NDArray[np.bool_]:
+        """Tell which settings, (n, factors), are in none of the neighbourhoods."""
+        if not len(self.left_out):
+            return np.ones(len(x), bool)
+        apart = np.abs(x[:, None, :] - self.left_out[None]).max(axis=2)
+        return np.asarray(apart.min(axis=1) > self.distance)
+
+    def candidates(self, near: Array, count: int, rng: np.random.Generator) -> Array:
+        """List the settings worth looking at that are in the space; all of them where none is."""
+        candidates = super().candidates(near, count, rng)
+        holds = self.holds(candidates)
+        return candidates[holds] if holds.any() else candidates

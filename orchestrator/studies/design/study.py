@@ -91,7 +91,7 @@ class DesignStudy:
         if self.study.file.table:
             self.campaign.outcomes = read_table(self.study)
         else:
-            self.campaign.outcomes = self.runs.finished(Journal(self.folder / RUNS).read())
+            self.campaign.outcomes = self.runs.finished(self.campaign.read_trials())
 
     def write(self) -> Iterator[str | Table | Path]:
         """Write tables, pictures and the page from the outcomes; yield what is said and the files.

@@ -202,14 +202,14 @@ class Study:
         """Return a coded setting, (factors,), in the units of the factors, by their names."""
         return dict(zip(self.file.factors, map(float, self.space.actual(coded)), strict=True))
 
-    def overlays(self, coded: Array) -> list[str]:
-        """List the ``--set`` overlays of a coded setting, (factors,).
+    def overlays(self, setting: Mapping[str, float]) -> list[str]:
+        """List the ``--set`` overlays of a setting in the factors' units.
 
         Raises
         ------
         BadFormula : a formula has no value there.
         """
-        actual = self.actual(coded)
+        actual = dict(setting)
         for name, expression in self.derived.items():
             actual[name] = formulas.value(expression, actual)
         overlays = []

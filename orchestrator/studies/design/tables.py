@@ -57,7 +57,7 @@ def point_rows(findings: Findings) -> list[Row]:
     for outcome in sorted(findings.campaign.outcomes, key=lambda each: each.trial.number):
         trial = outcome.trial
         row: Row = {"trial": trial.number, "stage": trial.stage, "role": trial.role, "seed": trial.seed}
-        row |= study.actual(np.array(trial.setting))
+        row |= trial.values or study.actual(np.array(trial.setting))
         row |= {
             "status": outcome.status,
             "why_no_data": outcome.why,
@@ -241,7 +241,12 @@ def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> I
             about = (
                 f"recommended by a design study{f' for {name}' if name else ''}, measured by runs of its own"
             )
-            write_text(file, level_text(loaded, findings.campaign.study.overlays(setting), about))
+            write_text(
+                file,
+                level_text(
+                    loaded, findings.campaign.study.overlays(findings.campaign.study.actual(setting)), about
+                ),
+            )
             yield file
 
 

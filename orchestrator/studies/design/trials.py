@@ -22,8 +22,10 @@ DONE = "done"
 class Trial:
     """One run that is asked for: a coded setting, and the number that is added to the case's seeds.
 
-    ``role`` says what a confirming run is of; ``predicted`` is what the surrogate said of each response when
-    the trial was proposed: value and standard deviation.
+    ``values`` has the setting in the factors' units; it is what was run, and stays where the ranges of the
+    study are changed, on which the coded setting rests.  ``role`` says what a confirming run is of;
+    ``predicted`` is what the surrogate said of each response when the trial was proposed: value and standard
+    deviation.
     """
 
     number: int
@@ -32,6 +34,7 @@ class Trial:
     seed: int
     role: str = ""
     predicted: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    values: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -86,16 +89,16 @@ class Journal:
     """The trials of a study, each in a file beside its run's folder."""
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder
+        self.folder = folder
 
     def read(self) -> list[Trial]:
         """Read all trials, in order."""
-        return [_trial(file) for file in sorted(self._folder.glob("[0-9]*.trial.json"))]
+        return [_trial(file) for file in sorted(self.folder.glob("[0-9]*.trial.json"))]
 
     def write(self, trial: Trial) -> None:
         """Write a trial down."""
-        self._folder.mkdir(parents=True, exist_ok=True)
-        write_json(self._folder / f"{trial.name}.trial.json", asdict(trial))
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_json(self.folder / f"{trial.name}.trial.json", asdict(trial))
 
 
 def _trial(file: Path) -> Trial:
