@@ -53,4 +53,9 @@ def test_nothing_and_all_have_a_finite_logit(percent: float) -> None:
     end = ENDS if percent < 50 else 100.0 - ENDS
     assert float(scale.to_fit(percent)) == pytest.approx(float(scale.to_fit(end)))
     assert np.isfinite(scale.slope(percent))
-    assert np.isfinite(SCALES["logarithm"].to_fit(0.0))
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0])
+def test_what_has_no_logarithm_counts_as_not_measured(value: float) -> None:
+    assert np.isnan(SCALES["logarithm"].to_fit(value))
+    assert np.isnan(SCALES["logarithm"].slope(value))

@@ -21,6 +21,7 @@ from orchestrator.studies.design.sensitivity import sobol_indices
 from orchestrator.studies.design.surrogates import Fitted, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Outcome
 
+EXACT = 1e-9  # of a value: half widths below it are rounding
 HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 ON_THE_FRONT = 40  # settings that are listed
 DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optimum, as in the paper
@@ -48,7 +49,11 @@ class Interval:
     half_width: float
 
     def __str__(self) -> str:
-        digits = max(0, 1 - int(np.floor(np.log10(self.half_width)))) if self.half_width > 0 else 3
+        if not np.isfinite(self.value):
+            return "unknown"
+        if not self.half_width > EXACT * abs(self.value):
+            return f"{self.value:.4g} ± {'0' if np.isfinite(self.half_width) else 'unknown'}"
+        digits = max(0, 1 - int(np.floor(np.log10(self.half_width))))
         return f"{self.value:.{digits}f} ± {self.half_width:.{digits}f}"
 
 
@@ -190,9 +195,13 @@ class Findings:
         setting = np.array(mine[0].trial.setting)
         rows = np.isin(self.data.numbers, numbers)
         y, variance = self.data.y[rows], self.data.variance[rows]
-        mean, error = np.nanmean(y, axis=0), np.sqrt(np.nansum(variance, axis=0)) / len(y)
+        known = np.isfinite(y)
+        counts = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
+        mean = np.where(known, y, 0.0).sum(axis=0) / counts
+        error = np.sqrt(np.where(known, variance, 0.0).sum(axis=0)) / counts
         measured = self._intervals(mean, HALF_WIDTH * error)
-        expected = np.array([mine[0].trial.predicted[name] for name in self.responses])
+        unknown = (np.nan, np.nan)  # of a response that was added to the study later
+        expected = np.array([mine[0].trial.predicted.get(name, unknown) for name in self.responses])
         predicted = self._intervals(expected[:, 0], HALF_WIDTH * expected[:, 1])
         why = [
             f"{name} was measured as {measured[name]} and predicted as {predicted[name]}"
@@ -204,6 +213,8 @@ class Findings:
             (a for name, a in aims.items() if role in (role_of(BEST, name), role_of(SIMPLER, name))), None
         )
         if aim is not None:
+            wanted = dict.fromkeys(part.response for part in (*aim.goals, *aim.limits))
+            why += [f"{self.responses[i]} was not measured" for i in wanted if not np.isfinite(mean[i])]
             z = float(stats.norm.ppf(aim.confidence))
             for limit in aim.limits:
                 if limit.sign * (mean[limit.response] - limit.value) < -z * error[limit.response]:

@@ -1,0 +1,159 @@
+"""What a study finds: whether its best setting was measured as predicted, and what it gains."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.studies.design.campaign import Campaign
+from orchestrator.studies.design.findings import Confirmed, Findings, Interval
+from orchestrator.studies.design.page import answers, noise_in_words, rivals
+from orchestrator.studies.design.trials import Measured, Outcome
+from tests.design.campaigns import belt, run_all
+
+
+def with_confirming_runs(
+    whole: Campaign, change: Callable[[Outcome], Mapping[str, Measured]], roles: Sequence[str] = ("best",)
+) -> Findings:
+    """Return the findings with other responses of the runs that confirm the settings with some roles."""
+    whole.outcomes = [
+        replace(each, responses=change(each)) if each.trial.role in roles else each for each in whole.outcomes
+    ]
+    return Findings(whole)
+
+
+def best_of(findings: Findings) -> Confirmed:
+    """Return the measurement of the best setting."""
+    return next(each for each in findings.confirmed if each.role == "best")
+
+
+@pytest.fixture
+def whole(tmp_path: Path) -> Campaign:
+    """A study that came to its end."""
+    return run_all(belt(tmp_path), tmp_path)
+
+
+def test_a_best_setting_that_was_measured_as_predicted_is_confirmed(whole: Campaign) -> None:
+    findings = Findings(whole)
+    assert findings.is_confirmed()
+    best = best_of(findings)
+    runs = [each for each in whole.outcomes if each.trial.role == "best"]
+    assert best.runs == len(runs) >= 2
+    speeds = [each.responses["speed"].value for each in runs]
+    assert best.measured["speed"].value == pytest.approx(np.mean(speeds))
+    widened = findings.data.widened[0]
+    assert best.measured["speed"].half_width == pytest.approx(widened * 1.96 * 0.01 / len(runs) ** 0.5)
+    mean, deviation = runs[0].trial.predicted["speed"]
+    assert best.predicted["speed"].value == pytest.approx(mean)
+    assert best.predicted["speed"].half_width == pytest.approx(1.96 * deviation)
+
+
+def test_a_best_setting_that_is_slower_than_predicted_is_not_confirmed(whole: Campaign) -> None:
+    findings = with_confirming_runs(whole, lambda each: each.responses | {"speed": Measured(1.2, 0.01)})
+    assert not findings.is_confirmed()
+    assert best_of(findings).why_not.startswith("speed was measured as 1.2")
+    assert "NOT as predicted: speed was measured as 1.2" in next(answers(findings))
+
+
+def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(whole: Campaign) -> None:
+    findings = with_confirming_runs(whole, lambda each: each.responses | {"share": Measured(58.0, 0.5)})
+    assert not findings.is_confirmed()
+    assert "share was measured as 58.0" in best_of(findings).why_not
+    assert "beyond its limit" in best_of(findings).why_not
+
+
+def test_a_best_setting_whose_limit_was_not_measured_is_not_confirmed(whole: Campaign) -> None:
+    findings = with_confirming_runs(whole, lambda each: {"speed": each.responses["speed"]})
+    assert not findings.is_confirmed()
+    assert "share was not measured" in best_of(findings).why_not
+
+
+def test_a_mean_is_of_the_runs_that_have_the_response(whole: Campaign) -> None:
+    def change(each: Outcome) -> Mapping[str, Measured]:
+        both = {"speed": each.responses["speed"], "share": Measured(70.0, 0.5)}
+        return both if each.trial.seed == 1000 else {"speed": both["speed"]}
+
+    measured = best_of(with_confirming_runs(whole, change)).measured["share"]
+    assert measured.value == pytest.approx(70.0)
+    assert measured.half_width == pytest.approx(1.96 * 0.5)
+
+
+def test_a_difference_is_taken_between_runs_of_equal_seeds(whole: Campaign) -> None:
+    """Errors that both runs of a pair have cancel: here 1000 times the difference."""
+    gains = {1000: 0.30, 1001: 0.36}
+
+    def change(each: Outcome) -> Mapping[str, Measured]:
+        common = 300.0 * (each.trial.seed - 1000)
+        own = gains.get(each.trial.seed, 0.32) if each.trial.role == "best" else 0.0
+        return each.responses | {"speed": Measured(1.0 + common + own, 0.01)}
+
+    whole.outcomes = [each for each in whole.outcomes if each.trial.seed != 1002]
+    findings = with_confirming_runs(whole, change, ("best", "centre"))
+    difference = findings.against("best", "centre", 0)
+    assert difference is not None
+    assert difference.value == pytest.approx(0.33)
+    # Student's t for 95 % and 1 degree of freedom is 12.7062; the standard error is 0.06 / sqrt(2) / sqrt(2)
+    assert difference.half_width == pytest.approx(12.7062 * 0.03, rel=1e-5)
+    assert "within chance" in next(rivals(findings))
+    assert findings.against("best", "simpler", 0) is None
+
+
+def test_a_response_that_was_added_later_has_no_prediction_but_is_measured(
+    whole: Campaign, tmp_path: Path
+) -> None:
+    later = belt(tmp_path, **{"responses/power": {"result": "results.power"}})
+    more = [
+        replace(each, responses=each.responses | {"power": Measured(float(each.trial.number), 1.0)})
+        for each in whole.outcomes
+    ]
+    findings = Findings(Campaign(later, whole.evaluator, whole.journal, more, whole.read_trials()))
+    assert findings.is_confirmed()
+    assert "power" in best_of(findings).measured
+
+
+def test_noise_that_was_widened_is_told(whole: Campaign) -> None:
+    whole.outcomes = [
+        replace(
+            each,
+            responses={
+                name: replace(m, deviation=(m.deviation or 1.0) / 30) for name, m in each.responses.items()
+            },
+        )
+        for each in whole.outcomes
+    ]
+    findings = Findings(whole)
+    assert findings.data.widened.max() > 3
+    assert any("times as much as the runs' own intervals say" in line for line in noise_in_words(findings))
+
+
+def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
+    study = belt(tmp_path, **{"plan/runs": 12, "search/surrogate": "gaussian-process", "search/runs": 0})
+    whole = run_all(study, tmp_path)
+    number = whole.outcomes[3].trial.number
+    wrong = replace(whole.outcomes[3], responses=whole.outcomes[3].responses | {"speed": Measured(3.5, 0.01)})
+    whole.outcomes[3] = wrong
+    findings = Findings(whole)
+    assert number in findings.data.numbers
+    assert any(f"Run {number} stands out: its speed" in line for line in noise_in_words(findings))
+
+
+@pytest.mark.parametrize(
+    ("value", "half_width", "text"),
+    [
+        (1.69834, 0.0142, "1.698 ± 0.014"),
+        (60.03, 0.69, "60.03 ± 0.69"),
+        (12345.6, 250.0, "12346 ± 250"),
+        (1.5e-5, 2.5e-7, "0.00001500 ± 0.00000025"),
+        (1.23456e-5, 0.0, "1.235e-05 ± 0"),
+        (np.nan, np.nan, "unknown"),
+        (2.0, np.nan, "2 ± unknown"),
+    ],
+)
+def test_an_interval_is_written_with_two_digits_of_its_half_width(
+    value: float, half_width: float, text: str
+) -> None:
+    assert str(Interval(value, half_width)) == text
