@@ -53,14 +53,14 @@ def test_a_best_setting_that_was_measured_as_predicted_is_confirmed(whole: Campa
 
 
 def test_a_best_setting_that_is_slower_than_predicted_is_not_confirmed(whole: Campaign) -> None:
-    findings = with_confirming_runs(whole, lambda each: each.responses | {"speed": Measured(1.2, 0.01)})
+    findings = with_confirming_runs(whole, lambda each: {**each.responses, "speed": Measured(1.2, 0.01)})
     assert not findings.is_confirmed()
     assert best_of(findings).why_not.startswith("speed was measured as 1.2")
     assert "NOT as predicted: speed was measured as 1.2" in next(answers(findings))
 
 
 def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(whole: Campaign) -> None:
-    findings = with_confirming_runs(whole, lambda each: each.responses | {"share": Measured(58.0, 0.5)})
+    findings = with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(58.0, 0.5)})
     assert not findings.is_confirmed()
     assert "share was measured as 58.0" in best_of(findings).why_not
     assert "beyond its limit" in best_of(findings).why_not
@@ -89,7 +89,7 @@ def test_a_difference_is_taken_between_runs_of_equal_seeds(whole: Campaign) -> N
     def change(each: Outcome) -> Mapping[str, Measured]:
         common = 300.0 * (each.trial.seed - 1000)
         own = gains.get(each.trial.seed, 0.32) if each.trial.role == "best" else 0.0
-        return each.responses | {"speed": Measured(1.0 + common + own, 0.01)}
+        return {**each.responses, "speed": Measured(1.0 + common + own, 0.01)}
 
     whole.outcomes = [each for each in whole.outcomes if each.trial.seed != 1002]
     findings = with_confirming_runs(whole, change, ("best", "centre"))
@@ -107,7 +107,7 @@ def test_a_response_that_was_added_later_has_no_prediction_but_is_measured(
 ) -> None:
     later = belt(tmp_path, **{"responses/power": {"result": "results.power"}})
     more = [
-        replace(each, responses=each.responses | {"power": Measured(float(each.trial.number), 1.0)})
+        replace(each, responses={**each.responses, "power": Measured(float(each.trial.number), 1.0)})
         for each in whole.outcomes
     ]
     findings = Findings(Campaign(later, whole.evaluator, whole.journal, more, whole.read_trials()))
@@ -134,7 +134,9 @@ def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
     study = belt(tmp_path, **{"plan/runs": 12, "search/surrogate": "gaussian-process", "search/runs": 0})
     whole = run_all(study, tmp_path)
     number = whole.outcomes[3].trial.number
-    wrong = replace(whole.outcomes[3], responses=whole.outcomes[3].responses | {"speed": Measured(3.5, 0.01)})
+    wrong = replace(
+        whole.outcomes[3], responses={**whole.outcomes[3].responses, "speed": Measured(3.5, 0.01)}
+    )
     whole.outcomes[3] = wrong
     findings = Findings(whole)
     assert number in findings.data.numbers

@@ -213,8 +213,12 @@ class Findings:
             (a for name, a in aims.items() if role in (role_of(BEST, name), role_of(SIMPLER, name))), None
         )
         if aim is not None:
-            wanted = dict.fromkeys(part.response for part in (*aim.goals, *aim.limits))
-            why += [f"{self.responses[i]} was not measured" for i in wanted if not np.isfinite(mean[i])]
+            wanted = [goal.response for goal in aim.goals] + [limit.response for limit in aim.limits]
+            why += [
+                f"{self.responses[i]} was not measured"
+                for i in sorted(set(wanted))
+                if not np.isfinite(mean[i])
+            ]
             z = float(stats.norm.ppf(aim.confidence))
             for limit in aim.limits:
                 if limit.sign * (mean[limit.response] - limit.value) < -z * error[limit.response]:

@@ -35,9 +35,12 @@ def read_table(study: Study) -> list[Outcome]:
         for name in [*file.factors, *columns.values()]
         if name not in table
     ]
+    if not problems and table.empty:
+        problems.append(CaseProblem(("table",), f"{path.name} has no rows"))
     if problems:
         raise CaseError(problems)
     numbers = table[[*file.factors, *columns.values(), *optional]].apply(pd.to_numeric, errors="coerce")
+    numbers = numbers.replace([np.inf, -np.inf], np.nan)
     text = numbers.isna() & table[numbers.columns].notna()
     text[list(file.factors)] |= numbers[list(file.factors)].isna()
     for row, column in zip(*np.nonzero(text.to_numpy()), strict=True):
@@ -57,8 +60,8 @@ def _outcome(number: int, setting: Array, row: pd.Series, columns: dict[str, str
     measured = {}
     for name, column in columns.items():
         if np.isfinite(row[column]):
-            deviation = row.get(column + DEVIATION, study.file.responses[name].noise)
-            known = deviation is not None and np.isfinite(deviation)
-            measured[name] = Measured(float(row[column]), float(deviation) if known else None)
+            deviation = row.get(column + DEVIATION, np.nan)
+            noise = float(deviation) if np.isfinite(deviation) else study.file.responses[name].noise
+            measured[name] = Measured(float(row[column]), noise)
     trial = Trial(number, "plan", tuple(map(float, setting)), 0)
     return Outcome(trial, DONE, "" if measured else "no response was measured", measured)

@@ -1,0 +1,115 @@
+"""Studies of a table: what is read, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.studies.design.study import DesignStudy
+from orchestrator.studies.design.study_file import Study
+from orchestrator.studies.design.table_data import read_table
+from orchestrator.studies.points import Crew
+from tests.design.campaigns import belt
+
+HEAD = "slope,stroke,speed,share\n"
+ROWS = "10,2,0.5,80\n30,2,1.9,45\n10,6,0.8,62\n30,6,2.3,30\n20,4,1.3,70\n20,4,1.31,71\n"
+
+
+def study_of(folder: Path, text: str, **changes: object) -> Study:
+    """Return a study of a table with a text."""
+    (folder / "belt.csv").write_text(text, encoding="utf-8")
+    own = {"responses/speed/result": None, "responses/share/result": "share"}
+    return belt(folder, **{"case": None, "table": "belt.csv", "set": {}, **own, **changes})
+
+
+def complaint(study: Study) -> str:
+    """Return the message about a table."""
+    with pytest.raises(CaseError) as refused:
+        read_table(study)
+    return str(refused.value)
+
+
+def test_each_row_is_a_trial(tmp_path: Path) -> None:
+    text = "# measured by hand\nspeed, share, remark, slope, stroke\n0.5, 80, dry, 10, 2\n1.9, 45, , 30, 6\n"
+    first, second = read_table(study_of(tmp_path, text))
+    assert first.trial.setting == (-1.0, -1.0)
+    assert second.trial.setting == (1.0, 1.0)
+    assert {name: each.value for name, each in second.responses.items()} == {"speed": 1.9, "share": 45.0}
+    assert second.responses["speed"].deviation is None
+
+
+def test_the_noise_is_read_from_its_column_or_the_study(tmp_path: Path) -> None:
+    text = "slope,stroke,speed,speed deviation,share\n10,2,0.5,0.03,80\n30,6,1.9,,45\n"
+    study = study_of(tmp_path, text, **{"responses/share/noise": 0.7, "responses/speed/noise": 0.1})
+    first, second = read_table(study)
+    assert first.responses["speed"].deviation == 0.03
+    assert second.responses["speed"].deviation == 0.1
+    assert second.responses["share"].deviation == 0.7
+
+
+def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
+    half, none = read_table(study_of(tmp_path, HEAD + "10,2,,80\n30,6,,\n"))
+    assert list(half.responses) == ["share"]
+    assert half.is_data
+    assert not none.is_data
+    assert none.why == "no response was measured"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("slope,strok,speed,share\n10,2,1,1\n", ['belt.csv has no column "stroke"', 'did you mean "strok"?']),
+        ("slope,stroke,speed\n10,2,1\n", ['belt.csv has no column "share"']),
+        (HEAD + "10,2,0.5 m/s,80\n", ['row 1 of belt.csv: "0.5 m/s" is not a number of speed', "unit"]),
+        (HEAD + "10,2,0.5,80\n10,many,0.5,80\n", ['row 2 of belt.csv: "many" is not a number of stroke']),
+        (HEAD + "10,,0.5,80\n", ["row 1 of belt.csv", "is not a number of stroke"]),
+        (HEAD + "10,inf,0.5,80\n", ["row 1 of belt.csv", '"inf" is not a number of stroke']),
+        (HEAD, ["belt.csv", "has no rows"]),
+        ("", ["belt.csv cannot be read"]),
+    ],
+    ids=[
+        *["a misspelt column", "a missing column", "a unit in a cell", "text for a factor"],
+        *["an empty factor", "an endless factor", "no rows", "no table"],
+    ],
+)
+def test_a_table_is_refused_for(text: str, words: list[str], tmp_path: Path) -> None:
+    message = complaint(study_of(tmp_path, text))
+    assert "table" in message
+    for word in words:
+        assert word in message
+
+
+def test_all_wrong_cells_stand_in_one_message(tmp_path: Path) -> None:
+    assert complaint(study_of(tmp_path, HEAD + "a,2,b,80\n1,2,3,c\n")).startswith("3 problems")
+
+
+def test_a_missing_table_is_told(tmp_path: Path) -> None:
+    study = study_of(tmp_path, "")
+    (tmp_path / "belt.csv").unlink()
+    assert "belt.csv cannot be read" in complaint(study)
+
+
+def test_the_data_of_a_table_are_not_run(tmp_path: Path) -> None:
+    design = DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
+    with pytest.raises(CaseError, match=r"the data of a table cannot be run; flipflow study fit takes it"):
+        list(design.run(search=True))
+    assert not (tmp_path / "out").exists()
+
+
+def test_six_rows_are_too_few_for_a_quadratic_of_two_factors(tmp_path: Path) -> None:
+    design = DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
+    design.load_finished()
+    said = [str(line) for line in design.write()]
+    assert any("support no optimum" in line and "6 points" in line for line in said)
+    assert "6 points" in (tmp_path / "out" / "design.html").read_text(encoding="utf-8")
+
+
+def test_the_best_setting_of_a_table_is_predicted(tmp_path: Path) -> None:
+    rows = "20,2,1.1,79\n20,6,1.5,61\n10,4,0.7,85\n30,4,2.0,49\n"
+    design = DesignStudy(study_of(tmp_path, HEAD + ROWS + rows), Crew(), tmp_path / "out")
+    design.load_finished()
+    said = [str(line) for line in design.write()]
+    assert any("not yet measured" in line for line in said)
+    assert not (tmp_path / "out" / "recommended.toml").exists()
