@@ -88,6 +88,8 @@ def main(seeds: int) -> None:
                 f"| {name} | 60 | hypervolume over the exact one, seed {seed} | {share:.4f} | | | |",
                 flush=True,
             )
+    print()
+    print_levels(seeds)
 
 
 def print_levels(seeds: int) -> None:
