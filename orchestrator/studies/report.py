@@ -49,7 +49,7 @@ def console_table(
     title: str, head: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()
 ) -> Table:
     """Return a table for the terminal; the first column and the columns ``left`` are text, others numbers."""
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD)
     for number, name in enumerate(head):
         text = number == 0 or name in left
         table.add_column(name, justify="left" if text else "right", no_wrap=not text)

@@ -50,7 +50,8 @@ def _foretell(design: DesignStudy) -> StudyOutput:
         [str(number), *(f"{value:.4g}" for value in design.study.actual(setting).values())]
         for number, setting in enumerate(settings, start=2)
     ]
-    yield console_table("planned settings, after the centre", ["run", *file.factors], rows)
+    yield "planned settings, after the centre:"
+    yield console_table("", ["run", *file.factors], rows)
     case = design.runs.centre.case
     each_s = campaign.mean_wall_s() or predicted_s(case, particles_at_start(case))
     count = 1 + len(settings) + file.plan.centres - 1

@@ -83,7 +83,8 @@ class DesignStudy:
             left_s = max(0.0, 3600.0 * self.study.file.hours - self.campaign.spent_s())
             line += f"; {in_words(left_s)} of the {self.study.file.hours:g} h left"
         elif left and mean_s:
-            line += f"; {left} more runs, {in_words(left * mean_s)}"
+            runs = "1 more run" if left == 1 else f"{left} more runs"
+            line += f"; {runs}, {in_words(left * mean_s)}"
         return line
 
     def load_finished(self) -> None:
@@ -114,8 +115,8 @@ class DesignStudy:
         yield from answers(findings)
 
 
-def fit_tables(findings: Findings) -> Iterator[Table]:
-    """Yield tables of the surrogates' quality and of the quadratic surfaces for the terminal."""
+def fit_tables(findings: Findings) -> Iterator[str | Table]:
+    """Yield the quality of the surrogates and the quadratic surfaces, for the terminal."""
     head = ["surrogate", *(f"{name}: {what}" for name in findings.responses for what in ("Q2", "in 95 %"))]
     rows = []
     for each in findings.surrogates:
@@ -128,10 +129,9 @@ def fit_tables(findings: Findings) -> Iterator[Table]:
     yield console_table("predicting each run from all others", head, rows, left=head[1:2])
     for name, surface in findings.quadratic.items():
         quality = surface.quality()
-        title = (
-            f"quadratic surface of {name}: R2 {quality['r2']:.6f}, adjusted "
-            f"{quality['r2_adjusted']:.6f}, predicted "
-            f"{quality['r2_predicted']:.6f}, standard error {quality['standard_error']:.6g}"
+        yield (
+            f"quadratic surface of {name}: R2 {quality['r2']:.6f}, adjusted {quality['r2_adjusted']:.6f}, "
+            f"predicted {quality['r2_predicted']:.6f}, standard error {quality['standard_error']:.6g}"
         )
         factors = list(findings.campaign.study.file.factors)
         lines = [
@@ -145,4 +145,4 @@ def fit_tables(findings: Findings) -> Iterator[Table]:
         ]
         if (lack := surface.lack_of_fit()) is not None:
             lines.append(["lack of fit", "", f"{lack['f']:.5g}", f"{lack['p']:.3g}"])
-        yield console_table(title, ["term", "coefficient", "F", "p"], lines)
+        yield console_table("", ["term", "coefficient", "F", "p"], lines)
