@@ -8,8 +8,9 @@ try:
     import petsc4py
 
     # before anything else imports PETSc, which would take options, and libraries to load, from
-    # .petscrc in the folder that the program is started in
-    petsc4py.init(["flipflow", "-skip_petscrc"])
+    # .petscrc in the folder that the program is started in, and print pages of its own at signals such as
+    # a closed pipe ("flipflow ... | head")
+    petsc4py.init(["flipflow", "-skip_petscrc", "-no_signal_handler"])
     import dolfinx  # noqa: F401
 except ImportError as missing:
     raise SolverMissing(
