@@ -51,7 +51,10 @@ def test_design_alone_ends_with_the_plan(tmp_path: Path) -> None:
     whole = campaign(belt(tmp_path), tmp_path)
     list(whole.run(search=False))
     assert stages(whole) == ["centre", *["plan"] * 8]
-    assert whole.trials_left() == 3
+    assert whole.trials_left(search=False) == 0
+    assert (
+        whole.trials_left(search=True) == 3 + 4
+    )  # of the search, and two runs each of the best and the centre
 
 
 def test_a_study_without_goals_ends_with_the_plan(tmp_path: Path) -> None:

@@ -88,13 +88,16 @@ class Campaign:
                 self.outcomes.append(outcome)
                 yield outcome
 
-    def trials_left(self) -> int:
-        """Count the trials still to come, as far as they are known; those of an open search are not."""
-        file = self.study.file
+    def trials_left(self, search: bool) -> int:
+        """Count the trials still to come without a limit of hours; with ``search`` the search and the least
+        number of confirming runs are among them."""
+        file, aims = self.study.file, self.study.aims
         cheap = file.cheap.runs if file.cheap is not None else 0
-        planned = 1 + cheap + len(planned_settings(self.study)) + file.plan.centres - 1
-        searched = self.most_searched if self.study.aim.goals and file.hours is None else 0
-        return max(0, planned + searched - len(self.outcomes))
+        count = 1 + cheap + len(planned_settings(self.study)) + file.plan.centres - 1
+        if search and self.study.aim.goals:
+            settings = 1 + len(aims) * (2 if self.study.simpler else 1)
+            count += self.most_searched + REPEATS[0] * settings
+        return max(0, count - len(self.outcomes))
 
     @property
     def most_searched(self) -> int:

@@ -56,7 +56,7 @@ class DesignStudy:
         with study_folder(self.folder):
             for outcome in self.campaign.run(search):
                 self._check_first(outcome)
-                yield self._line(outcome)
+                yield self._line(outcome, search)
 
     def _check_first(self, outcome: Outcome) -> None:
         """Raise CaseError where the centre lacks a response: all other runs would, too."""
@@ -69,7 +69,7 @@ class DesignStudy:
             hint = "look at its report; nothing else was run"
             raise CaseError([CaseProblem(("responses",), what, hint)])
 
-    def _line(self, outcome: Outcome) -> str:
+    def _line(self, outcome: Outcome, search: bool) -> str:
         """Return what is said when a run has ended, with the time left."""
         said = ", ".join(f"{name} {each.value:.4g}" for name, each in outcome.responses.items())
         line = f"{outcome.trial.name} {outcome.trial.stage}: {said or outcome.status}"
@@ -77,15 +77,17 @@ class DesignStudy:
             line += f"; best so far {best}"
         if outcome.why:
             line += f"; no data: {outcome.why}"
-        left = self.campaign.trials_left()
-        mean_s = self.campaign.mean_wall_s() / self.runs.side_by_side
-        if self.study.file.hours is not None:
-            left_s = max(0.0, 3600.0 * self.study.file.hours - self.campaign.spent_s())
-            line += f"; {in_words(left_s)} of the {self.study.file.hours:g} h left"
-        elif left and mean_s:
-            runs = "1 more run" if left == 1 else f"{left} more runs"
-            line += f"; {runs}, {in_words(left * mean_s)}"
-        return line
+        return line + self._time_left(search)
+
+    def _time_left(self, search: bool) -> str:
+        """Return the predicted time to the end: of the runs to come, but not more than the hours allow."""
+        left, hours = self.campaign.trials_left(search), self.study.file.hours
+        left_s = left * self.campaign.mean_wall_s() / self.runs.side_by_side
+        if not left_s:
+            return ""
+        if hours is not None and left_s > (budget_s := max(0.0, 3600.0 * hours - self.campaign.spent_s())):
+            return f"; {in_words(budget_s)} of the {hours:g} h left"
+        return f"; {'1 more run' if left == 1 else f'{left} more runs'}, {in_words(left_s)}"
 
     def load_finished(self) -> None:
         """Take the outcomes of the table, or of the runs that have ended; nothing is run."""

@@ -172,11 +172,12 @@ class StudyFile(Table):
 class Study:
     """A study as it was requested, read and checked.
 
-    ``aims`` has one entry, named "", or one for each value of a limit that has several, named by the limit.
+    ``source`` is the file.  ``aims`` has one entry, named "", or one for each value of a limit that has
+    several, named by the limit.
     """
 
     file: StudyFile
-    folder: Path
+    source: Path
     space: Space
     aims: Mapping[str, Aim]
     derived: Mapping[str, ast.expr]
@@ -190,9 +191,14 @@ class Study:
 
     @property
     def name(self) -> str:
-        """The name of the study, and of its folder in ``runs/``."""
-        name = Path(self.file.case or self.file.table)
-        return f"{self.path(str(name)).stem}-design"
+        """The name of the study, and of its folder in ``runs/``: that of the case and that of the file."""
+        case = self.path(self.file.case or self.file.table).stem
+        return case if case == self.source.stem else f"{case}-{self.source.stem}"
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the file."""
+        return self.source.parent
 
     def path(self, name: str) -> Path:
         """Return a path that the file gives from its own folder."""
@@ -271,7 +277,7 @@ def read_study(path: Path) -> Study:
     if problems:
         raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems)
     low, high = np.array([factor.range for factor in file.factors.values()]).T
-    return Study(file, path.resolve().parent, Space(low, high, chains), aims, derived, parsed, simpler)
+    return Study(file, path.resolve(), Space(low, high, chains), aims, derived, parsed, simpler)
 
 
 def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:
