@@ -139,6 +139,25 @@ def test_a_finished_study_runs_nothing_more(tmp_path: Path) -> None:
     assert len(again.outcomes) == len(first.outcomes)
 
 
+def test_trials_that_another_process_wrote_meanwhile_are_known(tmp_path: Path) -> None:
+    """A second study is opened while the first one runs, and runs when that one has ended."""
+    study, store = belt(tmp_path), dict[str, Outcome]()
+    second = campaign(study, tmp_path, store=store)
+    first = run_all(study, tmp_path, store=store)
+    list(second.run())
+    assert second.outcomes == first.outcomes
+    assert isinstance(second.evaluator, NoisyFunction)
+    assert not second.evaluator.made
+
+
+def test_replicates_without_any_scatter_stop_no_study(tmp_path: Path) -> None:
+    """A case without random numbers gives the same at each setting, at both levels."""
+    study = belt(tmp_path, **{"cheap": {"level": "draft", "runs": 9}, "search/surrogate": "gaussian-process"})
+    whole = run_all(study, tmp_path, noise={})
+    assert (whole.data().variance < 1e-12).all()
+    assert Findings(whole).is_confirmed()
+
+
 def test_a_search_that_is_made_longer_goes_on_and_measures_its_new_best(tmp_path: Path) -> None:
     store: dict[str, Outcome] = {}
     short = belt(tmp_path, **{"search/runs": 1, "plan/runs": 6, "search/optimiser": "sobol"})

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import re
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import write_study_page
 from orchestrator.studies.design.pictures import draw_all
-from orchestrator.studies.design.study_file import StudyFile
+from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.design.tables import write_tables
 from orchestrator.studies.design.trials import Outcome
 from tests.design.campaigns import NoisyFunction, belt, run_all
@@ -51,7 +50,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 @pytest.fixture(scope="module")
 def written(whole: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the study."""
-    return write(whole, tmp_path_factory.mktemp("written"))
+    return write(whole, tmp_path_factory.mktemp("all") / "written")
 
 
 def rows_of(file: Path) -> list[dict[str, str]]:
@@ -119,18 +118,18 @@ def test_the_fit_says_how_far_each_surrogate_is_to_be_trusted(written: Path) -> 
 
 
 def test_the_resolved_study_can_be_read_again(written: Path, whole: Campaign) -> None:
-    table = tomllib.loads((written / "study.toml").read_text(encoding="utf-8"))
-    assert StudyFile.model_validate(table) == whole.study.file
+    """From its new place, it names the same case."""
+    again = read_study(written / "study.toml")
+    assert again.path(again.file.case) == whole.study.path(whole.study.file.case)
+    assert again.file.model_copy(update={"case": "."}) == whole.study.file
 
 
-def test_everything_but_the_runs_follows_from_the_runs_byte_for_byte(
-    written: Path, whole: Campaign, tmp_path: Path
-) -> None:
+def test_everything_but_the_runs_follows_from_the_runs_byte_for_byte(written: Path, whole: Campaign) -> None:
     """Outcomes that come in another order make the same files, too."""
     again = Campaign(whole.study, NoisyFunction(whole.study), whole.journal)
     again.read_trials()
     again.outcomes = whole.outcomes[::-1]
-    other = write(again, tmp_path / "again")
+    other = write(again, written.with_name("again"))
     names = {file.name for file in written.iterdir()}
     assert names == {file.name for file in other.iterdir()}
     assert {"points.csv", "points.parquet", "design.html", "fit.json", "best.csv", "front.csv"} <= names

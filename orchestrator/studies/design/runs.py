@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.scalars import value_at
+from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
@@ -49,14 +50,43 @@ class Runs:
         CaseError : with the settings that no case can have, and why.
         """
         problems: list[CaseProblem] = []
-        for corner in self._study.corners():
+        corners = list(self._study.corners())
+        for corner in corners:
+            named = self._named(corner)
             try:
                 self._runs.check(self._study.overlays(self._study.actual(corner)))
             except BadFormula as error:
-                problems.append(CaseProblem(("set",), f"{self._named(corner)}: {error}"))
+                problems.append(CaseProblem(("set",), f"{named}: {error}"))
             except CaseError as error:
-                first = error.problems[0]
-                problems.append(CaseProblem(first.key, f"{self._named(corner)}: {first.what}", first.hint))
+                problems.append(replace(error.problems[0], what=f"{named}: {error.problems[0].what}"))
+                if len(problems) == 1:
+                    self._raise_if_never_a_case(error)
+        if problems:
+            raise CaseError(problems)
+        self._check_names()
+
+    def _raise_if_never_a_case(self, error: CaseError) -> None:
+        """Raise the problems of the case without the formulas where ``error`` is one of them."""
+        try:
+            self._runs.check(self._study.file.overrides)
+        except CaseError as own:
+            if error.problems[0] in own.problems:
+                raise own from None
+
+    def _check_names(self) -> None:
+        """Raise CaseError where a formula's key would add a part to the case instead of changing one."""
+        try:
+            layers = self._runs.check(self._study.file.overrides).layers
+        except CaseError:  # only the formulas make it a case
+            return
+        problems = []
+        for key in self._study.file.set:
+            place: Any = Case.model_validate(layers.merged)
+            for number, part in enumerate(words := key.split(".")):
+                if isinstance(place, Mapping) and part not in place:
+                    what = f'the case has no "{part}" in {".".join(words[:number])}'
+                    problems.append(CaseProblem(("set", key), what, did_you_mean(part, place)))
+                place = place.get(part) if isinstance(place, Mapping) else getattr(place, part, None)
         if problems:
             raise CaseError(problems)
 
@@ -65,7 +95,12 @@ class Runs:
         yield from self._runs.crew.each(partial(self._make, trial) for trial in wanted)
 
     def finished(self, trials: Iterable[Trial]) -> list[Outcome]:
-        """Return the outcomes of the trials that have been run to their end; nothing is run."""
+        """Return the outcomes of the trials that have been run to their end; nothing is run.
+
+        Raises
+        ------
+        FolderUnusable : a run is of another case than the study's.
+        """
         outcomes = (self._make(trial, may_run=False) for trial in trials)
         return [outcome for outcome in outcomes if outcome.status not in UNFINISHED]
 
@@ -75,7 +110,7 @@ class Runs:
         except (CaseError, BadFormula) as error:
             why = str(error.problems[0]) if isinstance(error, CaseError) else str(error)
             return Outcome(trial, "refused", why)
-        if may_run and not point.done():
+        if not point.done() and may_run:
             run_point(point, self.side_by_side)
         return self._outcome(trial, point)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.table import Table
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.output.records.run_folder import study_folder
+from orchestrator.output.records.run_folder import FolderUnusable, study_folder
 from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import Findings
@@ -96,16 +96,22 @@ class DesignStudy:
         else:
             self.campaign.outcomes = self.runs.finished(self.campaign.read_trials())
 
+    def _why_no_data(self) -> str:
+        outcomes = self.campaign.outcomes
+        if outcomes:
+            return f"{self.folder}: none of {len(outcomes)} runs is data; the first: {outcomes[0].why}"
+        return f"{self.folder}: there are no data yet; flipflow study design makes the first runs"
+
     def write(self) -> Iterator[str | Table | Path]:
         """Write tables, pictures and the page from the outcomes; yield what is said and the files.
 
         Raises
         ------
-        CaseError : there are no data at all.
+        FolderUnusable : there are no data at all.
         """
         findings = Findings(self.campaign)
         if not len(findings.data.x):
-            raise CaseError([CaseProblem((), f"there are no data yet in {self.folder}")])
+            raise FolderUnusable(self._why_no_data())
         yield from write_tables(findings, self.folder)
         if self.study.file.case:
             yield from write_recommended(findings, self._case.check(), self.folder)

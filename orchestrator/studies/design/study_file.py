@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 import itertools
 import math
+import os
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from annotated_types import Len
@@ -203,6 +204,15 @@ class Study:
     def path(self, name: str) -> Path:
         """Return a path that the file gives from its own folder."""
         return (self.folder / name).resolve()
+
+    def table_for(self, folder: Path) -> dict[str, Any]:
+        """Return the file's content with all defaults; its paths start from a folder."""
+        table = self.file.model_dump(mode="json", exclude_none=True)
+        for place in (table, *table["published"]):
+            for key in ("case", "table"):
+                if place.get(key):
+                    place[key] = os.path.relpath(self.path(place[key]), folder.resolve())
+        return table
 
     def actual(self, coded: Array) -> dict[str, float]:
         """Return a coded setting, (factors,), in the units of the factors, by their names."""

@@ -29,9 +29,10 @@ Row = dict[str, Cell]
 def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
     """Write all tables that follow from the outcomes, and yield their files."""
     folder.mkdir(parents=True, exist_ok=True)
-    file = folder / "study.toml"
-    write_text(file, tomli_w.dumps(findings.campaign.study.file.model_dump(mode="json", exclude_none=True)))
-    yield file
+    file, study = folder / "study.toml", findings.campaign.study
+    if study.folder != folder.resolve():  # there, the file with its comments is the user's own
+        write_text(file, tomli_w.dumps(study.table_for(folder)))
+        yield file
     points = point_rows(findings)
     yield write_csv(points, folder / "points.csv")
     yield write_parquet(points, folder / "points.parquet")
