@@ -15,6 +15,8 @@ import numpy as np
 from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import Fitted, Surrogate
 
+NO_NOISE = 1e-8  # of the variance of the data: a case without random numbers has none
+
 
 @dataclass(frozen=True)
 class TwoLevels:
@@ -51,7 +53,8 @@ def _factor(mean: Array, y: Array, variance: Array) -> float:
     known = np.isfinite(y)
     if known.sum() < 2 or np.ptp(mean[known]) == 0.0:
         return 0.0
-    slope, _ = np.polyfit(mean[known], y[known], 1, w=1.0 / np.sqrt(variance[known]))
+    noise = np.maximum(variance[known], NO_NOISE * np.var(y[known]) or 1.0)
+    slope, _ = np.polyfit(mean[known], y[known], 1, w=1.0 / np.sqrt(noise))
     return float(slope)
 
 
