@@ -130,6 +130,14 @@ def test_a_study_that_is_ended_at_any_moment_goes_on_to_the_same_tables(
         assert len(again.evaluator.made) + moment <= len(undisturbed.outcomes) + 1
 
 
+def test_a_trial_is_written_down_before_its_run_begins(tmp_path: Path) -> None:
+    def wall_s(trial: Trial) -> float:
+        assert (tmp_path / "runs" / f"{trial.name}.trial.json").is_file()
+        return 60.0
+
+    run_all(belt(tmp_path), tmp_path, wall_s=wall_s)
+
+
 def test_a_finished_study_runs_nothing_more(tmp_path: Path) -> None:
     study, store = belt(tmp_path), dict[str, Outcome]()
     first = run_all(study, tmp_path, store=store)

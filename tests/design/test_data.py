@@ -36,6 +36,13 @@ def test_replicates_that_scatter_more_widen_the_noise_of_all_runs() -> None:
     assert variance == pytest.approx(UNLIKELY / 4)
 
 
+def test_runs_that_tell_no_noise_are_widened_with_the_others() -> None:
+    x, y = replicates(UNLIKELY)
+    variance, factor = completed_variance(x, y, np.array([1.0] * 5 + [np.nan, 1.0]))
+    assert factor > 1.0
+    assert variance == pytest.approx(UNLIKELY / 4)
+
+
 def test_replicates_at_several_settings_are_put_together() -> None:
     """Two at each of four settings; what differs from setting to setting is no noise."""
     x = np.repeat(np.array([[-1.0], [0.0], [0.5], [1.0]]), 2, axis=0)

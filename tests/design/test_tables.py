@@ -41,7 +41,12 @@ def jams(x: dict[str, float]) -> str:
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
     """A study with two best settings and a simpler design, one run of which failed."""
     folder = tmp_path_factory.mktemp("study")
-    changes = {"limits": ["share >= 50, 65"], "simpler": {"stroke": "slope / 5"}, "plan/runs": 12}
+    changes = {
+        "limits": ["share >= 50, 65"],
+        "simpler": {"stroke": "slope / 5"},
+        "plan/runs": 12,
+        "responses/share/scale": "percent",
+    }
     whole = run_all(belt(folder, **changes), folder, failing=jams)
     assert any(not each.is_data for each in whole.outcomes)
     return whole
@@ -74,6 +79,7 @@ def test_points_have_a_row_for_each_trial_and_a_column_for_all_that_is_known(
         if outcome.is_data:
             assert float(row["speed"]) == outcome.responses["speed"].value
             assert float(row["speed deviation"]) == pytest.approx(0.01 * whole.data().widened[0])
+            assert float(row["share deviation"]) == pytest.approx(0.5 * whole.data().widened[1])
         else:
             assert not row["speed"]
             assert not row["speed deviation"]
