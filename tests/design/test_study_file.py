@@ -132,6 +132,8 @@ WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
     "a case and a table": ({"table": "x.csv"}, ["case: one of case and table is wanted"]),
     "a case that nothing changes": ({"set": {}}, ["set: no key of the case depends on a factor"]),
     "a probability above one": ({"confidence": 90.0}, ["confidence: 90.0", "1"]),
+    "a certainty that nothing has": ({"confidence": 1.0}, ["confidence: 1.0", "less than 1"]),
+    "limits that are rather to be broken": ({"confidence": 0.4}, ["confidence: 0.4", "0.5"]),
     "no time": ({"hours": 0.0}, ["hours: 0.0"]),
     "text for a number": ({"hours": "ten"}, ["hours: 'ten'"]),
     "a response and a factor of one name": (

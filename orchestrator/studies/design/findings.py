@@ -107,11 +107,6 @@ class Findings:
         share = (inside & known).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
         return Judged(name, fitted, "", np.array(q2), share)
 
-    @property
-    def own(self) -> Judged:
-        """The study's own surrogate."""
-        return self.surrogates[0]
-
     @cached_property
     def fitted(self) -> Fitted | None:
         """The study's own surrogate with intervals that hold for points left out; None with too few runs."""

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Len
-from pydantic import Field, ValidationError
+from annotated_types import Ge, Len, Lt
+from pydantic import Field, Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.scalars import scalar
-from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Share, Table, Whole
+from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Table, Whole
 from orchestrator.ports import Array
 from orchestrator.studies.design import formulas, plans
 from orchestrator.studies.design.aim import Aim, Goal, Limit
@@ -152,8 +152,8 @@ class StudyFile(Table):
     simpler: dict[Name, OneLine] = Field(default_factory=dict)
     """Factors of a simpler design as formulas of the others; the best simpler design is run beside the best
     one."""
-    confidence: Share = 0.9
-    """The probability with which what is recommended must keep the limits."""
+    confidence: Annotated[float, Strict(), Ge(0.5), Lt(1)] = 0.9
+    """The probability with which what is recommended must keep the limits.  0.5 leaves no margin."""
     hours: Positive | None = None
     """Wall time, in hours, for all runs."""
     seed: Whole = 1
