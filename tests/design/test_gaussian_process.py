@@ -30,8 +30,8 @@ def covariance(a: Array, b: Array, height: float, lengths: Array) -> Array:
 
 def fitted_height_and_lengths(y: Array = VALUES, noise: Array = NOISE) -> tuple[float, Array]:
     """Return the hyperparameters that were fitted to six points, for responses of variance 1."""
-    process = GaussianProcess().fit(SIX, y[:, None], noise[:, None], 1).processes[0].process
-    return process.height, process.lengths
+    kernel = GaussianProcess().fit(SIX, y[:, None], noise[:, None], 1).processes[0].process.kernel_
+    return kernel.k1.k1.constant_value, np.array(kernel.k1.k2.length_scale)
 
 
 def wavy(x: Array) -> Array:
@@ -86,8 +86,10 @@ def test_noisy_data_are_smoothed_and_repeated_runs_count_as_their_mean() -> None
     fitted = GaussianProcess().fit(twice, both[:, None], np.full((7, 1), 0.04), 1)
     merged = np.array([3.3, *VALUES[1:]])
     variance = np.array([0.02, *[0.04] * 5])
+    process = fitted.processes[0]
     scale = both.std()
-    height, lengths = fitted.processes[0].process.height, fitted.processes[0].process.lengths
+    kernel = process.process.kernel_
+    height, lengths = kernel.k1.k1.constant_value, np.array(kernel.k1.k2.length_scale)
     inverse = np.linalg.inv(covariance(SIX, SIX, height, lengths) + np.diag(variance) / scale**2)
     expected = both.mean() + covariance(NEW, SIX, height, lengths) @ inverse @ (merged - both.mean())
     np.testing.assert_allclose(fitted.predict(NEW)[0][0], expected, rtol=1e-8)
