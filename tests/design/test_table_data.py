@@ -9,7 +9,7 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import Study
-from orchestrator.studies.design.table_data import read_table
+from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.points import Crew
 from tests.design.campaigns import belt
 
@@ -113,3 +113,22 @@ def test_the_best_setting_of_a_table_is_predicted(tmp_path: Path) -> None:
     said = [str(line) for line in design.write()]
     assert any("not yet measured" in line for line in said)
     assert not (tmp_path / "out" / "recommended.toml").exists()
+
+
+def with_published(folder: Path, text: str) -> Study:
+    """Return a study of a case with a published table of the speed."""
+    (folder / "belt.csv").write_text(text, encoding="utf-8")
+    return belt(folder, published=[{"source": "Table 5", "response": "speed", "table": "belt.csv"}])
+
+
+def test_a_published_table_has_a_column_with_the_response_s_name(tmp_path: Path) -> None:
+    """The run's result, ``results.speed``, is no name of a column."""
+    (outcomes,) = read_published(with_published(tmp_path, HEAD + ROWS))
+    assert [each.responses["speed"].value for each in outcomes] == [0.5, 1.9, 0.8, 2.3, 1.3, 1.31]
+
+
+def test_a_wrong_published_table_is_told_before_anything_runs(tmp_path: Path) -> None:
+    study = with_published(tmp_path, (HEAD + ROWS).replace("speed", "sped"))
+    with pytest.raises(CaseError, match=r'published\.0\.table: belt.csv has no column "speed".*sped'):
+        list(DesignStudy(study, Crew(), tmp_path / "out").run(search=False))
+    assert not (tmp_path / "out").exists()

@@ -42,8 +42,7 @@ def command(
 
 def _foretell(design: DesignStudy) -> StudyOutput:
     """Check the corners, list the planned settings, and predict their processor time."""
-    design.require_case()
-    design.runs.check()
+    design.check()
     campaign, file = design.campaign, design.study.file
     settings = planned_settings(design.study)
     rows = [

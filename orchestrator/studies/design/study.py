@@ -16,7 +16,7 @@ from orchestrator.studies.design.page import answers, published_in_words, write_
 from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import Study
-from orchestrator.studies.design.table_data import read_table
+from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.design.tables import term_name, write_recommended, write_tables
 from orchestrator.studies.design.trials import Journal, Outcome
 from orchestrator.studies.points import CaseStudy, Crew
@@ -37,22 +37,28 @@ class DesignStudy:
         self.runs = Runs(study, self._case)
         self.campaign = Campaign(study, self.runs, Journal(self.folder / RUNS))
 
-    def require_case(self) -> None:
-        """Raise CaseError for a study of a table, which has nothing to run."""
+    def check(self) -> None:
+        """Check that there is a case to run, that published tables can be read, and every corner as a case.
+
+        Raises
+        ------
+        CaseError : with what is wrong.
+        """
         if self.study.file.table:
             hint = "flipflow study fit takes it"
             raise CaseError([CaseProblem(("table",), "the data of a table cannot be run", hint)])
+        read_published(self.study)
+        self.runs.check()
 
     def run(self, search: bool) -> Iterator[str]:
-        """Check every corner as a case, run the centre, the plan and, with ``search``, the search and the
+        """Check the study, run the centre, the plan and, with ``search``, the search and the
         confirming runs; yield a line for each.
 
         Raises
         ------
-        CaseError : a corner is no case, or the centre does not have a response.
+        CaseError : as :meth:`check`, and where the centre does not have a response.
         """
-        self.require_case()
-        self.runs.check()
+        self.check()
         with study_folder(self.folder):
             for outcome in self.campaign.run(search):
                 self._check_first(outcome)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
 from orchestrator.ports import Array
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
@@ -13,8 +15,8 @@ from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
 DEVIATION = " deviation"  # ends the name of the column with a response's standard deviation
 
 
-def read_table(study: Study) -> list[Outcome]:
-    """Return one outcome for each row of the study's table.
+def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
+    """Return one outcome for each row of the study's table, which stands at ``key`` of its file.
 
     An empty cell of a response is a response that was not measured; rows without any are no data.
 
@@ -27,16 +29,16 @@ def read_table(study: Study) -> list[Outcome]:
         table = pd.read_csv(path, comment="#", skipinitialspace=True)
     except (OSError, ValueError) as error:
         what = f"{path} cannot be read: {str(error).splitlines()[0]}"
-        raise CaseError([CaseProblem(("table",), what)]) from None
+        raise CaseError([CaseProblem(key, what)]) from None
     columns = {name: response.result or name for name, response in file.responses.items()}
     optional = [column + DEVIATION for column in columns.values() if column + DEVIATION in table]
     problems = [
-        CaseProblem(("table",), f'{path.name} has no column "{name}"', did_you_mean(name, table.columns))
+        CaseProblem(key, f'{path.name} has no column "{name}"', did_you_mean(name, table.columns))
         for name in [*file.factors, *columns.values()]
         if name not in table
     ]
     if not problems and table.empty:
-        problems.append(CaseProblem(("table",), f"{path.name} has no rows"))
+        problems.append(CaseProblem(key, f"{path.name} has no rows"))
     if problems:
         raise CaseError(problems)
     numbers = table[[*file.factors, *columns.values(), *optional]].apply(pd.to_numeric, errors="coerce")
@@ -46,7 +48,7 @@ def read_table(study: Study) -> list[Outcome]:
     for row, column in zip(*np.nonzero(text.to_numpy()), strict=True):
         cell = table[numbers.columns[column]].iloc[row]
         what = f'row {row + 1} of {path.name}: "{cell}" is not a number of {numbers.columns[column]}'
-        problems.append(CaseProblem(("table",), what, "a column's unit belongs into study.toml"))
+        problems.append(CaseProblem(key, what, "a column's unit belongs into study.toml"))
     if problems:
         raise CaseError(problems)
     settings = study.space.coded(numbers[list(file.factors)].to_numpy(float))
@@ -54,6 +56,25 @@ def read_table(study: Study) -> list[Outcome]:
         _outcome(number, setting, row, columns, study)
         for number, (setting, (_, row)) in enumerate(zip(settings, numbers.iterrows(), strict=True), start=1)
     ]
+
+
+def read_published(study: Study) -> list[list[Outcome]]:
+    """Return the outcomes of each published table of the study, in the order of its file; none where a
+    published result has no table.
+
+    A table has a column with the name of the response.
+
+    Raises
+    ------
+    CaseError : as :func:`read_table`.
+    """
+    outcomes = []
+    for place, table in enumerate(study.file.published):
+        response = study.file.responses[table.response].model_copy(update={"result": ""})
+        changes = {"table": table.table, "case": "", "responses": {table.response: response}}
+        alone = replace(study, file=study.file.model_copy(update=changes))
+        outcomes.append(read_table(alone, ("published", place, "table")) if table.table else [])
+    return outcomes
 
 
 def _outcome(number: int, setting: Array, row: pd.Series, columns: dict[str, str], study: Study) -> Outcome:

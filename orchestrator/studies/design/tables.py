@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +18,8 @@ from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.findings import Confirmed, Findings, Interval
 from orchestrator.studies.design.published import compare_formula, implied_errors
 from orchestrator.studies.design.quadratic import Surface, Term, model_matrix, quadratic_terms
-from orchestrator.studies.design.study_file import PublishedTable
-from orchestrator.studies.design.table_data import read_table
+from orchestrator.studies.design.table_data import read_published
+from orchestrator.studies.design.trials import Outcome
 from orchestrator.studies.report import Cell, write_csv, write_parquet
 
 Row = dict[str, Cell]
@@ -206,8 +205,8 @@ def effect_rows(findings: Findings) -> list[Row]:
     rows: list[Row] = []
     for name, surface in findings.quadratic.items():
         published = {
-            table.source: _published_effects(findings, table)
-            for table in study.file.published
+            table.source: _published_effects(findings, name, outcomes)
+            for table, outcomes in zip(study.file.published, read_published(study), strict=True)
             if table.table and table.response == name
         }
         for number, factor in enumerate(study.file.factors):
@@ -223,13 +222,11 @@ def effect_rows(findings: Findings) -> list[Row]:
     return rows
 
 
-def _published_effects(findings: Findings, table: PublishedTable) -> Array:
+def _published_effects(findings: Findings, response: str, outcomes: list[Outcome]) -> Array:
     """Fit the quadratic surface to a published table, and return its effects, (factors, 2)."""
-    study = findings.campaign.study
-    file = study.file.model_copy(update={"table": table.table, "case": ""})
-    data = Data.of(read_table(replace(study, file=file)), findings.campaign.scales)
-    y = data.y[:, findings.responses.index(table.response)]
-    return Surface.fit(data.x, y, quadratic_terms(study.space.factors)).effects()
+    data = Data.of(outcomes, {response: findings.campaign.scales[response]})
+    terms = quadratic_terms(findings.campaign.study.space.factors)
+    return Surface.fit(data.x, data.y[:, 0], terms).effects()
 
 
 def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> Iterator[Path]:
