@@ -119,15 +119,15 @@ def test_the_smallest_value_of_hartmanns_function_of_six_factors_is_found() -> N
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("problem", "reference", "volume", "start"),
-    [(functions.ZDT1, (-1.1, -1.1), 0.876667, 20), (functions.BNH, (-140.0, -50.0), 5285.3333, 12)],
+    ("problem", "reference", "volume", "start", "total"),
+    [(functions.ZDT1, (-1.1, -1.1), 0.876667, 20, 60), (functions.BNH, (-140.0, -50.0), 5285.3333, 12, 40)],
     ids=["ZDT1", "BNH"],
 )
 def test_the_front_of_two_goals_is_found(
-    problem: Problem, reference: tuple[float, float], volume: float, start: int
+    problem: Problem, reference: tuple[float, float], volume: float, start: int, total: int
 ) -> None:
-    """Sixty runs dominate at least 97 % of the area that the true front does."""
-    x, _, _ = study(problem, GaussianProcess(), ExpectedImprovement(), start, 60, 1)
+    """Sixty runs dominate at least 97 % of the area that the true front does, of the easier front forty."""
+    x, _, _ = study(problem, GaussianProcess(), ExpectedImprovement(), start, total, 1)
     y = problem.truth(problem.space.actual(x))
     gains = problem.aim.gains(y)[:, problem.aim.kept(y)]
     assert hypervolume(gains, np.array(reference)) > 0.97 * volume
