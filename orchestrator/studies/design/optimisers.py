@@ -188,7 +188,7 @@ def predicted_worth(fitted: Fitted, aim: Aim, x: Array) -> Array:
     return np.where(missing > 0, WORTHLESS * (1.0 + missing), aim.gains(mean)[0])
 
 
-def predict_each(fitted: Fitted, x: Array, block: int = 500) -> tuple[Array, Array]:
+def predict_each(fitted: Fitted, x: Array, block: int = 100) -> tuple[Array, Array]:
     """Predict means and standard deviations, (m, p), of the responses at settings, (p, f), one by one."""
     means, deviations = [], []
     for start in range(0, len(x), block):
