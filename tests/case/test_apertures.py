@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -100,6 +101,17 @@ def test_the_same_twice_to_the_last_bit() -> None:
     one, two = (perforated_grid(panel(), FFS0827, (22, 8)) for _ in range(2))
     assert (one.coordinates_m == two.coordinates_m).all()
     assert (one.triangles == two.triangles).all()
+
+
+def test_panels_that_are_meshed_at_the_same_time_get_their_own_triangles() -> None:
+    """The cases of a study are checked side by side."""
+    widths_m = [0.03, 0.06] * 4
+
+    def mesh(width_m: float) -> int:
+        return len(perforated_grid(panel(width_m=width_m), FFS0827, (22, 2)).triangles)
+
+    with ThreadPoolExecutor(len(widths_m)) as pool:
+        assert list(pool.map(mesh, widths_m)) == [mesh(width_m) for width_m in widths_m]
 
 
 def test_few_triangles_for_the_ffs0827_panel_and_its_slice() -> None:
