@@ -8,7 +8,13 @@ Examples that are drawn are the same ones every time, so that a change is judged
 changes; new ones are looked for by ``pytest tests/case --hypothesis-profile=long``.
 
 The reference solvers of ``tests/reference`` can be named in a case.
+
+Compiled modules are kept even where the environment says otherwise: hundreds of processes are started,
+and each would compile the program anew.
 """
+
+import os
+import sys
 
 import pyvista  # noqa: F401
 from hypothesis import settings
@@ -18,3 +24,5 @@ from tests import reference
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 reference.install()
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
