@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from orchestrator.ports import Array, Indices
 
@@ -135,5 +135,5 @@ def half_width(values: Array) -> float:
     r = float(spread[1:] @ spread[:-1]) / float(spread @ spread)
     r = min(max((n * r + 1) / (n - 3), 0.0), 0.8)
     independent = max(n * (1 - r) / (1 + r), 2.0)
-    quantile = float(student.ppf((1 + CONFIDENCE) / 2, independent - 1))
+    quantile = float(stdtrit(independent - 1, (1 + CONFIDENCE) / 2))  # of Student's distribution
     return quantile * float(np.sqrt(variance / independent))

@@ -6,7 +6,6 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.cycles import cycle_numbers, within
@@ -111,6 +110,8 @@ def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
     """
     limit = 2 * BAND_HZ * step_s
     if limit < LARGEST_BAND:  # else the steps themselves are the limit
+        from scipy.signal import butter, sosfiltfilt  # takes long to import
+
         velocity_m_per_s = sosfiltfilt(butter(4, limit, output="sos"), velocity_m_per_s, axis=0)
     return np.asarray(np.gradient(velocity_m_per_s, step_s, axis=0))
 
