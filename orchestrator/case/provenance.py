@@ -46,8 +46,9 @@ def distributions() -> dict[str, Distribution]:
     """
     known: dict[str, Distribution] = {}
     for installed in metadata.distributions():
-        name = normalise(installed.metadata["Name"] or "")
-        known.setdefault(name, Distribution(name, installed.version, *_origin(installed)))
+        about = installed.metadata  # read from its file each time
+        name = normalise(about["Name"] or "")
+        known.setdefault(name, Distribution(name, about["Version"], *_origin(installed)))
     return dict(sorted(known.items()))
 
 

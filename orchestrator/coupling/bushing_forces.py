@@ -15,6 +15,7 @@ from orchestrator.ports import Array, Indices, Motion
 from orchestrator.ports.plans import BushingPlan
 
 ARMS = 3
+GROUND_M = np.vstack([np.zeros(3), np.eye(3)])  # its centre and the ends of its arms
 
 
 @dataclass(frozen=True)
@@ -66,24 +67,21 @@ class BushingForces:
         and the force holds the second end there.  Both count from t = 0: the preload that carries weight is
         not included.
         """
-        (from_m, from_m_per_s, turn), (to_m, to_m_per_s, _) = (
-            self._end(carried, points, arm_m)
-            for points, arm_m in zip((self.first, self.second), self.arm_m, strict=True)
-        )
-        axes = self.axes @ turn.transpose(0, 2, 1)
-        deformation_m = np.einsum("nij,nj->ni", axes, to_m - from_m)
-        rate_m_per_s = np.einsum("nij,nj->ni", axes, to_m_per_s - from_m_per_s)
+        place_m, velocity_m_per_s, turn = self._ends(carried)
+        axes = self.axes @ turn[0].transpose(0, 2, 1)
+        deformation_m = np.einsum("nij,nj->ni", axes, place_m[1] - place_m[0])
+        rate_m_per_s = np.einsum("nij,nj->ni", axes, velocity_m_per_s[1] - velocity_m_per_s[0])
         return (deformation_m, self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s)
 
-    def _end(self, carried: Motion, points: Indices, arm_m: Array) -> tuple[Array, Array, Array]:
-        """Return place and velocity (n, 3) of one end, and rotation (n, 3, 3) of its body."""
-        ground = np.vstack([np.zeros(3), np.eye(3)])
-        still = points[:, :1, None] < 0
-        place_m = np.where(still, ground, carried.position_m[points])
+    def _ends(self, carried: Motion) -> tuple[Array, Array, Array]:
+        """Return places and velocities (2, n, 3) of both ends, and rotations (2, n, 3, 3) of their bodies."""
+        points = np.array((self.first, self.second))
+        still = points[..., :1, None] < 0
+        place_m = np.where(still, GROUND_M, carried.position_m[points])
         velocity_m_per_s = np.where(still, 0.0, carried.velocity_m_per_s[points])
-        turn, spin = (np.swapaxes(x[:, 1:] - x[:, :1], 1, 2) for x in (place_m, velocity_m_per_s))
+        turn, spin = (np.swapaxes(x[..., 1:, :] - x[..., :1, :], 2, 3) for x in (place_m, velocity_m_per_s))
         return (
-            place_m[:, 0] + np.einsum("nij,nj->ni", turn, arm_m),
-            velocity_m_per_s[:, 0] + np.einsum("nij,nj->ni", spin, arm_m),
+            place_m[..., 0, :] + np.einsum("enij,enj->eni", turn, self.arm_m),
+            velocity_m_per_s[..., 0, :] + np.einsum("enij,enj->eni", spin, self.arm_m),
             turn,
         )

@@ -81,7 +81,13 @@ def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> 
     """
     mean_m = (start.position_m + end.position_m) / 2.0
     mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s - end.velocity_m_per_s)
-    return np.asarray(interval.length_s * np.cross(mean_m, load.force_N).sum(axis=0))
+    return interval.length_s * sum_of_cross_products(mean_m, load.force_N)
+
+
+def sum_of_cross_products(one: Array, other: Array) -> Array:
+    """Return the sum (3,) of the cross products of rows, (n, 3); several times faster than np.cross."""
+    (x, y, z), (u, v, w) = one.T, other.T
+    return np.array([(y * w - z * v).sum(), (z * u - x * w).sum(), (x * v - y * u).sum()])
 
 
 class MeteredFrames(FramesWrapper):

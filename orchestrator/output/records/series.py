@@ -107,7 +107,9 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
     )
     rotation_rad = Rotation.from_matrix(arms_m.transpose(0, 2, 1)).as_rotvec()
     # for orthonormal arms a:  sum of a x (spin x a) = 2 spin
-    return rotation_rad, np.cross(arms_m, rates_m_per_s).sum(axis=1) / 2
+    (x, y, z), (u, v, w) = np.moveaxis(arms_m, 2, 0), np.moveaxis(rates_m_per_s, 2, 0)
+    products = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=2)  # quicker than np.cross
+    return rotation_rad, products.sum(axis=1) / 2
 
 
 def _probe_motion(probe: PlacedProbe, state: State, followed: ParticleSnapshot | None) -> tuple[Array, Array]:
