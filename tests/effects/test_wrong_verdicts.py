@@ -284,7 +284,7 @@ def test_brute_force_of_the_stroke(
     In all of its 1.6 s the case comes to 3.43 and 32.5 mm, and to 7.88 and 3.61 mm.
     """
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    short = (*sets, "duration_s=0.8", "output.interval_s=0.1")
+    short = (*sets, "duration_s=0.8", "output.interval_s=0.1", "coupling.sync_interval_s=8e-4")
     found = Pairs(limit_s=600.0).of(load_judged(CASES / case, "draft", short), effect)
     assert found.refused == ""
     change = found.change("stroke")

@@ -23,7 +23,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
     kinds = {"often": OFTEN, "unseen": OUTPUT_ONCE_A_CYCLE, "seldom": ALL_ONCE_A_CYCLE}
     for name, sets in kinds.items():
         folder = tmp_path_factory.mktemp(name) / "run"
-        done = flipflow(*run_words("panel-cycle", folder, [*QUICK, "duration_s=0.48", *sets]))
+        done = flipflow(*run_words("panel-cycle", folder, [*QUICK, "duration_s=0.32", *sets]))
         assert done.returncode == 0, done.stderr
         has_results(folder)
         made[name] = summary(folder)
