@@ -175,7 +175,8 @@ def _require_runnable(loaded: JudgedCase) -> None:
     """
     if problems := find_all_problems(loaded):
         raise CaseError(problems)
-    loaded.case.panel.adapter.load()
+    if loaded.case.screen.panels:
+        loaded.case.panel.adapter.load()
 
 
 def _report_refusal(world: Any, error: Exception) -> int:

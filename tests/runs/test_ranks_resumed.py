@@ -38,7 +38,7 @@ import time
 from adapters.frames import two_mass
 advance = two_mass.TwoMassFrames.advance
 def slowly(self, interval, reaction):
-    time.sleep(0.05)
+    time.sleep(0.1)
     return advance(self, interval, reaction)
 two_mass.TwoMassFrames.advance = slowly
 """

@@ -19,7 +19,9 @@ class Table(BaseModel):
     The text under each field documents it, and docs/case-format.md is generated from these texts.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(
+        defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
 
     def times(self, factor: float, *keys: str) -> Self:
         """Return a copy with the values of these keys multiplied; keys without a value stay without one."""

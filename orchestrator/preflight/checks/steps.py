@@ -74,10 +74,12 @@ def whole_times(case: Case) -> Iterator[CaseProblem]:
 def missing_solvers(case: Case) -> Iterator[str]:
     """Yield a message for each solver that the case needs and this installation lacks.
 
-    The check loads the solvers, which takes some time.
+    A case without panels needs no solver of panels, and one without particles none of particles.  The
+    check loads the solvers, which takes some time.
     """
+    is_called_for = {"particles": has_particles(case), "panel": bool(case.screen.panels)}
     for port, adapter in case.adapters.items():
-        if port == "particles" and not has_particles(case):
+        if not is_called_for.get(port, True):
             continue
         try:
             adapter.load()
