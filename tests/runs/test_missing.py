@@ -76,6 +76,7 @@ def test_who_imports_what_is_forbidden_is_caught(tmp_path: Path) -> None:
         ("panel-cycle", []),
         ("panel-cycle", ["panel.solver=rigid"]),
         ("ball-on-panel", []),
+        ("bushing-hysteresis", []),
         ("quickstart", ["panel.solver=rigid"]),
         ("quickstart", ["effects=auto"]),
         ("empty-machine", ['effects=["frame-dynamics", "frame-motion"]']),
