@@ -95,7 +95,7 @@ class RecordedPanel(CarriedSurface):
         """
         ends_m = clamps.position_m - self._clamps.position_m
         shaped_m = surface.position_m - self._surface.position_m - self._carried @ ends_m
-        pulled_N = reaction_N - self._carried.T @ through_N
+        pulled_N = reaction_N - self._transposed @ through_N
         self._supplied_J += float(np.sum(pulled_N * ends_m) - np.sum(through_N * shaped_m))
         return -float(np.sum(reaction_N * ends_m))
 

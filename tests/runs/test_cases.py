@@ -34,7 +34,6 @@ DURATION_S = {
     "panel-cycle": 0.2,
     "ffs0827": 0.05,
     "ffs0827-effects": 0.09,
-    "motor-start": 0.05,
 }
 FED_SOON = ("banana", "ffs0827", "ffs0827-effects", "ffs0827-slice")
 PICTURED = "quickstart"

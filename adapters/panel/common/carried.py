@@ -45,23 +45,24 @@ class CarriedSurface(AccountedPanel):
 
         super().__init__(name, mount, mass_kg, gravity_m_per_s2)
         self._carried = identity(len(mass_kg), format="csr") if carried is None else carried
+        self._transposed, self._sizes = self._carried.T.copy(), abs(self._carried)
         self._surface = self._place(self._clamps, 0.0)
         self._rest_m = self._surface.position_m
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
         """Return the motion of the points whose clamps are all known."""
-        which = abs(self._carried) @ np.where(clamps.which, 0.0, 1.0) == 0.0
+        which = self._sizes @ np.where(clamps.which, 0.0, 1.0) == 0.0
         return Known(self._place(clamps.motion, interval.end_s), which)
 
     def _static_reaction_N(self) -> Array:
-        return np.asarray(self._carried.T @ self._weight_N + self._pull_N(0.0))
+        return np.asarray(self._transposed @ self._weight_N + self._pull_N(0.0))
 
     def _move(self, interval: Interval, clamps: Motion, load_N: Array) -> tuple[Motion, Array, float]:
         surface, before = self._place(clamps, interval.end_s), self._surface
         acceleration = (surface.velocity_m_per_s - before.velocity_m_per_s) / interval.length_s
         through_N = load_N + self._mass_kg * (self._gravity_m_per_s2 - acceleration)
         middle_s = (interval.start_s + interval.end_s) / 2
-        reaction_N = self._carried.T @ through_N + self._pull_N(middle_s)
+        reaction_N = self._transposed @ through_N + self._pull_N(middle_s)
         return surface, reaction_N, self._clamps_work_J(clamps, surface, load_N, through_N, reaction_N)
 
     def _masses(self) -> tuple[Array, Array]:
