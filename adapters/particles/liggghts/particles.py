@@ -188,6 +188,12 @@ class Liggghts:
         self._comm.Allreduce(MPI.IN_PLACE, by_point)
         return by_point
 
+    def _counted(self, *counts: int) -> list[int]:
+        """Return the sums of all ranks' counts."""
+        sums = np.array(counts)
+        self._comm.Allreduce(MPI.IN_PLACE, sums)
+        return [int(number) for number in sums]
+
     def _feed(self, interval: Interval) -> None:
         if self._plan.feed is None:
             return
@@ -209,6 +215,8 @@ class Liggghts:
 
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()
+        if not self._counted(len(mine["tag"]))[0]:
+            return
         # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
         mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
         self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], step_s)
@@ -248,8 +256,7 @@ class Liggghts:
         nowhere."""
         mine = self._engine.particles()
         bad = int(not (np.isfinite(mine["x"]).all() and np.isfinite(mine["v"]).all()))
-        counts = np.array([len(mine["x"]), bad, crossed])
-        present, bad, crossed = self._comm.allreduce(counts)
+        present, bad, crossed = self._counted(len(mine["x"]), bad, crossed)
         if bad:
             raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")
         expected = self._created - self._ledger.removed_count
