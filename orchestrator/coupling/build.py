@@ -32,7 +32,6 @@ from orchestrator.coupling.metered import (
     Stopwatch,
 )
 from orchestrator.coupling.mpi import FramesOnFirstRank
-from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.schemes import create_scheme
 from orchestrator.coupling.schemes.iterated import case_effort
 from orchestrator.coupling.schemes.scheme import Solvers
@@ -64,8 +63,8 @@ def _open_machine(
     case = case_with_scheme(loaded.case)
     # panels first: how they rest decides what particles and frames begin with
     opened_surface = OpenSurface.of(case, loaded.folder, stopwatch, world)
-    panel_set = opened_surface.together
-    opened.callback(panel_set.close)
+    surface_panel = opened_surface.together
+    opened.callback(surface_panel.close)
     surface, centres = opened_surface.triangle_surface(), opened_surface.centres()
     triangle_panels, gone_through = opened_surface.panel_of_triangle(), opened_surface.penetrations()
     # plans of the other solvers
@@ -74,7 +73,7 @@ def _open_machine(
     problems = find_problems_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
     if problems:
         raise CaseError(problems)
-    plan_of_frames = _plan_frames(case, panel_set)
+    plan_of_frames = _plan_frames(case, surface_panel)
     # solvers
     material, particles, wearing = _particles(case, plan_of_particles, stopwatch)
     if particles is not None:
@@ -82,7 +81,7 @@ def _open_machine(
     opened_frames = _frames(case, plan_of_frames, world)
     members = MeteredSolvers(
         MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch),
-        MeteredPanel(panel_set, "panels", "mapping", stopwatch),
+        MeteredPanel(surface_panel, "panels", "mapping", stopwatch),
         particles,
     )
     return Machine(
@@ -96,17 +95,17 @@ def _open_machine(
         penetrations=gone_through,
         centres=centres,
         probes=opened_surface.probes(),
-        bushings=BushingForces.of(bushings(case), centres, panel_set.mount.position_m),
+        bushings=BushingForces.of(bushings(case), centres, surface_panel.mount.position_m),
         material=material,
         wearing=wearing,
     )
 
 
-def _plan_frames(case: Case, panel_set: PanelSet) -> FramesPlan:
-    reaction_N = panel_set.initial().reaction.force_N
+def _plan_frames(case: Case, surface_panel: Panel) -> FramesPlan:
+    reaction_N = surface_panel.initial().reaction.force_N
     if not case.exchange.panel_reaction:  # frames at rest do not hold what they do not feel
         reaction_N = np.zeros_like(reaction_N)
-    return frames_plan(case, panel_set.mount.position_m, panel_set.mount.frame, reaction_N)
+    return frames_plan(case, surface_panel.mount.position_m, surface_panel.mount.frame, reaction_N)
 
 
 def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:

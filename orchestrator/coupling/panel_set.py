@@ -31,8 +31,8 @@ class PanelSet:
         rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
         self._own: dict[int, Panel] = {i: open_panel(i) for i in range(rank, count, size)}
         self._follow = {i: surface_ahead(panel) for i, panel in self._own.items()}
-        states = self._exchange({i: panel.initial() for i, panel in self._own.items()})
-        mounts = self._exchange({i: panel.mount for i, panel in self._own.items()})
+        states = self.exchange({i: panel.initial() for i, panel in self._own.items()})
+        mounts = self.exchange({i: panel.mount for i, panel in self._own.items()})
         self.surface = consecutive_slices([len(state.surface) for state in states])
         self.clamps = consecutive_slices([len(mount.frame) for mount in mounts])
         self._initial = concatenate_states(states)
@@ -49,16 +49,16 @@ class PanelSet:
             i: panel.advance(interval, clamps.part(self.clamps[i]), Load(load.force_N[self.surface[i]]))
             for i, panel in self._own.items()
         }
-        return concatenate_states(self._exchange(own))
+        return concatenate_states(self.exchange(own))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
         own = {i: ahead(interval, clamps.part(self.clamps[i])) for i, ahead in self._follow.items()}
-        parts = self._exchange(own)
+        parts = self.exchange(own)
         motion = concatenate_motions([part.motion for part in parts])
         return Known(motion, np.concatenate([part.which for part in parts]))
 
     def inertia(self) -> Inertia:
-        parts = self._exchange({i: surface_inertia(panel) for i, panel in self._own.items()})
+        parts = self.exchange({i: surface_inertia(panel) for i, panel in self._own.items()})
         return Inertia(
             csr_array(block_diag([part.shapes for part in parts])),
             np.concatenate([part.mass_kg for part in parts]),
@@ -66,7 +66,7 @@ class PanelSet:
         )
 
     def account(self) -> Account:
-        return sum_accounts(self._exchange({i: panel.account() for i, panel in self._own.items()}))
+        return sum_accounts(self.exchange({i: panel.account() for i, panel in self._own.items()}))
 
     def save(self) -> Saved:
         """Return the states of the panels on this rank."""
@@ -80,7 +80,7 @@ class PanelSet:
         for panel in self._own.values():
             panel.close()
 
-    def _exchange(self, own: Mapping[int, Any]) -> list[Any]:
+    def exchange(self, own: Mapping[int, Any]) -> list[Any]:
         """Return the values of all panels, in order, from the ranks that own the panels."""
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}

@@ -1,8 +1,7 @@
 """The surface of a machine: its parts, and the indices of their points and triangles in the whole.
 
-The parts are panels, walls, and points that are only observed.  The coupling treats each part as a
-``Panel``: a finite-element panel seen through the particles' triangles, a wall that a frame carries,
-or points on a frame that nothing touches.
+The parts are panels, seen through the particles' triangles; walls that a frame carries; and points on frames
+that are only observed.  The coupling treats all of them together as one ``Panel``.
 """
 
 from __future__ import annotations
@@ -14,9 +13,10 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from scipy.sparse import block_diag, csr_array, identity
 
 from orchestrator.case import solvers
-from orchestrator.case.deck.panels import SinglePanel, Wall, single_panels, to_world, walls
+from orchestrator.case.deck.panels import SinglePanel, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.recordings import playbacks
@@ -26,7 +26,7 @@ from orchestrator.coupling.machine import PanelPoints, PlacedProbe
 from orchestrator.coupling.mapping import MappedPanel
 from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
-from orchestrator.coupling.panel_set import PanelSet
+from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
 from orchestrator.ports.geometry import Edges, TriangleSurface
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
@@ -37,30 +37,47 @@ NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
 NO_POINTS = np.empty(0, dtype=np.int64)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SurfacePart:
-    """A part of the surface: the call that opens it, and the data of its points before the call.
+    """A part of the surface, as far as it is known before anything opens.
 
     ``drawn_m`` (n, 3) are its surface points as drawn; a panel is drawn straight between its clamps.
-    ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the points of its
-    ``RecordedGrid`` if it is recorded) hold the part's own point numbers.  ``points`` maps the names of
-    observed points (probes, centres of mass) to their numbers.  The last three times ``stops`` clamp points
-    belong to beams below the part.
+    ``triangles`` (m, 3) holds the part's own point numbers.  ``points`` maps the names of observed points
+    (probes, centres of mass) to their numbers.
     """
 
     name: str
-    open: Callable[[], Panel]
     drawn_m: Array
-    points: dict[str, int]
+    points: dict[str, int] = field(default_factory=dict)
     triangles: Indices = field(default_factory=lambda: NO_TRIANGLES)
-    edges: Edges = field(default_factory=lambda: Edges.of(np.empty((0, 2)), NO_TRIANGLES))
     material: str = ""
-    centre_line: Indices = field(default_factory=lambda: NO_POINTS)
-    shape: Indices = field(default_factory=lambda: NO_POINTS)
-    stops: int = 0
 
 
-def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[SurfacePart]:
+@dataclass(frozen=True, kw_only=True)
+class PanelPart(SurfacePart):
+    """A panel, seen through the triangles that particles touch.
+
+    ``open`` opens the panel, and returns it with the matrix H (n, panel's surface points) that takes its
+    motion to the part's points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
+    (the points of its ``RecordedGrid`` if it is recorded) hold the part's own point numbers.  The last three
+    times ``stops`` clamp points belong to beams below the part.
+    """
+
+    open: Callable[[], tuple[Panel, csr_array]]
+    edges: Edges
+    centre_line: Indices
+    shape: Indices
+    stops: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidPart(SurfacePart):
+    """Points that ``frame`` carries: a wall, or points of the frame that are only observed."""
+
+    frame: str
+
+
+def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[PanelPart]:
     """Return a part for each panel, in the order of the case; every rank of ``world`` gets the same parts."""
     plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
@@ -72,7 +89,7 @@ def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any 
 
 def _panel(
     case: Case, plan: PanelPlan, material: str, touched: TriangleGrid, stopwatch: Stopwatch
-) -> SurfacePart:
+) -> PanelPart:
     at = {
         name: np.multiply(probe.at, (plan.rectangle.length_m, plan.rectangle.width_m))
         for name, probe in case.probes.items()
@@ -85,15 +102,15 @@ def _panel(
     # load the adapter on every rank, even on ranks without a panel: PETSc starts up collectively
     solvers.adapter("panel", solver).load()
 
-    def open_panel() -> Panel:
+    def open_panel() -> tuple[Panel, csr_array]:
         own = cast(MeshedPanel, solvers.open_solver("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
         panel = TimedPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
-        return MappedPanel(panel, own.interpolation(coordinates))
+        return panel, own.interpolation(coordinates)
 
     first = len(touched.coordinates_m)
-    return SurfacePart(
+    return PanelPart(
         name=plan.name,
         open=open_panel,
         drawn_m=plan.rectangle.mounted(coordinates),
@@ -117,18 +134,21 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
         raise CaseError([CaseProblem(key, str(error), "lower it, or tighten the panel")]) from error
 
 
-def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
+def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:
     """Return a part for each rigid surface."""
+    return [
+        RigidPart(
+            name=wall.name,
+            drawn_m=wall.position_m,
+            triangles=wall.triangles,
+            material=wall.material,
+            frame=wall.frame,
+        )
+        for wall in walls(case, case_folder)
+    ]
 
-    def part(wall: Wall) -> SurfacePart:
-        opened = carried(wall.position_m, wall.frame)
-        place_m = wall.position_m
-        return SurfacePart(wall.name, opened, place_m, {}, wall.triangles, material=wall.material)
 
-    return [part(wall) for wall in walls(case, case_folder)]
-
-
-def _frame_points(case: Case, frame: str) -> SurfacePart:
+def _frame_points(case: Case, frame: str) -> RigidPart:
     """Return the part of a frame's points that are only observed.
 
     They are its centre of mass (under the frame's name), the ends of three arms of 1 m from there along the
@@ -143,42 +163,65 @@ def _frame_points(case: Case, frame: str) -> SurfacePart:
     probes_m = to_world(case, np.array(list(probes.values())).reshape(-1, 3))
     position_m = np.vstack([centre_m, centre_m + np.eye(3), probes_m])
     points = {frame: 0} | {name: number for number, name in enumerate(probes, start=4)}
-    return SurfacePart(frame, carried(position_m, frame), position_m, points)
-
-
-def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
-    """Return a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
-    module = "adapters.panel.common.carried"
-    return lambda: cast(Panel, import_module(module).build(position_m, frame))
+    return RigidPart(name=frame, drawn_m=position_m, points=points, frame=frame)
 
 
 @dataclass(frozen=True)
 class OpenSurface:
-    """The open surface of a machine, with all parts: panels in the case's order, walls, and frames.
+    """The open surface of a machine: ``together`` has the points of all parts, part by part.
 
-    Particles touch the parts that have a material; points on frames belong to the surface, but to no
-    triangle.
+    The parts are the panels in the case's order, the walls, and the observed points of the frames; part i
+    has the points ``surface[i]`` and ``clamps[i]`` of the whole.  Particles touch the parts that have a
+    material; points on frames belong to the surface, but to no triangle.
     """
 
     case: Case
-    parts: list[SurfacePart]
-    together: PanelSet
+    panels: list[PanelPart]
+    rigid: list[RigidPart]
+    together: Panel
+    clamps: tuple[slice, ...]
 
     @staticmethod
     def of(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any) -> OpenSurface:
-        """Open the surface of a case, on every rank of ``world``."""
-        parts = [
-            *panel_parts(case, case_folder, stopwatch, world),
+        """Open the surface of a case, on every rank of ``world``.
+
+        All rigid parts are one member of the set of panels, and one matrix maps the whole surface.
+        """
+        panels = panel_parts(case, case_folder, stopwatch, world)
+        rigid = [
             *wall_parts(case, case_folder),
             *(_frame_points(case, frame) for frame in case.screen.frames),
         ]
-        return OpenSurface(case, parts, PanelSet(len(parts), lambda i: parts[i].open(), world))
+        opened: dict[int, csr_array] = {}
+
+        def open_member(number: int) -> Panel:
+            if number == len(panels):
+                panel, opened[number] = _open_rigid(rigid)
+            else:
+                panel, opened[number] = panels[number].open()
+            return panel
+
+        members = PanelSet(len(panels) + 1, open_member, world)
+        H = csr_array(block_diag(members.exchange(opened)))
+        lengths = [part.stop - part.start for part in members.clamps[:-1]]
+        lengths += [len(part.drawn_m) for part in rigid]
+        return OpenSurface(case, panels, rigid, MappedPanel(members, H), consecutive_slices(lengths))
+
+    @property
+    def parts(self) -> list[SurfacePart]:
+        """All parts, in the order of their points."""
+        return [*self.panels, *self.rigid]
+
+    @property
+    def surface(self) -> tuple[slice, ...]:
+        """The points of each part in the whole surface."""
+        return consecutive_slices([len(part.drawn_m) for part in self.parts])
 
     def bodies(self) -> list[SurfaceBody]:
         """Return the triangles of every part, in points of the whole surface."""
         return [
             SurfaceBody(part.name, part.triangles + points.start)
-            for part, points in zip(self.parts, self.together.surface, strict=True)
+            for part, points in zip(self.parts, self.surface, strict=True)
         ]
 
     def triangle_surface(self) -> TriangleSurface:
@@ -195,8 +238,7 @@ class OpenSurface:
 
     def panel_of_triangle(self) -> Indices:
         """Return the number of each triangle's panel; -1 for walls."""
-        panels = len(single_panels(self.case))
-        numbers = [number if number < panels else -1 for number in range(len(self.parts))]
+        numbers = [*range(len(self.panels)), *(-1 for _ in self.rigid)]
         return np.repeat(np.array(numbers, dtype=np.int64), [len(part.triangles) for part in self.parts])
 
     def panel_points(self) -> tuple[PanelPoints, ...]:
@@ -204,17 +246,11 @@ class OpenSurface:
         return tuple(
             self._points_of(part, single, surface, clamps)
             for part, single, surface, clamps in zip(
-                self.parts,
-                single_panels(self.case),
-                self.together.surface,
-                self.together.clamps,
-                strict=False,
+                self.panels, single_panels(self.case), self.surface, self.clamps, strict=False
             )
         )
 
-    def _points_of(
-        self, part: SurfacePart, single: SinglePanel, surface: slice, clamps: slice
-    ) -> PanelPoints:
+    def _points_of(self, part: PanelPart, single: SinglePanel, surface: slice, clamps: slice) -> PanelPoints:
         at, end_of_clamps = single.rectangle, clamps.stop - 3 * part.stops
         clamp_points = np.arange(clamps.start, end_of_clamps)
         first = (self.together.mount.position_m[clamp_points] - at.corner_m) @ at.along < at.span_m / 2
@@ -236,7 +272,7 @@ class OpenSurface:
 
         Points of a panel that a clamp or a stop holds do not count.
         """
-        singles = zip(single_panels(self.case), self.parts, self.together.surface, strict=False)
+        singles = zip(single_panels(self.case), self.panels, self.surface, strict=False)
         probed = [
             ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
             for number, (single, part, points) in enumerate(singles)
@@ -246,7 +282,7 @@ class OpenSurface:
     def centres(self) -> dict[str, int]:
         """Return the number of each frame's centre of mass among the carried points."""
         frames = self.case.screen.frames
-        places = zip(self.parts, self.together.clamps, strict=True)
+        places = zip(self.parts, self.clamps, strict=True)
         return {part.name: clamps.start for part, clamps in places if part.name in frames}
 
     def probes(self) -> tuple[PlacedProbe, ...]:
@@ -254,7 +290,7 @@ class OpenSurface:
         placed = []
         for number, part in enumerate(self.parts):
             on_frame = part.name in self.case.screen.frames
-            points = self.together.clamps[number] if on_frame else self.together.surface[number]
+            points = self.clamps[number] if on_frame else self.surface[number]
             for name, point in part.points.items():
                 if name in self.case.probes:
                     on = "clamps" if on_frame else "surface"
@@ -267,7 +303,7 @@ class OpenSurface:
         return tuple(placed)
 
 
-def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
+def _free_pairs(single: SinglePanel, part: PanelPart) -> Indices:
     """Return pairs (k, 2) of points where neither a clamp nor a stop holds their middles.
 
     They are the points of a panel's triangles, as pairs of equal points, and its edges that are longer than
@@ -281,3 +317,11 @@ def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
     for stop in single.table.stops.values():
         free &= (along < stop.from_m / at.length_m) | (along > stop.to_m / at.length_m)
     return np.asarray(pairs[free])
+
+
+def _open_rigid(parts: list[RigidPart]) -> tuple[Panel, csr_array]:
+    """Open all rigid parts as one surface; return it with the identity as its mapping."""
+    points_m = np.concatenate([np.empty((0, 3)), *(part.drawn_m for part in parts)])
+    frames = tuple(part.frame for part in parts for _ in part.drawn_m)
+    surface = import_module("adapters.panel.common.carried").build(points_m, frames)
+    return cast(Panel, surface), csr_array(identity(len(points_m)))

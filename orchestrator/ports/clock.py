@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 
 
 @cache
@@ -48,12 +48,12 @@ class Interval:
         first, length_s = parts * self.index, self.length_s / parts
         return [Interval(first + part, length_s, parts) for part in range(parts)]
 
-    @property
+    @cached_property
     def start_s(self) -> float:
         """The time at which the interval begins."""
         return float(self.index * exact(self.length_s))
 
-    @property
+    @cached_property
     def end_s(self) -> float:
         """The time at which the interval ends."""
         return float((self.index + 1) * exact(self.length_s))

@@ -16,7 +16,7 @@ LIFTED_M = POINTS_M + np.array([0.0, 0.0, 0.1])
 
 
 def test_surface_is_the_clamps_and_reaction_the_load() -> None:
-    wall = build(POINTS_M, "driving")
+    wall = build(POINTS_M, ("driving",) * 3)
     start = wall.initial()
     assert wall.mount.frame == ("driving",) * 3
     assert np.array_equal(start.surface.position_m, POINTS_M)
@@ -30,7 +30,7 @@ def test_surface_is_the_clamps_and_reaction_the_load() -> None:
 
 
 def test_books_are_those_of_a_massless_body() -> None:
-    wall = build(POINTS_M, "driving")
+    wall = build(POINTS_M, ("driving",) * 3)
     moved = Motion(LIFTED_M, np.ones((3, 3)))
     wall.advance(Interval(0, INTERVAL_S), moved, Load(np.full((3, 3), 2.0)))
     account = wall.account()
@@ -40,7 +40,7 @@ def test_books_are_those_of_a_massless_body() -> None:
 
 
 def test_wrong_numbers_of_points_are_refused() -> None:
-    wall = build(POINTS_M, "driving")
+    wall = build(POINTS_M, ("driving",) * 3)
     with pytest.raises(BrokenRecord, match="3 points wanted, got 2"):
         wall.advance(Interval(0, INTERVAL_S), held(wall), Load.zero(2))
     with pytest.raises(BrokenRecord, match="3 points wanted, got 2"):
@@ -50,7 +50,7 @@ def test_wrong_numbers_of_points_are_refused() -> None:
 
 
 def test_a_restored_wall_goes_on_as_the_saved_one() -> None:
-    wall, other = build(POINTS_M, "driving"), build(POINTS_M, "driving")
+    wall, other = build(POINTS_M, ("driving",) * 3), build(POINTS_M, ("driving",) * 3)
     load = Load(np.arange(9.0).reshape(3, 3))
     wall.advance(Interval(0, INTERVAL_S), Motion(LIFTED_M, np.ones((3, 3))), load)
     other.restore(wall.save())

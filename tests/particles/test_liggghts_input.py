@@ -4,8 +4,9 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
-from adapters.particles.liggghts.input import contact_model, input_text, smallest_box_m
+from adapters.particles.liggghts.input import bin_size_m, contact_model, input_text, smallest_box_m
 from orchestrator.ports.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 
@@ -89,3 +90,13 @@ def test_on_more_than_two_ranks_the_box_does_not_shrink():
     on = {n: replace(plan, communicator=SimpleNamespace(size=n)) for n in (2, 3)}
     np.testing.assert_array_equal(smallest_box_m(on[2]), smallest_box_m(plan))
     np.testing.assert_allclose(smallest_box_m(on[3]), [[-50.005] * 3, [50.005] * 3])
+
+
+def test_few_particles_in_a_large_box_get_large_bins():
+    """The box has 5e-5 m3, and half a cutoff is 3.25 mm: 9.2 mm are wanted for one particle."""
+    plan = make_plan(flat(), spheres([0.0, 0.0, 0.01]))
+    assert bin_size_m(plan, 1) == pytest.approx(2 * 3.25e-3, rel=1e-12)
+    assert bin_size_m(plan, 0) == bin_size_m(plan, 1)
+    assert bin_size_m(plan, 100) == 0.0  # LIGGGHTS's own
+    high = make_plan(flat(), spheres([0.0, 0.0, 100.0]))
+    assert bin_size_m(high, 1) == pytest.approx(32 * 3.25e-3, rel=1e-12)  # 157 mm are wanted in 0.25 m3

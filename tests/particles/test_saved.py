@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from adapters.particles.liggghts import input as liggghts_input
+from adapters.particles.liggghts.input import bin_size_m
 from orchestrator.ports.clock import Interval
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
@@ -60,6 +62,17 @@ def test_liggghts_steps_back_bit_for_bit(changes: dict[str, Any]) -> None:
     """In each of 110 intervals: with and without new neighbours in it, particles fed at random or
     gone, on a surface that first goes another way."""
     assert hesitating("liggghts", bed_plan(**changes), 110) == []
+
+
+@pytest.mark.solver
+def test_liggghts_goes_on_and_steps_back_with_other_bins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bins shrink while particles are fed."""
+    monkeypatch.setattr(liggghts_input, "BINS_PER_PARTICLE", 0.1)
+    plan = bed_plan()
+    present = len(plan.particles)
+    assert bin_size_m(plan, present) > bin_size_m(plan, 2 * present) > 0
+    assert resumed("liggghts", plan, 70, 110) == []
+    assert hesitating("liggghts", plan, 110) == []
 
 
 @pytest.mark.parametrize("changes", OF_SPHERES.values(), ids=OF_SPHERES)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,8 +67,9 @@ class DrivenPoints:
         self._points_m, carrier = plan.points_m, np.array(plan.carrier, dtype=str)
         self._driven = [(drive, np.flatnonzero(carrier == drive.body)) for drive in plan.drives]
         self.still_or_driven = np.isin(carrier, ["ground", *(d.body for d in plan.drives)])
+        self.at = lru_cache(maxsize=1)(self._at)  # an interval's end is looked at ahead, and then reached
 
-    def at(self, time_s: float) -> Motion:
+    def _at(self, time_s: float) -> Motion:
         """Return the exact motion of all points."""
         position_m = self._points_m.copy()
         velocity_m_per_s = np.zeros_like(position_m)

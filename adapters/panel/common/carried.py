@@ -1,4 +1,4 @@
-"""Surfaces whose clamps determine the places of all points: walls, chutes and probes on one frame, and the
+"""Surfaces whose clamps determine the places of all points: walls, chutes and probes on frames, and the
 common parts of rigid and recorded panels."""
 
 from __future__ import annotations
@@ -15,14 +15,36 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 
-def build(points_m: Array, frame: str) -> CarriedSurface:
-    """Open a rigid surface of ``points_m`` (n, 3) in the world at t = 0, all carried by ``frame``.
+def build(points_m: Array, frame: tuple[str, ...]) -> RigidSurface:
+    """Open a rigid surface of ``points_m`` (n, 3) in the world at t = 0, each carried by its ``frame``."""
+    mount = Mount(points_m, frame)
+    return RigidSurface("rigid surfaces", mount, np.zeros(len(points_m)), np.zeros(3))
 
-    It has no mass (its mass belongs to the frame) and no mesh to map from: the particles touch its
-    points themselves, hence it is a ``Panel`` but not a ``MeshedPanel``.
+
+class RigidSurface(AccountedPanel):
+    """Walls and observed points: every point is a clamp, moves as its frame does, and passes its load on.
+
+    It has no mass (its mass belongs to the frame) and no mesh to map from: the particles touch its points
+    themselves, hence it is a ``Panel`` but not a ``MeshedPanel``.
     """
-    mount = Mount(points_m, (frame,) * len(points_m))
-    return CarriedSurface(f"surface on {frame}", mount, np.zeros(len(points_m)), np.zeros(3))
+
+    def __init__(self, name: str, mount: Mount, mass_kg: Array, gravity_m_per_s2: Array) -> None:
+        super().__init__(name, mount, mass_kg, gravity_m_per_s2)
+        self._surface, self._rest_m = self._clamps, self._clamps.position_m
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        """Return the motion of the points, as known as that of the clamps, which they are."""
+        return clamps
+
+    def _static_reaction_N(self) -> Array:
+        return np.zeros_like(self._rest_m)
+
+    def _move(self, interval: Interval, clamps: Motion, load_N: Array) -> tuple[Motion, Array, float]:
+        moved_m = clamps.position_m - self._clamps.position_m
+        return clamps, load_N, -float(np.vdot(load_N, moved_m))
+
+    def _masses(self) -> tuple[Array, Array]:
+        return self._surface.position_m, self._surface.velocity_m_per_s
 
 
 class CarriedSurface(AccountedPanel):

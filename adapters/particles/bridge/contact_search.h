@@ -187,6 +187,18 @@ class ContactSearch {
     return {triangle, at, away, dot(away, away)};
   }
 
+  // Is a place farther than `reach_m` from the triangle's bounding box along any axis?
+  bool boxes_apart(const SurfacePath &surface, Vec3 position_m, int triangle, double reach_m) const {
+    const Triangle &corner = triangles_[triangle];
+    const Vec3 a = surface.position(corner[0]), b = surface.position(corner[1]),
+               c = surface.position(corner[2]);
+    const auto apart = [reach_m](double x, double ax, double bx, double cx) {
+      return x + reach_m < std::min({ax, bx, cx}) || x - reach_m > std::max({ax, bx, cx});
+    };
+    return apart(position_m.z, a.z, b.z, c.z) || apart(position_m.x, a.x, b.x, c.x) ||
+           apart(position_m.y, a.y, b.y, c.y);
+  }
+
   void list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m) {
     const auto first = candidates_.size();
     look(surface, position_m, 0, reach_m);
@@ -204,6 +216,7 @@ class ContactSearch {
   void look(const SurfacePath &surface, Vec3 position_m, int image, double reach_m) {
     const auto cell = grid_.near(position_m);
     for (const int *t = cell[0]; t != cell[1]; ++t) {
+      if (boxes_apart(surface, position_m, *t, reach_m)) continue;
       const double distance2 = nearest_place(surface, position_m, *t).distance2;
       if (distance2 < reach_m * reach_m) candidates_.push_back({*t, image, std::sqrt(distance2)});
     }

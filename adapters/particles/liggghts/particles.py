@@ -39,6 +39,7 @@ try:
     from mpi4py import MPI
 
     from adapters.particles.liggghts.engine import begin_path, create_particles, floats, start_engine
+    from adapters.particles.liggghts.input import bin_size_m
 except ImportError as missing:
     raise SolverMissing(
         "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
@@ -56,7 +57,7 @@ class Liggghts:
         self._plan = plan
         self._comm: Any = plan.communicator or MPI.COMM_SELF
         self._ledger = ParticleLedger(plan, self._comm)
-        self._created = 0
+        self._created, self._bin_m = 0, 0.0
         self._deepest, self._crossings = Overlaps(), Crossings.none()
         self._unprepared = False
         self._removed: list[Removed] = []
@@ -95,6 +96,7 @@ class Liggghts:
         try:
             begin_path(self._engine, path, interval.length_s, steps)
             self._feed(interval)
+            self._set_bins(bin_size_m(self._plan, self._created - self._ledger.removed_count))
             self._prepare()
             self._engine.run(steps=steps, step_s=interval.length_s / steps)
         except RuntimeError as error:
@@ -165,12 +167,14 @@ class Liggghts:
             "engine": self._engine.save(),
             "ledger": self._ledger.save(),
             "created": np.array(self._created),
+            "bin_m": np.array(self._bin_m),
             "deepest": as_arrays(self._deepest_of_rank()),
             "crossings": as_arrays(self._crossings),
             "removed": as_arrays(sort_removed(self._removed)),
         }
 
     def restore(self, saved: Saved) -> None:
+        self._set_bins(float(saved["bin_m"]))
         self._engine.restore(saved["engine"])
         self._ledger.restore(saved["ledger"])
         self._created = int(saved["created"])
@@ -184,9 +188,21 @@ class Liggghts:
         del self._engine
         self._opened.close()
 
+    def _set_bins(self, size_m: float) -> None:
+        """Set the size of the bins, from the next list of neighbours on; 0 stands for LIGGGHTS's own."""
+        if size_m != self._bin_m:
+            self._engine.command(f"neigh_modify binsize {size_m!r}")
+            self._bin_m = size_m
+
     def _summed(self, by_point: Array) -> Array:
         self._comm.Allreduce(MPI.IN_PLACE, by_point)
         return by_point
+
+    def _counted(self, *counts: int) -> list[int]:
+        """Return the sums of all ranks' counts."""
+        sums = np.array(counts)
+        self._comm.Allreduce(MPI.IN_PLACE, sums)
+        return [int(number) for number in sums]
 
     def _feed(self, interval: Interval) -> None:
         if self._plan.feed is None:
@@ -209,6 +225,8 @@ class Liggghts:
 
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()
+        if not self._counted(len(mine["tag"]))[0]:
+            return
         # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
         mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
         self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], step_s)
@@ -248,8 +266,7 @@ class Liggghts:
         nowhere."""
         mine = self._engine.particles()
         bad = int(not (np.isfinite(mine["x"]).all() and np.isfinite(mine["v"]).all()))
-        counts = np.array([len(mine["x"]), bad, crossed])
-        present, bad, crossed = self._comm.allreduce(counts)
+        present, bad, crossed = self._counted(len(mine["x"]), bad, crossed)
         if bad:
             raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")
         expected = self._created - self._ledger.removed_count
