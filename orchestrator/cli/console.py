@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
 ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
-WRONG, MISSING, FAILED, INTERRUPTED = 2, 3, 4, 130
+WRONG, MISSING, FAILED = 2, 3, 4
 TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.cells need less of it"
 
 
@@ -28,8 +29,8 @@ def reported_errors() -> Iterator[None]:
     """
     try:
         yield
-    except KeyboardInterrupt:
-        raise typer.Exit(INTERRUPTED) from None
+    except KeyboardInterrupt as stop:
+        raise typer.Exit(128 + getattr(stop, "signal", signal.SIGINT)) from None
     except Exception as error:
         code = _code(error)
         if code is None:

@@ -8,16 +8,21 @@ from __future__ import annotations
 
 import functools
 import pkgutil
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
 from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
+from orchestrator.output.subprocesses import stop_all
+from orchestrator.run.interruption import ImmediateStop
 from orchestrator.studies import commands
 from orchestrator.studies.options import StudyOutput, with_options
 
@@ -54,15 +59,39 @@ study = typer.Typer(cls=Studies, help="Many runs, and what they say together.", 
 
 
 def _printing(command: Callable[..., StudyOutput]) -> Callable[..., None]:
-    """Return a function that runs the command of a study and prints its output."""
+    """Return a function that runs the command of a study and prints its output.
+
+    SIGTERM and SIGHUP stop the study and its runs.
+    """
 
     @functools.wraps(command)
     def run_and_print(*args: Any, **options: Any) -> None:
-        with reported_errors():
+        with reported_errors(), ending_with_runs():
             if not _print_all(command(*args, **options)):
                 raise typer.Exit(FAILED)
 
     return run_and_print
+
+
+@contextmanager
+def ending_with_runs() -> Iterator[None]:
+    """Stop all runs of this process, too, where a signal ends it; SIGHUP stays ignored under nohup.
+
+    Ctrl-C reaches the runs without this, because a terminal sends it to all processes.
+    """
+
+    def stop(number: int, _: FrameType | None) -> None:
+        stop_all()
+        raise ImmediateStop(number, f"stopped by {signal.Signals(number).name}")
+
+    caught = [each for each in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(each) is signal.SIG_DFL]
+    for each in caught:
+        signal.signal(each, stop)
+    try:
+        yield
+    finally:
+        for each in caught:
+            signal.signal(each, signal.SIG_DFL)
 
 
 def _print_all(output: StudyOutput) -> bool:

@@ -6,9 +6,10 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from orchestrator.coupling.schemes.scheme import State
+if TYPE_CHECKING:  # commands that run nothing import this file, and schemes take long to import
+    from orchestrator.coupling.schemes.scheme import State
 
 # SIGHUP comes when a terminal or a connection closes.  Batch systems can send SIGUSR1, and mpirun passes
 # it on without killing the run a second later

@@ -93,10 +93,8 @@ def test_on_more_than_two_ranks_the_box_does_not_shrink():
 
 
 def test_few_particles_in_a_large_box_get_large_bins():
-    """The box has 5e-5 m3, and half a cutoff is 3.25 mm: 9.2 mm are wanted for one particle."""
-    plan = make_plan(flat(), spheres([0.0, 0.0, 0.01]))
-    assert bin_size_m(plan, 1) == pytest.approx(2 * 3.25e-3, rel=1e-12)
-    assert bin_size_m(plan, 0) == bin_size_m(plan, 1)
-    assert bin_size_m(plan, 100) == 0.0  # LIGGGHTS's own
-    high = make_plan(flat(), spheres([0.0, 0.0, 100.0]))
-    assert bin_size_m(high, 1) == pytest.approx(32 * 3.25e-3, rel=1e-12)  # 157 mm are wanted in 0.25 m3
+    """Half a cutoff is 3.25 mm; one particle wants bins of 9.2 mm in 5e-5 m3, and of 157 mm in 0.25 m3."""
+    assert bin_size_m(5e-5, 5e-3, 1) == pytest.approx(2 * 3.25e-3, rel=1e-12)
+    assert bin_size_m(5e-5, 5e-3, 0) == bin_size_m(5e-5, 5e-3, 1)
+    assert bin_size_m(5e-5, 5e-3, 100) == 0.0  # LIGGGHTS's own
+    assert bin_size_m(0.25, 5e-3, 1) == pytest.approx(32 * 3.25e-3, rel=1e-12)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from adapters.particles.liggghts import input as liggghts_input
-from adapters.particles.liggghts.input import bin_size_m
+from adapters.particles.liggghts.input import bin_size_m, smallest_box_m
 from orchestrator.ports.clock import Interval
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
@@ -69,8 +69,9 @@ def test_liggghts_goes_on_and_steps_back_with_other_bins(monkeypatch: pytest.Mon
     """The bins shrink while particles are fed."""
     monkeypatch.setattr(liggghts_input, "BINS_PER_PARTICLE", 0.1)
     plan = bed_plan()
-    present = len(plan.particles)
-    assert bin_size_m(plan, present) > bin_size_m(plan, 2 * present) > 0
+    present, box_m3 = len(plan.particles), float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
+    sizes_m = [bin_size_m(box_m3, plan.largest_diameter_m, number) for number in (present, 2 * present)]
+    assert sizes_m[0] > sizes_m[1] > 0
     assert resumed("liggghts", plan, 70, 110) == []
     assert hesitating("liggghts", plan, 110) == []
 

@@ -119,15 +119,14 @@ def input_text(plan: ParticlesPlan) -> str:
     )
 
 
-def bin_size_m(plan: ParticlesPlan, particles: int) -> float:
+def bin_size_m(box_m3: float, largest_diameter_m: float, particles: int) -> float:
     """Return the size of LIGGGHTS's bins for a number of particles; 0 stands for its own, half a cutoff.
 
     LIGGGHTS clears every bin when it lists neighbours, so few particles in a large box get larger bins,
-    doubled as often as needed.  The box is the smallest one, which never changes.
+    doubled as often as needed.  ``box_m3`` is the volume of the smallest box, which never changes.
     """
-    usual_m = (1.0 + SKIN) * plan.largest_diameter_m / 2.0
-    volume_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
-    wanted_m = np.cbrt(volume_m3 / (BINS_PER_PARTICLE * max(particles, 1)))
+    usual_m = (1.0 + SKIN) * largest_diameter_m / 2.0
+    wanted_m = math.cbrt(box_m3 / (BINS_PER_PARTICLE * max(particles, 1)))
     doublings = math.floor(math.log2(wanted_m / usual_m))
     return usual_m * 2.0**doublings if doublings > 0 else 0.0
 

@@ -8,6 +8,7 @@ docs/theory/particle_surface_contact.md.
 from __future__ import annotations
 
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -39,7 +40,7 @@ try:
     from mpi4py import MPI
 
     from adapters.particles.liggghts.engine import begin_path, create_particles, floats, start_engine
-    from adapters.particles.liggghts.input import bin_size_m
+    from adapters.particles.liggghts.input import bin_size_m, smallest_box_m
 except ImportError as missing:
     raise SolverMissing(
         "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
@@ -58,6 +59,8 @@ class Liggghts:
         self._comm: Any = plan.communicator or MPI.COMM_SELF
         self._ledger = ParticleLedger(plan, self._comm)
         self._created, self._bin_m = 0, 0.0
+        box_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
+        self._bins_for = partial(bin_size_m, box_m3, plan.largest_diameter_m)
         self._deepest, self._crossings = Overlaps(), Crossings.none()
         self._unprepared = False
         self._removed: list[Removed] = []
@@ -96,7 +99,7 @@ class Liggghts:
         try:
             begin_path(self._engine, path, interval.length_s, steps)
             self._feed(interval)
-            self._set_bins(bin_size_m(self._plan, self._created - self._ledger.removed_count))
+            self._set_bins(self._bins_for(self._created - self._ledger.removed_count))
             self._prepare()
             self._engine.run(steps=steps, step_s=interval.length_s / steps)
         except RuntimeError as error:
