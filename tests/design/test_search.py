@@ -7,7 +7,6 @@ screens, the median loss is at most 0.03 and 0.07 m/s.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cache
 
 import numpy as np
 import pytest
@@ -44,7 +43,6 @@ def short_of_limits(problem: Problem, setting: Array) -> float:
     return max((each.sign * (each.value - truth[each.response]) for each in problem.aim.limits), default=0.0)
 
 
-@cache
 def loss_and_shortfall(screen: str, seed: int) -> tuple[float, float]:
     """Search a hidden screen with 27 runs: the velocity lost in m/s, with what is short in efficiency
     counted twice, and the points of efficiency that are short."""
@@ -59,16 +57,10 @@ def judged(screen: str, setting: Array) -> tuple[float, float]:
     return max(0.0, BEST_VELOCITY[screen] - velocity) + PER_POINT * shortfall, shortfall
 
 
-@pytest.mark.parametrize(("screen", "bound"), [("plain", 0.03), ("band", 0.07)])
-def test_a_hidden_screen_is_nearly_as_fast_as_possible_after_27_runs(screen: str, bound: float) -> None:
-    losses, shortfalls = zip(*(loss_and_shortfall(screen, seed) for seed in (1, 2)), strict=True)
-    assert np.median(losses) <= bound
-    assert max(shortfalls) <= 1.0
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("screen", "bound"), [("plain", 0.03), ("band", 0.07)])
-def test_no_search_of_twelve_is_more_than_a_point_short(screen: str, bound: float) -> None:
+def test_a_hidden_screen_is_nearly_as_fast_as_possible_after_27_runs(screen: str, bound: float) -> None:
+    """No search of twelve is more than a point of efficiency short."""
     losses, shortfalls = zip(*(loss_and_shortfall(screen, seed) for seed in range(1, 13)), strict=True)
     assert np.median(losses) <= bound
     assert max(shortfalls) <= 1.0
