@@ -59,6 +59,19 @@ def test_the_scatter_of_replicates_is_the_noise_where_runs_tell_none() -> None:
     assert variance == pytest.approx(2.0)
 
 
+def test_two_replicates_that_agree_by_luck_do_not_make_runs_exact() -> None:
+    """Nine settings of a plane with a noise of 0.5, and two equal runs of the centre.  By hand: one degree of
+    freedom without scatter and three of the residuals make 3/4 of the latter's variance."""
+    rng = np.random.default_rng(3)
+    x = np.vstack([rng.uniform(-1, 1, (9, 2)), np.zeros((2, 2))])
+    y = 2 + x @ [1.0, -3.0] + 0.5 * rng.standard_normal(11)
+    y[-1] = y[-2]
+    terms = np.column_stack([np.ones(11), x, x[:, 0] * x[:, 1], x**2])
+    squares = float(np.linalg.lstsq(terms, y, rcond=None)[1][0])
+    variance, _ = completed_variance(x, y, np.full(11, np.nan))
+    assert variance == pytest.approx(0.75 * squares / (11 - 6))
+
+
 def test_a_run_that_tells_no_noise_has_the_median_noise_of_the_others() -> None:
     x, y = replicates(1.0)
     told = np.array([1.0, 2.0, np.nan, 1.0, 1.0, 5.0, 7.0])

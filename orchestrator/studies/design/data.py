@@ -10,12 +10,12 @@ import numpy.typing as npt
 from scipy import stats
 
 from orchestrator.ports import Array
+from orchestrator.studies.design.quadratic import model_matrix, quadratic_terms
 from orchestrator.studies.design.scales import Scale
 from orchestrator.studies.design.trials import Outcome
 
-UNLIKELY = (
-    0.01  # replicates that scatter more than this probability allows are believed, not the runs' intervals
-)
+UNLIKELY = 0.01  # replicates that scatter more than this probability allows are believed, not the intervals
+RESIDUALS_COUNT = 3  # degrees of freedom of which a surface's residuals are worth beside replicates
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,10 @@ class Data:
 def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, float]:
     """Complete the noise of a response, (n,), and hold it against runs of one setting.
 
-    A run without an interval gets the scatter of replicates, or the median noise of the others.  Where
-    replicates scatter more than their intervals allow (chi-square test), all are widened by the ratio.  Where
-    nothing tells of the noise, it is a thousandth of the data's variance.
+    A run without an interval gets the median noise of the others, or where no run has one the scatter of
+    replicates.  Two replicates may agree by luck, so the residuals of a quadratic or a plane join them.
+    Where replicates scatter more than their intervals allow (chi-square test), all are widened by the ratio.
+    Where nothing tells of the noise, it is a thousandth of the data's variance.
 
     Returns
     -------
@@ -72,15 +73,33 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
             squares += float(((y[members] - y[members].mean()) ** 2).sum())
             freedom += int(members.sum()) - 1
             expected += float((members.sum() - 1) * np.mean(variance[members]))
-    pooled = squares / freedom if freedom else np.nan
     own = variance[known & np.isfinite(variance)]
-    spread = float(np.var(y[known])) if known.any() else 0.0
-    fallback = (
-        pooled if np.isfinite(pooled) and not len(own) else np.median(own) if len(own) else 1e-3 * spread
-    )
+    if len(own):
+        fallback = float(np.median(own))
+    elif freedom:
+        residual, count = _residual_variance(x[known], y[known])
+        fallback = (squares + count * residual) / (freedom + count)
+    else:
+        fallback = 1e-3 * float(np.var(y[known])) if known.any() else 0.0
     complete = np.where(np.isfinite(variance), variance, fallback)
     if freedom and np.isfinite(expected) and expected > 0:
         ratio = squares / expected
         if stats.chi2.sf(freedom * ratio, freedom) < UNLIKELY:
             return complete * ratio, float(np.sqrt(ratio))
     return complete, 1.0
+
+
+def _residual_variance(x: Array, y: Array) -> tuple[float, int]:
+    """Return the residuals' variance of a quadratic, or of a plane for few points, and the weight it has.
+
+    What the surface cannot follow counts as noise, which errs on the safe side.  The weight is 0 where there
+    are too few points for a plane.
+    """
+    quadratic = quadratic_terms(x.shape[1])
+    for terms in (quadratic, quadratic[: 1 + x.shape[1]]):
+        matrix = model_matrix(x, terms)
+        freedom = len(y) - int(np.linalg.matrix_rank(matrix))
+        if freedom >= RESIDUALS_COUNT:
+            rest = y - matrix @ np.linalg.lstsq(matrix, y, rcond=None)[0]
+            return float(rest @ rest) / freedom, RESIDUALS_COUNT
+    return 0.0, 0
