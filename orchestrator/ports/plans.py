@@ -395,7 +395,8 @@ class ParticlesWork:
     """The work of particles.
 
     ``particle_steps`` counts the steps of all particles together, ``steps`` those of the solver, in ``runs``
-    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion.
+    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion, and
+    ``thrown`` whether particles fly in a thin layer, where they touch little.
     """
 
     particle_steps: float
@@ -403,3 +404,4 @@ class ParticlesWork:
     runs: float
     triangles: int
     sticky: bool
+    thrown: bool = False

@@ -10,7 +10,7 @@ material stays on the deck, so the estimate is a range from a thin dry layer to 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -123,6 +123,7 @@ def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THIC
     }
     if particles and case.particles.adapter is not None:
         work = _particles_work(case, mean, tries.particles, triangles)
+        work = replace(work, thrown=transport_m_per_s >= THIN)
         costs["particles"] = case.particles.adapter.cost(work)
     parts_s = {"start": IMPORT_S + MESHED_S * triangles, "particles": 0.0}
     parts_s |= {part: cost.stepping_s for part, cost in costs.items()}
@@ -139,8 +140,14 @@ def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THIC
 
 
 def predicted_s(case: Case, at_start: int) -> float:
-    """Return the processor time of the whole run, with a thick bed."""
-    return sum(predicted_parts_s(case, at_start).values())
+    """Return the processor time of the whole run: with a thin bed if it is fed and dry, else with a thick
+    one."""
+    return sum(predicted_parts_s(case, at_start, likely_transport_m_per_s(case, at_start)).values())
+
+
+def likely_transport_m_per_s(case: Case, at_start: int) -> float:
+    """Return the speed ``THIN`` if all particles are fed and none sticks, else ``THICK``."""
+    return THIN if at_start == 0 and case.bed.feeds and adhesion_law(case) == "none" else THICK
 
 
 def particles_at_start(case: Case) -> int:

@@ -22,10 +22,11 @@ def build(plan: ParticlesPlan) -> Particles:
 def cost(work: ParticlesWork) -> Cost:
     """Return the measured cost.
 
-    It comes from 50 000 sticky particles at rest on the deck of cases/ffs0827-slice, else from its level dry,
-    whose particles are thrown; the interval and the step come from a few balls.
+    It comes from 50 000 sticky particles at rest on the deck of cases/ffs0827-slice, from the same without
+    adhesion, and from the thrown layers of its level dry and of cases/ffs0827-effects; the interval and the
+    step come from a few balls.
     """
-    a_particle_s = 6e-7 if work.sticky else 2.8e-7
+    a_particle_s = 6e-7 if work.sticky else 5e-8 if work.thrown else 2.8e-7
     step_s = 1.5e-5 + 4e-9 * work.triangles
     stepping_s = 1.4e-4 * work.runs + step_s * work.steps + a_particle_s * work.particle_steps
     return Cost(0.1 + 1e-5 * work.triangles, stepping_s)

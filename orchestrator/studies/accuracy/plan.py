@@ -28,7 +28,7 @@ from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words
+from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
@@ -189,8 +189,8 @@ def filling(case: Case, study_s: float) -> Callable[[float], float]:
     """
     if not case.bed.feeds:
         return lambda duration_s: 1.0
-    bed = THIN if case.particles.adhesion == "none" else THICK
     at_start = len(initial_particles(case, material_numbers(case)).diameter_m)
+    bed = likely_transport_m_per_s(case, at_start)
 
     def mean(duration_s: float) -> float:
         return bed_cost(case.model_copy(update={"duration_s": duration_s}), at_start, bed).mean
