@@ -13,6 +13,7 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import write_summary
+from orchestrator.studies.commands.paper import command, find_papers
 from orchestrator.studies.criteria import Runs, read_criteria, wanted_runs
 from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.quantities import Unknown
@@ -20,7 +21,10 @@ from orchestrator.studies.verdicts import CriterionResult, judge, write_verdicts
 from tests.cases import CASE, case_folder
 
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
-DRIVEN = "[screen.frames.driven]\nmass_kg = 30.0\ninertia_kg_m2 = [1.0, 2.0, 2.0]\n"
+DRIVEN = (
+    "[screen.frames.driven]\nmass_kg = 30.0\ninertia_kg_m2 = [1.0, 2.0, 2.0]\n"
+    "center_of_mass_m = [0.0, 0.0, 0.0]\n"
+)
 HELD = (
     '[screen.bushings.shear]\nbetween = ["driving", "driven"]\n'
     "positions_m = [[0.0, 0.0, 0.0]]\nstiffness_N_per_m = [1e4, 1e4, 1e4]\n"
@@ -37,6 +41,9 @@ unit = "mm"
 reference = 6.0
 band = [5.4, 6.6]
 """
+
+
+HALF_WIDTH_MM = 0.05
 
 
 def moved_mm(speed: float) -> tuple[float, float]:
@@ -89,7 +96,8 @@ def fake(point: Point) -> None:
 
 
 def orbit(along_mm: float) -> dict[str, list[float]]:
-    return {"amplitude_m": [1e-3 * abs(along_mm), 0.0, 0.0]}
+    width_m = 1e-3 * HALF_WIDTH_MM
+    return {"amplitude_m": [1e-3 * abs(along_mm), 0.0, 0.0], "half_width_m": [width_m, 0.0, 0.0]}
 
 
 def test_relative_amplitude(case: Path) -> None:
@@ -101,8 +109,84 @@ def test_relative_amplitude(case: Path) -> None:
 
 def test_bands_and_fits(case: Path) -> None:
     met = ROW.replace("[5.4, 6.6]", "[8.0, 9.0]")
-    found = compared(case, met + met + "fitted = true\n")
-    assert [line.verdict for line in found] == ["met", "met (fitted)"]
+    found = compared(case, met + met + 'ours = "fitted"\n' + ROW + 'ours = "fitted"\n')
+    assert [line.verdict for line in found] == ["met", "fitted, inside", "fitted, OUTSIDE"]
+    assert all(line.is_good for line in found)
+
+
+def test_a_band_from_own_theory_is_never_met(case: Path) -> None:
+    own = 'band_from = "own-theory"\n'
+    inside, outside = compared(case, ROW.replace("[5.4, 6.6]", "[8.0, 9.0]") + own + ROW + own)
+    assert (inside.verdict, outside.verdict) == ("as own theory", "NOT as own theory")
+    assert [line.is_good for line in (inside, outside)] == [True, False]
+
+
+def test_an_effect_that_the_source_cannot_tell_from_chance(case: Path) -> None:
+    chance, sure = compared(case, ROW + "p_value = 0.26\n" + ROW + "p_value = 0.01\n")
+    assert (chance.verdict, sure.verdict) == ("chance", "NOT MET")
+    assert [line.is_good for line in (chance, sure)] == [True, False]
+
+
+def test_the_distance_is_in_the_papers_unit_and_in_per_cent(case: Path) -> None:
+    (line,) = compared(case, ROW)
+    assert line.distance == pytest.approx(sum(moved_mm(70)) - 6)
+    assert line.distance_in_words == "+2.6 mm (+44 %)"
+
+
+def test_intervals(case: Path) -> None:
+    """Of one run, of a growth between two runs in quadrature, and by the scatter of other runs."""
+    growth = ROW.replace('at = "70"\n', 'compare = "growth"\nbetween = [60, 90]\n').replace('"mm"', '"%"')
+    scatter = ROW + 'scatter = "seeds"\n'
+    seeds = '[runs.seeds]\nvary = "screen.exciters.shaft.speed_rad_per_s=60,70"\n'
+    (case / "criteria.toml").write_text(HEAD + seeds + ROW + growth + scatter)
+    runs = runs_of(case)
+    for each in runs.values():
+        for point in each.points:
+            fake(point)
+    one, grown, scattered = (judge("case", row, runs) for row in read_criteria(case).criteria)
+    assert one.half_width == pytest.approx(HALF_WIDTH_MM)
+    assert f"± {HALF_WIDTH_MM:.2g} mm" in one.value_in_words
+    first, last = sum(moved_mm(60)), sum(moved_mm(90))
+    expected = np.hypot(HALF_WIDTH_MM / first, last / first - last / (first + HALF_WIDTH_MM))
+    assert grown.half_width == pytest.approx(100 * expected, rel=1e-6)
+    spread = abs(sum(moved_mm(70)) - sum(moved_mm(60))) / np.sqrt(2)
+    assert scattered.half_width == pytest.approx(12.706 * spread, rel=1e-4)  # Student, one degree of freedom
+    alone = (case / "criteria.toml").read_text().replace("s=60,70", "s=60")
+    (case / "criteria.toml").write_text(alone)
+    assert judge("case", read_criteria(case).criteria[2], runs_of(case)).half_width is None
+
+
+@pytest.mark.parametrize("theirs", [10.0, 9.5, 10.5, 40.0])
+def test_the_interval_of_a_difference_does_not_depend_on_its_sign(case: Path, theirs: float) -> None:
+    """Between two runs of 10 and ``theirs``, both plus or minus 1: near zero as well as far from it."""
+    row = ROW.replace('"amplitude"', '"result"').replace("driven-driving", "results.power.drives_W")
+    row = row.replace('"mm"', '"W"') + 'compare = "difference"\nagainst = "other"\n'
+    (case / "criteria.toml").write_text(HEAD + "[runs.other]\n" + row)
+    runs = runs_of(case)
+    for run, value in ((runs["speed"].at("70"), 10.0), (runs["other"], theirs)):
+        power = {"drives_W": {"value": value, "half_width": 1.0, "batches": 20}}
+        run.points[0].folder.mkdir(parents=True)
+        write_summary(run.points[0].folder, {"status": "done", "results": {"power": power}})
+    (criterion,) = read_criteria(case).criteria
+    found = judge("case", criterion, runs)
+    assert found.measured == pytest.approx(abs(theirs - 10.0))
+    assert found.half_width == pytest.approx(np.sqrt(2.0))
+
+
+def test_criteria_over_those_of_another_case(case: Path) -> None:
+    """Its own runs, all criteria but those from the other case's own theory."""
+    (case / "criteria.toml").write_text(HEAD + ROW + ROW + 'band_from = "own-theory"\n')
+    other = case.parent / "other"
+    other.mkdir()
+    text = 'base = "../case"\n[runs.speed]\nvary = "screen.exciters.shaft.speed_rad_per_s=70"\n'
+    (other / "criteria.toml").write_text(text + ROW.replace("relative", "own"))
+    criteria = read_criteria(other)
+    assert [row.of for row in criteria.criteria] == ["driven-driving"] * 2
+    assert criteria.runs["speed"].vary.endswith("=70")
+    assert criteria.source == read_criteria(case).source
+    (other / "criteria.toml").write_text(text.replace("../case", "../nowhere"))
+    with pytest.raises(CaseError, match=r'base: "\.\./nowhere" is no other case with criteria\.toml'):
+        read_criteria(other)
 
 
 @pytest.mark.parametrize(
@@ -231,3 +315,58 @@ def test_results_and_their_change_over_a_sweep(case: Path) -> None:
     *known, unknown = compared(case, "".join(rows))
     assert [line.verdict for line in known] == ["met"] * 5
     assert "absent" in unknown.value_in_words
+
+
+def papers_of(folder: Path) -> tuple[CaseStudy, list[str]]:
+    """The study of a folder of cases with runs, and what its command says without runs of its own."""
+    study = CaseStudy(folder, out=folder / "out")
+    for paper, _ in find_papers(study):
+        for point in paper.points:
+            if not point.folder.exists():
+                fake(point)
+    output = command(study, dry=True)
+    return study, [str(item) for item in output if isinstance(item, Path)]
+
+
+def test_all_papers_of_a_folder_are_one_table(case: Path) -> None:
+    """Cases without a source are no papers; each number comes with distance, interval and origin."""
+    for name, text in (("other", HEAD + ROW + 'ours = "fitted"\n'), ("known", HEAD.partition("\n")[2] + ROW)):
+        case_folder(case.parent / name, (case / "case.toml").read_text())
+        (case.parent / name / "criteria.toml").write_text(text)
+    study, files = papers_of(case.parent)
+    assert files == [str(study.folder / name) for name in ("paper.csv", "paper.md", "paper.html")]
+    rows = list(csv.DictReader((study.folder / "paper.csv").read_text().splitlines()))
+    assert [(row["case"], row["ours"]) for row in rows] == [("case", "predicted"), ("other", "fitted")]
+    text = (study.folder / "paper.md").read_text()
+    assert "Of 2 numbers: 1 NOT MET, 1 fitted, OUTSIDE." in text
+    line = "| a | 6 mm |  | 8.64 ± 0.05 mm | +2.6 mm (+44 %) | predicted | 5.4 to 6.6 mm | NOT MET |"
+    assert line in text
+    assert "8.64 ± 0.05 mm" in (study.folder / "paper.html").read_text()
+
+
+def test_a_number_without_a_run_is_no_verdict(case: Path) -> None:
+    study = CaseStudy(case, out=case.parent / "out")
+    assert list(command(study, dry=True))
+    assert "Of 1 numbers: 1 no number." in (study.folder / "paper.md").read_text()
+
+
+def test_the_level_of_the_criteria(case: Path) -> None:
+    for name in ("draft", "fine"):
+        (case / "levels").mkdir(exist_ok=True)
+        (case / f"levels/{name}.toml").write_text("")
+    (case / "criteria.toml").write_text('level = "fine"\n' + HEAD + ROW)
+    ((paper, _),) = find_papers(CaseStudy(case))
+    assert paper.level == "fine"
+    ((paper, _),) = find_papers(CaseStudy(case, "draft"))
+    assert paper.level == "draft"
+
+
+def test_wrong_cases_of_a_folder_are_all_said(case: Path, tmp_path: Path) -> None:
+    case_folder(case.parent / "other", (case / "case.toml").read_text())
+    for folder in (case, case.parent / "other"):
+        (folder / "criteria.toml").write_text(HEAD + ROW.replace("amplitude", "amplitudes"))
+    with pytest.raises(CaseError) as caught:
+        find_papers(CaseStudy(case.parent))
+    assert [str(problem).partition(":")[0] for problem in caught.value.problems] == ["case", "other"]
+    with pytest.raises(CaseError, match="is no case, and has no case with a source"):
+        find_papers(CaseStudy(tmp_path / "nowhere"))

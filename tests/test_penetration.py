@@ -8,7 +8,13 @@ import pytest
 from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import Rectangle
-from orchestrator.ports.penetration import Penetration, Penetrations, ProbedPanel, SurfaceBody
+from orchestrator.ports.penetration import (
+    Penetration,
+    Penetrations,
+    ProbedPanel,
+    SurfaceBody,
+    pairs_that_meet,
+)
 
 THICK_M = 0.004
 FLAT = Rectangle(np.zeros(3), np.eye(3)[0], np.eye(3)[1], 0.3, 0.3, 0.2, 0.019)
@@ -117,3 +123,16 @@ def test_one_panel_through_another() -> None:
         assert {deepest.panel, deepest.surface} == {"upper", "lower"}
         assert deepest.depth_m == pytest.approx(depth_m, rel=0.05)
     assert looked.deepest(np.vstack([hanging_m(0.03), hanging_m(0.03, lower_m)])) is None
+
+
+@pytest.mark.parametrize(("points", "boxes"), [(40, 30), (1, 1), (7, 0)])
+def test_pairs_that_meet_are_those_of_all_pairs_that_no_side_parts_twice(points: int, boxes: int) -> None:
+    """Against the comparison of each with each; some points and boxes share coordinates."""
+    random = np.random.default_rng(4)
+    points_m = random.integers(0, 12, (2, points, 3)).astype(float)
+    corners_m = random.integers(0, 12, (2, boxes, 1, 3)) + random.integers(0, 4, (2, boxes, 2, 3))
+    boxes_m = np.sort(corners_m.astype(float), axis=2)
+    at_m, low_m, high_m = points_m[:, :, None], boxes_m[:, None, :, 0], boxes_m[:, None, :, 1]
+    parted = ((at_m < low_m).all(axis=0) | (at_m > high_m).all(axis=0)).any(axis=-1)
+    row, column = pairs_that_meet(points_m, boxes_m)
+    assert [row.tolist(), column.tolist()] == [part.tolist() for part in np.nonzero(~parted)]

@@ -80,8 +80,10 @@ ADAPTER = FramesAdapter(
     leaves_out={
         "frame-dynamics": "nothing acts on the frames' motion",
         "motor-slip": "shafts turn at their speed_rad_per_s",
+        "bushing-hysteresis": "bushings do not act, and their recorded forces are linear",
     },
     moved_by_forces=False,
     motors=False,
+    hysteresis=False,
     fidelity=0,
 )

@@ -30,7 +30,8 @@ LARGEST_STEP_RAD = 1.0
 class TwoMassFrames(RigidFrames):
     """``Frames`` that translate; ``plan.step_s`` = 0 takes the largest step without error.
 
-    Raises ValueError for drives, unknown bodies, or bushings that cannot hold the weight.
+    Raises ValueError for drives, unknown bodies, and bushings with measured curves or that cannot hold the
+    weight.
     """
 
     COORDINATES = linear_frames.TRANSLATIONS
@@ -42,6 +43,8 @@ class TwoMassFrames(RigidFrames):
                 f"two_mass moves bodies by forces; the drive of {plan.drives[0].body!r} needs planar, "
                 "exudyn or, where every body is driven, prescribed"
             )
+        if any(bushing.hysteresis for bushing in plan.bushings):
+            raise ValueError("two_mass has linear bushings; measured curves need planar or exudyn")
         super().__init__(plan)
         self._unbalances = Unbalances(plan, plan.exciters)
         self._onto_excited = onto_bodies(plan, self._unbalances.body)
@@ -129,9 +132,11 @@ ADAPTER = FramesAdapter(
     leaves_out={
         "frame-rotation": "frames translate only",
         "motor-slip": "shafts turn at their speed_rad_per_s",
+        "bushing-hysteresis": "each bushing has one stiffness and one damping",
     },
     drives=False,
     rotates=False,
     motors=False,
+    hysteresis=False,
     fidelity=1,
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -51,9 +53,10 @@ class Sheet(_Body):
     Constants, which are copied: sizes of the cells, ``along_m`` and ``across_m``; the membrane's law
     by cell, ``c10_N_per_m``, ``c01_N_per_m``, ``solid``, ``rest`` and ``strain_entries``
     (``kernel/membrane.h``); the bending matrix by diagonals, ``offset`` and ``entry``, and the
-    positions without bending, ``flat_m``; ``mobility_1_kg`` (nodes,), zero where ``held``; Maxwell
-    branches, ``ratio`` and ``time_s``.  State: ``position_m``, ``velocity_m_per_s``, ``internal_N``
-    (nodes, 3), and what ``CompiledSheet`` calls its memory.
+    positions without bending, ``flat_m``; ``mobility_1_kg`` (nodes,), zero where ``held``; ``mass_kg``
+    (nodes,) and ``weight_N`` (nodes, 3); Maxwell branches, ``ratio`` and ``time_s``.  State:
+    ``position_m``, ``velocity_m_per_s``, ``internal_N`` (nodes, 3), and what ``CompiledSheet`` calls
+    its memory.
     """
 
     def membrane_J(self) -> float:
@@ -66,6 +69,27 @@ class Chain(_Body):
     ``area_m2``; ``curvature_1_m2`` (bends, 3) of three rows each, of weight ``bending_N_m3``, of
     which those ``at_clamp`` (0 or 1) do not count ``along`` it; rows, ``mass_kg``, ``held`` and
     ``free``; ``share`` (rows, held), how all follow the held ones ``across``; Maxwell branches,
-    ``ratio`` and ``time_s``.  State: ``position_m``, ``velocity_m_per_s``, ``internal_N`` (rows, 3),
-    ``strain``, and the branches' ``stress``, ``energy_J`` and ``lost_J``.
+    ``ratio`` and ``time_s``; ``weight_N`` (rows, 3).  State: ``position_m``, ``velocity_m_per_s``,
+    ``internal_N`` (rows, 3), and what ``ChainMotion`` calls its memory.
+    """
+
+def advance_together(
+    panels: Sequence[Sheet | Chain],
+    *,
+    clamps_m: Array,
+    clamps_m_per_s: Array,
+    load_N: Array,
+    length_s: float,
+    steps: Sequence[int],
+    surface_m: Array,
+    surface_m_per_s: Array,
+    reaction_N: Array,
+) -> list[float] | list[tuple[float, float]]:
+    """Move panels of one kind to the end of an interval, each in its number of steps; other threads run
+    meanwhile.
+
+    All arrays have one panel after the other: the clamps at the end (clamp points, 3), the load on the
+    surface (points, 3), and three that are filled, which are the surface's motion at the end (points, 3) and
+    the mean force on the clamps (clamp points, 3).  Returns each sheet's largest speed in m/s, or each
+    strip's smallest and largest stretch; NaN if one of them is.
     """

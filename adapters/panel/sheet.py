@@ -25,19 +25,22 @@ def build(plan: PanelPlan) -> MeshedPanel:
 
     Raises ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
-    from adapters.panel.finite_element.compiled_sheet import open_sheet
+    from adapters.panel.finite_element.compiled_sheet import SheetPanel, open_sheet
     from adapters.panel.finite_element.elastic_panel import open_panel
+    from adapters.panel.finite_element.panel_at_rest import at_rest
     from adapters.panel.finite_element.sheet_forms import sheet
 
+    rest = at_rest(plan, sheet)
     structure, grid, nodes = sheet(plan)
-    return open_panel(plan, structure, grid, nodes, partial(open_sheet, plan, grid))
+    make_explicit = partial(open_sheet, plan, grid)
+    return open_panel(plan, rest, structure, grid, nodes, make_explicit, SheetPanel)
 
 
 def largest_step_s(plan: PanelPlan) -> float:
     """Return the largest ``step_s`` that ``build`` accepts for this plan."""
-    from adapters.panel.finite_element import elastic_panel, sheet_forms
+    from adapters.panel.finite_element import panel_at_rest, sheet_forms
 
-    return elastic_panel.largest_step_s(plan, sheet_forms.sheet(plan)[0])
+    return panel_at_rest.at_rest(plan, sheet_forms.sheet).step_limits_s[0]
 
 
 def cost(work: PanelsWork) -> Cost:

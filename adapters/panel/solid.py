@@ -22,16 +22,17 @@ def build(plan: PanelPlan) -> MeshedPanel:
     too large, SolverFailed if no resting shape is found.
     """
     from adapters.panel.finite_element.elastic_panel import open_panel
+    from adapters.panel.finite_element.panel_at_rest import at_rest
     from adapters.panel.finite_element.solid_forms import solid
 
-    return open_panel(plan, *solid(plan))
+    return open_panel(plan, at_rest(plan, solid), *solid(plan))
 
 
 def largest_step_s(plan: PanelPlan) -> float:
     """Return the largest ``step_s`` that ``build`` accepts for this plan."""
-    from adapters.panel.finite_element import elastic_panel, solid_forms
+    from adapters.panel.finite_element import panel_at_rest, solid_forms
 
-    return elastic_panel.largest_step_s(plan, solid_forms.solid(plan)[0])
+    return panel_at_rest.at_rest(plan, solid_forms.solid).step_limits_s[0]
 
 
 def mesh_size(plan: PanelPlan) -> MeshSize:
@@ -49,7 +50,10 @@ def lightest_kg(plan: PanelPlan, surface_cells: tuple[int, int]) -> float:
 
 
 def objections(plan: PanelPlan) -> Iterator[Objection]:
-    """Yield an objection to openings with round ends."""
+    """Yield objections to openings with round ends, and to sensors."""
+    if plan.point_masses:
+        what = f"panel {plan.name} has sensors, whose masses a solid does not carry"
+        yield Objection(what, 'take the sensor_kg of its probes away, or panel.solver = "sheet"')
     if plan.apertures is not None and plan.apertures.shape != "rectangle":
         what = f"{plan.apertures.shape}: the solid's cells are boxes and follow no round ends"
         hint = 'take "rectangle", or panel.solver = "sheet"'

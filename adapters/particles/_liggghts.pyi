@@ -75,6 +75,22 @@ class Engine:
     def prepare(self) -> None:
         """List neighbours and evaluate forces after ``create``."""
 
+    def cuts(self) -> list[list[float]]:
+        """Return where the box is cut into the ranks' parts: along x, y and z the fractions of its side at
+        which parts begin and end, from 0 to 1."""
+
+    def cut(self, cuts: list[list[float]]) -> None:
+        """Cut the box elsewhere, alike on every rank, while there are no particles."""
+
+    def cut_later(self, cuts: list[list[float]]) -> None:
+        """Cut the box elsewhere when particles are next handed to other ranks.
+
+        They go to ranks side by side only: each cut must stay between those that are now beside it.
+        """
+
+    def box_m(self) -> Array:
+        """Return the lowest and the highest corner (2, 3) of the box that is cut."""
+
     def begin_path(
         self,
         *,

@@ -57,10 +57,17 @@ def box(axes: Axes, x: float, y: float, width: float, height: float, words: str,
     """Draw a box with rounded corners around its middle, with ``words`` in it."""
     corner = (x - width / 2, y - height / 2)
     shape = FancyBboxPatch(
-        corner, width, height, boxstyle="round,pad=0,rounding_size=0.06", fc=PALE, ec=color, lw=1.5
+        corner,
+        width,
+        height,
+        boxstyle="round,pad=0,rounding_size=0.06",
+        fc=PALE,
+        ec=color,
+        lw=1.5,
+        zorder=2.5,
     )
-    axes.add_patch(shape)
-    say(axes, x, y, words, color)
+    axes.add_patch(shape)  # above lines that pass behind it
+    say(axes, x, y, words, color, zorder=3)
 
 
 def bar(

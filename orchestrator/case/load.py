@@ -1,7 +1,8 @@
 """The reader of cases: it lays ``levels/<level>.toml`` over ``case.toml``, and ``--set`` over both.
 
-An overlay may give any key; file/layers.py says how tables are merged.  Nothing is judged here:
-orchestrator/preflight/judge.py decides afterwards which effects the key ``effects`` leaves out.
+An overlay may give any key; file/layers.py says how tables are merged.  A case may itself be an overlay of
+another case (file/base.py).  Nothing is judged here: orchestrator/preflight/judge.py decides afterwards which
+effects the key ``effects`` leaves out.
 """
 
 from __future__ import annotations
@@ -13,6 +14,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from orchestrator.case.bed.carry import carry_bed, leave_out_outside
+from orchestrator.case.bed.work_of_adhesion import resolve_works_of_adhesion
+from orchestrator.case.file.base import CASE_FILE, lay_chain, level_names, read_chain, read_level
+from orchestrator.case.file.bushing_curve import fit_bushing_curves, read_curve_files
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import (
@@ -23,9 +28,11 @@ from orchestrator.case.file.errors import (
     show_value,
     visible,
 )
-from orchestrator.case.file.layers import Layers, Origin, level_file, parse_override, read_toml
+from orchestrator.case.file.layers import Layers, parse_override
 from orchestrator.case.file.loss_curve import fit_loss_curves
+from orchestrator.case.file.origin import Origin
 from orchestrator.case.file.slice import cut_to_slice
+from orchestrator.case.materials.fill_in import fill_in_materials
 from orchestrator.case.tables.case import Case
 
 EFFECTS = ("effects", "effects_for")
@@ -87,21 +94,22 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     Raises CaseError with every problem that the tables reveal; orchestrator/preflight/check.py
     checks everything that the tables cannot reveal.
     """
-    file = path if path.is_file() else path / "case.toml"
+    file = path if path.is_file() else path / CASE_FILE
     if not file.is_file():
-        raise CaseError([CaseProblem((), "no such case: there is no case.toml", file=str(path))])
-    folder = file.resolve().parent
-    given = read_toml(file.resolve())
-    layers = Layers(given, file.name)
+        raise CaseError([CaseProblem((), f"no such case: there is no {CASE_FILE}", file=str(path))])
+    chain = read_chain(file)
+    folder, layers = chain[0].folder, lay_chain(chain)
+    given = layers.merged
     level_name = choose_level(folder, given, level)
     at_level = _lay_level(layers, folder, level_name) if level_name else None
     for override in overrides:
         layers.lay(parse_override(override), "--set")
+    layers.merged = read_curve_files(layers.merged, folder, "--set")
     effects, results = (layers.merged.get(key) for key in EFFECTS)
     asked = AskedEffects(effects, results or (), layers.source(EFFECTS[:1]))
     layers.lay(dict.fromkeys(EFFECTS), asked.file)
     try:
-        case = validate(layers)
+        case = validate(layers, folder)
     except CaseError as error:
         raise InvalidTables(error.problems, asked) from error
     return LoadedCase(
@@ -113,11 +121,6 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
         asked=asked,
         origin=Origin(folder, given, level_name, tuple(overrides)),
     )
-
-
-def level_names(folder: Path) -> list[str]:
-    """Return the names of the levels in a case's folder."""
-    return sorted(file.stem for file in (folder / "levels").glob("*.toml"))
 
 
 def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
@@ -139,10 +142,13 @@ def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
     return str(wanted)
 
 
-def validate(layers: Layers) -> Case:
-    """Return the complete case of all layers.  Raises CaseError with every problem of the case."""
+def validate(layers: Layers, folder: Path) -> Case:
+    """Return the complete case of all layers; ``folder`` is the case's.
+
+    Raises CaseError with every problem of the case.
+    """
     try:
-        return complete(Case.model_validate(layers.merged))
+        return complete(read_tables(layers.merged, folder))
     except ValidationError as error:
         problems = from_validation(error, Case)
     except CaseError as error:
@@ -150,20 +156,29 @@ def validate(layers: Layers) -> Case:
     raise CaseError(layers.named(problems))
 
 
+def read_tables(merged: Mapping[str, Any], folder: Path) -> Case:
+    """Return the case that merged tables describe, with materials of the library, the particles that it takes
+    over, and all works of adhesion in J/m2; ``folder`` is the case's.
+
+    Raises pydantic's ValidationError for tables that are no case, and CaseError for particles that cannot be
+    taken over, and for contacts that give their adhesion twice.
+    """
+    return resolve_works_of_adhesion(carry_bed(Case.model_validate(fill_in_materials(merged)), folder))
+
+
 def complete(bare: Case) -> Case:
-    """Return the case with fitted branches, laid-out decks and coarse particles, cut to its slice.
+    """Return the case with fitted curves, laid-out decks and coarse particles, cut to its slice.
 
     Raises CaseError with the problems of the first of these steps that fails.
     """
-    return cut_to_slice(coarsen(lay_out_decks(fit_loss_curves(bare))))
+    curved = fit_bushing_curves(fit_loss_curves(bare))
+    return leave_out_outside(cut_to_slice(coarsen(lay_out_decks(curved))))
 
 
 def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
     """Lay the level of this name over the case.  Raises CaseError for a file that is no level."""
     before = dict(layers.merged)
-    file = level_file(folder, name)
-    source = f"levels/{name}.toml" if file.parent == folder / "levels" else name
-    overlay = read_toml(file, None if source == name else folder)
+    overlay, source = read_level(folder, name)
     without = overlay.pop("without", [])
     overlay.pop("about", None)
     layers.lay(overlay, source)

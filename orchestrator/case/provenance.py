@@ -146,6 +146,12 @@ def provenance(ranks: int) -> dict[str, Any]:
     }
 
 
+def read_provenance(folder: Path) -> dict[str, Any]:
+    """Return the content of ``provenance.json`` in the folder of a run.  Raises OSError or ValueError."""
+    table: dict[str, Any] = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    return table
+
+
 def versions() -> dict[str, str | None]:
     """Return the versions of this program and of its main libraries; None for one not installed."""
     known = distributions()

@@ -5,6 +5,7 @@ Wherever a plan or a surface has a material's index, ``material_numbers`` define
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,17 @@ import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
 from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
+from orchestrator.case.bed.push_out import push_out
 from orchestrator.case.bed.sources import combine_feeds, initial_particles, largest_diameter_m
-from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit_vector
+from orchestrator.case.deck.panels import (
+    SinglePanel,
+    axes,
+    planned_stops,
+    single_panels,
+    to_world,
+    unit_vector,
+)
+from orchestrator.case.file.bushing_curve import elements_of
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
 from orchestrator.ports import Array
@@ -28,12 +38,17 @@ from orchestrator.ports.plans import (
     FramesPlan,
     GrainMaterial,
     HyperelasticPlan,
+    HysteresisPlan,
     MeshSize,
     MotorPlan,
     PanelPlan,
+    ParticleList,
     ParticlesPlan,
+    PointMass,
 )
 from orchestrator.ports.recording import Playback
+
+LOG = logging.getLogger("flipflow")
 
 
 def hyperelastic(material: Material) -> HyperelasticPlan:
@@ -54,6 +69,7 @@ def material_numbers(case: Case) -> dict[str, int]:
     bed, screen = case.bed, case.screen
     rows = (bed.particles, bed.blocks, bed.feeds, screen.panels, screen.surfaces)
     used = {row.material for table in rows for row in table.values()}
+    used.update(bed.carried.materials if bed.carried is not None else ())
     return {name: number for number, name in enumerate(name for name in case.materials if name in used)}
 
 
@@ -104,7 +120,7 @@ def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
         name=name,
         mass_kg=frame.mass_kg or 0.0,
         inertia_kg_m2=turn @ (tensor + upper + upper.T) @ turn.T,
-        center_of_mass_m=to_world(case, frame.center_of_mass_m),
+        center_of_mass_m=to_world(case, frame.recorded_point_m),
     )
 
 
@@ -120,10 +136,23 @@ def bushings(case: Case) -> list[BushingPlan]:
             axes=to_world(case, Rotation.from_euler("xyz", row.rotation_deg, True).as_matrix().T),
             stiffness_N_per_m=np.array(row.stiffness_N_per_m),
             damping_N_s_per_m=np.array(row.damping_N_s_per_m),
+            hysteresis=tuple(_hysteresis(row)) if case.frames.adapter.hysteresis else (),
         )
         for name, row in case.screen.bushings.items()
         for number, position in enumerate(row.positions_m)
     ]
+
+
+def _hysteresis(bushing: tables.Bushing) -> Iterator[HysteresisPlan]:
+    """Yield the laws of a bushing along the axes that have a measured curve."""
+    for curve in bushing.curves:
+        elements = elements_of(curve)
+        friction, maxwell = (
+            np.array(rows, dtype=np.float64).reshape(-1, 2).T
+            for rows in (elements.friction, elements.maxwell)
+        )
+        for axis in curve.axes:
+            yield HysteresisPlan("xyz".index(axis), elements.elastic_N_per_m, *friction, *maxwell)
 
 
 def _exciters(case: Case) -> list[ExciterPlan]:
@@ -167,7 +196,7 @@ def _drive(case: Case, name: str, drive: tables.Drive) -> DrivePlan:
     rotation_rad, rotation_phase_rad = _turn_oscillation(case, drive.rotation_rad, drive.rotation_phase_rad)
     return DrivePlan(
         body=name,
-        center_m=to_world(case, drive.center_m),
+        center_m=to_world(case, drive.center_m or (0.0, 0.0, 0.0)),
         speed_rad_per_s=drive.speed_rad_per_s,
         amplitude_m=amplitude_m,
         phase_rad=phase_rad,
@@ -200,8 +229,19 @@ def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> 
             apertures=panel.apertures,
             playback=(playbacks or {}).get(panel.name),
             stops=planned_stops(case, panel),
+            point_masses=sensors(case, panel),
         )
         for panel in single_panels(case)
+    )
+
+
+def sensors(case: Case, panel: SinglePanel) -> tuple[PointMass, ...]:
+    """Return the masses of the sensors on a panel."""
+    at = panel.rectangle
+    return tuple(
+        PointMass(probe.at[0] * at.length_m, probe.at[1] * at.width_m, probe.sensor_kg)
+        for probe in case.probes.values()
+        if probe.panel == panel.name and probe.at is not None and probe.sensor_kg > 0
     )
 
 
@@ -244,6 +284,8 @@ def particles_plan(
         return None
     numbers = material_numbers(case)
     particles = initial_particles(case, numbers)
+    if case.bed.carried is not None and case.bed.push_out:
+        particles = _make_room(particles, surface, np.array(case.gravity_m_per_s2))
     cap = case.particles.largest_youngs_modulus_Pa
     return ParticlesPlan(
         surface=surface,
@@ -267,6 +309,19 @@ def particles_plan(
         communicator=communicator,
         folder=folder,
     )
+
+
+def _make_room(particles: ParticleList, surface: TriangleSurface, gravity_m_per_s2: Array) -> ParticleList:
+    """Return the particles after they were pushed out of the surface, and log how many were moved how far."""
+    size = float(np.linalg.norm(gravity_m_per_s2))
+    up = -gravity_m_per_s2 / size if size else np.array([0.0, 0.0, 1.0])
+    pushed = push_out(particles, surface.position_m[surface.triangles], up)
+    moved_m = np.linalg.norm(pushed.position_m - particles.position_m, axis=1)
+    if moved_m.any():
+        count, mean_m = int((moved_m > 0).sum()), moved_m[moved_m > 0].mean()
+        text = "bed.push_out moved %d of %d particles, by %.3g m in the mean and %.3g m at most"
+        LOG.info(text, count, len(moved_m), mean_m, moved_m.max())
+    return pushed
 
 
 def exits(case: Case) -> tuple[ExitPlan, ...]:

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from orchestrator.case.scalars import SCALARS
+from orchestrator.cli.json_forms import explain_form, print_json
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, find_dispensable, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
@@ -34,21 +35,20 @@ def print_explanation(
     study: StoredStudy | None = None,
     tried: TriedEffects | None = None,
     asked: Sequence[str] = (),
+    as_json: bool = False,
 ) -> None:
     """Print the verdicts on all effects of a case without problems in its tables.
 
     The measurements of a ``study`` of accuracy replace estimates.  So do the runs that were ``tried``,
     with their changes of the results ``asked`` for.
     """
+    effects = _judge_with_measurements(loaded, study, tried, asked)
+    if as_json:
+        print_json(explain_form(loaded, [*effects.values()]))
+        return
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    effects = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
-    if study is not None:
-        from orchestrator.studies.accuracy.plan import measured_verdict
-
-        for name, judged in effects.items():
-            effects[name] = replace(judged, verdict=measured_verdict(name, judged.verdict, study))
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
@@ -58,6 +58,19 @@ def print_explanation(
     lines = [] if tried is None else [*trial_lines(tried, asked)]
     for line in (*lines, *summary_lines(loaded, [*effects.values()])):
         console.print(line, soft_wrap=True)
+
+
+def _judge_with_measurements(
+    loaded: JudgedCase, study: StoredStudy | None, tried: TriedEffects | None, asked: Sequence[str]
+) -> dict[str, Judged]:
+    """Return the judgements of the effects by name, by measurements where there are any."""
+    effects = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
+    if study is not None:
+        from orchestrator.studies.accuracy.plan import measured_verdict
+
+        for name, judged in effects.items():
+            effects[name] = replace(judged, verdict=measured_verdict(name, judged.verdict, study))
+    return effects
 
 
 def judge_effects(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from orchestrator.cli.console import CONSOLE, ERRORS, FAILED, check_or_report, refuse, reported_errors
+from orchestrator.cli.new import new
 from orchestrator.cli.study import study
 from orchestrator.studies.options import CasePath, Level, Overrides
 
@@ -21,9 +22,15 @@ HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and fr
 
 Examples:
 
+  flipflow new mine                                    begin a machine of your own, in the folder mine
+
   flipflow list                                        what can be run
 
   flipflow check cases/quickstart                      is the case right, and what is in it?
+
+  flipflow show cases/quickstart                       drawings, modes and a model to turn about
+
+  flipflow materials limestone                         its numbers, with ranges and sources
 
   flipflow explain cases/quickstart                    which effects does it call for?
 
@@ -40,6 +47,10 @@ Examples:
   flipflow resume runs/quickstart-1                    go on with it, if it was interrupted
 
   flipflow report runs/quickstart-1                    one HTML page about a run
+
+  flipflow compare runs/a runs/b --out ab.html         what differs, and what is more than chance
+
+  flipflow results runs/* --out results.parquet        the results of many runs as one table
 
   flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_per_s=58:110:4
 
@@ -84,6 +95,10 @@ def program(
 
 
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")]
+RunPaths = Annotated[
+    list[Path], typer.Argument(metavar="RUN...", help="folders of runs, or of studies with runs in them")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="JSON on standard output, for other programs")]
 Out = Annotated[
     Path | None, typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]")
 ]
@@ -134,18 +149,87 @@ def check(
     detail: Annotated[
         bool, typer.Option("--detail", help="all that limits the sync interval, with its numbers")
     ] = False,
+    ranks: Annotated[
+        int | None, typer.Option(min=1, help="predict the wall time on 1, 2, 4, ... and on so many MPI ranks")
+    ] = None,
+    latency: Annotated[float, typer.Option(min=0, help="with --ranks: time of a message / s")] = 2e-6,
+    bandwidth: Annotated[float, typer.Option(min=1, help="with --ranks: of the network / (byte/s)")] = 5e9,
+    as_json: AsJson = False,
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="PAGE", help="writes a page with all this and drawings")
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Check a case without running it, and print what is in it.
 
+    With --ranks, a table predicts the wall time of mpirun -n N flipflow run on ever more ranks, and says
+    beyond how many they no longer pay.  Each rank is one process on a core of its own.
+
+      flipflow check cases/ffs0827-slice --ranks 64
+
+    Plain Ethernet is --latency 3e-5 --bandwidth 1e8.
+
     Exit code 0: the case can be run; 2: it cannot, and one message has every problem.
     """
     from orchestrator.cli.overview import overview
+    from orchestrator.preflight.cost import particles_at_start
+    from orchestrator.preflight.scaling import Network, scaling_lines
 
+    if as_json and ranks is not None:
+        raise typer.BadParameter("--ranks prints a table: leave out --json", param_hint="--ranks")
     loaded = check_or_report(case, level, overrides)
     with reported_errors():
-        for line in overview(loaded, detail):
-            CONSOLE.print(line)
+        if as_json:
+            from orchestrator.cli.json_forms import check_form, print_json
+
+            print_json(check_form(loaded))
+        lines = []
+        for line in overview(loaded, detail) if html is not None or not as_json else ():
+            lines.append(line)
+            if not as_json:
+                CONSOLE.print(line)
+        if ranks is not None and not as_json:
+            network = Network(latency, bandwidth)
+            for line in scaling_lines(loaded.case, particles_at_start(loaded.case), ranks, network):
+                lines.append(line)
+                CONSOLE.print(line)
+        if html is not None:
+            from orchestrator.cli.show import write_check_page
+
+            write_check_page(loaded, lines, html)
+            ERRORS.print(f"written: {html}")
+
+
+@app.command()
+def show(
+    case: CasePath,
+    level: Level = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="folder for the files [default: runs/<case>-machine]")
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Draw the machine of a case: views with dimensions, openings, modes, and a model to turn about.
+
+    The files are side and top views and the openings' pattern (PNG and SVG), modes.svg (animated),
+    model.html (three dimensions) and machine.html (all of it, with what check warns of).  The pages
+    open without a network.  No solver is started.
+
+    Exit code 0: the files are written, also for a case with problems other than in its tables;
+    2: the tables have problems.
+    """
+    from orchestrator.cli.show import show as write_views
+    from orchestrator.preflight.check import find_table_problems
+
+    loaded = check_or_report(case, level, overrides, find_table_problems)
+    with reported_errors():
+        files, found = write_views(loaded, out)
+    for problem in found.problems:
+        CONSOLE.print(f"problem: {problem}")
+    for warning in found.warnings:
+        CONSOLE.print(f"warning: {warning}")
+    for file in files:
+        CONSOLE.print(f"written: {file}")
 
 
 @app.command()
@@ -165,6 +249,7 @@ def explain(
         ),
     ] = None,
     budget: Annotated[float, typer.Option(min=0, help="with --for: processor time for all runs / s")] = 300.0,
+    as_json: AsJson = False,
     overrides: Overrides = None,
 ) -> None:
     """Print which effects a case calls for, by estimates before any run.
@@ -186,7 +271,7 @@ def explain(
     with reported_errors():
         measured = _stored(loaded, study)
         asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
-        print_explanation(loaded, measured, _tried(loaded, asked, budget), asked)
+        print_explanation(loaded, measured, _tried(loaded, asked, budget), asked, as_json)
 
 
 @app.command()
@@ -202,6 +287,46 @@ def report(run: RunPath) -> None:
 
     with reported_errors():
         CONSOLE.print(make_report(run))
+
+
+@app.command()
+def results(
+    runs: RunPaths,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="file to write, .csv or .parquet [default: CSV is printed]")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write the results of runs as a tidy table: one row for each result of each run.
+
+    The columns are run, case, level, status, result, kind, value, half_width (of the 95 % confidence
+    interval) and unit.  Results with short names, such as efficiency and stroke, come first.
+
+    Exit code 0: done; 2: a folder is no run that has ended, or of another version.
+    """
+    from orchestrator.cli.results import print_results
+
+    print_results(runs, out, as_json)
+
+
+@app.command()
+def compare(
+    runs: RunPaths,
+    out: Annotated[Path | None, typer.Option("--out", help="HTML page to write")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compare runs with the first of them.
+
+    Tables show the keys in which the cases differ, and the results with their intervals, their changes,
+    and whether a change is more than chance.  The page has overlaid plots and the runs' pictures side by
+    side, too.
+
+    Exit code 0: done; 2: a folder is no run that has ended, the runs are of another version of flipflow,
+    or they have no results in common.
+    """
+    from orchestrator.cli.compare import print_comparison
+
+    print_comparison(runs, out, as_json)
 
 
 @app.command()
@@ -243,12 +368,45 @@ def record(
 @app.command(name="list")
 def list_cases(
     folder: Annotated[Path, typer.Argument(help="folder that holds cases")] = Path("cases"),
+    as_json: AsJson = False,
 ) -> None:
     """List cases with their titles and levels."""
     if not folder.is_dir():
         refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
+    if as_json:
+        from orchestrator.cli.json_forms import list_form, print_json
+
+        print_json(list_form(folder))
+        return
     for line in _case_lines(folder):
         CONSOLE.print(line)
+
+
+@app.command()
+def materials(
+    name: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME]", help="a material, such as moist limestone or rubber 60 Shore A"),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the library of materials, or explain one material.
+
+    A case takes a material by its name, without a table of its own: material = "limestone".  The command
+    prints each number with its ordinary range and its source, and the contacts with other materials.
+
+    Exit code 0: done; 2: no such material.
+    """
+    from orchestrator.cli import materials as library
+
+    named = library.find_or_refuse(" ".join(name)) if name else None
+    if as_json:
+        from orchestrator.cli.json_forms import print_json
+
+        print_json(library.material_form(named) if named else library.list_form())
+        return
+    for part in library.explanation(named) if named else library.list_lines():
+        CONSOLE.print(part)
 
 
 @app.command()
@@ -293,6 +451,7 @@ def plan(
         CONSOLE.print(f"written: {file}")
 
 
+app.command()(new)
 app.add_typer(study, name="study")
 
 
@@ -332,19 +491,15 @@ def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> Tried
 
 def _case_lines(folder: Path) -> Iterator[str]:
     """Yield a line for each case in a folder, followed by a line with its levels."""
-    from orchestrator.case.file.errors import CaseError, visible
-    from orchestrator.case.file.layers import read_toml
-    from orchestrator.case.load import level_names, load
+    from orchestrator.case.file.errors import visible
+    from orchestrator.cli.json_forms import cases_in
 
-    for file in sorted(folder.glob("*/case.toml")):
-        try:
-            title = str(read_toml(file).get("title", "(no title)"))
-            level = load(file).level
-            default = level.name if level is not None else ""
-        except CaseError:
-            title, default = f"(has problems: flipflow check {file.parent})", ""
-        names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
-        yield visible(f"{file.parent}  {title}")
+    for case in cases_in(folder):
+        title = case["title"] or f"(has problems: flipflow check {case['folder']})"
+        names = [f"{n} (default)" if n == case["default_level"] else n for n in case["levels"]]
+        yield visible(f"{case['folder']}  {title}")
+        if case["base"]:
+            yield visible(f"    over: {case['base']}")
         yield visible(f"    levels: {', '.join(names) or 'none'}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,17 +12,21 @@ from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
+from orchestrator.case.file.base import case_folders
+from orchestrator.case.file.bushing_curve import compare_with_points
 from orchestrator.case.file.loss_curve import compare_with_curve, curve_points, moduli
 from orchestrator.case.solver_plans import material_numbers, meshes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverMissing
 from orchestrator.preflight.check import warnings
+from orchestrator.preflight.checks.defaults import taken_defaults
 from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, lines_at_start
 from orchestrator.preflight.stability.report import stability_report, with_scheme
+from orchestrator.preflight.step_filling import step_filling_lines
 
 
 def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
@@ -33,6 +38,8 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     stability = stability_report(case)
     level = f"level {loaded.level}" if loaded.level else "no level"
     yield f"{loaded.name}, {level}: {case.title}"
+    if bases := [folder.name for folder in case_folders(loaded.folder)[1:]]:
+        yield f"  over       {', which is over '.join(bases)}"
     yield from _machine(loaded)
     if has_particles(case):
         yield from _particles(loaded)
@@ -48,6 +55,9 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
         )
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
+    if defaults := [*taken_defaults(loaded.layers.merged)]:
+        yield "defaults that the case takes:"
+        yield from (f"  {line}" for line in defaults)
     yield "stability:"
     yield from stability.detail_lines() if detail else stability.short_lines()
     for warning in [*warnings(loaded), *stability.warnings(), *missing_solvers(case)]:
@@ -73,10 +83,30 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
     cells = " x ".join(str(count) for count in case.panel.cells)
     yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
     yield from meshes(case)
+    yield from _curves(case)
     yield from _damping(case)
     yield from openings(case)
     rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
     yield f"  triangles  {_triangles_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
+
+
+def _curves(case: Case) -> Iterator[str]:
+    """Yield lines that compare the elements of bushings with the measured curves."""
+    for name, bushing in case.screen.bushings.items():
+        for curve in bushing.curves:
+            elements = f"{len(curve.friction)} friction and {len(curve.maxwell)} Maxwell elements"
+            yield f"  bushings   {name} along {curve.axes}: spring with {elements}"
+            if not curve.points:
+                continue
+            off = compare_with_points(curve)
+            stiffness = [point.stiffness_N_per_m for point in curve.points]
+            errors = (
+                f"stiffness off by {off.stiffness_error:.1%} at most, loss factor by {off.loss_error:.0%}"
+            )
+            yield (
+                f"             measured {min(stiffness):g} to {max(stiffness):g} N/m "
+                f"at {len(stiffness)} points: {errors}"
+            )
 
 
 def _damping(case: Case) -> Iterator[str]:
@@ -110,6 +140,9 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
     feeds = "".join(f", {feed.rate_kg_per_s:g} kg/s fed" for feed in case.bed.feeds.values())
     step_s = particle_step_s(case)
     yield f"  particles  {count} at the start{feeds} ({case.particles.solver})"
+    if (carried := case.bed.carried) is not None:
+        at = "" if math.isnan(carried.time_s) else f", at t = {carried.time_s:g} s"
+        yield f"  bed        from {carried.source}{at}"
     yield (
         f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
         "smallest particle's Rayleigh time"
@@ -143,4 +176,4 @@ def _times(loaded: JudgedCase) -> Iterator[str]:
         f"({case.coupling.scheme}), {case.duration_s:g} s in all"
     )
     if has_particles(case):
-        yield (f"  particles' steps in an interval  {steps_in(interval_s, particle_step_s(case))}")
+        yield from step_filling_lines(case)

@@ -41,6 +41,7 @@ class BushingForces:
         ``centres`` has the number of each frame's centre of mass among the carried points, which its arms
         follow; ``position_m`` has the places of the carried points at t = 0.
         """
+        bushings = [bushing.beside_elements() for bushing in bushings]
         ends = np.array(
             [
                 [np.arange(1 + ARMS) + centres[body] if body in centres else [-1] * 4 for body in b.bodies]
@@ -60,18 +61,20 @@ class BushingForces:
             damping_N_s_per_m=np.array([b.damping_N_s_per_m for b in bushings]).reshape(-1, 3),
         )
 
-    def at(self, carried: Motion) -> tuple[Array, Array]:
+    def at(self, carried: Motion, element_N: Array | None = None) -> tuple[Array, Array]:
         """Return deformation in m and force in N of every bushing, (n, 3) each, along its own axes.
 
         The axes turn with the first body.  The deformation is the place of the second end against the first,
         and the force holds the second end there.  Both count from t = 0: the preload that carries weight is
-        not included.
+        not included.  ``element_N`` (n, 3) are the forces of friction and Maxwell elements, which the frames
+        know.
         """
         place_m, velocity_m_per_s, turn = self._ends(carried)
         axes = self.axes @ turn[0].transpose(0, 2, 1)
         deformation_m = np.einsum("nij,nj->ni", axes, place_m[1] - place_m[0])
         rate_m_per_s = np.einsum("nij,nj->ni", axes, velocity_m_per_s[1] - velocity_m_per_s[0])
-        return (deformation_m, self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s)
+        force_N = self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s
+        return deformation_m, force_N if element_N is None else force_N + element_N
 
     def _ends(self, carried: Motion) -> tuple[Array, Array, Array]:
         """Return places and velocities (2, n, 3) of both ends, and rotations (2, n, 3, 3) of their bodies."""

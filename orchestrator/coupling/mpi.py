@@ -13,9 +13,11 @@ import time
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
-from orchestrator.ports import Account, Frames, Known, Load, Motion, Saved
+import numpy as np
+
+from orchestrator.ports import Account, Array, Frames, Known, Load, Motion, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.frames import find_driven_points
+from orchestrator.ports.frames import find_driven_points, find_element_forces_N
 
 Shared = TypeVar("Shared")
 _LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
@@ -75,15 +77,28 @@ class FramesOnFirstRank:
     def __init__(self, world: Any, open_frames: Callable[[], Frames]) -> None:
         self._world = world
         self._frames = open_frames() if world.rank == 0 else None
+        self._points = 0
 
     def initial(self) -> Motion:
-        return self._broadcast(lambda frames: frames.initial())
+        motion = self._broadcast(lambda frames: frames.initial())
+        self._points = len(motion)
+        return motion
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        return self._broadcast(lambda frames: frames.advance(interval, reaction))
+        """Return the motion, which goes to the other ranks as plain numbers."""
+        numbers = np.empty((2, self._points, 3))
+        if self._frames is not None:
+            motion = self._frames.advance(interval, reaction)
+            numbers[:] = motion.position_m, motion.velocity_m_per_s
+        self._world.Bcast(numbers)
+        return Motion(*numbers)
 
     def ahead(self, interval: Interval) -> Known | None:
         return self._broadcast(lambda frames: find_driven_points(frames, interval))
+
+    def element_forces_N(self) -> Array | None:
+        """Return the forces on rank 0, which records them; None on other ranks."""
+        return find_element_forces_N(self._frames) if self._frames is not None else None
 
     def account(self) -> Account:
         return self._broadcast(lambda frames: frames.account())

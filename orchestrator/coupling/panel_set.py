@@ -8,15 +8,37 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array
 
-from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
+from orchestrator.ports import (
+    Account,
+    Array,
+    Indices,
+    Inertia,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    Panel,
+    PanelState,
+    Saved,
+)
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.panel import surface_ahead, surface_inertia
+from orchestrator.ports.panel import Joinable, JointAdvance, surface_ahead, surface_inertia
+
+
+@dataclass(frozen=True)
+class Group:
+    """Panels that one call advances: their numbers, in order, and their points in the set."""
+
+    panels: Sequence[int]
+    clamps: slice | Indices
+    surface: slice | Indices
+    advance: JointAdvance
 
 
 class PanelSet:
@@ -36,6 +58,7 @@ class PanelSet:
         self.surface = consecutive_slices([len(state.surface) for state in states])
         self.clamps = consecutive_slices([len(mount.frame) for mount in mounts])
         self._initial = concatenate_states(states)
+        self._groups = [self._group(run) for run in _runs(self._own)]
         self.mount = Mount(
             np.concatenate([mount.position_m for mount in mounts]),
             tuple(frame for mount in mounts for frame in mount.frame),
@@ -45,11 +68,19 @@ class PanelSet:
         return self._initial
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        own = {
-            i: panel.advance(interval, clamps.part(self.clamps[i]), Load(load.force_N[self.surface[i]]))
-            for i, panel in self._own.items()
-        }
-        return concatenate_states(self.exchange(own))
+        own = [
+            group.advance(interval, clamps.part(group.clamps), load.part(group.surface))
+            for group in self._groups
+        ]
+        return concatenate_states(self._exchange_states(own))
+
+    def _group(self, numbers: Sequence[int]) -> Group:
+        """Return panels of this rank that can be joined, or a single one, as a group."""
+        panels = [self._own[i] for i in numbers]
+        advance = _together(panels) if len(panels) > 1 else panels[0].advance
+        assert advance is not None, "only panels that can be joined make a run"
+        clamps, surface = (_joined([of[i] for i in numbers]) for of in (self.clamps, self.surface))
+        return Group(numbers, clamps, surface, advance)
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
         own = {i: ahead(interval, clamps.part(self.clamps[i])) for i, ahead in self._follow.items()}
@@ -85,6 +116,84 @@ class PanelSet:
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]
+
+    def _exchange_states(self, own: Sequence[PanelState]) -> list[PanelState]:
+        """Return the states of all panels from those of this rank's groups.
+
+        They go between ranks as plain numbers, since they do in every interval.
+        """
+        if not self._communicator:
+            return list(own)
+        by_rank = sorted(range(len(self.surface)), key=self._owner)
+        points = [(_length(self.surface[i]), _length(self.clamps[i])) for i in by_rank]
+        lengths = [6 * on_surface + 3 * held for on_surface, held in points]
+        counts = np.bincount([self._owner(i) for i in by_rank], lengths, self._communicator.size)
+        single = [
+            part for group, state in zip(self._groups, own, strict=True) for part in self._parts(group, state)
+        ]
+        sent = np.concatenate([*map(_numbers, single), np.empty(0)])
+        received = np.empty(sum(lengths))
+        self._communicator.Allgatherv(sent, (received, counts.astype(int)))
+        parts = zip(by_rank, consecutive_slices(lengths), points, strict=True)
+        states = {i: _state(received[part], on_surface) for i, part, (on_surface, _) in parts}
+        return [states[i] for i in sorted(states)]
+
+    def _parts(self, group: Group, state: PanelState) -> list[PanelState]:
+        """Return the states of a group's panels, one by one."""
+        if len(group.panels) == 1:
+            return [state]
+        clamps, surface = (
+            consecutive_slices([_length(of[i]) for i in group.panels]) for of in (self.clamps, self.surface)
+        )
+        return [
+            PanelState(state.surface.part(points), state.reaction.part(held))
+            for points, held in zip(surface, clamps, strict=True)
+        ]
+
+    def _owner(self, panel: int) -> int:
+        """Return the rank that advances a panel."""
+        return int(panel % self._communicator.size)
+
+
+def _length(part: slice) -> int:
+    """Return how many points a slice takes."""
+    return len(range(part.start, part.stop))
+
+
+def _numbers(state: PanelState) -> Array:
+    """Return all numbers of a panel's state in one row."""
+    motion = state.surface
+    parts = (motion.position_m, motion.velocity_m_per_s, state.reaction.force_N)
+    return np.concatenate([part.ravel() for part in parts])
+
+
+def _state(numbers: Array, points: int) -> PanelState:
+    """Return the state whose ``_numbers`` these are, of a panel with so many points on its surface."""
+    position_m, velocity_m_per_s, force_N = np.split(numbers.reshape(-1, 3), [points, 2 * points])
+    return PanelState(Motion(position_m, velocity_m_per_s), Load(force_N))
+
+
+def _runs(panels: Mapping[int, Panel]) -> list[list[int]]:
+    """Return the numbers of the panels in runs of such that can be joined; others stand alone."""
+    runs: list[list[int]] = []
+    for number in panels:
+        if runs and _together([panels[i] for i in (*runs[-1], number)]):
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return runs
+
+
+def _together(panels: Sequence[Panel]) -> JointAdvance | None:
+    """Return the call that advances panels together, or None where they cannot be joined."""
+    return panels[0].join(panels) if isinstance(panels[0], Joinable) else None
+
+
+def _joined(parts: Sequence[slice]) -> slice | Indices:
+    """Return the points of several slices: a slice where they are consecutive, else their numbers."""
+    if all(before.stop == after.start for before, after in itertools.pairwise(parts)):
+        return slice(parts[0].start, parts[-1].stop)
+    return np.concatenate([np.arange(part.start, part.stop) for part in parts])
 
 
 def consecutive_slices(lengths: Sequence[int]) -> tuple[slice, ...]:

@@ -159,7 +159,7 @@ def _frame_points(case: Case, frame: str) -> RigidPart:
         for name, probe in case.probes.items()
         if probe.frame == frame and probe.point_m is not None
     }
-    centre_m = to_world(case, case.screen.frames[frame].center_of_mass_m)
+    centre_m = to_world(case, case.screen.frames[frame].recorded_point_m)
     probes_m = to_world(case, np.array(list(probes.values())).reshape(-1, 3))
     position_m = np.vstack([centre_m, centre_m + np.eye(3), probes_m])
     points = {frame: 0} | {name: number for number, name in enumerate(probes, start=4)}

@@ -10,6 +10,7 @@ from typing import Generic, TypeVar, cast
 
 from orchestrator.ports import (
     Account,
+    Array,
     ContactTangent,
     Crossings,
     Frames,
@@ -28,7 +29,7 @@ from orchestrator.ports import (
     Saved,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.frames import find_driven_points
+from orchestrator.ports.frames import find_driven_points, find_element_forces_N
 from orchestrator.ports.panel import surface_ahead, surface_inertia
 from orchestrator.ports.state import Solver
 
@@ -65,6 +66,9 @@ class FramesWrapper(Wrapper[Frames]):
 
     def ahead(self, interval: Interval) -> Known | None:
         return find_driven_points(self._solver, interval)
+
+    def element_forces_N(self) -> Array | None:
+        return find_element_forces_N(self._solver)
 
 
 class PanelWrapper(Wrapper[Panel]):

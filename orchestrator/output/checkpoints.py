@@ -19,6 +19,9 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case.bed import saved_bed
+from orchestrator.case.bed.saved_bed import BED
+from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.output.records.run_folder import check_format
 from orchestrator.ports import Saved
@@ -26,7 +29,7 @@ from orchestrator.ports import Saved
 KEPT = 2
 FOLDER, ABOUT = "checkpoints", "checkpoint.json"
 FORMER_FOLDER = "saves"  # of checkpoints up to format 3, which cannot be resumed
-FORMAT = 5
+FORMAT = 6
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
 them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
 ORIGIN_KEYS = ("ranks", "host", "machine", "python", "versions", "commit")
@@ -93,9 +96,17 @@ class Checkpoint:
             aside.replace(run / name)
 
 
-def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any) -> None:
+def write(
+    run: Path,
+    state: Saved,
+    copies: Sequence[Path],
+    about: dict[str, Any],
+    world: Any,
+    bed: CarriedBed | None = None,
+) -> None:
     """Write a checkpoint of all ranks of ``world`` into the folder of a run.
 
+    The particles of the ``bed`` are written in a form of their own, from which other runs may begin.
     ``about`` must have the number of ``sync_points``, and the number at the last ``good`` checkpoint.  Raises
     OSError on every rank if one of them cannot write; earlier checkpoints then stay.
     """
@@ -104,7 +115,7 @@ def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any]
     try:
         first_rank_does(world, lambda: _open(aside))
         sums = _write_arrays(aside / _of_rank(world), state, world)
-        first_rank_does(world, lambda: _complete(aside, folder, copies, about, sums))
+        first_rank_does(world, lambda: _complete(aside, folder, copies, about, sums, bed))
     except OSError:  # half a checkpoint takes the room that the run's last messages need
         first_rank_does(world, lambda: shutil.rmtree(aside, ignore_errors=True))
         raise
@@ -135,12 +146,20 @@ def _write_arrays(mine: Path, state: Saved, world: Any) -> dict[str, str]:
 
 
 def _complete(
-    aside: Path, folder: Path, copies: Sequence[Path], about: dict[str, Any], sums: dict[str, str]
+    aside: Path,
+    folder: Path,
+    copies: Sequence[Path],
+    about: dict[str, Any],
+    sums: dict[str, str],
+    bed: CarriedBed | None,
 ) -> None:
     """Write the other files, give the checkpoint its name, and remove older checkpoints."""
     for copy in copies:
         shutil.copyfile(copy, aside / copy.name)
         sums = sums | {copy.name: _sync(aside / copy.name)}
+    if bed is not None:
+        saved_bed.write(aside / BED, bed)
+        sums = sums | {BED: _sync(aside / BED)}
     about = {"format_version": FORMAT} | about | {"copies": [copy.name for copy in copies], "sha256": sums}
     (aside / ABOUT).write_text(json.dumps(about, indent=2, default=float), encoding="utf-8")
     _sync(aside / ABOUT)

@@ -147,12 +147,15 @@ class FramesAdapter(Adapter[FramesPlan, FramesWork, Frames]):
         Frames turn, and so need moments of inertia.
     motors
         Motors lag behind under load; False where shafts turn at their speed.
+    hysteresis
+        Bushings follow their measured curves; False where each has one stiffness and one damping.
     """
 
     moved_by_forces: bool = True
     drives: bool = True
     rotates: bool = True
     motors: bool = True
+    hysteresis: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)

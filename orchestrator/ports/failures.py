@@ -24,28 +24,38 @@ class NamedSolverFailed(SolverFailed):
     """A failure whose message says which solver failed, and when."""
 
 
-@contextmanager
-def solver_failure_context(member: str, interval: Interval | None) -> Iterator[None]:
+def solver_failure_context(member: str, interval: Interval | None) -> SolverFailureContext:
     """Make failures inside the context say which solver failed, and when.
 
     ``interval`` is the running interval, None at t = 0.  NamedSolverFailed takes the place of SolverFailed,
     BrokenRecord, FloatingPointError and MemoryError; other exceptions get the same words as a note.  Only the
     innermost of nested contexts speaks.
     """
-    try:
-        yield
-    except NamedSolverFailed:
-        raise
-    except (SolverFailed, BrokenRecord, FloatingPointError) as error:
-        raise NamedSolverFailed(f"{member} failed {_when(interval)}: {error}") from error
-    except MemoryError as error:
-        what = f"out of memory. {error}".strip()
-        clear_frames(error.__traceback__)  # what they hold is needed to close the books
-        raise NamedSolverFailed(f"{member} failed {_when(interval)}: {what}") from error
-    except Exception as error:
+    return SolverFailureContext(member, interval)
+
+
+class SolverFailureContext:
+    """The context of ``solver_failure_context``; several are entered in each interval, so it is no
+    generator."""
+
+    __slots__ = ("_interval", "_member")
+
+    def __init__(self, member: str, interval: Interval | None) -> None:
+        self._member, self._interval = member, interval
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, _: object, error: BaseException | None, trace: object) -> None:
+        if not isinstance(error, Exception) or isinstance(error, NamedSolverFailed):
+            return
+        what = f"{self._member} failed {_when(self._interval)}"
+        if isinstance(error, SolverFailed | BrokenRecord | FloatingPointError):
+            raise NamedSolverFailed(f"{what}: {error}") from error
+        if isinstance(error, MemoryError):
+            clear_frames(error.__traceback__)  # what they hold is needed to close the books
+            raise NamedSolverFailed(f"{what}: {f'out of memory. {error}'.strip()}") from error
         if not hasattr(error, "__notes__"):
-            error.add_note(f"{member} {_when(interval)}")
-        raise
+            error.add_note(f"{self._member} {_when(self._interval)}")
 
 
 def _when(interval: Interval | None) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.interface_records import Known, Load, Motion
+from orchestrator.ports.interface_records import Array, Known, Load, Motion
 from orchestrator.ports.state import Solver
 
 
@@ -124,7 +124,30 @@ class Scheduled(Protocol):
         ...
 
 
+@runtime_checkable
+class Hysteretic(Protocol):
+    """Frames whose bushings may have friction and Maxwell elements beside their springs."""
+
+    def element_forces_N(self) -> Array | None:
+        """Return the forces of the elements at the last sync point.  The call changes nothing.
+
+        Returns
+        -------
+        Array or None
+            Forces in N along the bushings' axes, (bushings, 3), in the order of the plan; None
+            where no bushing has elements.
+        """
+        ...
+
+
+def find_element_forces_N(frames: Frames) -> Array | None:
+    """Return the forces (bushings, 3) of friction and Maxwell elements along the bushings' axes, for frames
+    that are ``Hysteretic`` or not; None without elements."""
+    return frames.element_forces_N() if isinstance(frames, Hysteretic) else None
+
+
 def find_driven_points(frames: Frames, interval: Interval) -> Known | None:
     """Return the motion of driven points at the next interval's end, for frames that are ``Scheduled`` or
     not; None where nothing is driven."""
-    return frames.ahead(interval) if isinstance(frames, Scheduled) else None
+    ahead = getattr(frames, "ahead", None)  # of a Scheduled: to ask isinstance takes longer than the rest
+    return ahead(interval) if ahead is not None else None

@@ -261,11 +261,23 @@ TOUCHING = 1e-9  # of a box's size: rounding where a triangle stands against its
 def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
     """Return the overlaps (n,) of spheres, (n, 3) and (n,), with the nearest of the triangles (m, 3, 3); zero
     for spheres that overlap none."""
+    deepest_m = np.zeros(len(position_m))
+    sphere, from_surface_m = contact_points(position_m, radius_m, corners_m)
+    depth_m = radius_m[sphere] - np.linalg.norm(from_surface_m, axis=1)
+    np.maximum.at(deepest_m, sphere, depth_m)
+    return deepest_m
+
+
+def contact_points(position_m: Array, radius_m: Array, corners_m: Array) -> tuple[Indices, Array]:
+    """Return the contacts of spheres, (n, 3) and (n,), with triangles (m, 3, 3).
+
+    Each contact has the number of its sphere, (contacts,), and the vector from the nearest point of the
+    triangle to the sphere's centre, (contacts, 3).
+    """
     from scipy.spatial import cKDTree
 
-    deepest_m = np.zeros(len(position_m))
     if not len(position_m) or not len(corners_m):
-        return deepest_m
+        return np.empty(0, dtype=np.int64), np.empty((0, 3))
     center_m = corners_m.mean(axis=1)
     reach_m = np.linalg.norm(corners_m - center_m[:, None], axis=2).max(axis=1) + radius_m.max()
     near = cKDTree(position_m).query_ball_point(center_m, reach_m)
@@ -273,9 +285,9 @@ def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
     sphere = np.concatenate([np.array(some, dtype=np.int64) for some in near])
     place_m, corners_m = position_m[sphere], corners_m[triangle]
     nearest_m = np.einsum("ij,ijk->ik", closest_on_triangle(place_m, corners_m), corners_m)
-    distance_m = np.linalg.norm(place_m - nearest_m, axis=1)
-    np.maximum.at(deepest_m, sphere, radius_m[sphere] - distance_m)
-    return deepest_m
+    from_surface_m = place_m - nearest_m
+    touching = np.linalg.norm(from_surface_m, axis=1) < radius_m[sphere]
+    return sphere[touching], from_surface_m[touching]
 
 
 def reach_into(corners_m: Array, box_m: Array) -> npt.NDArray[np.bool_]:

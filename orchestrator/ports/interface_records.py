@@ -33,7 +33,8 @@ def _checked(record: str, field_name: str, value: Array) -> None:
         raise BrokenRecord(f"{record}.{field_name}: float64 array wanted, got {kind}")
     if value.ndim != 2 or value.shape[1] != 3:
         raise BrokenRecord(f"{record}.{field_name}: shape (points, 3) wanted, got {value.shape}")
-    if isfinite(np.vdot(value, value)):  # far quicker than number by number; huge ones overflow
+    flat = value.ravel()
+    if isfinite(flat.dot(flat)):  # far quicker than number by number; huge ones overflow
         return
     if not np.isfinite(value).all():
         point = int(np.flatnonzero(~np.isfinite(value).all(axis=1))[0])
@@ -70,8 +71,12 @@ class Motion:
         return len(self.position_m)
 
     def part(self, points: slice | Indices) -> Motion:
-        """Return the motion of some of the points."""
-        return Motion(self.position_m[points], self.velocity_m_per_s[points])
+        """Return the motion of some of the points, without another check."""
+        some = object.__new__(Motion)
+        some.__dict__.update(
+            position_m=self.position_m[points], velocity_m_per_s=self.velocity_m_per_s[points]
+        )
+        return some
 
 
 @dataclass(frozen=True)
@@ -137,6 +142,12 @@ class Load:
 
     def __len__(self) -> int:
         return len(self.force_N)
+
+    def part(self, points: slice | Indices) -> Load:
+        """Return the load on some of the points, without another check."""
+        some = object.__new__(Load)
+        some.__dict__["force_N"] = self.force_N[points]
+        return some
 
     @staticmethod
     def zero(points: int) -> Load:

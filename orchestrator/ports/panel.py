@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from orchestrator.ports.clock import Interval
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 Ahead = Callable[[Interval, Known], Known]
+JointAdvance = Callable[[Interval, Motion, Load], PanelState]
+"""A call that advances several panels: its records have the points of one panel after the other."""
 
 
 class Panel(Solver, Protocol):
@@ -165,6 +167,27 @@ class Following(Protocol):
         -------
         Known
             One row per surface point.
+        """
+        ...
+
+
+@runtime_checkable
+class Joinable(Protocol):
+    """A panel that one call may advance together with others of its kind, which is quicker."""
+
+    def join(self, panels: Sequence[Panel]) -> JointAdvance | None:
+        """Return the call that advances panels together.
+
+        Parameters
+        ----------
+        panels
+            This panel and others.
+
+        Returns
+        -------
+        JointAdvance or None
+            It does what ``advance`` of one panel after the other does.  None if one of the panels is of
+            another kind.
         """
         ...
 

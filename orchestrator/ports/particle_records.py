@@ -30,6 +30,9 @@ class ParticleSnapshot:
         (n,).
     material
         (n,) the index of each particle's material in the plan.
+    force_N
+        (n, 3) the sum of all forces on each particle, gravity included, in the last evaluation of the forces;
+        None if the solver does not tell it.
     """
 
     id: Indices
@@ -39,6 +42,14 @@ class ParticleSnapshot:
     diameter_m: Array
     density_kg_per_m3: Array
     material: Indices
+    force_N: Array | None = None
+
+    def part(self, rows: Any) -> ParticleSnapshot:
+        """Return the particles of some rows, in their order."""
+        chosen: dict[str, Any] = {
+            name: None if values is None else values[rows] for name, values in vars(self).items()
+        }
+        return ParticleSnapshot(**chosen)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import foot_on_triangle
@@ -72,20 +73,31 @@ class Penetrations:
         self._triangles = np.concatenate([nothing, *(body.triangles for body in bodies)])
         counts = [len(body.triangles) for body in bodies]
         self._body = np.repeat(np.arange(len(counts)), counts)
-        self._drawn_boxes_m = boxes_of(drawn_m[self._triangles])
+        self._points = [np.unique(body.triangles) for body in bodies]
+        self._drawn_boxes_m = self._boxes_of_bodies(drawn_m)
 
     def deepest(self, position_m: Array) -> Penetration | None:
         """Return the deepest penetration with the points at ``position_m`` (n, 3); None without any."""
-        boxes_m = np.stack([self._drawn_boxes_m, boxes_of(position_m[self._triangles])])
+        boxes_m = np.stack([self._drawn_boxes_m, self._boxes_of_bodies(position_m)])
         deepest = (self._deepest_of(panel, position_m, boxes_m) for panel in self._panels)
         return max(filter(None, deepest), key=lambda each: each.thicknesses, default=None)
+
+    def _boxes_of_bodies(self, position_m: Array) -> Array:
+        """Return the lowest and highest corners (bodies, 2, 3) of the boxes around all bodies; of NaN
+        around a body without triangles."""
+        boxes_m = np.full((len(self._bodies), 2, 3), np.nan)
+        for box_m, points in zip(boxes_m, self._points, strict=True):
+            if len(points):
+                box_m[:] = position_m[points].min(axis=0), position_m[points].max(axis=0)
+        return boxes_m
 
     def _deepest_of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> Penetration | None:
         """Return the deepest penetration of one panel; None without any."""
         drawn_m, now_m = (points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m))
-        row, triangle = self._near(panel, drawn_m, now_m, boxes_m)
+        row, triangle = self._near(panel, np.stack([drawn_m, now_m]), position_m, boxes_m)
+        used, of_row = np.unique(triangle, return_inverse=True)
         was_m, is_m = (
-            height_m(points[self._triangles], triangle, place_m[row])
+            height_m(points[self._triangles[used]], of_row, place_m[row])
             for points, place_m in ((self._drawn_m, drawn_m), (position_m, now_m))
         )
         crossed = (was_m * is_m < 0.0) & (np.abs(was_m) > IN_PLANE * panel.thickness_m)
@@ -105,30 +117,59 @@ class Penetrations:
         return Penetration(name, surface, depth_m, depth_m / panel.thickness_m)
 
     def _near(
-        self, panel: ProbedPanel, drawn_m: Array, now_m: Array, boxes_m: Array
+        self, panel: ProbedPanel, points_m: Array, position_m: Array, boxes_m: Array
     ) -> tuple[Indices, Indices]:
         """Return pairs of a point (row) and a triangle (number) that the point may have gone through.
 
-        On no axis is such a point beyond the same side of the triangle's box before and after, since it would
-        then be beyond it all the way.  ``boxes_m`` (2, m, 2, 3) has the lowest and highest corners of all
-        triangles as drawn and now.
+        ``points_m`` (2, n, 3) are the panel's points as drawn and now, ``boxes_m`` (2, bodies, 2, 3) the
+        boxes around all bodies.  What is beyond the same side of a box before and after was beyond it all
+        the way: so whole bodies drop out first, then triangles, then single points.
         """
-        points_m = np.stack([drawn_m, now_m])  # (2, n, 3)
-        others = np.flatnonzero(self._body != panel.body)
-        if not len(now_m) or not len(others):
+        if not points_m.shape[1]:
             return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-        low_m, high_m = points_m.min(axis=1), points_m.max(axis=1)
-        below = high_m[:, None] < boxes_m[:, others, 0]
-        above = low_m[:, None] > boxes_m[:, others, 1]
-        others = others[~(below.all(axis=0) | above.all(axis=0)).any(axis=1)]
-        apart = np.zeros((len(now_m), len(others)), dtype=bool)
-        for axis in range(3):
-            places_m = points_m[:, :, None, axis]
-            box_m = boxes_m[:, others][..., axis]
-            apart |= (places_m < box_m[:, None, :, 0]).all(axis=0)
-            apart |= (places_m > box_m[:, None, :, 1]).all(axis=0)
-        row, column = np.nonzero(~apart)
-        return row, others[column]
+        around_m = np.stack([points_m.min(axis=1), points_m.max(axis=1)], axis=1)[:, None]
+        bodies = ~are_beyond(around_m, boxes_m)
+        bodies[panel.body] = False
+        triangles = np.flatnonzero(bodies[self._body])
+        corners = self._triangles[triangles]
+        boxes_m = np.stack([boxes_of(self._drawn_m[corners]), boxes_of(position_m[corners])])
+        met = ~are_beyond(around_m, boxes_m)
+        row, column = pairs_that_meet(points_m, boxes_m[:, met])
+        return row, triangles[met][column]
+
+
+def are_beyond(one_m: Array, other_m: Array) -> npt.NDArray[np.bool_]:
+    """Return where boxes (2, ..., 2, 3), as drawn and now, are beyond the same side of others both times.
+
+    The last two axes have the lowest and the highest corner.  A box of NaN is beyond nothing, and nothing is
+    beyond it.
+    """
+    below = one_m[..., 1, :] < other_m[..., 0, :]
+    above = one_m[..., 0, :] > other_m[..., 1, :]
+    return np.asarray((below.all(axis=0) | above.all(axis=0)).any(axis=-1))
+
+
+def pairs_that_meet(points_m: Array, boxes_m: Array) -> tuple[Indices, Indices]:
+    """Return the numbers of points (2, n, 3) and boxes (2, m, 2, 3), where no side parts the two both times.
+
+    The pairs are in the order of points, then of boxes.  Along the axis on which the points lie widest apart,
+    places in order give the pairs that may meet; then all axes are compared.
+    """
+    first_m, last_m = points_m.min(axis=0), points_m.max(axis=0)
+    axis = int(np.argmax(np.ptp(first_m, axis=0)))
+    order = np.argsort(first_m[:, axis], kind="stable")
+    in_order_m, farthest_m = first_m[order, axis], (last_m - first_m)[:, axis].max()
+    low = np.searchsorted(in_order_m, boxes_m[:, :, 0, axis].min(axis=0) - farthest_m)
+    high = np.searchsorted(in_order_m, boxes_m[:, :, 1, axis].max(axis=0), side="right")
+    counts = high - low
+    column = np.repeat(np.arange(len(counts)), counts)
+    row = order[np.arange(counts.sum()) + np.repeat(low - np.cumsum(counts) + counts, counts)]
+    for axis in range(3):
+        at_m, low_m, high_m = points_m[:, row, axis], boxes_m[:, column, 0, axis], boxes_m[:, column, 1, axis]
+        met = ~((at_m < low_m).all(axis=0) | (at_m > high_m).all(axis=0))
+        row, column = row[met], column[met]
+    in_turn = np.lexsort((column, row))
+    return row[in_turn], column[in_turn]
 
 
 def boxes_of(corners_m: Array) -> Array:

@@ -7,7 +7,7 @@ from which its adapter predicts the ``Cost``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -63,6 +63,18 @@ class StopPlan:
 
 
 @dataclass(frozen=True)
+class PointMass:
+    """A mass that is fixed to a panel at a point of its free length, such as a sensor.
+
+    ``along_m`` counts from the inner edge of the first clamp, ``across_m`` from the edge at the corner.
+    """
+
+    along_m: float
+    across_m: float
+    mass_kg: float
+
+
+@dataclass(frozen=True)
 class PanelPlan:
     """A panel: its geometry, its material, and how finely to solve it.
 
@@ -71,6 +83,7 @@ class PanelPlan:
     ``apertures``: its openings, if any; only particles see each of them.  ``playback``: the
     recorded motion that it follows, where its shape is prescribed.  ``stops``: beams that it can
     come to lie on (``orchestrator/coupling/stopped_panel.py``, no matter of the solver).
+    ``point_masses``: what is fixed to it.
     """
 
     name: str
@@ -86,10 +99,14 @@ class PanelPlan:
     apertures: AperturePattern | None = None
     playback: Playback | None = None
     stops: tuple[StopPlan, ...] = ()
+    point_masses: tuple[PointMass, ...] = ()
 
     @property
     def mass_kg(self) -> float:
-        """The mass of the whole panel: its free length without openings, and the parts in the clamps."""
+        """The mass of the whole panel without point masses.
+
+        It has its free length without openings, and the parts in the clamps.
+        """
         at = self.rectangle
         share = self.apertures.material_share(at) if self.apertures is not None else 1.0
         area_m2 = at.width_m * (share * at.length_m + 2.0 * at.clamp_m)
@@ -126,12 +143,30 @@ class BodyPlan:
 
 
 @dataclass(frozen=True)
+class HysteresisPlan:
+    """The law of a bushing along its axis number ``axis``: a spring, n friction and m Maxwell elements in
+    parallel.
+
+    A friction element of stiffness ``friction_N_per_m`` (n,) slips where it is stretched by ``slip_m`` (n,).
+    A Maxwell element of stiffness ``maxwell_N_per_m`` (m,) relaxes in ``relaxation_s`` (m,).
+    """
+
+    axis: int
+    elastic_N_per_m: float
+    friction_N_per_m: Array
+    slip_m: Array
+    maxwell_N_per_m: Array
+    relaxation_s: Array
+
+
+@dataclass(frozen=True)
 class BushingPlan:
     """A linear spring and damper along three axes between two bodies ("ground" is the fixed one).
 
     ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_per_m`` and
     ``damping_N_s_per_m`` (3,) belong to them; the axes turn with the first body.  Force-free at
     t = 0 but for the preload that holds the bodies' weight when the frames are drawn at rest.
+    ``hysteresis`` has the laws that replace spring and damper along some axes.
     """
 
     name: str
@@ -140,6 +175,16 @@ class BushingPlan:
     axes: Array
     stiffness_N_per_m: Array
     damping_N_s_per_m: Array
+    hysteresis: tuple[HysteresisPlan, ...] = ()
+
+    def beside_elements(self) -> BushingPlan:
+        """Return the springs and dampers that stand beside the friction and Maxwell elements."""
+        if not self.hysteresis:
+            return self
+        stiffness, damping = self.stiffness_N_per_m.copy(), self.damping_N_s_per_m.copy()
+        for law in self.hysteresis:
+            stiffness[law.axis], damping[law.axis] = law.elastic_N_per_m, 0.0
+        return replace(self, stiffness_N_per_m=stiffness, damping_N_s_per_m=damping)
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from orchestrator.case.bed.work_of_adhesion import move_to_given_key
 from orchestrator.case.file.deck_layout import move_to_deck
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.plausible import unusual_sizes
-from orchestrator.preflight.checks import TABLE_RULES, bed, machine, panels, steps, surfaces
+from orchestrator.preflight.checks import (
+    TABLE_RULES,
+    bed,
+    deck,
+    leaks,
+    machine,
+    motion,
+    panels,
+    steps,
+    surfaces,
+)
+from orchestrator.preflight.scene.scene import scene
 
 if TYPE_CHECKING:
     from orchestrator.ports import Indices
@@ -85,8 +97,10 @@ def find_problems_at_rest(
 
 def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProblem]:
     """Return the problems with the keys that the user wrote."""
-    decks = loaded.layers.merged["screen"].get("decks", {})
-    return loaded.layers.named([move_to_deck(problem, decks) for problem in problems])
+    given = loaded.layers.merged
+    decks, contacts = given["screen"].get("decks", {}), given.get("contacts", [])
+    moved = [move_to_given_key(move_to_deck(problem, decks), contacts) for problem in problems]
+    return loaded.layers.named(moved)
 
 
 def warnings(loaded: JudgedCase) -> list[str]:
@@ -95,11 +109,20 @@ def warnings(loaded: JudgedCase) -> list[str]:
     The sync interval has its own report (stability/report.py).
     """
     case = loaded.case
+    shaken = scene(case)
     return [
         *unusual_sizes(case.whole_machine),
+        *deck.panels_out_of_line(case),
+        *deck.openings_and_particles(case),
+        *leaks.leaks(case, loaded.folder),
+        *motion.resonances(shaken),
+        *motion.normal_strokes(shaken),
+        *motion.missing_damping(case, shaken),
+        *motion.sudden_exciters(case),
         *machine.sudden_drives(case),
         *bed.feeds_that_hardly_feed(case),
         *bed.fines(case),
+        *bed.other_densities(case),
         *bed.soft_contacts(loaded.described),
         *panels.other_speed(case, loaded.folder),
         *bed.doubtful_slice(case, loaded.folder),

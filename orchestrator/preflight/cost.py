@@ -105,8 +105,24 @@ TRIES = {
 panels once more, under the load on which they have settled."""
 
 
-def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THICK) -> dict[str, float]:
-    """Return the processor time by part of a run with ``at_start`` particles at t = 0.
+class RankShare(NamedTuple):
+    """The shares of the panels' and of the particles' work that one rank has; 1 in a run of one process.
+
+    The rest of the work is done by every rank, or by the first while the others wait.
+    """
+
+    panels: float = 1.0
+    particles: float = 1.0
+
+
+WHOLE = RankShare()
+
+
+def predicted_parts_s(
+    case: Case, at_start: int, transport_m_per_s: float = THICK, share: RankShare = WHOLE
+) -> dict[str, float]:
+    """Return the processor time by part, on a rank with a ``share`` of the work, of a run with ``at_start``
+    particles at t = 0.
 
     The first part, "start", is the time of imports, which no wall time counts.  Pictures and the
     report are not included.
@@ -116,14 +132,16 @@ def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THIC
     panels, particles = single_panels(case), has_particles(case)
     tries = TRIES[case.coupling.scheme] if particles else Tries()
     mean = bed_cost(case, at_start, transport_m_per_s).mean if particles else 0.0
-    triangles = _triangles(case) if particles else 0
+    triangles = surface_triangles(case) if particles else 0
     costs = {
-        "panel": case.panel.adapter.cost(_panels_work(case, tries.panel * intervals)),
+        "panel": case.panel.adapter.cost(_panels_work(case, tries.panel * intervals, share.panels)),
         "frames": case.frames.adapter.cost(_frames_work(case, intervals)),
     }
     if particles and case.particles.adapter is not None:
         work = _particles_work(case, mean, tries.particles, triangles)
-        work = replace(work, thrown=transport_m_per_s >= THIN)
+        work = replace(
+            work, thrown=transport_m_per_s >= THIN, particle_steps=share.particles * work.particle_steps
+        )
         costs["particles"] = case.particles.adapter.cost(work)
     parts_s = {"start": IMPORT_S + MESHED_S * triangles, "particles": 0.0}
     parts_s |= {part: cost.stepping_s for part, cost in costs.items()}
@@ -134,7 +152,7 @@ def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THIC
     searched_s = tries.point_s * triangles / 2  # there are half as many points
     parts_s["coupling"] += (TRIED_S * (tries.panel - 1) + searched_s) * intervals
     stopped = sum(bool(panel.table.stops) for panel in panels)
-    parts_s["panel"] += tries.panel * intervals * STOPPED_PANEL_S * stopped
+    parts_s["panel"] += tries.panel * intervals * STOPPED_PANEL_S * stopped * share.panels
     parts_s["rest"] += sum(cost.opening_s for cost in costs.values())
     return parts_s | {"output": _output_s(case, mean), "checkpoints": CHECKPOINT_S}
 
@@ -163,11 +181,11 @@ def in_words(time_s: float) -> str:
     return f"{time_s / 86_400:.0f} days"
 
 
-def _panels_work(case: Case, runs: float) -> PanelsWork:
+def _panels_work(case: Case, runs: float, share: float) -> PanelsWork:
     return PanelsWork(
-        panels=len(single_panels(case)),
+        panels=round(share * len(single_panels(case))),
         cells=case.panel.cells,
-        resolved_cells=sum(size.cells for size in mesh_sizes(case).values()),
+        resolved_cells=round(share * sum(size.cells for size in mesh_sizes(case).values())),
         integrator=case.panel.integrator,
         step_s=case.panel.step_s,
         interval_s=case.coupling.sync_interval_s,
@@ -195,7 +213,7 @@ def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> Pa
     return ParticlesWork(mean * steps, steps, tries * intervals, triangles, adhesion_law(case) != "none")
 
 
-def _triangles(case: Case) -> int:
+def surface_triangles(case: Case) -> int:
     """Return the number of triangles of panels, which without a mesher is counted without openings."""
     try:
         return sum(len(grid.triangles) for grid in surface_grids(case).values())
@@ -207,6 +225,6 @@ def _triangles(case: Case) -> int:
 def _output_s(case: Case, particles: float) -> float:
     rows = case.duration_s / (case.output.series_s or case.coupling.sync_interval_s)
     row_s = ROW_S + ROW_PANEL_S * len(single_panels(case)) + ROW_BODY_S * len(case.screen.frames)
-    output_s = OUTPUT_S + OUTPUT_TRIANGLE_S * _triangles(case)
+    output_s = OUTPUT_S + OUTPUT_TRIANGLE_S * surface_triangles(case)
     output_s += OUTPUT_BED_S * has_particles(case) + OUTPUT_PARTICLE_S * particles
     return rows * row_s + case.duration_s / case.output.interval_s * output_s

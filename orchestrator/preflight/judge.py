@@ -17,8 +17,9 @@ from pydantic import ValidationError
 
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, show_value
-from orchestrator.case.file.layers import Layers, Origin, find_changes
-from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, validate
+from orchestrator.case.file.layers import Layers, find_changes
+from orchestrator.case.file.origin import Origin
+from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, read_tables, validate
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks import TABLE_RULES
@@ -117,13 +118,13 @@ def judge(loaded: LoadedCase) -> JudgedCase:
     without the effects that it leaves out.
     """
     layers = loaded.layers.copy()
-    if problems := [*_level_problems(loaded.level)]:
+    if problems := [*_level_problems(loaded.level, loaded.folder)]:
         raise CaseError(problems)
     choice, case = Choice(problems=tuple(_effects_problems(loaded.asked))), loaded.case
     broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole_machine))
     if loaded.asked.effects is not None and not broken:
         choice = _choose(layers, loaded)
-        case = validate(layers)
+        case = validate(layers, loaded.folder)
     left_out = find_left_out(case)
     for name, why in choice.left_out.items():
         left_out[name] = f"{left_out[name]}; {why}" if name in left_out else why
@@ -150,7 +151,7 @@ def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
 
 def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
     """Lay the overlays that ``effects`` calls for over the layers, and return the choice."""
-    bare, case, asked = Case.model_validate(layers.merged), loaded.case, loaded.asked.effects
+    bare, case, asked = read_tables(layers.merged, loaded.folder), loaded.case, loaded.asked.effects
     source = f"effects in {loaded.asked.file}"
     if asked == "auto":
         results = tuple(loaded.asked.effects_for) or (*SCALARS,)
@@ -191,14 +192,14 @@ def _choose_by_verdicts(
     return choice, with_dependents(find_dispensable(effects), 'effects = "auto"')
 
 
-def _level_problems(level: Level | None) -> Iterator[CaseProblem]:
+def _level_problems(level: Level | None, folder: Path) -> Iterator[CaseProblem]:
     """Yield problems of a level that leaves out an effect without naming it, or names one that it has."""
     if level is None:
         return
     source = f"levels/{level.name}.toml"
     try:
         needed = find_left_out_by_level(
-            *(lay_out_decks(Case.model_validate(c)) for c in (level.before, level.after))
+            *(lay_out_decks(read_tables(c, folder)) for c in (level.before, level.after))
         )
     except (ValidationError, CaseError):
         return  # without the level or --set, the tables are no valid case, and nothing can be compared

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import tomli_w
 
+from orchestrator.case.file.base import read_level
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.layers import Layers, level_file, parse_override, read_toml
-from orchestrator.case.tables.case import Case
+from orchestrator.case.file.layers import Layers, parse_override
+from orchestrator.case.load import read_tables
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
 
@@ -32,15 +33,15 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
 
 def level_text(loaded: JudgedCase, sets: Sequence[str], about: str) -> str:
     """Return the content of a level file: the case's level with ``sets``, and what it leaves out named."""
-    overlay = read_toml(level_file(loaded.folder, loaded.level)) if loaded.level else {}
+    overlay = read_level(loaded.folder, loaded.level)[0] if loaded.level else {}
     overlay = {key: value for key, value in overlay.items() if key not in ("about", "without")}
     level = Layers(overlay, "--set")
     for override in sets:
         level.lay(parse_override(override), "--set")
-    bare = read_toml(loaded.folder / "case.toml", loaded.folder)
+    bare = loaded.origin.given
     whole = Layers(bare, "case.toml")
     whole.lay(level.merged, "--set")
-    cases = (lay_out_decks(Case.model_validate(table)) for table in (bare, whole.merged))
+    cases = (lay_out_decks(read_tables(table, loaded.folder)) for table in (bare, whole.merged))
     without = [*find_left_out_by_level(*cases)]
     head = {"about": about} | ({"without": without} if without else {})
     return tomli_w.dumps(head | level.merged)

@@ -7,6 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.bed.saved_bed import from_snapshot
+from orchestrator.case.solver_plans import material_numbers
+from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import CheckpointSettings
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import first_rank_does
@@ -16,7 +20,7 @@ from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.ports import Restorable, Saved
-from orchestrator.ports.clock import steps_in
+from orchestrator.ports.clock import exact, steps_in
 from orchestrator.ports.state import as_arrays, like
 from orchestrator.run.monitor.monitor import Monitor
 
@@ -51,6 +55,7 @@ class Checkpointer:
     def __init__(
         self,
         folder: Path,
+        case: Case,
         machine: Machine,
         recorder: Recorder,
         monitor: Monitor,
@@ -58,6 +63,7 @@ class Checkpointer:
         world: Any,
     ) -> None:
         self._folder, self._monitor, self._about, self._world = folder, monitor, about, world
+        self._case, self._particles = case, machine.solvers.particles
         self._members: dict[str, Restorable] = {**machine.members.by_name()}
         parts = {"material": machine.material, "scheme": machine.scheme.memory}
         self._parts: dict[str, Restorable] = {name: part for name, part in parts.items() if part is not None}
@@ -74,8 +80,19 @@ class Checkpointer:
         if self._monitor.pace.trusted:
             self._good = done
         about = self._about() | {"sync_points": done, "good": self._good}
-        checkpoints.write(self._folder, self._state(state), [self._folder / HISTORY], about, self._world)
+        copies, bed = [self._folder / HISTORY], self._bed(done)
+        checkpoints.write(self._folder, self._state(state), copies, about, self._world, bed)
         self._last = done
+
+    def _bed(self, done: int) -> CarriedBed | None:
+        """Return the particles of all ranks, on the first rank; None in a case without particles."""
+        if self._particles is None:
+            return None
+        time_s = float(done * exact(self._case.coupling.sync_interval_s))
+        coarse_graining = self._case.particles.coarse_graining
+        return from_snapshot(
+            self._particles.snapshot(), material_numbers(self._case), time_s, coarse_graining
+        )
 
     def _state(self, state: State) -> Saved:
         """Return the state of this rank that decides how the run goes on."""

@@ -16,10 +16,10 @@ from rich.console import Console
 from orchestrator.case.file.slice import share
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import summary, trust
-from orchestrator.output.records.history import write_results
+from orchestrator.output.records.history import write_accelerations, write_results
 from orchestrator.output.records.run_folder import HISTORY, LOG
 from orchestrator.output.results.compute import compute_results, describe_error, to_json
-from orchestrator.output.results.machine import point_ranges
+from orchestrator.output.results.machine import acceleration_series, band_hz, point_ranges
 from orchestrator.output.results.observed import check_effects_by_run
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
@@ -93,7 +93,17 @@ class Ending:
                 self._check_effects(figures)
             figures["results"]["failed"] = failed
             write_results(history, figures["results"])
+        with _record_error(failed, "accelerations"):
+            self._write_accelerations()
         self._report_missing(figures, failed)
+
+    def _write_accelerations(self) -> None:
+        """Write the band-limited accelerations of frames and probes into ``history.h5``, after the run."""
+        with RunReader(self.folder) as reader:
+            time_s = reader.series_s()
+            series = acceleration_series(reader)
+        if series:
+            write_accelerations(self.folder / HISTORY, series, band_hz(float(time_s[1] - time_s[0])))
 
     def _report_missing(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
         """Report which results an internal error prevented, and make them the ``reason`` if there is none."""

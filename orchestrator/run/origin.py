@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.file.errors import show_value
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
@@ -92,5 +93,5 @@ def _flatten(value: Any, within: str = "") -> dict[str, Any]:
 
 def _checksums(run: Path) -> dict[str, str]:
     """Return the SHA-256 checksums of the files that the case names."""
-    named = [*run.glob("*.stl"), *run.glob(RECORDING)]
+    named = [*run.glob("*.stl"), *run.glob(RECORDING), *run.glob(BED)]
     return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in named}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import re
 import time
+from dataclasses import dataclass
 from typing import Any
 
 from rich.console import Console
@@ -67,6 +69,40 @@ class Progress:
             self.stopwatch.wall_s[part] = self.stopwatch.wall_s.get(part, 0.0) + wall_s
 
 
+@dataclass(frozen=True)
+class ProgressReport:
+    """How far a run is: the simulated time and its end, the wall time spent since the start, and an
+    estimate of the wall time left.
+    """
+
+    simulated_s: float
+    end_s: float
+    spent_s: float
+    left_s: float
+
+    @property
+    def share(self) -> float:
+        """The simulated share of the run, from 0 to 1."""
+        return self.simulated_s / self.end_s
+
+    @property
+    def line(self) -> str:
+        """The report as a line of a run's output; ``parse_report`` reads it."""
+        return (
+            f"t = {self.simulated_s:.4f} of {self.end_s:g} s, {100 * self.share:.0f} %, "
+            f"{self.spent_s:.0f} s spent, about {self.left_s:.0f} s left"
+        )
+
+
+_LINE = re.compile(r"t = (\S+) of (\S+) s, \d+ %, (\d+) s spent, about (\d+) s left")
+
+
+def parse_report(line: str) -> ProgressReport | None:
+    """Return the report in a line of a run's output; None if the line is no report."""
+    found = _LINE.fullmatch(line.strip())
+    return ProgressReport(*map(float, found.groups())) if found else None
+
+
 class ProgressBar:
     """The display of the progress and the time left: a bar on a terminal, elsewhere lines at intervals."""
 
@@ -102,10 +138,9 @@ class ProgressBar:
         self._last_line = now
         spent_s = now - self._started
         left_s = spent_s * (self._intervals - done) / (done - self._first)
-        line = (
-            f"t = {done * self._interval_s:.4f} of {self._intervals * self._interval_s:g} s, "
-            f"{100 * done / self._intervals:.0f} %, {spent_s:.0f} s spent, about {left_s:.0f} s left"
-        )
+        line = ProgressReport(
+            done * self._interval_s, self._intervals * self._interval_s, spent_s, left_s
+        ).line
         LOG.info(line)
         if not self._draws:
             self._console.print(line, highlight=False)

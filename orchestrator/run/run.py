@@ -87,7 +87,9 @@ class Run:
             resumed = self.resumes is not None
             recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world, resumed)
         monitor = Monitor(self._case, machine, state, self._world, self._console)
-        checkpointer = Checkpointer(self._folder, machine, recorder, monitor, self._about, self._world)
+        checkpointer = Checkpointer(
+            self._folder, self._case, machine, recorder, monitor, self._about, self._world
+        )
         interrupted: Interrupted | Stopped | None = None
         try:
             state = self._start(checkpointer, recorder, monitor, state)
@@ -109,7 +111,7 @@ class Run:
     def _start(self, checkpointer: Checkpointer, recorder: Recorder, monitor: Monitor, state: State) -> State:
         """Return the state from which the run starts or goes on."""
         if self.resumes is None:
-            self._record(recorder, monitor, state, 0, 0)
+            self._record(recorder, monitor, state, state, 0, 0)
             return state
         try:
             return checkpointer.restore(self.resumes, state)
@@ -132,12 +134,12 @@ class Run:
         first = self._progress.done
         with ProgressBar(first, self._intervals, self._interval_s, self._console) as bar:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
-                runs = machine.particle_runs
+                runs, before = machine.particle_runs, state
                 with self._add_advice(), solver_failure_context("the coupling", interval):
                     state, observed = monitor.advance(interval, state)
                 check_speeds(observed, interval.end_s, self._stability.advice())
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
-                self._record(recorder, monitor, observed, interval.index + 1, steps)
+                self._record(recorder, monitor, before, observed, interval.index + 1, steps)
                 with self._add_advice():
                     monitor.act(interval, state)
                 bar.update(interval.index + 1)
@@ -173,8 +175,12 @@ class Run:
     def _origin(self) -> dict[str, Any]:
         return origin(self._loaded, self._folder, self._world)
 
-    def _record(self, recorder: Recorder, monitor: Monitor, state: State, done: int, steps: int) -> None:
+    def _record(
+        self, recorder: Recorder, monitor: Monitor, before: State, state: State, done: int, steps: int
+    ) -> None:
         """Record sync point ``done``, before which each particle took ``steps`` steps.
+
+        ``before`` is the state at the sync point before it.
 
         Every ``_every``-th sync point is an output time, and so is the last one.
         """
@@ -184,7 +190,7 @@ class Run:
             recorder.record_sync_point(done, time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 try:
-                    terms_J, bed = recorder.record_output(time_s, state)
+                    terms_J, bed = recorder.record_output(time_s, state, before)
                 finally:  # even if the material stops the run
                     figures["material"] = recorder.material_balance()
                 figures["particles"] = len(bed.particles.id) if bed is not None else 0

@@ -4,7 +4,9 @@ One small language describes the numbers that a paper printed, the promises of a
 that are known from elsewhere.  A criterion takes a number (``quantities.MEASURES``) from a run, or compares
 the numbers of several runs.  It names the band in which the number must be, and the source of band and
 reference.  Bands are fixed before a case is run.  A criterion that is known to fail stays as it is and gives
-the reason (``known_failure``).  A criterion to which the case was fitted is marked, too: it proves nothing.
+the reason (``known_failure``).  Only a predicted number in a band from the source counts as met: a number to
+which the case was fitted proves nothing (``ours``), and neither does a band from our own theory
+(``band_from``).
 """
 
 from __future__ import annotations
@@ -12,19 +14,27 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Literal
 
 import numpy as np
-from annotated_types import Len
 from pydantic import ValidationError
+from scipy.stats import t as student_t
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
 from orchestrator.case.file.layers import read_toml
-from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Switch, Table
+from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Share, Switch, Table
 from orchestrator.ports import Array
 from orchestrator.preflight.stability.report import stability_report
 from orchestrator.studies.points import CaseStudy, Point, Vary, came_to_its_end, parse_vary
-from orchestrator.studies.quantities import MEASURES, TAKES, Question, Unknown, number_of, read_dataset
+from orchestrator.studies.quantities import (
+    MEASURES,
+    TAKES,
+    Question,
+    Unknown,
+    half_width_of,
+    number_of,
+    read_dataset,
+)
 
 FILE = "criteria.toml"
 FORMER = ("paper.toml", "expected.toml", "answers.toml")
@@ -80,8 +90,18 @@ class Criterion(Question):
     """The lower and the upper limit in multiples of the reference."""
     why: OneLine = ""
     """The source of band and reference."""
-    fitted: Switch = False
-    """Whether the case's values were chosen to meet the criterion."""
+    ours: Literal["published", "assumed", "fitted", "predicted"] = "predicted"
+    """The origin of this program's number.  published, assumed: the case gives the number as a value, from
+    the source or as an assumption.  fitted: values of the case were chosen to meet the criterion.  predicted:
+    the number follows from the runs alone."""
+    band_from: Literal["source", "own-theory"] = "source"
+    """The origin of the band: the source of the reference, or the theory of this program."""
+    p_value: Share | None = None
+    """The p-value of the reference, where it is an effect: above 0.05 the source itself cannot tell it from
+    chance, and no verdict is given."""
+    scatter: OneLine = ""
+    """The entry of ``runs``, of one case with several seeds, that shows the scatter of each run's number;
+    without it, the interval is that of the run itself."""
     known_failure: OneLine = ""
     """The reason why the criterion is not met; empty where it must be met."""
 
@@ -89,6 +109,11 @@ class Criterion(Question):
 class Criteria(Table):
     """The content of ``criteria.toml``."""
 
+    base: OneLine = ""
+    """The folder of a case whose criteria come before those of this file, for the runs of this file.
+    Criteria of the base with bands from its own theory are left out, because they follow from its values."""
+    level: OneLine = ""
+    """The level at which ``flipflow study paper`` runs the case; by default its default level."""
     source: OneLine = ""
     """The common source of the numbers of all criteria."""
     number: Few | None = None
@@ -99,7 +124,7 @@ class Criteria(Table):
     """The expected consequences, in words."""
     runs: dict[Name, WantedRun]
     """The runs that the criteria need, by name."""
-    criteria: Annotated[tuple[Criterion, ...], Len(1)]
+    criteria: tuple[Criterion, ...] = ()
     """The criteria that the runs must meet."""
 
 
@@ -112,9 +137,15 @@ def read_criteria(case: Path) -> Criteria:
     try:
         criteria = Criteria.model_validate(read_toml(file, folder))
     except ValidationError as error:
-        raise CaseError([*from_validation(error, Criteria)]) from None
+        problems = [*from_validation(error, Criteria)]
+        raise CaseError([replace(each, file=str(file)) for each in problems]) from None
+    if criteria.base:
+        criteria = _over_base(criteria, folder)
+    if not criteria.criteria:
+        raise CaseError([CaseProblem(("criteria",), "missing", file=str(file))])
     known = {
         "run": [*criteria.runs],
+        "scatter": ["", *criteria.runs],
         "against": ["", *criteria.runs],
         "measure": [*MEASURES],
         "compare": ["", *COMPARISONS],
@@ -133,6 +164,21 @@ def read_criteria(case: Path) -> Criteria:
     if problems:
         raise CaseError(problems)
     return criteria
+
+
+def _over_base(criteria: Criteria, folder: Path) -> Criteria:
+    """Return criteria with those of their base before them.  Raises CaseError."""
+    base = folder / criteria.base
+    if not (base / FILE).is_file() or (base / FILE).samefile(folder / FILE):
+        what = f'"{criteria.base}" is no other case with {FILE}'
+        raise CaseError([CaseProblem(("base",), what, 'for example "../ffs0827-empty"', str(folder / FILE))])
+    below = read_criteria(base)
+    if below.base:
+        what = f'"{criteria.base}" has a base of its own'
+        raise CaseError([CaseProblem(("base",), what, "name that one", str(folder / FILE))])
+    rows = [row for row in below.criteria if row.band_from != "own-theory"]
+    merged = {"criteria": (*rows, *criteria.criteria), "runs": {**below.runs, **criteria.runs}}
+    return criteria.model_copy(update={**merged, "source": criteria.source or below.source})
 
 
 def refuse_former(folder: Path) -> None:
@@ -262,23 +308,68 @@ def _interrupted(whole: Point, resume_at_s: float) -> Point:
 
 def evaluate(row: Criterion, runs: Mapping[str, Runs]) -> float:
     """Return the number of a criterion, in SI units.  Raises Unknown."""
-    all_runs = runs[row.run]
-    chosen = all_runs.at(row.at) if row.at else all_runs.between(row.between)
-    run = chosen.points[0].folder
-    if row.compare in OVER_VALUES:
-        numbers = np.array([number_of(row, each.folder) for each in chosen.points])
-        return float(OVER_VALUES[row.compare](numbers, chosen))
-    other_run = runs[row.against].points[0].folder if row.against else run
     if row.compare == ROW_BY_ROW:
-        ours, theirs = (read_dataset(each, row.of) for each in (run, other_run))
+        ours, theirs = (read_dataset(run, row.of) for _, run in _asked(row, runs))
         if ours.shape != theirs.shape:
             raise Unknown(f"{row.of} has {len(ours)} rows and {len(theirs)}")
         return float(np.abs(ours - theirs).max())
-    number = number_of(row, run)
+    return _combine(row, runs, np.array([number_of(*asked) for asked in _asked(row, runs)]))
+
+
+def half_width(row: Criterion, runs: Mapping[str, Runs]) -> float | None:
+    """Return half the width of the 95 % confidence interval of a criterion's number, in SI units.
+
+    The interval of each run's number comes from the run, or from the ``scatter`` of runs with other seeds, by
+    Student's distribution; a comparison adds the intervals of its numbers in quadrature.  None stands for a
+    number without an interval.  Raises Unknown.
+    """
+    if row.compare == ROW_BY_ROW:
+        return None
+    asked = _asked(row, runs)
+    numbers = np.array([number_of(*each) for each in asked])
+    if row.scatter:
+        repeated = [number_of(row, point.folder) for point in runs[row.scatter].points]
+        if len(repeated) < 2:
+            return None
+        width = student_t.ppf(0.975, len(repeated) - 1) * np.std(repeated, ddof=1)
+        widths: list[float | None] = [float(width)] * len(asked)
+    else:
+        widths = [half_width_of(*each) for each in asked]
+    known = [width for width in widths if width is not None]
+    if len(known) < len(widths):
+        return None
+    if row.compare == DIFFERENCE:  # near zero, its size would move by less
+        return float(np.linalg.norm(known))
+    whole, changes = _combine(row, runs, numbers), []
+    for number, width_of_one in enumerate(known):
+        moved = numbers.copy()
+        moved[number] += width_of_one
+        changes.append(_combine(row, runs, moved) - whole)
+    return float(np.linalg.norm(changes))
+
+
+def _asked(row: Criterion, runs: Mapping[str, Runs]) -> list[tuple[Criterion, Path]]:
+    """Return the questions that a criterion asks, each with the run that answers it.  Raises Unknown."""
+    chosen = _chosen(row, runs)
+    if row.compare in OVER_VALUES:
+        return [(row, each.folder) for each in chosen.points]
+    run = chosen.points[0].folder
     if not row.compare:
-        return number
+        return [(row, run)]
     other = row if row.against else row.model_copy(update={"between_s": row.earlier_s})
-    return WITH_ANOTHER[row.compare](number, number_of(other, other_run))
+    return [(row, run), (other, runs[row.against].points[0].folder if row.against else run)]
+
+
+def _chosen(row: Criterion, runs: Mapping[str, Runs]) -> Runs:
+    """Return the runs from which a criterion takes its numbers.  Raises Unknown."""
+    return runs[row.run].at(row.at) if row.at else runs[row.run].between(row.between)
+
+
+def _combine(row: Criterion, runs: Mapping[str, Runs], numbers: Array) -> float:
+    """Return a criterion's number from the numbers (n,) of the runs that it asks."""
+    if row.compare in OVER_VALUES:
+        return float(OVER_VALUES[row.compare](numbers, _chosen(row, runs)))
+    return WITH_ANOTHER[row.compare](*numbers.tolist()) if row.compare else float(numbers[0])
 
 
 def _lowest_at(numbers: Array, chosen: Runs) -> float:
@@ -295,9 +386,10 @@ OVER_VALUES: dict[str, Callable[[Array, Runs], float]] = {
     "lowest-at": _lowest_at,
 }
 """Comparisons of the numbers of all values of a varied key, from the first value to the last."""
+DIFFERENCE = "difference"
 WITH_ANOTHER: dict[str, Callable[[float, float], float]] = {
     "ratio": lambda ours, theirs: ours / theirs,
-    "difference": lambda ours, theirs: abs(ours - theirs),
+    DIFFERENCE: lambda ours, theirs: abs(ours - theirs),
 }
 """Comparisons with the run ``against``, or with the part ``earlier_s`` of the series."""
 ROW_BY_ROW = "row-by-row"  # the largest difference of two datasets

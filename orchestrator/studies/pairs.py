@@ -18,9 +18,9 @@ from typing import Any
 
 from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.file.base import level_names
 from orchestrator.case.file.errors import CaseError
-from orchestrator.case.file.layers import CHEAP_LEVEL
-from orchestrator.case.load import level_names
+from orchestrator.case.file.origin import CHEAP_LEVEL
 from orchestrator.case.recordings import turning
 from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case

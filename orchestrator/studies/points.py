@@ -25,7 +25,9 @@ from typing import Any, TypeVar
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.layers import find_changes
+from orchestrator.case.file.units import parse_quantity, split_quantity
 from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.quantities import unit_of
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import (
     FolderUnusable,
@@ -328,21 +330,34 @@ class Vary:
         """The last word of the key, which ends in the unit."""
         return self.key.rpartition(".")[2]
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The varied key alone."""
+        return (self.key,)
+
     def points(self, study: CaseStudy, sets: Sequence[str] = ()) -> list[Point]:
         """Return the point of each value; nothing is run here.
 
         Raises CaseError if the case is wrong with one of the values.
         """
         return [
-            study.point(value, [*sets, f"{self.key}={value}"], self._folder(value)) for value in self.values
+            study.point(value, [*sets, f"{self.key}={value}"], self.folder(value)) for value in self.values
         ]
 
-    def _folder(self, value: str) -> str:
+    def setting_of(self, point: Point) -> dict[str, str]:
+        """Return the value of the key at a point."""
+        return {self.key: point.value}
+
+    def folder(self, value: str) -> str:
+        """Return the name of the folder of a value's run."""
         return f"{self.name}-" + "".join(c if c.isalnum() or c in "+-._" else "_" for c in value)
 
 
 def parse_vary(text: str) -> Vary:
-    """Read 'key=a,b,c' or 'key=first:last:step' (both ends included).  Raises CaseError."""
+    """Read 'key=a,b,c' or 'key=first:last:step' (both ends included).  Raises CaseError.
+
+    Values may have units, and a range one unit behind its step: 'speed_rad_per_s=700:800:50 rpm'.
+    """
     key, equals, values = text.partition("=")
     if not equals or not key.strip() or not values.strip():
         raise _wrong(text, "is not key=values")
@@ -350,21 +365,51 @@ def parse_vary(text: str) -> Vary:
         each = _range(text, values)
     else:
         each = tuple(value.strip() for value in _split(values))
+    each = tuple(in_own_unit(value, key) for value in each)
     if len(set(each)) < len(each) or not all(each):
         raise _wrong(text, "has an empty value or one twice")
     return Vary(key.strip(), each)
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
-    """Return the values of a range, computed in exact fractions: 0.1:0.3:0.1 has three values."""
+    """Return the values of a range, computed in exact fractions: 0.1:0.3:0.1 has three values.
+
+    The values have the unit of the range's parts.
+    """
     try:
-        first, last, step = (Fraction(part.strip()) for part in values.split(":"))
+        parts = with_one_unit(values.split(":"))
+    except ValueError as error:
+        raise _wrong(text, str(error)) from None
+    try:
+        first, last, step = (Fraction(split_quantity(part)[0]) for part in parts)
     except (ValueError, ZeroDivisionError):
         raise _wrong(text, "is no range of numbers") from None
     if step == 0 or (last - first) / step < 0 or (last - first) / step > MOST_VALUES:
         raise _wrong(text, f"is no range of 1 to {MOST_VALUES} values")
     count = int((last - first) / step) + 1
-    return tuple(repr(float(first + number * step)) for number in range(count))
+    unit = split_quantity(parts[-1])[1]
+    return tuple(f"{float(first + number * step)!r} {unit}".strip() for number in range(count))
+
+
+def with_one_unit(parts: Sequence[str]) -> list[str]:
+    """Return the parts of a range, all with the unit that some of them have; "700", "50 rpm" is "700 rpm",
+    "50 rpm".
+
+    Raises ValueError for different units.
+    """
+    numbers, units = zip(*map(split_quantity, parts), strict=True)
+    if len(set(units) - {""}) > 1:
+        raise ValueError("has several units")
+    return [f"{number} {max(units)}".strip() for number in numbers]
+
+
+def in_own_unit(value: str, key: str) -> str:
+    """Return a value of a key in the key's own unit; a value without a known unit is returned as it is."""
+    name = next((word for word in reversed(key.strip().split(".")) if not word.isdecimal()), "")
+    try:
+        return repr(parse_quantity(value, name)) if unit_of(name, "") else value
+    except ValueError:
+        return value  # the check of the case says why
 
 
 def _split(values: str) -> list[str]:

@@ -17,12 +17,13 @@ from typing import Any, Literal
 import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel, single_panels
-from orchestrator.case.scalars import SCALARS, value_at
+from orchestrator.case.scalars import SCALARS, Value, value_at
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import Number, OneLine, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output.cycles import cycle_numbers, cycle_s
 from orchestrator.output.records import trust
+from orchestrator.output.results import machine
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import acceleration_m_per_s2
 from orchestrator.output.results.run_reader import RunReader
@@ -52,6 +53,7 @@ class Question(Table):
     """The part of a series that counts, from its start to its end."""
 
 
+NORMAL_95 = 1.96  # a 95 % interval in standard deviations
 AXES = {"x": 0, "y": 1, "z": 2}
 TAKES: dict[str, Callable[[Array, Array], float]] = {
     "first": lambda time_s, values: float(values[0]),
@@ -77,13 +79,40 @@ def number_of(question: Question, run: Path) -> float:
     return MEASURES[question.measure](question, run)
 
 
-def _value_at(run: Path, path: str) -> float:
-    """Return a number of summary.json; percentages are converted to shares."""
+def half_width_of(question: Question, run: Path) -> float | None:
+    """Return half the width of the 95 % confidence interval of the number that a question asks of one run.
+
+    It is that of the run's results, or, for a share without one, that of the count of its particles.  None
+    stands for a number without an interval.  Raises Unknown.
+    """
+    if question.measure == "result":
+        value, unit = _entry_at(run, question.of), _unit_of_result(question.of)
+        if value.half_width is not None:
+            return value.half_width * unit
+        return None if value.counting is None else NORMAL_95 * value.counting * unit
+    if question.measure == "amplitude":
+        widths_m = _orbit(question, run)["half_width_m"]
+        return None if widths_m is None else float(widths_m[AXES.get(question.axis, 0)])
+    return None
+
+
+def _entry_at(run: Path, path: str) -> Value:
+    """Return a number of summary.json with its interval.  Raises Unknown."""
     value = value_at(summary_of(run), path)
     if value is None:
         raise Unknown(f"{run.name}: {path} is not known")
+    return value
+
+
+def _unit_of_result(path: str) -> float:
+    """Return the factor that converts a number of summary.json to SI units: percentages become shares."""
     words = SCALARS[path].words if path in SCALARS else path
-    return value.value * (0.01 if words.endswith(("_percent", "/ %")) else 1.0)
+    return 0.01 if words.endswith(("_percent", "/ %")) else 1.0
+
+
+def _value_at(run: Path, path: str) -> float:
+    """Return a number of summary.json; percentages are converted to shares."""
+    return _entry_at(run, path).value * _unit_of_result(path)
 
 
 def _series(question: Question, run: Path) -> float:
@@ -101,12 +130,26 @@ def _series(question: Question, run: Path) -> float:
 
 
 def _amplitude(question: Question, run: Path) -> float:
+    return float(_orbit(question, run)["amplitude_m"][AXES.get(question.axis, 0)])
+
+
+def _orbit(question: Question, run: Path) -> Mapping[str, Any]:
+    """Return the table of a point's first harmonic, in the results' cycles or those ``between_s``.
+
+    Raises Unknown.
+    """
     results = RunReader(run).results
     if not (orbits := find_orbits(results)):
         raise Unknown(f"{run.name}: {why_no_orbits(results)}")
+    if question.between_s is not None:
+        try:
+            with RunReader(run) as reader:
+                orbits = find_orbits({"motion": machine.orbits(reader, *question.between_s)})
+        except ValueError as error:
+            raise Unknown(f"{run.name}: {error}") from None
     if question.of not in orbits:
         raise Unknown(f'no point "{question.of}"; there are {", ".join(orbits)}')
-    return float(orbits[question.of]["amplitude_m"][AXES.get(question.axis, 0)])
+    return orbits[question.of]
 
 
 def _arch(question: Question, run: Path) -> float:

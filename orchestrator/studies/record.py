@@ -225,7 +225,7 @@ def drives(folder: Path) -> list[str]:
             )
             values = {
                 "speed_rad_per_s": repr(machine.speed_rad_per_s),
-                "center_m": _list(np.array(frame.center_of_mass_m)),
+                "center_m": _list(np.array(frame.recorded_point_m)),
                 "amplitude_m": _list(np.abs(moved)),
                 # drives have the phases of sines, first_harmonic those of cosines
                 "phase_rad": _list(np.angle(moved) + np.pi / 2),

@@ -15,6 +15,7 @@ from orchestrator.studies.criteria import (
     Criterion,
     Runs,
     evaluate,
+    half_width,
     read_criteria,
     wanted_runs,
 )
@@ -22,18 +23,23 @@ from orchestrator.studies.points import CaseStudy, Point, came_to_its_end
 from orchestrator.studies.quantities import Unknown
 from orchestrator.studies.report import Cell, console_table, markdown_table, percent, write_csv
 
+SIGNIFICANT = 0.05
+"""The p-value of a reference above which the source itself cannot tell it from chance."""
+
 
 @dataclass(frozen=True)
 class CriterionResult:
     """A criterion with the measured number, in the criterion's unit.
 
-    ``measured`` is None where there is no number; ``why`` then gives the reason.
+    ``measured`` is None where there is no number; ``why`` then gives the reason.  ``half_width`` is half the
+    width of the number's 95 % confidence interval, None where it is unknown.
     """
 
     case: str
     row: Criterion
     measured: float | None
     why: str = ""
+    half_width: float | None = None
 
     @property
     def is_inside(self) -> bool:
@@ -46,8 +52,19 @@ class CriterionResult:
 
     @property
     def is_good(self) -> bool:
-        """Whether the criterion is met as expected: a known failure must fail, and a fitted criterion may."""
-        return self.row.fitted or self.is_inside != bool(self.row.known_failure)
+        """Whether the criterion is met as expected.
+
+        A known failure must fail.  A number that is not predicted, and one that the source itself cannot tell
+        from chance, may fail.
+        """
+        if self.row.ours != "predicted" or self.is_chance:
+            return True
+        return self.is_inside != bool(self.row.known_failure)
+
+    @property
+    def is_chance(self) -> bool:
+        """Whether the source itself cannot tell its number from chance."""
+        return self.row.p_value is not None and self.row.p_value > SIGNIFICANT
 
     @property
     def verdict(self) -> str:
@@ -57,7 +74,13 @@ class CriterionResult:
             return "MET, but marked as failing" if self.is_inside else "known failure"
         if row.band is None and row.ratio is None:
             return "not compared" if self.measured is not None else "no number"
-        return ("met" if self.is_inside else "NOT MET") + (" (fitted)" if row.fitted else "")
+        if self.measured is not None and self.is_chance:
+            return "chance"
+        if self.measured is not None and row.ours != "predicted":
+            return f"{row.ours}, {'inside' if self.is_inside else 'OUTSIDE'}"
+        if self.measured is not None and row.band_from == "own-theory":
+            return "as own theory" if self.is_inside else "NOT as own theory"
+        return "met" if self.is_inside else "NOT MET"
 
     @property
     def error(self) -> float | None:
@@ -65,6 +88,22 @@ class CriterionResult:
         if self.measured is None or not self.row.reference:
             return None
         return self.measured / self.row.reference - 1
+
+    @property
+    def distance(self) -> float | None:
+        """The signed distance to the reference in the criterion's unit; None without number or reference."""
+        if self.measured is None or self.row.reference is None:
+            return None
+        return self.measured - self.row.reference
+
+    @property
+    def distance_in_words(self) -> str:
+        """The distance in the criterion's unit and, for what is no share, in per cent; else an empty text."""
+        if self.distance is None:
+            return ""
+        unit = {"1": "", "%": " points"}.get(self.row.unit, f" {self.row.unit}")
+        share = "" if self.error is None or self.row.unit == "%" else f" ({100 * self.error:+.0f} %)"
+        return f"{self.distance:+.2g}{unit}{share}"
 
     @property
     def run(self) -> str:
@@ -93,12 +132,14 @@ class CriterionResult:
         if self.measured is None:
             return self.why
         shown = self._in_unit(self.measured)
+        if self.half_width is not None:
+            shown = f"{self.measured:.4g} ± {self._in_unit(self.half_width, 2)}"
         if self.row.ratio is None or not self.row.reference:
             return shown
         return f"{shown} ({self.measured / self.row.reference:.4g})"
 
-    def _in_unit(self, value: float) -> str:
-        return f"{value:.4g} {self.row.unit}".removesuffix(" 1")
+    def _in_unit(self, value: float, digits: int = 4) -> str:
+        return f"{value:.{digits}g} {self.row.unit}".removesuffix(" 1")
 
     @property
     def cells(self) -> dict[str, Cell]:
@@ -111,8 +152,13 @@ class CriterionResult:
             "reference": row.reference,
             "experiment": row.experiment,
             "value": self.measured,
+            "half width": self.half_width,
             "unit": row.unit,
+            "distance": self.distance,
             "error": self.error,
+            "ours": row.ours,
+            "band from": row.band_from,
+            "p": row.p_value,
             "asked for": self.band_in_words,
             "measured": self.value_in_words,
             "verdict": self.verdict,
@@ -123,11 +169,12 @@ class CriterionResult:
 
 @dataclass(frozen=True)
 class CaseCriteria:
-    """A case with its criteria, and the runs that they need by name."""
+    """A case at a level ("" for none) with its criteria, and the runs that they need by name."""
 
     name: str
     criteria: Criteria
     runs: dict[str, Runs]
+    level: str = ""
 
     @property
     def points(self) -> list[Point]:
@@ -141,10 +188,12 @@ class CaseCriteria:
 
 def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResult:
     """Return the result of a criterion; a missing run gives no number."""
+    unit = UNITS[row.unit]
     try:
-        return CriterionResult(case, row, evaluate(row, runs) / UNITS[row.unit])
+        measured, width = evaluate(row, runs) / unit, half_width(row, runs)
     except Unknown as error:
         return CriterionResult(case, row, None, str(error))
+    return CriterionResult(case, row, measured, half_width=None if width is None else width / unit)
 
 
 def case_criteria(study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end) -> CaseCriteria:
@@ -153,7 +202,9 @@ def case_criteria(study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_
     ``ended`` says whether the run in a folder is over.  Raises CaseError.
     """
     criteria = read_criteria(study.case)
-    return CaseCriteria(study.case.resolve().name, criteria, wanted_runs(criteria, study, ended))
+    runs = wanted_runs(criteria, study, ended)
+    level = next(point.loaded.level for each in runs.values() for point in each.points)
+    return CaseCriteria(study.case.resolve().name, criteria, runs, level)
 
 
 COLUMNS = ("criterion", "case", "run", "reference", "experiment", "measured", "error", "asked for", "verdict")

@@ -10,7 +10,8 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.history import HISTORY_FORMAT
-from orchestrator.output.records.summary import write_summary
+from orchestrator.output.records.summary import SUMMARY_FORMAT, write_summary
+from orchestrator.output.results.compute import compute_results
 from orchestrator.studies.criteria import (
     Criterion,
     Runs,
@@ -22,6 +23,7 @@ from orchestrator.studies.criteria import (
 from orchestrator.studies.points import Point
 from orchestrator.studies.quantities import Unknown, outcome
 from orchestrator.studies.verdicts import CriterionResult, judge, verdict_markdown
+from tests.results.synthetic import CYCLE_S, folder_of
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"
 HEAD = 'number = 1\nhappens = "a"\nexpected = "b"\n[runs.one]\n[runs.two]\n'
@@ -175,7 +177,7 @@ def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> 
         (1.0, {}, "met"),
         (3.0, {}, "NOT MET"),
         (3.0, {"band": None, "ratio": (0.0, 2.0), "reference": 2.0}, "met"),
-        (3.0, {"fitted": True}, "NOT MET (fitted)"),
+        (3.0, {"ours": "fitted"}, "fitted, OUTSIDE"),
         (3.0, {"band": None}, "not compared"),
         (None, {"band": None}, "no number"),
         (3.0, {"known_failure": "why"}, "known failure"),
@@ -215,3 +217,23 @@ def test_every_hard_case_is_read_and_has_its_page() -> None:
         assert page.startswith(f"# {case.name}\n")
         assert "**Measured" in page
     assert len(found) == len([*FOLDER.glob("*/case.toml")])
+
+
+def test_an_amplitude_is_that_of_the_cycles_it_is_asked_for(tmp_path: Path) -> None:
+    """The stroke of 6 mm is halved in the second half of the run."""
+    folder = folder_of(tmp_path / "run", particles=False)
+    half_s = 30 * CYCLE_S
+    with h5py.File(folder / "history.h5", "r+") as file:
+        driven, driving = (file[f"frames/{name}/displacement_m"] for name in ("driven", "driving"))
+        late = file["frames/driven/time_s"][:] > half_s
+        halved_m = driving[:] + 0.5 * (driven[:] - driving[:])
+        driven[:] = np.where(late[:, None], halved_m, driven[:])
+    write_summary(folder, DONE | {"format_version": SUMMARY_FORMAT, "results": compute_results(folder)})
+    stroke = {"measure": "amplitude", "of": "driven-driving", "band": None}
+    runs = {"one": run_in(folder)}
+    early = criterion(**stroke, between_s=(0.0, half_s))
+    assert evaluate(early, runs) == pytest.approx(0.006)
+    late_over_early = {"compare": "ratio", "between_s": (half_s, 2 * half_s), "earlier_s": (0.0, half_s)}
+    assert evaluate(criterion(**stroke, **late_over_early), runs) == pytest.approx(0.5)
+    with pytest.raises(Unknown, match="shorter than a cycle"):
+        evaluate(criterion(**stroke, between_s=(0.0, 0.5 * CYCLE_S)), runs)

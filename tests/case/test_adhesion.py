@@ -1,4 +1,4 @@
-"""Adhesion in the case: checks, softening, the mapping of sjkr, the step."""
+"""Adhesion in the case: checks, softening, the mapping of sjkr, the step, Bond numbers."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ import pytest
 
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion, sticky_contacts
 from orchestrator.case.bed.contact_times import contact_moduli, reduced_modulus_Pa, shortest_rayleigh_s
+from orchestrator.case.bed.size_distribution import median_diameter_m, size_class
+from orchestrator.case.file.errors import CaseError
 from orchestrator.case.solver_plans import material_numbers, particle_step_s
 from orchestrator.case.tables.case import Case
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports.plans import Jkr, Sjkr
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import find_left_out
-from tests.cases import complaints, loaded, only_complaint
+from tests.cases import BLOCK, CASE, case_folder, complaints, load_case, loaded, only_complaint
 
 WET = ("contacts.0.work_of_adhesion_J_per_m2=0.1", "contacts.1.work_of_adhesion_J_per_m2=0.2")
 
@@ -152,3 +156,136 @@ def test_sjkr_wants_a_material_of_its_own_for_surfaces(tmp_path: Path) -> None:
     assert any("cannot tell them apart" in said for said in complaints(tmp_path, *same, pu))
     key = "particles.sjkr_diameter_m=0.003"
     assert "no meaning" in only_complaint(tmp_path, *WET, key)
+
+
+BOND_COAL, BOND_ON_PU = "contacts.1.bond_number=5", "contacts.0.bond_number=5"
+G_M_PER_S2 = 9.80665
+
+
+def works(folder: Path, *overrides: str) -> tuple[float, float]:
+    """The works of adhesion of coal on polyurethane and of coal on coal."""
+    on_panel, pair = case(folder, *overrides).contacts
+    return on_panel.work_of_adhesion_J_per_m2, pair.work_of_adhesion_J_per_m2
+
+
+def test_bond_number_of_equal_spheres_and_of_a_sphere_on_a_plane(tmp_path: Path) -> None:
+    """w = Bo m g / (3/2 pi R*) is  4/9 Bo rho g d^2  for R* = d/4 and half of it for R* = d/2."""
+    scale_J_per_m2 = 5 * 1430.0 * G_M_PER_S2 * 0.02**2
+    on_panel, pair = works(tmp_path, BOND_COAL, BOND_ON_PU)
+    assert pair == pytest.approx(4 / 9 * scale_J_per_m2, rel=1e-12)
+    assert on_panel == pytest.approx(2 / 9 * scale_J_per_m2, rel=1e-12)
+    for contact in sticky_contacts(case(tmp_path, BOND_COAL, BOND_ON_PU)):
+        weight_N = 1430.0 * math.pi / 6 * 0.02**3 * G_M_PER_S2
+        assert contact.pull_off_N == pytest.approx(5 * weight_N, rel=1e-12)
+
+
+def test_bond_number_of_a_stated_grain(tmp_path: Path) -> None:
+    of_5_mm = works(tmp_path, BOND_COAL, "contacts.1.bond_diameter_m=0.005")[1]
+    assert of_5_mm == pytest.approx(4 / 9 * 5 * 1430.0 * G_M_PER_S2 * 0.005**2, rel=1e-12)
+
+
+def test_bond_number_of_two_materials_weighs_the_lighter_grain(tmp_path: Path) -> None:
+    """A ball of polyurethane of 10 mm with one of coal of 20 mm: 1/R* = 2/0.01 + 2/0.02."""
+    second = 'bed.particles.soft={position_m=[0.2, 0.1, 0.05], diameter_m=0.01, material="PU"}'
+    weight_N = 1150.0 * math.pi / 6 * 0.01**3 * G_M_PER_S2
+    on_pu, _ = works(tmp_path, BOND_ON_PU, second)
+    assert on_pu == pytest.approx(5 * weight_N * 300 / (1.5 * math.pi), rel=1e-12)
+
+
+def test_default_grain_is_the_median_by_mass_of_what_is_fed(tmp_path: Path) -> None:
+    """Two feeds at 1 and 3 kg/s of grains of 4 and 8 mm: three quarters of the mass are of 8 mm.  The
+    block of 20 mm and the ball do not count, and neither does where the computation is cut off."""
+    box = "box_m=[[0, 0, {0}], [0.1, 0.1, {1}]], velocity_m_per_s=[0, 0, -1]"
+    feeds = [
+        f'bed.feeds.{name}={{material="coal", rate_kg_per_s={rate}, {box.format(low, low + 0.1)}, '
+        f"sizes=[{{smallest_m={size}, largest_m={size}, mass_fraction=1}}]}}"
+        for name, rate, size, low in (("fine", 1, 0.004, 0.1), ("coarse", 3, 0.008, 0.3))
+    ]
+    for cut in ((), ("bed.feeds.coarse.smallest_fed_m=0.005",)):
+        pair = works(tmp_path, BOND_COAL, BLOCK, *feeds, *cut)[1]
+        assert pair == pytest.approx(4 / 9 * 5 * 1430.0 * G_M_PER_S2 * 0.008**2, rel=1e-12)
+
+
+def test_default_grain_of_particles_that_the_case_takes_over(tmp_path: Path) -> None:
+    """Five grains of 4 mm have less mass than one of 8 mm; they stand for grains half as large."""
+    heights_m = [0.05 + 0.01 * number for number in range(6)]
+    rows = [f"0.1,0.1,{z:g},{0.004 if z < 0.1 else 0.008},coal" for z in heights_m]
+    (tmp_path / "grains.csv").write_text("\n".join(["x_m,y_m,z_m,diameter_m,material", *rows]))
+    table = "bed.table=grains.csv"
+    pair = works(tmp_path, BOND_COAL, table)[1]
+    assert pair == pytest.approx(4 / 9 * 5 * 1430.0 * G_M_PER_S2 * 0.008**2, rel=1e-12)
+    coarse = case(tmp_path, BOND_COAL, table, "particles.coarse_graining=2").original
+    assert coarse.contacts[1].work_of_adhesion_J_per_m2 == pytest.approx(pair / 4, rel=1e-12)
+
+
+def test_median_diameter_by_mass() -> None:
+    """Diameters of a class are even by number, so that the mass below d is (d^4 - a^4) / (b^4 - a^4)."""
+    whole = [size_class(0.002, 0.004, 1.0)]
+    assert median_diameter_m(whole) == pytest.approx(((0.002**4 + 0.004**4) / 2) ** 0.25, rel=1e-12)
+    assert median_diameter_m([size_class(0.001, 0.001, 0.7), size_class(0.002, 0.002, 0.3)]) == 0.001
+    parts = [size_class(0.001, 0.002, 0.2), size_class(0.003, 0.004, 0.8)]
+    share = 0.3 / 0.8
+    assert median_diameter_m(parts) == pytest.approx(
+        (0.003**4 + share * (0.004**4 - 0.003**4)) ** 0.25, rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(("moisture", "times"), [("dry", 0), ("moist", 1), ("wet", 3), ("sticky", 10)])
+def test_moist_contacts_pull_as_a_bridge_of_water(tmp_path: Path, moisture: str, times: int) -> None:
+    """A small bridge pulls two wetted spheres with 4 pi gamma R*, which is 2 pi gamma R for equal ones,
+    and a sphere on a plane with 4 pi gamma R."""
+    overrides = [f"contacts.{k}.moisture={moisture}" for k in (0, 1)]
+    pulls_N = [contact.pull_off_N for contact in sticky_contacts(case(tmp_path, *overrides))]
+    assert pulls_N == pytest.approx([times * force * math.pi * 0.072 * 0.01 for force in (4, 2) if times])
+
+
+def test_the_resolved_case_has_the_work_and_is_read_as_the_same_case(tmp_path: Path) -> None:
+    given = loaded(tmp_path, [BOND_COAL, "contacts.1.bond_diameter_m=0.005", "contacts.0.moisture=moist"])
+    table = resolved_case(given)
+    for row in table["contacts"]:
+        assert row["work_of_adhesion_J_per_m2"] > 0
+        assert not {"bond_number", "bond_diameter_m", "moisture"} & row.keys()
+    assert load_case(tmp_path, table).case == given.case
+
+
+def test_a_later_layer_may_give_adhesion_in_another_way(tmp_path: Path) -> None:
+    wet = CASE.replace("restitution = 0.13", "restitution = 0.13\nbond_number = 5")
+    literal = "[contacts.1]\nwork_of_adhesion_J_per_m2 = 12.86\n"
+    folder = case_folder(tmp_path, wet, literal=literal, bond="[contacts.1]\nbond_number = 10\n")
+    assert load_judged(folder, "literal").case.contacts[1].work_of_adhesion_J_per_m2 == 12.86
+    by_level = load_judged(folder, "bond").case
+    by_set = load_judged(folder, "literal", ["contacts.1.bond_number=10"]).case
+    assert by_level.contacts == by_set.contacts
+    assert by_level.contacts[1].work_of_adhesion_J_per_m2 > 0
+
+
+def test_a_level_that_leaves_out_adhesion_by_bond_number_must_say_so(tmp_path: Path) -> None:
+    wet = CASE.replace("restitution = 0.13", "restitution = 0.13\nbond_number = 5")
+    folder = case_folder(tmp_path, wet, draft='[particles]\nadhesion = "none"\n')
+    with pytest.raises(CaseError, match='"adhesion" must be named'):
+        load_judged(folder, "draft")
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ("work_of_adhesion_J_per_m2=1, bond_number=5", "bond_number: contradicts work_of_adhesion_J_per_m2"),
+        ("bond_number=5, moisture='wet'", "moisture: contradicts bond_number"),
+        ("bond_diameter_m=0.002", "bond_diameter_m: has no meaning without bond_number"),
+        ("bond_number=-1", "bond_number: -1 is wrong"),
+        ("moisture='moyst'", 'did you mean "moist"?'),
+        ("bond_number=500000, bond_diameter_m=0.01", "contacts.0.bond_number: as a work of adhesion in J/m2"),
+    ],
+)
+def test_wrong_bond_numbers_and_moistures(tmp_path: Path, keys: str, said: str) -> None:
+    row = f'between=["coal", "coal"], restitution=0.2, sliding_friction=0, rolling_friction=0, {keys}'
+    on_panel = 'between=["coal", "PU"], restitution=0.2, sliding_friction=0, rolling_friction=0'
+    assert said in only_complaint(tmp_path, f"contacts=[{{{row}}}, {{{on_panel}}}]".replace("'", '"'))
+
+
+def test_a_bond_number_without_any_grain_stays(tmp_path: Path) -> None:
+    """Where nothing can stick, there is nothing to weigh; the case can still be given a bed."""
+    empty = CASE.partition("[bed.particles.ball]")[0].replace(
+        "restitution = 0.13", "restitution = 0.13\nbond_number = 5"
+    )
+    assert load_case(tmp_path, empty).case.contacts[1].bond_number == 5

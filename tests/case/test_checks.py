@@ -13,7 +13,7 @@ from orchestrator.preflight.stability.report import stability_report
 from tests.cases import BLOCK, CASE, FEED, case_folder, complaints, loaded, only_complaint
 
 EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'
-FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1]"
+FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1], center_of_mass_m=[0, 0, 0]"
 
 
 def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
@@ -36,18 +36,22 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("contacts.1.between.1=PU", "coal and PU are given twice"),
         ("contacts=[]", 'give [[contacts]] with between = ["coal", "PU"]'),
         ("screen.panels.deck.material=coal", "hyperelastic: missing: panel deck is made of it"),
-        ("materials.steel.density_kg_per_m3=7850", "materials.steel.poisson_ratio: missing"),
+        ("materials.slag.density_kg_per_m3=2900", "materials.slag.poisson_ratio: missing"),
         ("materials.PU.hyperelastic={c10_Pa=0, c01_Pa=0}", "no stiffness"),
         # machine
         ("screen.frames.driven={inertia_kg_m2=[1, 1, 1]}", "mass_kg: missing: frames.solver exudyn"),
         ("screen.frames.driven.mass_kg=1", "inertia_kg_m2: missing: frames.solver exudyn"),
+        (
+            f"screen.frames.driven={{{FRAME.rsplit(',', 3)[0]}}}",
+            "driven.center_of_mass_m: missing: it decides how the frame turns",
+        ),
         ("screen.frames.driving.drive.speed_rad_per_s=78.5", '"driving" has a drive, which leaves no'),
         (
             "screen.frames.driving.drive={speed_rad_per_s=9, amplitude_m=[0.1, 0, 0], phase_rad=[0.5, 0, 0]}",
             "drive.phase_rad: the frame would jump by 0.0479 m at t = 0; give run_up_s, or 0",
         ),
         (
-            "screen.frames.driving.drive={speed_rad_per_s=9, rotation_rad=[0, 0.1, 0], "
+            "screen.frames.driving.drive={speed_rad_per_s=9, rotation_rad=[0, 0.1, 0], center_m=[0, 0, 0], "
             "rotation_phase_rad=[0, 0.5, 0]}",
             "drive.rotation_phase_rad: the frame would jump by 0.0479 rad",
         ),
@@ -149,14 +153,17 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
     (refusal,) = said("frames.solver=two-mass")
     assert "frames.solver two-mass knows no drives; take the drive out" in refusal
     assert said("frames.solver=planar") == []
+    centre = "screen.frames.driving.drive.center_m=[0, 0, 0]"
     for leaving in ("amplitude_m=[0.0, 0.01, 0.0]", "rotation_rad=[0.01, 0.0, 0.0]"):
         drive = f"screen.frames.driving.drive.{leaving}"
-        (refusal,) = said("frames.solver=planar", drive)
+        (refusal,) = said("frames.solver=planar", drive, centre)
         assert "drive: leaves the vertical plane, to which frames.solver planar" in refusal
     drive = "screen.frames.driving.drive.rotation_rad=[1, 1, 0.5]"
     (refusal,) = said(drive)
+    assert "drive.center_m: missing: rotation_rad turns the frame about it" in refusal
+    (refusal,) = said(drive, centre)
     assert "rotation_rad: may add up to 1.5 rad; exudyn's limit is 1.4" in refusal
-    assert said(drive, "frames.solver=prescribed") == []
+    assert said(drive, centre, "frames.solver=prescribed") == []
 
 
 def test_exudyn_may_drive_every_frame() -> None:
@@ -287,9 +294,9 @@ def test_a_feed_that_never_feeds_is_said(tmp_path: Path) -> None:
     """The run of 0.1 s has one batch at t = 0, when nothing is due; then 50 of them."""
     slow = FEED.replace("rate_kg_per_s=1,", "rate_kg_per_s=0.5,")
     found = warned(tmp_path, slow, "particles.feed_interval_s=0.5")
-    (said,) = [line for line in found if "chute" in line]
+    (said,) = [line for line in found if 'feed "chute"' in line]
     assert said.startswith('feed "chute" feeds nothing in 0.1 s: its batches come every 0.5 s')
-    assert [line for line in warned(tmp_path, slow) if "chute" in line] == []
+    assert [line for line in warned(tmp_path, slow) if 'feed "chute"' in line] == []
 
 
 @pytest.mark.parametrize(
@@ -304,14 +311,14 @@ def test_a_feed_that_brings_no_particle_before_the_end_is_said(
     tmp_path: Path, change: tuple[str, str], said: str | None
 ) -> None:
     """Too slow for one particle, or begun after the last batch."""
-    found = [line for line in warned(tmp_path, FEED.replace(*change)) if "chute" in line]
+    found = [line for line in warned(tmp_path, FEED.replace(*change)) if 'feed "chute"' in line]
     assert len(found) == (said is not None)
     assert all(said in line for line in found if said)
 
 
 def test_a_feed_whose_last_batch_is_long_before_the_end_is_said(tmp_path: Path) -> None:
     found = warned(tmp_path, FEED, "particles.feed_interval_s=0.06")
-    (said,) = [line for line in found if "chute" in line]
+    (said,) = [line for line in found if 'feed "chute"' in line]
     assert 'feed "chute" feeds 0.06 of the 0.1 kg that are due in 0.1 s' in said
 
 

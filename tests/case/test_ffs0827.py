@@ -30,6 +30,11 @@ def test_the_machine_is_the_empty_one(case: str) -> None:
     assert under_coal["probes"] == same
 
 
+def test_the_second_reading_is_the_same_with_and_without_material() -> None:
+    empty, under_coal = tables("ffs0827-twelve-springs"), tables("ffs0827-flowing-twelve-springs")
+    assert under_coal["screen"] == empty["screen"]
+
+
 def test_two_panels_have_a_quarter_of_the_machine() -> None:
     """Masses, exciter and the sums of stiffness and damping over the bushings."""
     whole, pair = tables("ffs0827-empty")["screen"], tables("ffs0827-panelpair")["screen"]

@@ -58,7 +58,7 @@ def nested(key: tuple[str, ...], value: Any) -> dict[str, Any]:
 @given(st.dictionaries(st.text(), VALUES, max_size=5))
 def test_any_dictionary_is_a_case_or_a_case_error(table: dict[str, Any]) -> None:
     with suppress(CaseError):
-        validate(Layers(table, "case.toml"))
+        validate(Layers(table, "case.toml"), Path("."))
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -69,7 +69,7 @@ def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: An
     bare = load_judged(folder, "draft")
     with suppress(CaseError):
         bare.layers.lay(nested(key, value), "--set")
-        found = find_problems(replace(bare, case=validate(bare.layers)))
+        found = find_problems(replace(bare, case=validate(bare.layers, bare.folder)))
         assert all(mistake.what and mistake.file for mistake in found)
 
 
@@ -81,7 +81,7 @@ def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tm
         found = load_judged(folder, "draft", [BLOCK, FEED])
         with suppress(CaseError):
             found.layers.lay(nested(key, value), "--set")
-            spoilt = replace(found, case=validate(found.layers))
+            spoilt = replace(found, case=validate(found.layers, found.folder))
             if not find_problems(spoilt):
                 warnings(spoilt)
                 judge_effects(spoilt.case)
@@ -95,7 +95,7 @@ def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
         found = load_judged(folder, "draft")
         with suppress(CaseError):
             found.layers.lay(nested(key, value), "--set")
-            find_problems(replace(found, case=validate(found.layers)))
+            find_problems(replace(found, case=validate(found.layers, found.folder)))
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -32,6 +32,7 @@ DIMENSIONLESS = frozenset(
         "poisson_ratio",
         "ratio",
         "restitution",
+        "bond_number",
         "sliding_friction",
         "rolling_friction",
         "rayleigh_fraction",

@@ -22,6 +22,7 @@ DRIVE = """
 speed_rad_per_s = 150.0
 amplitude_m = [0.004, 0.0, 0.001]
 rotation_rad = [0.0, 0.01, 0.0]
+center_m = [0.0, 0.0, 0.0]
 """
 
 

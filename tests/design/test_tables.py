@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from orchestrator.output.report.drawing import data_uri
+from orchestrator.output.drawing import data_uri
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import write_study_page

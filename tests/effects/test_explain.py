@@ -11,6 +11,7 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
+from orchestrator.case.file.base import level_names
 from orchestrator.case.scalars import SCALARS
 from orchestrator.cli.explain import COLUMNS, effects_table
 from orchestrator.cli.main import app
@@ -24,9 +25,9 @@ from tests.effects.verdicts import STILL_CASE
 
 CASES = Path(__file__).parents[2] / "cases"
 LEVELS = [
-    (case.parent.name, level.stem)
+    (case.parent.name, level)
     for case in sorted(CASES.glob("*/case.toml"))
-    for level in sorted((case.parent / "levels").glob("*.toml"))
+    for level in level_names(case.parent)
 ]
 CALL = CliRunner()
 

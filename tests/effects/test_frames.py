@@ -105,3 +105,18 @@ def test_cycles_of_the_run_up(tmp_path: Path, run_up_s: float, matters: bool | N
     found = of_driven(tmp_path, "run-up", given)
     assert found.verdict.value == pytest.approx(run_up_s * 80 / (2 * math.pi))
     assert (found.verdict.matters, found.present) == (matters, present)
+
+
+@pytest.mark.parametrize(("softest", "matters"), [(17e3, True), (19.5e3, False)])
+def test_a_bushings_curve_matters_where_its_stiffness_changes(
+    tmp_path: Path, softest: float, matters: bool
+) -> None:
+    """20 kN/m at 1 mm over 17 or 19.5 kN/m at 6 mm."""
+    points = ", ".join(
+        f"{{amplitude_m={a}, frequency_Hz=12.5, stiffness_N_per_m={k}, loss_factor=0.1}}"
+        for a, k in ((1e-3, 20e3), (6e-3, softest))
+    )
+    curve = f"screen.bushings.isolation.curves=[{{points=[{points}]}}]"
+    found = verdict(tmp_path, "bushing-hysteresis", curve, 'frames.solver="planar"')
+    assert found.verdict.value == pytest.approx(20e3 / softest - 1)
+    assert (found.present, found.verdict.matters) == (True, matters)

@@ -16,7 +16,7 @@ import pytest
 from orchestrator.ports import Account, Array, Frames, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import DrivePlan, FramesPlan
-from tests.frames.machines import exciter, two_bodies
+from tests.frames.machines import exciter, two_bodies, with_elements
 
 INTERVAL_S = 5e-4
 
@@ -63,13 +63,20 @@ def both_driven(step_s: float, size: float = 1.0) -> FramesPlan:
     return replace(plan, drives=(drive("driven", size), slower))
 
 
+def curved(plan: Callable[[float], FramesPlan]) -> Callable[[float], FramesPlan]:
+    """The plan with friction and Maxwell elements in its bushings."""
+    return lambda step_s: with_elements(plan(step_s))
+
+
 CASES = {
     "prescribed": Case("prescribed", lambda: driven(), lambda step_s: driven(drive())),
     "two_mass": Case("two_mass", two_bodies, excited),
     "planar": Case("planar", two_bodies, excited),
     "planar, one driven": Case("planar", lambda: one_driven(0.0, 0.0), one_driven),
     "planar, both driven": Case("planar", lambda: both_driven(0.0, 0.0), both_driven),
+    "planar, curved": Case("planar", lambda: with_elements(two_bodies()), curved(excited)),
     "exudyn": Case("exudyn", two_bodies, excited),
+    "exudyn, curved": Case("exudyn", lambda: with_elements(two_bodies()), curved(excited)),
     "exudyn, one driven": Case("exudyn", lambda: one_driven(0.0, 0.0), one_driven),
     "exudyn, both driven": Case("exudyn", lambda: both_driven(0.0, 0.0), both_driven),
 }

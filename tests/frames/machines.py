@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from orchestrator.ports import Array, linear_frames
-from orchestrator.ports.plans import BodyPlan, BushingPlan, ExciterPlan, FramesPlan
+from orchestrator.ports.plans import BodyPlan, BushingPlan, ExciterPlan, FramesPlan, HysteresisPlan
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 ALONG, ACROSS, UP = np.eye(3)
@@ -82,3 +84,19 @@ def steady_amplitudes_m(plan: FramesPlan, speed_rad_per_s: float) -> Array:
     dynamic = machine.stiffness + 1j * speed_rad_per_s * machine.damping
     dynamic = dynamic - speed_rad_per_s**2 * machine.mass
     return np.asarray(np.linalg.solve(dynamic, force_N.ravel()).reshape(-1, 3))
+
+
+def with_elements(plan: FramesPlan) -> FramesPlan:
+    """The same machine with friction and Maxwell elements along the x axes of the bushings that have more
+    than 1 MN/m there, and along the z axes of those to the ground."""
+
+    def elements(bushing: BushingPlan) -> tuple[HysteresisPlan, ...]:
+        axis = 2 if "ground" in bushing.bodies else 0
+        k = float(bushing.stiffness_N_per_m[axis])
+        if axis == 0 and k < 1e6:
+            return ()
+        slip_m = np.array([2e-4, 1e-3])
+        friction, maxwell = np.array([0.1, 0.1]) * k, np.array([0.1 * k])
+        return (HysteresisPlan(axis, 0.8 * k, friction, slip_m, maxwell, np.array([0.01])),)
+
+    return replace(plan, bushings=tuple(replace(b, hysteresis=elements(b)) for b in plan.bushings))

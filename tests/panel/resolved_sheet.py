@@ -71,7 +71,7 @@ class Found:
         tangent = Tangent(structure)
         start = first_guess_m(plan.rectangle, plan.gravity_m_per_s2, structure.material_m)
         weight = structure.mass_kg[:, None] * plan.gravity_m_per_s2
-        rest = settle(structure, tangent, start, weight, plan.name)
+        rest = settle(structure, tangent, start, weight)
         force = structure.force_N(rest)
         second = structure.material_m[structure.held, 0] > plan.rectangle.length_m / 2
         self.mass_kg = structure.mass_kg.sum()

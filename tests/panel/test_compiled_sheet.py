@@ -8,6 +8,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from orchestrator.coupling.metered import Stopwatch, TimedPanel
+from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import AperturePattern
@@ -60,11 +62,12 @@ def test_a_shaken_and_loaded_panel(pattern, branches):
     motion, the reaction and every entry of the account: the shape at rest, of 1e-7 N out of
     balance, and rounding are all that differs."""
     from adapters.panel import sheet
-    from adapters.panel.finite_element import elastic_panel
+    from adapters.panel.finite_element.elastic_panel import open_panel
+    from adapters.panel.finite_element.panel_at_rest import at_rest
     from adapters.panel.finite_element.sheet_forms import sheet as forms
 
     wanted = given(pattern, branches)
-    panels = elastic_panel.open_panel(wanted, *forms(wanted)), sheet.build(wanted)
+    panels = open_panel(wanted, at_rest(wanted, forms), *forms(wanted)), sheet.build(wanted)
     rest_m, length_s = panels[0].initial().surface.position_m, 1e-4
     rng = np.random.default_rng(2)
     for k in range(1200):
@@ -97,12 +100,53 @@ def test_a_blow_up_is_reported_also_when_nothing_is_a_number():
     panel.close()
 
 
+def test_sheets_of_a_set_advance_together_as_they_do_alone(monkeypatch):
+    """To the last bit, and in one call; a surface of another kind stands beside them."""
+    from adapters.panel import sheet
+    from adapters.panel.common import carried, compiled_panel
+
+    together, called = compiled_panel.advance_together, []
+
+    def counted(panels, interval, clamps, load):
+        called.append(len(panels))
+        return together(panels, interval, clamps, load)
+
+    monkeypatch.setattr(compiled_panel, "advance_together", counted)
+
+    def opened(number):
+        if number == 2:
+            return carried.build(np.arange(6.0).reshape(2, 3), ("driven", "driven"))
+        own = sheet.build(given([None, SLOTS, None, SLOTS][number]))
+        return TimedPanel(own, f"panel {number}", "panel", Stopwatch())
+
+    alone, members = [opened(number) for number in range(4)], PanelSet(4, opened)
+    load = Load(np.random.default_rng(3).normal(scale=0.05, size=(len(members.initial().surface), 3)))
+    for k in range(3):
+        clamps = shaken(members, (k + 1) * 1e-4)
+        called.clear()
+        found = members.advance(Interval(k, 1e-4), clamps, load)
+        assert called == [2, 1]
+        for panel, points, held in zip(alone, members.surface, members.clamps, strict=True):
+            state = panel.advance(Interval(k, 1e-4), clamps.part(held), load.part(points))
+            assert np.array_equal(found.surface.position_m[points], state.surface.position_m)
+            assert np.array_equal(found.surface.velocity_m_per_s[points], state.surface.velocity_m_per_s)
+            assert np.array_equal(found.reaction.force_N[held], state.reaction.force_N)
+    accounts = [panel.account() for panel in alone]
+    assert members.account().received_J["load"] == sum(own.received_J["load"] for own in accounts)
+    members._own[1]._solver._body.memory["strain_stress"][0, 0, 0, 0, 0] = np.nan
+    members._own[1]._solver._name = "panel of slots"
+    with pytest.raises(SolverFailed, match=r"panel of slots, t = 0.0004 s: unstable"):
+        members.advance(Interval(3, 1e-4), shaken(members, 4e-4), load)
+    for panel in (*alone, members):
+        panel.close()
+
+
 def test_arrays_of_a_wrong_size_or_type_are_refused():
     """They are never converted: what is written to a copy would be lost."""
     from adapters.panel import sheet
 
     panel = sheet.build(given(None))
-    kernel = panel._body._kernel
+    kernel = panel._body.kernel
     held = np.zeros((len(panel.mount.frame), 3))
     steps = {
         "start_m": held,

@@ -203,7 +203,7 @@ def test_the_limit_is_where_it_becomes_unstable():
     speeds = []
     for share in (0.99, 1.03):
         panel = opened(cells=(8, 1))
-        panel._body._step_s = share * critical_s
+        panel._body.step_s = share * critical_s
         length_s = 1000 * share * critical_s
         load = Load(1e-6 * np.random.default_rng(6).normal(size=(len(panel.initial().surface), 3)))
         try:

@@ -49,7 +49,7 @@ def settled(structure, given):
     from adapters.panel.finite_element.tangent import Tangent
 
     weight_N = structure.mass_kg[:, None] * given.gravity_m_per_s2
-    return settle(structure, Tangent(structure), structure.material_m, weight_N, "cantilever")
+    return settle(structure, Tangent(structure), structure.material_m, weight_N)
 
 
 @pytest.mark.parametrize("stretch", [1.025, 1.10, 1.5])

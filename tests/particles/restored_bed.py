@@ -20,7 +20,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays
 from tests.particles.contract import solver_adapter
-from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
+from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, cut_often, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.saved_states import differences
 
@@ -97,6 +97,9 @@ def main() -> None:
     found += hesitating("liggghts", bed_plan(communicator=world), 120)
     sticky = bed_plan(communicator=world, exits=(OPEN_END,), **PERIODIC, **WET)
     found += hesitating("liggghts", sticky, 60)
+    cut_often()  # where the box is cut belongs to the state
+    found += resumed("liggghts", bed_plan(communicator=world), 50, 90)
+    found += hesitating("liggghts", sticky, 50)
     everywhere = world.gather(found)
     if world.rank == 0:
         print(json.dumps(everywhere))

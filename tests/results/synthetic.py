@@ -224,7 +224,7 @@ def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
             panel.append(np.full(40, number))
         position = np.vstack(points)
         motion = Motion(position, np.zeros_like(position))
-        surface.add(time, surface_mesh(motion, np.vstack(triangles), np.concatenate(panel), {}))
+        surface.add(time, surface_mesh(motion, np.vstack(triangles), np.concatenate(panel), {}, {}))
         if spheres is not None:
             n = 60
             place_m = np.column_stack(

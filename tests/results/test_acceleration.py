@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import h5py
 import numpy as np
 import pytest
 
-from orchestrator.output.results.machine import acceleration_m_per_s2, rms
+from orchestrator.output.records.history import write_accelerations
+from orchestrator.output.results.machine import (
+    acceleration_m_per_s2,
+    acceleration_series,
+    band_hz,
+    panel_points,
+    rms,
+)
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
+from tests.results.synthetic import folder_of
 
 SPEED = 78.5
 STEP_S = 1e-4
@@ -35,3 +47,31 @@ def test_the_band_ends_at_500_hz(hertz: float, kept: bool) -> None:
 def test_steps_longer_than_the_band_are_not_filtered() -> None:
     velocity = np.outer(np.arange(50) * 2.0, Z)
     assert acceleration_m_per_s2(velocity, 1.0)[:, 2] == pytest.approx(np.full(50, 2.0))
+
+
+def test_the_series_of_a_run_are_those_of_the_report(tmp_path: Path) -> None:
+    """In ``history.h5``, with the band; the probes' largest ones are the report's."""
+    folder = folder_of(tmp_path / "run", particles=False, cycles=12)
+    with RunReader(folder) as run:
+        series = acceleration_series(run)
+        reported = panel_points(run, *run.second_half_s)
+        time_s, span_s = run.series_s(), run.second_half_s
+    write_accelerations(folder / "history.h5", series, band_hz(float(time_s[1] - time_s[0])))
+    with h5py.File(folder / "history.h5") as history:
+        assert history["accelerations"].attrs["band_Hz"] == pytest.approx(499.7, abs=0.1)
+        assert {"driving", "driven"} <= set(history["accelerations"])
+        for name, figures in reported.items():
+            found = history[f"accelerations/{name}"]
+            inside = (found["time_s"][:] > span_s[0]) & (found["time_s"][:] <= span_s[1])
+            size = np.linalg.norm(found["acceleration_m_per_s2"][:][inside], axis=1)
+            assert size.max() / STANDARD_GRAVITY_M_PER_S2 == pytest.approx(figures["peak_g"], rel=1e-6)
+
+
+def test_a_series_that_a_resumed_run_made_coarser_has_no_accelerations(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "run", particles=False, cycles=3)
+    with h5py.File(folder / "history.h5", "r+") as history:
+        times = history["frames/driven/time_s"]
+        times[-5:] = times[-5:] + np.arange(5)
+    with RunReader(folder) as run:
+        assert "driven" not in acceleration_series(run)
+        assert "driving" in acceleration_series(run)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -306,3 +307,29 @@ def test_wear(found: dict[str, Any]) -> None:
     deepest = int(np.argmax(profile["mean_m_per_h"]))
     assert deepest == WORN_ROW
     assert profile["mean_m_per_h"][8 + WORN_ROW] == pytest.approx(4e-6, rel=1e-6)
+
+
+def test_the_course_has_the_stroke_and_the_load_of_each_window(found: dict[str, Any]) -> None:
+    course = found["course"]
+    assert course["end_s"] == pytest.approx([6 * CYCLE_S * number for number in range(1, 11)])
+    pair = course["relative"]["driven-driving"]
+    assert pair["along_m"] == pytest.approx([0.006] * 10)
+    assert pair["half_width_m"] == pytest.approx([0.0] * 10, abs=1e-9)
+    assert course["on_deck_kg"] == pytest.approx([8 * BIN_KG] * 10)
+    assert course["velocity_m_per_s"] == pytest.approx([VELOCITY_M_S] * 10)
+
+
+def test_the_course_follows_a_load_that_comes_and_goes(folder: Path, tmp_path: Path) -> None:
+    """The material lies on the deck in the second half of the time, and halves the stroke there."""
+    copy = Path(shutil.copytree(folder, tmp_path / "run"))
+    with h5py.File(copy / "history.h5", "r+") as file:
+        late = file["profile/time_s"][:] > 30 * CYCLE_S
+        file["profile/mass_kg"][:] = np.where(late[:, None], file["profile/mass_kg"][:], 0.0)
+        driven, driving = (file[f"frames/{name}/displacement_m"] for name in ("driven", "driving"))
+        late = file["frames/driven/time_s"][:] > 30 * CYCLE_S
+        halved_m = driving[:] + 0.5 * (driven[:] - driving[:])
+        driven[:] = np.where(late[:, None], halved_m, driven[:])
+    course = compute_results(copy)["course"]
+    assert course["relative"]["driven-driving"]["along_m"] == pytest.approx([0.006] * 5 + [0.003] * 5)
+    assert course["on_deck_kg"] == pytest.approx([0.0] * 5 + [8 * BIN_KG] * 5)
+    assert course["velocity_m_per_s"][:5] == [None] * 5

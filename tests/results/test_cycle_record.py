@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
+from orchestrator.output.records import cycle_record
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.history import History
 from orchestrator.ports import Array, Motion
@@ -92,6 +93,18 @@ def test_every_cycle_has_its_own_extremes(tmp_path: Path) -> None:
     assert panel["stretch_least"][:2] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert panel["sag_most_m"] == pytest.approx([0.01, 0.01, 0.01])
     assert panel["middle_least_m"][:2] == pytest.approx([-0.01, -0.01])
+
+
+@pytest.mark.parametrize("together", [1, 5])
+def test_it_does_not_matter_how_many_are_evaluated_together(
+    tmp_path: Path, together: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = recorded(tmp_path / "whole.h5")
+    monkeypatch.setattr(cycle_record, "TOGETHER", together)
+    with h5py.File(whole) as one, h5py.File(recorded(tmp_path / "some.h5")) as other:
+        for kind in ("point_cycles/frame", "panel_cycles/deck"):
+            for name, rows in one[kind].items():
+                assert np.array_equal(rows[:], other[f"{kind}/{name}"][:]), name
 
 
 @pytest.mark.parametrize("stop_after", [5, 16, 17, 30])

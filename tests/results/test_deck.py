@@ -160,7 +160,7 @@ def test_ids_that_come_and_go() -> None:
     rise = np.tile([0.0, 0.0, 1.0], (len(line), 1))
     parts = {0.0: [], 0.1: [0, 1], 0.3: [0, 1, 2], 0.6: [0, 2]}
     for time, rows in parts.items():
-        particles = ParticleSnapshot(*(getattr(every, name)[rows] for name in vars(every)))
+        particles = every.part(rows)
         seen = locate(deck, line, rise, particles.position_m)
         found = held.at(time, particles, seen)
     assert found["stickers"] == 1.0  # the first, since 0.1 s; the third came too late

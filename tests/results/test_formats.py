@@ -26,6 +26,7 @@ NAMING = "orchestrator/output/records/run_folder.py"
 READER = "orchestrator/output/results/run_reader.py"
 WRITERS = {"orchestrator/output/records/history.py", "orchestrator/output/records/summary.py"}
 RECORDINGS = "orchestrator/case/recordings.py"
+BEDS = "orchestrator/case/bed/saved_bed.py"
 
 
 def product() -> dict[str, ast.Module]:
@@ -34,12 +35,12 @@ def product() -> dict[str, ast.Module]:
 
 
 def test_nobody_but_the_reader_opens_a_run() -> None:
-    """HDF5 is used by the reader, the writer and recordings alone, and nobody else reads JSON from
-    what is called as the summary."""
+    """HDF5 is used by the reader, the writer, recordings and saved beds alone, and nobody else reads
+    JSON from what is called as the summary."""
     for file, tree in product().items():
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
-        allowed = file in {READER, RECORDINGS, *WRITERS}
+        allowed = file in {READER, RECORDINGS, BEDS, *WRITERS}
         assert "h5py" not in names or allowed, f"{file} uses HDF5: RunReader reads a run"
         assert not FILES & texts or file == NAMING, f"{file} names a file that RunReader reads"
         if "SUMMARY" in names and not allowed:

@@ -13,8 +13,8 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from orchestrator.output.drawing import figure
 from orchestrator.output.records.run_folder import RUN_LOCK, FolderUnusable, lock
-from orchestrator.output.report.drawing import figure
 from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.report.page import Film, page, report
@@ -48,7 +48,7 @@ def test_a_browser_shows_all_of_it(folder: Path, tmp_path: Path) -> None:
     assert page.asked == []
     assert page.overflow <= 0
     screen = (folder / "particles.pvd").is_file()
-    assert len(page.images) == (10 if screen else 5)
+    assert len(page.images) == (11 if screen else 7)  # screen: no walls.stl, no side view
     assert min(min(size) for size in page.images) > 100  # 0 is what does not decode
     assert len(page.tables) >= 7
     assert all(cell for table in page.tables for cell in table)

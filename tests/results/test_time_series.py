@@ -36,8 +36,9 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
         )
         for n in range(2)
     ]
-    still = SimpleNamespace(names=(), at=lambda _: (np.empty((0, 3)), np.empty((0, 3))))
-    machine: Any = SimpleNamespace(centres={}, probes=(), panels=panels, bushings=still)
+    still = SimpleNamespace(names=(), at=lambda *_: (np.empty((0, 3)), np.empty((0, 3))))
+    members = SimpleNamespace(frames=None)
+    machine: Any = SimpleNamespace(centres={}, probes=(), panels=panels, bushings=still, members=members)
     history = History(tmp_path / "history.h5")
     forces, series = PanelForces(machine, state(0.0)), TimeSeries(machine, state(0.0), history)
     for time_s, loads_N in ((0.0, [5.0]), (1.0, [1.0, 2.0, 6.0]), (2.0, [0.0, 3.0])):

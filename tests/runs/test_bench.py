@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from orchestrator.case.solver_plans import particle_step_s
+from orchestrator.case.solver_plans import particle_step_s, particles_plan
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.judge import load_judged
 from tests.runs.outside import ROOT
 from tools.bench.coupling import BLOCK, Runner, bench
+from tools.bench.stock import Wiggle, stock_input
 
 CASE = ROOT / "cases/ball-on-panel"
 
@@ -32,8 +34,35 @@ def test_what_was_before_the_clock_started_does_not_count(tmp_path: Path) -> Non
 @pytest.mark.solver
 def test_the_parts_are_shares_of_the_coupled_run() -> None:
     table = bench(load_judged(CASE, "draft"), BLOCK, settling=BLOCK)
-    names, _, shares = (list(column.cells) for column in table.columns[:3])
-    assert shares[0] == ""
-    percent = [int(share.removesuffix(" %")) for share in shares[1:]]
-    assert percent[names.index("coupled run, without output") - 1] == 100
-    assert 50 < sum(percent[:-1]) <= 102
+    columns = {str(column.header): list(column.cells) for column in table.columns}
+    shares = columns["share"]
+    assert shares[:2] == ["", ""]
+    percent = [int(share.removesuffix(" %")) for share in shares[2:]]
+    assert percent[-1] == 100
+    assert sum(percent[:-1]) == pytest.approx(100, abs=3)
+
+
+@pytest.mark.solver
+def test_stock_walls_are_made_of_the_triangles_of_each_material_and_move_as_one(tmp_path: Path) -> None:
+    loaded = load_judged(CASE, "draft")
+    runner = Runner(loaded, tmp_path / "coupled")
+    plan = particles_plan(loaded.case, runner.surface())
+    runner.close()
+    assert plan is not None
+    lines = list(stock_input(plan, Wiggle(np.array([0.0, 0.0, 0.003]), 0.08), tmp_path))
+    stl = (tmp_path / "mesh0.stl").read_text().splitlines()
+    corners_m = [line.split()[1:] for line in stl if line.startswith("vertex")]
+    expected_m = plan.surface.position_m[plan.surface.triangles].reshape(-1, 3)
+    assert np.array_equal(np.array(corners_m, dtype=float), expected_m)
+    text = "\n".join(lines)
+    assert "/flipflow " not in text
+    assert "wall/gran model hertz" in text
+    assert "mesh n_meshes 1 meshes mesh0" in text
+    assert "fix move_mesh0 all move/mesh mesh mesh0 wiggle amplitude 0.0 0.0 0.003 period 0.08" in text
+
+
+def test_the_wiggle_has_the_root_mean_square_of_the_velocities() -> None:
+    phase = np.linspace(0.0, 2 * np.pi, 100, endpoint=False)
+    velocities = [np.array([[0.0, 0.2 * np.cos(angle), 0.0]]) for angle in phase]
+    wiggle = Wiggle.like(velocities, period_s=0.5)
+    assert wiggle.amplitude_m == pytest.approx([0.0, 0.2 * 0.5 / (2 * np.pi), 0.0])

@@ -35,9 +35,16 @@ DURATION_S = {
     "ffs0827": 0.05,
     "ffs0827-effects": 0.09,
 }
-FED_SOON = ("banana", "ffs0827", "ffs0827-effects", "ffs0827-slice")
+FED_SOON = (
+    "banana",
+    "ffs0827",
+    "ffs0827-effects",
+    "ffs0827-flowing",
+    "ffs0827-flowing-twelve-springs",
+    "ffs0827-slice",
+)
 PICTURED = "quickstart"
-WITHOUT_PANELS = ("bushing-hysteresis",)  # nothing moves but what is prescribed to
+WITHOUT_PANELS = ("bushing-hysteresis", "double-deck", "shear-spring")
 Done = tuple[str, Path, subprocess.CompletedProcess[str]]
 
 

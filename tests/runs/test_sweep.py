@@ -120,3 +120,26 @@ def test_a_signal_stops_the_runs_too(tmp_path: Path, workers: str) -> None:
         study.communicate(timeout=HANG_S)
     assert study.returncode == 143
     wait_until(lambda: not any(is_at_work(run) for run in runs))
+
+
+def test_several_keys_and_any_result(tmp_path: Path) -> None:
+    """A list of two settings; called again after one of its runs was lost, only that one is made."""
+    out, key = tmp_path / "two", "screen.panels.deck"
+    keys = ("--vary", f"{key}.tension_m=0.002,0.004", "--vary", f"{key}.thickness_m=0.003,0.004")
+    quick = ("--set", "duration_s=0.002", "--set", "output.pictures=false", "--set", "panel.solver=strip")
+    wanted = ("--plan", "list", "--result", "probes.middle.peak_m", "--out", str(out))
+    command = ("study", "sweep", "cases/ball-on-panel", "--level", "draft", *keys, *quick, *wanted)
+    first = flipflow(*command)
+    assert first.returncode == 0, first.stderr
+    table = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
+    assert [(row[f"{key}.tension_m"], row[f"{key}.thickness_m"]) for row in table] == [
+        ("0.002", "0.003"),
+        ("0.004", "0.004"),
+    ]
+    assert all(float(row["probes.middle.peak_m"]) >= 0 for row in table)
+    assert {"sweep.csv", "sweep.parquet", "results.png"} <= {file.name for file in out.iterdir()}
+    (out / "tension_m-0.002_thickness_m-0.003" / "summary.json").unlink()
+    again = flipflow(*command)
+    assert again.returncode == 0, again.stderr
+    assert again.stdout.count("done before") == 1
+    assert (out / "tension_m-0.002_thickness_m-0.003-unfinished-1").is_dir()

@@ -65,10 +65,10 @@ def test_what_a_solver_refuses_when_it_is_opened(tmp_path: Path) -> None:
 
 
 TOO_LARGE = """
-from adapters.panel.finite_element import elastic_panel
-def largest_step_s(plan, structure):
+from adapters.panel.finite_element import panel_at_rest
+def at_rest(plan, make_structure):
     raise MemoryError("std::bad_alloc")
-elastic_panel.largest_step_s = largest_step_s
+panel_at_rest.at_rest = at_rest
 """
 
 

@@ -1,6 +1,6 @@
 """The command that times a case in one process.
 
-python -m tools.bench CASE             compares it with its particles alone on a rigid, still surface
+python -m tools.bench CASE             compares it with LIGGGHTS alone, the same bed on rigid walls
 python -m tools.bench CASE --effects   times it without each effect that can be left out, part by part
 """
 
@@ -22,7 +22,9 @@ def main() -> None:
     parser.add_argument("case", type=Path)
     parser.add_argument("--level")
     parser.add_argument("--intervals", type=int, default=2000, help="sync intervals to time")
-    parser.add_argument("--settling", type=int, default=0, help="sync intervals before them, untimed")
+    parser.add_argument(
+        "--settling", type=int, default=coupling.BLOCK, help="sync intervals before them, untimed"
+    )
     parser.add_argument("--effects", action="store_true", help="time the case without each of its effects")
     parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE")
     args = parser.parse_args()

@@ -1,28 +1,36 @@
-"""The cost of the coupling: a case's run against its particles alone on a rigid, still surface.
+"""The cost of the coupling: a case's run against LIGGGHTS alone with the same bed on rigid triangles.
 
-Both machines advance in turn, block by block, in one process, so that a computer whose speed drifts slows
-both.  The still bed comes to rest and has more contacts; the thrown bed does not and has more new neighbours.
+After an untimed beginning, the bed and the surface of the coupled run are given to LIGGGHTS alone twice: on
+walls that stand still, and on walls that move as one (``tools/bench/stock.py``).  The three then advance in
+turn, block by block, in one process, so that a computer whose speed drifts slows all of them.  A still bed
+comes to rest and has more contacts; a thrown bed does not and has more new neighbours.
 """
 
 from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from rich.table import Table
 
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.coupling.build import build
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.coupling.schemes.scheme import initial_state
+from orchestrator.output.cycles import cycle_s
+from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.preflight.judge import JudgedCase
+from tools.bench.stock import StockRunner, Wiggle
 
 BLOCK = 100
-STILL_ROW = "particles alone, rigid still surface"
-STILL = {"frame_motion": False, "panel_motion": False, "particle_load": False}
+PARTS = ("particles", "panel", "frames", "mapping", "rest")
+QUARTILES = (25, 50, 75)
 
 
 class Runner:
@@ -61,64 +69,98 @@ class Runner:
 
     def particles(self) -> int:
         """Return the present number of particles."""
+        return len(self.bed().id) if self._machine.solvers.particles else 0
+
+    def bed(self) -> ParticleSnapshot:
+        """Return the particles as they are now."""
         particles = self._machine.solvers.particles
-        return len(particles.snapshot().id) if particles else 0
+        assert particles is not None, "asked of a case without particles"
+        return particles.snapshot()
+
+    def surface(self) -> TriangleSurface:
+        """Return the surface as it is now."""
+        return replace(self._machine.surface, position_m=self._state.panel.surface.position_m)
+
+    def surface_velocity_m_per_s(self) -> Array:
+        """Return the velocity (points, 3) of the points that particles touch, now."""
+        touched = np.unique(self._machine.surface.triangles)
+        return self._state.panel.surface.velocity_m_per_s[touched]
 
     def close(self) -> None:
         """Close the machine."""
         self._machine.close()
 
 
-def still(loaded: JudgedCase) -> JudgedCase:
-    """Return the case with rigid panels that nothing moves."""
-    case = loaded.case
-    return replace(
-        loaded,
-        case=case.model_copy(
-            update={
-                "panel": case.panel.model_copy(update={"solver": "rigid"}),
-                "exchange": case.exchange.model_copy(update=STILL),
-            }
-        ),
-    )
+def bench(loaded: JudgedCase, intervals: int, settling: int = BLOCK) -> Table:
+    """Run a case and LIGGGHTS alone with its bed, and return the table of their times.
 
-
-def bench(loaded: JudgedCase, intervals: int, settling: int = 0) -> Table:
-    """Run the case and its still copy, and return the table of their times by part.
-
-    Both run about ``intervals`` sync intervals, after ``settling`` intervals that do not count.
+    All run about ``intervals`` sync intervals; before them the case runs ``settling`` intervals that do not
+    count, one block at least.  The moving walls have the root mean square of the surface's velocity in the
+    last cycle of these.
     """
+    case = loaded.case
     with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:
         coupled = Runner(loaded, Path(scratch) / "coupled")
-        alone = Runner(still(loaded), Path(scratch) / "still")
-        for number in range(settling // BLOCK + max(1, intervals // BLOCK)):
-            if number == settling // BLOCK:
-                coupled.forget()
-                alone.forget()
+        velocities_m_per_s = []
+        for _ in range(max(1, settling // BLOCK)):
             coupled.block()
-            alone.block()
-        table = compare(loaded.name, coupled, alone)
+            velocities_m_per_s.append(coupled.surface_velocity_m_per_s())
+        period_s = cycle_s(case)
+        cycle = max(1, round(period_s / (BLOCK * case.coupling.sync_interval_s)))
+        wiggle = Wiggle.like(velocities_m_per_s[-cycle:], period_s)
+        surface, bed = coupled.surface(), coupled.bed()
+        still = StockRunner(case, surface, bed, None, Path(scratch) / "still")
+        moving = StockRunner(case, surface, bed, wiggle, Path(scratch) / "moving")
+        coupled.forget()
+        for _ in range(max(1, intervals // BLOCK)):
+            for runner in (coupled, still, moving):
+                runner.block(BLOCK)
+        table = compare(loaded.name, coupled, still, moving)
         coupled.close()
-        alone.close()
     return table
 
 
-def compare(name: str, coupled: Runner, alone: Runner) -> Table:
-    """Return the table of times, their ratio to the particles alone, and particle-steps per second."""
-    still_s = alone.stopwatch.wall_s["particles"]
-    parts_s = coupled.stopwatch.wall_s
-    table = Table(title=f"{name}: {coupled.particles()} particles", title_justify="left")
-    for column in ("", "wall / s", "share", "against still", "particle-steps / s"):
-        table.add_column(column, justify="left" if column == "" else "right", no_wrap=True)
+def compare(name: str, coupled: Runner, still: StockRunner, moving: StockRunner) -> Table:
+    """Return the table of times, and of their ratios to LIGGGHTS alone on still and on moving walls.
 
-    def row(what: str, wall_s: float, particle_steps: int = 0) -> None:
+    The coupled run's ratios are those of the blocks' CPU times, as median and quartiles; those of its parts
+    are ratios of sums of wall time.
+    """
+    intervals = BLOCK * len(coupled.blocks_s)
+    table = Table(
+        title=f"{name}: {coupled.particles()} particles, {intervals} intervals", title_justify="left"
+    )
+    heads = (
+        "",
+        "wall / s",
+        "µs an interval",
+        "share",
+        "against still",
+        "against moving",
+        "particle-steps / s",
+    )
+    for head in heads:
+        table.add_column(head, justify="right" if head else "left", no_wrap=True)
+
+    def row(what: str, wall_s: float, share: str, ratios: Sequence[str], particle_steps: int = 0) -> None:
         speed = f"{particle_steps / wall_s:.3g}" if particle_steps else ""
-        share = "" if what == STILL_ROW else f"{100 * wall_s / coupled.wall_s:.0f} %"
-        table.add_row(what, f"{wall_s:.2f}", share, f"{wall_s / still_s:.2f}", speed)
+        table.add_row(what, f"{wall_s:.2f}", f"{1e6 * wall_s / intervals:.0f}", share, *ratios, speed)
 
-    row(STILL_ROW, still_s, alone.particle_steps)
-    row("particles in the coupled run", parts_s["particles"], coupled.particle_steps)
-    for part in ("panel", "frames", "mapping"):
-        row(part, parts_s.get(part, 0.0))
-    row("coupled run, without output", coupled.wall_s, coupled.particle_steps)
+    row("LIGGGHTS alone, rigid still walls", still.wall_s, "", ("", ""), still.particle_steps)
+    row("LIGGGHTS alone, rigid moving walls", moving.wall_s, "", ("", ""), moving.particle_steps)
+    parts_s = coupled.stopwatch.wall_s
+    parts_s["rest"] = coupled.wall_s - sum(parts_s.values())
+    for part in PARTS:
+        wall_s = parts_s.get(part, 0.0)
+        ratios = [f"{wall_s / alone.wall_s:.2f}" for alone in (still, moving)]
+        steps = coupled.particle_steps if part == "particles" else 0
+        row(f"coupled run: {part}", wall_s, f"{100 * wall_s / coupled.wall_s:.0f} %", ratios, steps)
+    ratios = [median_ratio(coupled.blocks_s, alone.blocks_s) for alone in (still, moving)]
+    row("coupled run, without output", coupled.wall_s, "100 %", ratios, coupled.particle_steps)
     return table
+
+
+def median_ratio(some_s: Sequence[float], others_s: Sequence[float]) -> str:
+    """Return the median and the quartiles of the blocks' ratios of CPU time, in words."""
+    low, middle, high = np.percentile(np.divide(some_s, others_s), QUARTILES)
+    return f"{middle:.2f} ({low:.2f} to {high:.2f})"

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.table import Table
 
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
-from tools.bench.coupling import Runner
+from tools.bench.coupling import Runner, median_ratio
 from tools.bench.loaded import loaded_by
 
 BLOCK = 20
@@ -29,7 +28,6 @@ COEFFICIENTS = {
     "rolling-friction": "rolling_friction",
     "wear": "specific_wear_m3_per_N_m",
 }
-QUARTILES = (25, 50, 75)
 
 
 @dataclass(frozen=True)
@@ -121,9 +119,7 @@ def _of(runner: Runner) -> Timed:
 
 def ratio(one: Timed, other: Timed) -> str:
     """Return the median and the quartiles of the blocks' ratios of CPU time, in words."""
-    ratios = np.divide(one.blocks_s, other.blocks_s)
-    low, middle, high = np.percentile(ratios, QUARTILES)
-    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+    return median_ratio(one.blocks_s, other.blocks_s)
 
 
 def sets(overlay: Mapping[str, Any], path: str = "") -> Iterator[str]:

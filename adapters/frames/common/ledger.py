@@ -47,6 +47,16 @@ class FramesLedger(SavedAttributes):
         self.outside_N_s = np.zeros(3)
         self.damping_J = self.exciter_J = self.reaction_J = self.pushed_J = 0.0
 
+    def add(
+        self, *, outside_N_s: Array, damping_J: float, exciter_J: float, reaction_J: float, pushed_J: float
+    ) -> None:
+        """Add what was exchanged meanwhile; the names are those of the sums."""
+        self.outside_N_s = self.outside_N_s + outside_N_s
+        self.damping_J += damping_J
+        self.exciter_J += exciter_J
+        self.reaction_J += reaction_J
+        self.pushed_J += pushed_J
+
     def account(
         self, now: BodyMotion, elastic_J: float, shafts: Sequence[tuple[Shaft, Array]] = ()
     ) -> Account:

@@ -11,12 +11,16 @@ import numpy as np
 
 from adapters.frames.common.drive import DrivenPoints
 from adapters.frames.common.exciter import Shaft, Unbalance
+from adapters.frames.common.hysteresis import Hysteresis
 from adapters.frames.common.ledger import FramesLedger
 from orchestrator.ports import Array, Indices, Known, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.linear_frames import driven, free, linearise, numbers
+from orchestrator.ports.linear_frames import LinearMachine, driven, free, linearise, numbers
 from orchestrator.ports.plans import DrivePlan, ExciterPlan, FramesPlan
 from orchestrator.ports.state import SavedAttributes
+
+ELEMENT_STEP_RAD = 0.1
+"""Largest angle by which the machine's fastest rate turns in a step, with friction and Maxwell elements."""
 
 
 class RigidFrames(SavedAttributes):
@@ -24,7 +28,8 @@ class RigidFrames(SavedAttributes):
 
     ``_free`` are the numbers of the bodies that no drive moves.  ``_held`` is the load on their coordinates
     that the bushings hold at rest, and ``_sag`` are the coordinates at which the bushings hold it; both are
-    zero unless the machine is drawn at rest.  Raises ValueError for unknown bodies, drives that make no
+    zero unless the machine is drawn at rest.  ``_plan`` has the linear springs of bushings with measured
+    curves, and ``_hysteresis`` their elements.  Raises ValueError for unknown bodies, drives that make no
     sense, and bushings that cannot hold the weight.
     """
 
@@ -32,6 +37,8 @@ class RigidFrames(SavedAttributes):
     _ledger: FramesLedger
 
     def __init__(self, plan: FramesPlan) -> None:
+        self._hysteresis = Hysteresis(plan)
+        plan = replace(plan, bushings=tuple(bushing.beside_elements() for bushing in plan.bushings))
         self._plan, self._driven_points = plan, DrivenPoints(plan)
         self._carrier, self._free = numbers(plan, plan.carrier), free(plan)
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
@@ -50,25 +57,44 @@ class RigidFrames(SavedAttributes):
     def save(self) -> Saved:
         shafts = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
         turning: Saved = {"shafts": shafts} if shafts else {}
-        return super().save() | {"ledger": self._ledger.save()} | turning
+        elements: Saved = {"hysteresis": self._hysteresis.save()} if self._hysteresis else {}
+        return super().save() | {"ledger": self._ledger.save()} | turning | elements
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
         self._ledger.restore(saved["ledger"])
         for number, shaft in enumerate(self._shafts):
             shaft.restore(saved["shafts"][str(number)])
+        if self._hysteresis:
+            self._hysteresis.restore(saved["hysteresis"])
+
+    def element_forces_N(self) -> Array | None:
+        """Return the forces (bushings, 3) of friction and Maxwell elements along the bushings' axes, None
+        without elements."""
+        return self._hysteresis.force_N if self._hysteresis else None
+
+    def _stiffest(self) -> LinearMachine:
+        """Return the linear machine with friction elements that hold, and Maxwell elements that do not
+        relax."""
+        if not self._hysteresis:
+            return self._machine
+        more_N_per_m = self._hysteresis.stiffness_N_per_m.ravel()
+        return replace(self._machine, stiffness_N_per_m=self._machine.stiffness_N_per_m + more_N_per_m)
 
     def _largest_step_s(self, largest_rad: float) -> float:
         """Return the step in which the fastest rate turns by ``largest_rad``, or the plan's if it is less.
 
         The rates are the natural frequencies, the speeds of exciters and drives, and the rates of their
-        run-ups.
+        run-ups.  Where bushings have friction and Maxwell elements, whose force has an error of second order,
+        steps are no longer than ``ELEMENT_STEP_RAD`` and half of a relaxation time.
         """
-        plan = self._plan
+        plan, elements = self._plan, self._hysteresis
         shaking: list[ExciterPlan | DrivePlan] = [*plan.exciters, *plan.drives]
         run_ups = [math.pi / source.run_up_s for source in shaking if source.run_up_s > 0]
         speeds = [source.speed_rad_per_s for source in shaking]
-        fastest = max(self._machine.fastest_rad_per_s(), *speeds, *run_ups, 0.0)
+        fastest = max(self._stiffest().fastest_rad_per_s(), *speeds, *run_ups, 0.0)
+        if elements:
+            largest_rad = min(largest_rad, ELEMENT_STEP_RAD, fastest * elements.shortest_s / 2)
         limit_s = largest_rad / fastest if fastest > 0 else plan.sync_interval_s
         return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
 

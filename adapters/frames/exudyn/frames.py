@@ -15,15 +15,17 @@ Exudyn: Gerstmayr, Multibody System Dynamics 60, 2024, 533-561, doi 10.1007/s110
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from adapters.frames.common.rigid_frames import RigidFrames, onto_bodies
+from adapters.frames.common.ledger import FramesLedger
+from adapters.frames.common.rigid_frames import RigidFrames
 from adapters.frames.exudyn import LARGEST_TILT_RAD
-from adapters.frames.exudyn.forces import SpatialForces, SpatialLedger, SpatialShaft
-from adapters.frames.exudyn.poses import Attached, Poses, cross
+from adapters.frames.exudyn.compiled import CompiledBodies
+from adapters.frames.exudyn.shaft import SpatialShaft
 from orchestrator.ports import Account, Array, Load, Motion, Saved, check_point_count, linear_frames
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
@@ -42,9 +44,8 @@ class ExudynFrames(RigidFrames):
     """
 
     COORDINATES = linear_frames.SPACE
-    STATE = ("_wrench", "_instant", "_couple_N_m", "_points")
+    STATE = ("_points",)
     _shafts: list[SpatialShaft]
-    _ledger: SpatialLedger
 
     def __init__(self, plan: FramesPlan) -> None:
         self._driven = tuple(
@@ -52,13 +53,10 @@ class ExudynFrames(RigidFrames):
             for number, drive in zip(linear_frames.driven(plan), plan.drives, strict=True)
         )
         super().__init__(plan)
-        free = [plan.bodies[number] for number in self._free]
-        self._mass_kg = np.array([body.mass_kg for body in free])
-        self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
-        self._longest_s = exudyn_system.largest_step_s(plan, self._machine)
+        plan = self._plan
+        self._longest_s = exudyn_system.largest_step_s(plan, self._stiffest())
+        self._longest_s = min(self._longest_s, self._hysteresis.shortest_s / 2)
         sag_m = (self._machine.stretch @ self._sag).reshape(-1, 3)
-        self._carried = Attached.at(plan.points_m, self._carrier, self._drawn_m)
-        self._onto_bodies = onto_bodies(plan, self._carrier)
         self._shafts = [
             SpatialShaft(exciter, exciter.motor, plan, self._drawn_m)
             for exciter in plan.exciters
@@ -66,121 +64,121 @@ class ExudynFrames(RigidFrames):
         ]
         steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)
         prescribed = replace(plan, exciters=steady)
-        self._forces = SpatialForces(prescribed, self._drawn_m, sag_m)
-        self._bodies = exudyn_system.assemble_system(prescribed, sag_m)
-        self._wrench = np.zeros((len(plan.bodies), 6))
-        self._settings = exudyn_system.settings(plan)
-        exudyn_system.place_at_start(self._bodies.system.systemData, self._driven, len(plan.bodies))
-        self._solver: Any = exudyn_system.open_solver(self._bodies.system, self._settings)
-        self._instant = self._forces.at(self._read(), self._forces.exciter_N(0.0))
-        self._couple_N_m = self._instant.couple_N_m  # one step before ``_instant``
-        self._points = self._moved()
-        self._ledger = SpatialLedger(plan, self._forces, self._carried, self._instant.poses)
+        self._bodies = CompiledBodies(prescribed, self._carrier, self._drawn_m, sag_m)
+        self._sag_m, self._step_s = sag_m, 0.0
+        self._multibody = exudyn_system.assemble_system(prescribed, sag_m, self._element_force_N)
+        self._system = self._multibody.system
+        self._data = self._system.systemData
+        self._settings = exudyn_system.settings(plan, self._hysteresis.stiffness_N_per_m.sum())
+        exudyn_system.place_at_start(self._data, self._driven, len(plan.bodies))
+        self._solver: Any = exudyn_system.open_solver(self._system, self._settings)
+        self._bodies.kernel.start(
+            coordinates=self._data.GetODE2Coordinates(), rates=self._data.GetODE2Coordinates_t()
+        )
+        self._points = self._bodies.carried()
+        self._ledger = FramesLedger(plan, self._bodies.motion())
 
     def initial(self) -> Motion:
         return self._points
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         check_point_count("frames' reaction", reaction, len(self._plan.points_m))
-        wrench = self._wrench_of(reaction, interval.length_s)
+        kernel, length_s = self._bodies.kernel, interval.length_s
+        reaction_N = np.ascontiguousarray(reaction.force_N)
+        wrench = kernel.wrench_of(force_N=reaction_N, length_s=length_s)
         for shaft in self._shafts:
             wrench[shaft.body] += shaft.wrench
         self._apply(wrench)
         steps = interval.steps(self._longest_s)
-        step_s = interval.length_s / steps
+        step_s = length_s / steps
         exudyn_system.start_interval(self._solver, step_s)
         for step in range(1, steps + 1):
             self._step(interval.start_s + step * step_s, step_s)
-        before, self._points = self._points, self._moved()
-        moved_m = self._points.position_m - before.position_m
-        self._ledger.interval(reaction.force_N, moved_m, interval.length_s)
+        before, self._points = self._points, self._bodies.carried()
+        books = kernel.reaction(
+            force_N=reaction_N, before_m=before.position_m, after_m=self._points.position_m, length_s=length_s
+        )
+        self._ledger.add(**books)
         return self._points
 
     def account(self) -> Account:
-        now = self._instant.poses
-        shafts = [(shaft, shaft.velocity_m_per_s(now)) for shaft in self._shafts]
-        elastic_J = self._forces.elastic_J(self._instant)
-        return self._ledger.account(self._ledger.bodies(now), elastic_J, shafts)
+        shafts = [(shaft, shaft.velocity_m_per_s(self._bodies.poses)) for shaft in self._shafts]
+        elastic_J = self._bodies.elastic_J() + self._hysteresis.stored_J()
+        return self._ledger.account(self._bodies.motion(), elastic_J, shafts)
 
     def save(self) -> Saved:
-        return super().save() | {"system": exudyn_system.save_system(self._bodies.system, self._solver)}
+        system = exudyn_system.save_system(self._system, self._solver)
+        return super().save() | {"bodies": self._bodies.save(), "system": system}
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
-        exudyn_system.restore_system(self._bodies.system, self._solver, saved["system"])
+        self._bodies.restore(saved["bodies"])
+        exudyn_system.restore_system(self._system, self._solver, saved["system"])
 
     def close(self) -> None:
         if self._solver is not None:
-            self._solver.FinalizeSolver(self._bodies.system, self._settings)
+            self._solver.FinalizeSolver(self._system, self._settings)
             self._solver = None
-
-    def _read(self) -> Poses:
-        data = self._bodies.system.systemData
-        coordinates, rates = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
-        return Poses.of(self._drawn_m, coordinates.reshape(-1, 6), rates.reshape(-1, 6))
-
-    def _moved(self) -> Motion:
-        return Motion(*self._carried.motion(self._instant.poses))
-
-    def _wrench_of(self, reaction: Load, length_s: float) -> Array:
-        """Return the reaction's force and moment about the centres of mass, (bodies, 6).
-
-        The lever arms are extrapolated to the middle of the interval.
-        """
-        body, poses, now = self._carried.body, self._instant.poses, self._points
-        arm_m = now.position_m - poses.center_m[body]
-        arm_m += length_s / 2 * (now.velocity_m_per_s - poses.velocity_m_per_s[body])
-        moment_N_m = cross(arm_m, reaction.force_N)
-        return np.asarray(self._onto_bodies @ np.hstack([reaction.force_N, moment_N_m]))
 
     def _apply(self, wrench: Array) -> None:
         """Set the loads, and add their change over the mass to the accelerations of free bodies."""
-        system, free = self._bodies.system, self._free
-        for load, force_N in zip(self._bodies.forces, wrench[:, :3], strict=True):
-            system.SetLoadParameter(load, "loadVector", force_N)
-        rotation = self._instant.poses.rotation[free]
-        inertia = rotation @ self._inertia_kg_m2 @ rotation.transpose(0, 2, 1)
-        inertia = inertia @ self._instant.poses.spin_per_rate[free]
-        change = wrench[free] - self._wrench[free]
-        data = system.systemData
-        acceleration = data.GetODE2Coordinates_tt().reshape(-1, 6)
-        acceleration[free, :3] += change[:, :3] / self._mass_kg[:, None]
-        acceleration[free, 3:] += np.linalg.solve(inertia, change[:, 3:, None])[:, :, 0]
-        data.SetODE2Coordinates_tt(acceleration.ravel())
-        self._wrench = wrench
+        for load, force_N in zip(self._multibody.forces, wrench[:, :3], strict=True):
+            self._system.SetLoadParameter(load, "loadVector", force_N)
+        acceleration = self._data.GetODE2Coordinates_tt()
+        self._bodies.kernel.apply(wrench=wrench, acceleration=acceleration)
+        self._data.SetODE2Coordinates_tt(acceleration)
 
-    def _torque_N_m(self) -> Array:
-        """Return the torques at the end of the coming step.
+    def _element_force_N(self, bushing: int, apart_m: Sequence[float]) -> list[float]:
+        """Return the force (3,) of a bushing's elements at the end of the present step, along its axes.
+
+        Its ends are then ``apart_m`` (3,) apart, sag not included.
+        """
+        if self._step_s == 0:  # Exudyn opens at t = 0, where elements have no force
+            return [0.0, 0.0, 0.0]
+        start_m = self._bodies.memory["stretch_m"][bushing] - self._sag_m[bushing]
+        moved_m = [end_m - at_m for end_m, at_m in zip(apart_m, start_m.tolist(), strict=True)]
+        return self._hysteresis.force_of_one_after_N(bushing, moved_m, self._step_s)
+
+    def _stretch_elements(self, start_m: Array, step_s: float) -> None:
+        """Go with the elements of bushings to the step's end; ``start_m`` (bushings, 3) are the stretches at
+        its start."""
+        memory = self._bodies.memory
+        moved_m = memory["stretch_m"] - start_m
+        self._ledger.damping_J += self._hysteresis.accept(moved_m, step_s)
+        memory["element_N"][:] = self._hysteresis.force_N
+
+    def _step(self, end_s: float, step_s: float) -> None:
+        """Make a step under the loads at its end.
 
         Exudyn applies a bushing's force at its two ends, which lie a stretch apart, without the couple that
         balances the forces.  The torques have this couple, extrapolated to the end of the step.
         """
-        couple_N_m = 2 * self._instant.couple_N_m - self._couple_N_m
-        return np.asarray(self._wrench[:, 3:] + couple_N_m)
-
-    def _step(self, end_s: float, step_s: float) -> None:
+        bodies, system, solver = self._bodies, self._system, self._solver
+        self._step_s = step_s
         for shaft in self._shafts:
-            wrench = self._wrench.copy()
-            wrench[shaft.body] += shaft.turn(self._instant.poses, end_s, step_s)
+            wrench = bodies.memory["wrench"].copy()
+            wrench[shaft.body] += shaft.turn(bodies.poses, end_s, step_s)
             self._apply(wrench)
-        exciter_N = self._forces.exciter_N(end_s)
-        system, solver = self._bodies.system, self._solver
-        for load, force_N in zip(self._bodies.exciters, exciter_N, strict=True):
+        exciter_N, torque_N_m = bodies.kernel.coming_loads(end_s=end_s)
+        for load, force_N in zip(self._multibody.exciters, exciter_N, strict=True):
             system.SetLoadParameter(load, "loadVector", force_N)
-        for load, torque_N_m in zip(self._bodies.torques, self._torque_N_m(), strict=True):
-            system.SetLoadParameter(load, "loadVector", torque_N_m)
+        for load, couple_N_m in zip(self._multibody.torques, torque_N_m, strict=True):
+            system.SetLoadParameter(load, "loadVector", couple_N_m)
         for driven in self._driven:
-            driven.steer(system.systemData, step_s, end_s)
+            driven.steer(self._data, step_s, end_s)
         solver.InitializeStep(system, self._settings)
         converged = solver.DiscontinuousIteration(system, self._settings)
         solver.FinishStep(system, self._settings)
-        tilt = np.abs(system.systemData.GetODE2Coordinates().reshape(-1, 6)[:, 4]).max()
-        if not converged or not tilt < LARGEST_TILT_RAD:  # NaN is not smaller either
-            reason = "its step did not converge" if not converged else f"a body tilts {tilt} rad"
+        coordinates = self._data.GetODE2Coordinates()
+        tilts_rad = [abs(angle_rad) for angle_rad in coordinates[4::6].tolist()]
+        if not converged or not all(tilt < LARGEST_TILT_RAD for tilt in tilts_rad):  # nor is NaN smaller
+            reason = "its step did not converge" if not converged else f"a body tilts {max(tilts_rad)} rad"
             raise SolverFailed(f"exudyn frames at {end_s} s: {reason}")
-        before, self._instant = self._instant, self._forces.at(self._read(), exciter_N)
-        self._couple_N_m = before.couple_N_m
-        self._ledger.step(before, self._instant, step_s)
+        start_m = bodies.memory["stretch_m"].copy() if self._hysteresis else None
+        bodies.kernel.reach(coordinates=coordinates, rates=self._data.GetODE2Coordinates_t())
+        if start_m is not None:
+            self._stretch_elements(start_m, step_s)
+        self._ledger.add(**bodies.kernel.book(step_s=step_s))
         for shaft in self._shafts:
-            shaft.feel(self._instant.poses, end_s, step_s)
+            shaft.feel(bodies.poses, end_s, step_s)
             self._ledger.outside_N_s += step_s * shaft.wrench[:3]

@@ -24,22 +24,6 @@ class Poses:
     spin_rad_per_s: Array
     spin_per_rate: Array
 
-    @staticmethod
-    def of(drawn_m: Array, coordinates: Array, rates: Array) -> Poses:
-        """Return poses from displacements with Tait-Bryan angles (rotation Rx Ry Rz), and from their rates.
-
-        ``coordinates`` and ``rates`` have the shape (bodies, 6); ``drawn_m`` (bodies, 3) are the centres at
-        t = 0.
-        """
-        bodies = len(drawn_m)
-        center_m, velocity_m_per_s, spin_rad_per_s = np.zeros((3, bodies + 1, 3))
-        center_m[:-1] = drawn_m + coordinates[:, :3]
-        velocity_m_per_s[:-1] = rates[:, :3]
-        rotation, spin_per_rate = turning(coordinates[:, 3:])
-        spin_rad_per_s[:-1] = turn(spin_per_rate, rates[:, 3:])
-        rotation = np.concatenate([rotation, np.eye(3)[None]])
-        return Poses(center_m, rotation, velocity_m_per_s, spin_rad_per_s, spin_per_rate)
-
 
 def turning(angles_rad: Array) -> tuple[Array, Array]:
     """Return the rotation Rx Ry Rz (bodies, 3, 3), and the axes of the three rates as columns."""

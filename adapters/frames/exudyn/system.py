@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import exudyn
@@ -23,6 +24,8 @@ HEAVY_kg = 1e18
 """Mass (and inertia in kg m2) put on the coordinates of a driven body: a meganewton turns it from
 its path by 1e6 N (1 ms)^2 / 4 / 1e18 kg = 2.5e-19 m in a step of a millisecond."""
 
+ElementForce = Callable[[int, Sequence[float]], list[float]]
+
 
 @dataclass(frozen=True)
 class Multibody:
@@ -39,10 +42,12 @@ class Multibody:
     torques: list[int]
 
 
-def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
+def assemble_system(plan: FramesPlan, sag_m: Array, element_force_N: ElementForce) -> Multibody:
     """Assemble the system of ``plan``.
 
     ``sag_m`` (bushings, 3) is the stretch of each bushing along its axes in the drawn position.
+    ``element_force_N`` returns the force that friction and Maxwell elements add to a bushing, from its number
+    and the distance (3,) of its ends along its axes; Exudyn calls it only for bushings that have elements.
     """
     container = exudyn.SystemContainer()
     system = container.AddSystem()
@@ -62,10 +67,12 @@ def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
         pose = homogeneous(rotation=axes.T, translation=place_m)
         return int(system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=pose)))
 
-    for bushing, stretched_m in zip(plan.bushings, sag_m, strict=True):
+    for place, (bushing, stretched_m) in enumerate(zip(plan.bushings, sag_m, strict=True)):
         numbers = linear_frames.numbers(plan, bushing.bodies)
         ends = [marker(n, bushing.position_m, bushing.axes) for n in numbers]
         _add_bushing(system, bushing, ends, stretched_m)
+        if bushing.hysteresis:
+            _add_elements(system, ends, partial(element_force_N, place))
     for body, center in zip(plan.bodies, centers, strict=True):
         weight_N = body.mass_kg * plan.gravity_m_per_s2
         system.AddLoad(items.LoadForceVector(markerNumber=center, loadVector=weight_N))
@@ -85,7 +92,7 @@ def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
 
 
 def _node(system: Any, body: BodyPlan) -> int:
-    """Add a node of total displacements and Tait-Bryan angles, as ``Poses.of`` reads its coordinates."""
+    """Add a node of total displacements and Tait-Bryan angles, as ``frames/kernel`` reads its coordinates."""
     place = [*body.center_of_mass_m, 0.0, 0.0, 0.0]
     return int(system.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=place)))
 
@@ -107,17 +114,34 @@ def _add_bushing(system: Any, bushing: BushingPlan, markers: list[int], stretche
     )
 
 
+def _add_elements(system: Any, markers: list[int], force_N: Callable[[Sequence[float]], list[float]]) -> None:
+    """Add a connector whose force on the markers depends on their distance as ``force_N`` says."""
+
+    def force_and_torque(
+        _system: Any, _time_s: float, _item: int, apart_m: Any, *_others: Any
+    ) -> list[float]:
+        return [*force_N(apart_m), 0.0, 0.0, 0.0]
+
+    system.AddObject(
+        items.ObjectConnectorRigidBodySpringDamper(
+            markerNumbers=markers, springForceTorqueUserFunction=force_and_torque
+        )
+    )
+
+
 def _force(system: Any, marker: int, force_N: Array) -> int:
     load = items.LoadForceVector(markerNumber=marker, loadVector=force_N)
     return int(system.AddLoad(load))
 
 
-def settings(plan: FramesPlan) -> Any:
+def settings(plan: FramesPlan, elements_N_per_m: float) -> Any:
     """Return settings for steps that are made by hand.
 
     A machine at rest has no larger residual than the rounding of all its bushings' forces.
+    ``elements_N_per_m`` is the stiffness of all friction and Maxwell elements.
     """
     stiffness_N_per_m = sum(float(bushing.stiffness_N_per_m.sum()) for bushing in plan.bushings)
+    stiffness_N_per_m += elements_N_per_m
     chosen = exudyn.SimulationSettings()
     chosen.solution.file.write = False
     time = chosen.timeIntegration
@@ -208,7 +232,7 @@ class Driven:
 
     def coordinates(self, time_s: float) -> tuple[Array, Array]:
         """Return displacement of the centre of mass with Tait-Bryan angles, and their rates: (6,) each,
-        as ``Poses.of`` reads them."""
+        as ``frames/kernel`` reads them."""
         now = driving(self._drive, time_s)
         position_m, velocity_m_per_s = now.carried((self._drawn_m - self._drive.center_m)[None])
         angles_rad = now.rotation.as_euler("XYZ")

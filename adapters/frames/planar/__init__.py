@@ -108,6 +108,7 @@ class PlanarFrames(RigidFrames):
 
     def account(self) -> Account:
         elastic_J = self._bushings.elastic_J(self._bushings.pulls(self._poses))
+        elastic_J += self._hysteresis.stored_J()
         shafts = [(shaft, shaft.velocity_m_per_s(self._poses)) for shaft in self._shafts]
         return self._ledger.account(self._bodies(), elastic_J, shafts)
 
@@ -135,7 +136,8 @@ class PlanarFrames(RigidFrames):
         Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.8).
         """
         x, v = self._freedoms()
-        time_s = start_s + self._collocation.node_s
+        time_s, step_s = start_s + self._collocation.node_s, self._collocation.step_s
+        elements = bool(self._hysteresis)
         coordinates = self._driven_at(time_s)
         ahead = np.exp(1j * self._poses.spin_rad_per_s * self._collocation.node_s[:, None])
         expected = wrench(given, self._poses.turn * ahead)[:, self._moving].reshape(len(time_s), -1)
@@ -145,7 +147,8 @@ class PlanarFrames(RigidFrames):
             xs, vs = self._collocation.stages(x, v, load)
             coordinates[:, :, self._moving] = np.reshape((xs, vs), (2, len(time_s), -1, 3))
             poses = PlanarPoses.of(*coordinates)
-            pulls = self._bushings.pulls(poses)
+            element_N = self._hysteresis.mean_N(self._moved_apart_m(poses), step_s) if elements else None
+            pulls = self._bushings.pulls(poses, element_N)
             force = given + pulls.force
             for shaft in self._shafts:
                 force = force + shaft.force(self._collocation, start_s)
@@ -190,6 +193,13 @@ class PlanarFrames(RigidFrames):
         ledger.damping_J += float(weight_s @ self._bushings.lost_W(nodes.poses, nodes.pulls))
         ledger.exciter_J += float(weight_s @ self._forces.exciter_W(nodes.poses, exciter_N))
         ledger.pushed_J += float(weight_s @ driven_W)
+        if self._hysteresis:
+            moved_m = self._moved_apart_m(nodes.poses)
+            ledger.damping_J += self._hysteresis.accept(moved_m, self._collocation.step_s)
+
+    def _moved_apart_m(self, poses: PlanarPoses) -> Array:
+        """Return how far the ends of the bushings move apart along their axes in a step, (bushings, 3)."""
+        return self._bushings.moved_m(poses, self._collocation.weight_s)
 
     def _bodies(self) -> BodyMotion:
         poses = self._poses

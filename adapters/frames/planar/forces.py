@@ -46,9 +46,24 @@ class Bushings:
         self._preload_m = in_plane((back @ sag_m[:, :, None])[:, :, 0])
         self._stiffness = Symmetric.of(back @ (table.stiffness_N_per_m[:, :, None] * table.axes))
         self._damping = Symmetric.of(back @ (table.damping_N_s_per_m[:, :, None] * table.axes))
+        self._axes = table.axes
 
-    def pulls(self, poses: PlanarPoses) -> Pulls:
+    def moved_m(self, poses: PlanarPoses, weight_s: Array) -> Array:
+        """Return how far the ends of the bushings move apart along the axes, (bushings, 3).
+
+        The bodies have these poses at the nodes of a step, with the weights ``weight_s``.
+        """
+        turn = poses.turn @ self._first + self._on_ground
+        turning_m_per_s = 1j * (poses.spin_rad_per_s @ self._first) * (poses.place @ self._stretching)
+        moved_m: Complex = weight_s.astype(np.complex128) @ (
+            turn.conj() * (poses.rate @ self._stretching - turning_m_per_s)
+        )
+        return np.asarray((self._axes @ in_space(moved_m)[:, :, None])[:, :, 0])
+
+    def pulls(self, poses: PlanarPoses, element_N: Array | None = None) -> Pulls:
         """Return the pulls of the bushings between bodies in these poses.
+
+        ``element_N`` (bushings, 3) are forces along the axes that act beside springs and dampers.
 
         The spring axes turn with the first body, which therefore gets the couple stretch x pull, too, so
         that no moment is lost between the ends.
@@ -59,6 +74,8 @@ class Bushings:
         elongation_m = back * stretch_m + self._preload_m
         drag_N = turn * self._damping.times(back * stretch_m_per_s)
         pull_N = turn * self._stiffness.times(elongation_m) + drag_N
+        if element_N is not None:
+            pull_N += turn * in_plane((element_N[:, None] @ self._axes)[:, 0])
         force = -pull_N @ self._stretching.conj().T
         couple_N_m = (stretch_m.conj() * pull_N).imag @ self._first.T
         return Pulls(stretch_m, stretch_m_per_s, elongation_m, drag_N, pull_N, force, couple_N_m)

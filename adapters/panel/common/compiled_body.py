@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from adapters.panel.common.maxwell import check_branches
-from adapters.panel.common.panel import HeldForce
+from adapters.panel.common.panel import Body, HeldForce
 from orchestrator.ports import Array, HermitePath, Indices, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import SolverMissing
@@ -24,8 +24,8 @@ except ImportError as missing:
 __all__ = ["CompiledBody", "kernel"]
 
 
-class CompiledBody:
-    """A ``Body`` in steps of at most ``step_s``, moved by an object of the compiled class ``compiled``.
+class CompiledBody(Body):
+    """A body in steps of at most ``step_s``, moved by an object of the compiled class ``compiled``.
 
     ``constants`` and ``memory`` are its arguments by name.  ``memory`` holds the state that changes beside
     position, velocity and internal force; the compiled code works on these very arrays.
@@ -41,7 +41,7 @@ class CompiledBody:
         constants: Mapping[str, Any],
         memory: Mapping[str, Array],
     ) -> None:
-        self.mass_kg, self.held, self._step_s = mass_kg, held, step_s
+        self.mass_kg, self.held, self.step_s = mass_kg, held, step_s
         self.position_m, self.velocity_m_per_s, self.internal_N = np.zeros((3, len(mass_kg), 3))
         self.memory = {
             "position_m": self.position_m,
@@ -51,26 +51,26 @@ class CompiledBody:
             **memory,
         }
         ratio, time_s = check_branches(branches)
-        self._kernel = compiled(
+        self.kernel = compiled(
             **constants, held=held.astype(np.int32), ratio=ratio, time_s=time_s, **self.memory
         )
 
     def rest(self, position_m: Array) -> None:
         """Take ``position_m`` (nodes, 3) as the shape at rest, with relaxed branches."""
         self.position_m[:] = position_m
-        self._kernel.rest()
+        self.kernel.rest()
 
     def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:
         """Go on to the interval's end in equal steps under ``outside_N``, constant."""
         impulse_N_s = np.zeros((len(self.held), 3))
-        work_J = self._kernel.advance(
+        work_J = self.kernel.advance(
             start_m=path.start.position_m,
             start_m_per_s=path.start.velocity_m_per_s,
             end_m=path.end.position_m,
             end_m_per_s=path.end.velocity_m_per_s,
             outside_N=outside_N,
             length_s=path.length_s,
-            steps=interval.steps(self._step_s),
+            steps=interval.steps(self.step_s),
             impulse_N_s=impulse_N_s,
         )
         return HeldForce(impulse_N_s, work_J)

@@ -117,6 +117,18 @@ class ElementGrid:
         size = 2 * len(self.s_m) - 1, 2 * len(self.y_m) - 1
         return tensor_product(2 * row, _quadratic(s), 2 * column, _quadratic(y), size)
 
+    def shares(self, coordinates_m: Array) -> csr_array:
+        """Return the shares (n, nodes) of loads at ``coordinates_m`` (n, 2) that the nearest nodes take.
+
+        Up to four nodes share a load bilinearly, so that no share is negative, as those of the quadratic
+        shape functions would be.  Raises ValueError outside of the grid.
+        """
+        s_m, y_m = _with_middles(self.s_m), _with_middles(self.y_m)
+        row, s = locate(s_m, coordinates_m[:, 0], 0.0)
+        column, y = locate(y_m, coordinates_m[:, 1], 0.0)
+        along, across = (np.stack((1 - into, into), axis=1) for into in (s, y))
+        return tensor_product(row, along, column, across, (len(s_m), len(y_m)))
+
     def numbers_of(self, coordinates_m: Array) -> Indices:
         """Return for each node, (nodes,), the number of the point of ``coordinates_m`` (nodes, 2 or more)
         that stands there."""

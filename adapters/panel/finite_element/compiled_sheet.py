@@ -13,10 +13,13 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from adapters.panel.common.compiled_body import CompiledBody, kernel
+from adapters.panel.common.compiled_panel import CompiledPanel
 from adapters.panel.common.grid import ElementGrid
+from adapters.panel.finite_element.elastic_panel import ElasticPanel
 from adapters.panel.finite_element.sheet_forms import openings, strain_entries
 from adapters.panel.finite_element.structure import Structure
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan
 
 
@@ -26,10 +29,11 @@ class CompiledSheet(CompiledBody):
     ``structure`` says what it is made of, and ``nodes`` which of its nodes stands at each of the
     grid's.  ``memory`` holds, beside its motion: the scaled strain at the Gauss points, in groups of
     cells side by side; the elastic bending force; the stresses of both parts' branches, each over
-    its ratio; their energies (2, branches); the energy lost (1,).
+    its ratio; their energies (2, branches); the energy lost (1,) and received from the load and from
+    the clamps (2,).
     """
 
-    _kernel: kernel.Sheet
+    kernel: kernel.Sheet
     surface = slice(None)
 
     def __init__(
@@ -45,11 +49,14 @@ class CompiledSheet(CompiledBody):
         assert bending is not None  # every sheet bends
         groups = -(-grid.shape[0] * grid.shape[1] // kernel.LANES)
         self._flat_m = bending.flat_m[nodes]
+        mass_kg = structure.mass_kg[nodes]
         constants = {
             **_cells(plan, structure, grid),
             **_diagonals(bending.matrix[nodes][:, nodes]),
             "flat_m": self._flat_m,
             "mobility_1_kg": structure.mobility_1_kg[nodes, 0],
+            "mass_kg": mass_kg,
+            "weight_N": mass_kg[:, None] * plan.gravity_m_per_s2,
         }
         memory = {
             "strain": np.zeros((groups, 9, 3, kernel.LANES)),
@@ -57,9 +64,9 @@ class CompiledSheet(CompiledBody):
             "elastic_N": np.zeros((count, 3)),
             "bending_stress_N": np.zeros((branches, count, 3)),
             "energy_J": np.zeros((2, branches)),
+            "received_J": np.zeros(2),
         }
         held = np.flatnonzero(np.isin(nodes, structure.held))
-        mass_kg = structure.mass_kg[nodes]
         super().__init__(kernel.Sheet, step_s, mass_kg, held, plan.material.branches, constants, memory)
         self.rest(resting_m[nodes])
 
@@ -67,10 +74,20 @@ class CompiledSheet(CompiledBody):
         """Return the elastic energy by name and that of the Maxwell branches."""
         bent_m = self.position_m - self._flat_m
         return {
-            "membrane": self._kernel.membrane_J(),
+            "membrane": self.kernel.membrane_J(),
             "bending": 0.5 * float(np.vdot(bent_m, self.memory["elastic_N"])),
             "maxwell": float(self.memory["energy_J"].sum()),
         }
+
+
+class SheetPanel(CompiledPanel, ElasticPanel):
+    """A ``MeshedPanel`` around a compiled sheet."""
+
+    _body: CompiledSheet
+
+    def _check(self, interval: Interval, found: float) -> None:
+        """Check the largest speed of a node in m/s."""
+        self._check_speed(interval, found)
 
 
 def open_sheet(

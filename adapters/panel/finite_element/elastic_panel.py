@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_array, identity
 
 from adapters.panel.common.grid import ElementGrid
-from adapters.panel.common.panel import Body, BodyPanel
+from adapters.panel.common.panel import Body, BodyPanel, choose_step_s
 from adapters.panel.common.solid_grid import PiercedGrid
 from adapters.panel.finite_element import integrators
-from adapters.panel.finite_element.resting_shape import first_guess_m, settle
+from adapters.panel.finite_element.panel_at_rest import PanelAtRest
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
 from orchestrator.ports import Array, HermitePath, Indices, Inertia, Known, Motion, Mount
@@ -47,7 +47,8 @@ class ElasticPanel(BodyPanel):
         along_m = (held_m - plan.rectangle.corner_m) @ plan.rectangle.along
         second = along_m > 0.5 * plan.rectangle.span_m  # the nearer clamp's frame holds a point
         super().__init__(plan, Mount(held_m, tuple(plan.frames[int(end)] for end in second)), body)
-        self._grid, self._material = grid, plan.material
+        self._grid = grid
+        self._waves_m_per_s = (plan.material.youngs_modulus_Pa / plan.material.density_kg_per_m3) ** 0.5
         self._surface = self._surface_motion()
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
@@ -74,7 +75,7 @@ class ElasticPanel(BodyPanel):
         outside_N[body.surface] += load_N
         start_m, start_m_per_s = body.position_m[held], body.velocity_m_per_s[held]
         on_held = body.move(HermitePath(self._clamps, clamps, interval.length_s), outside_N, interval)
-        self._check_speed(interval)
+        self._check_speed(interval, float(np.abs(body.velocity_m_per_s).max()))
         end_m_per_s, on_clamps_N = body.velocity_m_per_s[held], outside_N[held]
         gained_N_s = self._mass_kg[held] * (end_m_per_s - start_m_per_s)
         clamps_J = (
@@ -92,52 +93,41 @@ class ElasticPanel(BodyPanel):
         body = self._body
         return Motion(np.array(body.position_m[body.surface]), np.array(body.velocity_m_per_s[body.surface]))
 
-    def _check_speed(self, interval: Interval) -> None:
+    def _check_speed(self, interval: Interval, fastest_m_per_s: float) -> None:
         """Raise SolverFailed where a node outruns elastic waves, which it does if the solution blew up."""
-        limit_m_per_s = (self._material.youngs_modulus_Pa / self._material.density_kg_per_m3) ** 0.5
-        fastest_m_per_s = np.abs(self._body.velocity_m_per_s).max()
-        if not fastest_m_per_s < limit_m_per_s:
+        if not fastest_m_per_s < self._waves_m_per_s:
             raise SolverFailed(
-                f"{self._name}, t = {interval.end_s} s: unstable, a node moves at "
-                f"{fastest_m_per_s:.3g} m/s (elastic waves: {limit_m_per_s:.3g} m/s); take a smaller step"
+                f"{self._name}, t = {interval.end_s} s: unstable, a node moves at {fastest_m_per_s:.3g} m/s "
+                f"(elastic waves: {self._waves_m_per_s:.3g} m/s); take a smaller step"
             )
 
 
 def open_panel(
     plan: PanelPlan,
+    rest: PanelAtRest,
     structure: Structure,
     grid: ElementGrid | PiercedGrid,
     surface: Indices,
     make_explicit: MakeBody = integrators.Explicit,
+    explicit_panel: type[ElasticPanel] | None = None,
 ) -> ElasticPanel:
-    """Open the panel at rest between its clamps; ``make_explicit`` makes the body with explicit steps.
+    """Open the panel at rest between its clamps.
 
-    Raises ValueError for a step that is too large, SolverFailed if no resting shape is found.
+    ``make_explicit`` makes the body with explicit steps, and ``explicit_panel`` the panel around it.
+
+    Raises ValueError for a step that is too large.
     """
+    resting_m = plan.rectangle.corner_m + rest.from_corner_m
     with ExitStack() as failed:
         failed.callback(structure.close)
-        tangent = failed.enter_context(closing(Tangent(structure)))
-        resting_m = _resting_m(plan, structure, tangent)
-        step_s = integrators.step_s(plan, tangent)
+        step_s = choose_step_s(plan, *rest.step_limits_s)
         body: ElasticBody
+        kind = ElasticPanel
         if plan.integrator == "explicit":
-            body = make_explicit(structure, surface, resting_m, step_s)
-            tangent.close()
+            body, kind = make_explicit(structure, surface, resting_m, step_s), explicit_panel or kind
         else:
+            tangent = Tangent(structure)
+            failed.callback(tangent.close)
             body = integrators.GeneralizedAlpha(structure, surface, resting_m, step_s, tangent, plan.name)
         failed.pop_all()
-    return ElasticPanel(plan, body, grid)
-
-
-def largest_step_s(plan: PanelPlan, structure: Structure) -> float:
-    """Return the largest ``plan.step_s`` that ``open_panel`` accepts."""
-    with closing(structure), closing(Tangent(structure)) as tangent:
-        _resting_m(plan, structure, tangent)
-        return integrators.step_limits_s(plan, tangent)[0]
-
-
-def _resting_m(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Array:
-    """Return the positions (nodes, 3) at rest, left in the structure's field."""
-    start_m = first_guess_m(plan.rectangle, plan.gravity_m_per_s2, structure.material_m)
-    weight_N = structure.mass_kg[:, None] * plan.gravity_m_per_s2
-    return settle(structure, tangent, start_m, weight_N, plan.name)
+    return kind(plan, body, grid)

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from adapters.panel.common.panel import HeldForce, choose_step_s
+from adapters.panel.common.panel import HeldForce
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
 from orchestrator.ports import Array, HermitePath, Indices, Saved
@@ -35,24 +35,16 @@ COARSEST_STEP_S = 1e-3
 USUAL_STEP_S = 2e-4
 
 
-def step_s(plan: PanelPlan, tangent: Tangent) -> float:
-    """Return the step of ``plan``'s integrator for a structure that stands in its resting shape.
-
-    Raises ValueError if there is no such integrator or ``plan.step_s`` is too large for it.
-    """
-    return choose_step_s(plan, *step_limits_s(plan, tangent))
-
-
 def step_limits_s(plan: PanelPlan, tangent: Tangent) -> tuple[float, float]:
-    """Return the largest and the usual step for the structure in its present shape.
+    """Return the largest and the usual step of ``plan``'s integrator for the structure in its present shape.
 
     Maxwell branches answer fast changes like springs and so raise the stiffness that limits an
-    explicit step by their ratios.
+    explicit step by their ratios.  Raises ValueError if there is no such integrator.
     """
     if plan.integrator == "implicit":
         return COARSEST_STEP_S, USUAL_STEP_S
     if plan.integrator != "explicit":
-        raise ValueError(f"panel {plan.name}: integrator {plan.integrator!r}: take 'explicit' or 'implicit'")
+        raise ValueError(f"integrator {plan.integrator!r}: take 'explicit' or 'implicit'")
     stiffening = 1.0 + sum(ratio for ratio, _ in plan.material.branches)
     critical_s = 2.0 / (tangent.highest_frequency_rad_per_s() * stiffening**0.5)
     return STABLE_SHARE * critical_s, USUAL_SHARE * critical_s
@@ -154,6 +146,7 @@ class GeneralizedAlpha(StructureBody):
         super().__init__(structure, surface, resting_m, step_s)
         self._filtered_N = self.internal_N.copy()
         self._tangent, self._name = tangent, name
+        tangent.assemble(0.0, 1.0)  # so that there is a matrix to save
         self._factorised_for_s = 0.0
         self._negligible_m = NEGLIGIBLE_MOVE * float(np.ptp(structure.material_m, axis=0).max())
 

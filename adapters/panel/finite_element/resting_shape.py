@@ -67,12 +67,12 @@ def _angle_rad(length_m: float, span_m: float, s_m: Array) -> Array:
     return angle
 
 
-def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Array, name: str) -> Array:
+def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Array) -> Array:
     """Return the positions (nodes, 3) at which ``weight_N`` and the internal force balance, from ``start_m``.
 
     The forces balance within ``TOLERANCE`` of the clamps' force or, where rounding forbids that, a Newton
-    iteration moves the nodes by less than ``NEGLIGIBLE_MOVE``.  Raises SolverFailed with ``name`` if such
-    positions cannot be found.
+    iteration moves the nodes by less than ``NEGLIGIBLE_MOVE``.  Raises SolverFailed if such positions cannot
+    be found.
     """
     free, size_m = structure.free, float(np.ptp(start_m, axis=0).max())
     position, step_s, moved_m = start_m.copy(), FIRST_STEP_S, np.inf
@@ -95,8 +95,8 @@ def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Arr
         else:
             step_s *= 0.25
     raise SolverFailed(
-        f"panel {name}, t = 0: no resting shape after {ITERATIONS} iterations; out of balance "
-        f"by {imbalance / scale:.1e} of the clamps' force (wanted {TOLERANCE:.0e})"
+        f"no resting shape after {ITERATIONS} iterations; out of balance by "
+        f"{imbalance / scale:.1e} of the clamps' force (wanted {TOLERANCE:.0e})"
     )
 
 

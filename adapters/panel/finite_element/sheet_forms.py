@@ -83,7 +83,18 @@ def sheet(plan: PanelPlan) -> tuple[Structure, ElementGrid, Indices]:
         areal_mass_kg_per_m2 = holes.areal_mass_kg_per_m2(areal_mass_kg_per_m2)
     membrane = law(plan, fem.Function(space), holes)
     bent = bending(plan, scalars, material_m, holes)
-    return Structure(membrane, areal_mass_kg_per_m2, held, bent), grid, nodes
+    added_kg = point_masses_kg(plan, grid, nodes)
+    return Structure(membrane, areal_mass_kg_per_m2, held, bent, added_kg), grid, nodes
+
+
+def point_masses_kg(plan: PanelPlan, grid: ElementGrid, nodes: Indices) -> Array:
+    """Return the mass that point masses add to the mesh's nodes; ``nodes`` are those at the grid's nodes."""
+    added_kg = np.zeros(len(nodes))
+    if plan.point_masses:
+        places_m = np.array([(mass.along_m, mass.across_m) for mass in plan.point_masses])
+        mass_kg = np.array([mass.mass_kg for mass in plan.point_masses])
+        added_kg[nodes] = grid.shares(places_m).T @ mass_kg
+    return added_kg
 
 
 def openings(plan: PanelPlan, flat: Any) -> Perforated | None:

@@ -103,7 +103,7 @@ class Structure:
     """The lumped mass, internal force and energy of a body.
 
     ``held`` are the prescribed nodes, ``tangent`` is the bilinear form of the material's stiffness at the
-    positions now in the law's field.
+    positions now in the law's field.  ``added_kg`` is the mass that is fixed to the nodes.
 
     Arrays of positions and forces have shape (nodes, 3).  A step is ``begin_step``, then any number of
     ``force_N`` at trial positions of its end, then ``end_step``, which accepts the positions given to
@@ -111,11 +111,16 @@ class Structure:
     """
 
     def __init__(
-        self, law: Law, mass_per_measure: Any, held: Indices, bending: Bending | None = None
+        self,
+        law: Law,
+        mass_per_measure: Any,
+        held: Indices,
+        bending: Bending | None = None,
+        added_kg: Array | float = 0.0,
     ) -> None:
         self.space = law.position.function_space
         self.material_m: Array = self.space.tabulate_dof_coordinates()  # s, y, height
-        self.mass_kg = lumped_mass_kg(self.space, mass_per_measure)
+        self.mass_kg = lumped_mass_kg(self.space, mass_per_measure) + added_kg
         self.held = held
         self.free = np.setdiff1d(np.arange(len(self.mass_kg)), held)
         self.mobility_1_kg = np.zeros((len(self.mass_kg), 1))  # zero where held

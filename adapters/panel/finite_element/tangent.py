@@ -69,11 +69,12 @@ class Tangent:
 
     def factorise(self, mass_factor_1_s2: float, stiffness_factor: float) -> None:
         """Form and factorise  mass_factor M + stiffness_factor K."""
-        self._sum(mass_factor_1_s2, stiffness_factor)
+        self.assemble(mass_factor_1_s2, stiffness_factor)
         self._solver.setOperators(self._matrix)
         self._solver.setUp()
 
-    def _sum(self, mass_factor_1_s2: float, stiffness_factor: float) -> None:
+    def assemble(self, mass_factor_1_s2: float, stiffness_factor: float) -> None:
+        """Form  mass_factor M + stiffness_factor K."""
         matrix, structure = self._matrix, self._structure
         matrix.zeroEntries()
         fem_petsc.assemble_matrix(matrix, self._form, bcs=self._bcs)  # type: ignore[misc]
@@ -98,7 +99,7 @@ class Tangent:
     def highest_frequency_rad_per_s(self) -> float:
         """Return the highest angular frequency of small free vibrations about the present positions (Lanczos
         iteration on the stiffness scaled with the diagonal mass)."""
-        self._sum(0.0, 1.0)
+        self.assemble(0.0, 1.0)
         starts, columns, values = self._matrix.getValuesCSR()
         scale = np.zeros((len(self._structure.mass_kg), 3))
         free = self._structure.free

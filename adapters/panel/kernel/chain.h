@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "maxwell.h"
-#include "path.h"
+#include "interval.h"
 
 namespace flipflow {
 
@@ -14,6 +14,7 @@ namespace flipflow {
 struct ChainParts {
   // Rows, and how they are held.
   std::vector<double> mass_kg;    // (rows)
+  std::vector<double> weight_N;   // (rows, 3)
   std::vector<int> held, free;    // rows
   std::vector<double> across;     // (3) unit vector across the strip
   std::vector<double> share;      // (rows, held): how rows follow the held ones across
@@ -36,9 +37,12 @@ struct ChainParts {
 // All that changes while a chain moves; arrays that Python owns.  Position, velocity and internal
 // force (rows, 3); `strain`, the springs' lengths, then the curvatures (bends, 3); the branches'
 // `stress` (branches, strains) and `energy_J` (branches); `lost_J` (1) since the start.
+// `clamp_half_m` (held, 3), the half widths of the held rows, and `received_J` (2) from the load and
+// from the clamps belong to the strip, whose points stand to both sides of the rows.
 struct ChainState {
   double *position_m, *velocity_m_per_s, *internal_N;
   double *strain, *stress, *energy_J, *lost_J;
+  double *clamp_half_m, *received_J;
 };
 
 // A chain in motion: velocity Verlet with Maxwell branches.  Across, free rows follow the held ones
@@ -52,6 +56,8 @@ class Chain {
         before_m_(size()),
         before_N_(size()),
         start_m_per_s_(size()),
+        start_m_(size()),
+        outside_N_(size()),
         impulse_N_s_(size()),
         acting_(size()),
         moved_across_(held()),
@@ -67,6 +73,8 @@ class Chain {
 
   int size() const { return 3 * parts_.rows(); }
   int held() const { return static_cast<int>(parts_.held.size()); }
+  int clamp_points() const { return 2 * held(); }
+  int surface_points() const { return 2 * parts_.rows(); }
 
   // Takes the positions as the shape in which every branch is relaxed.
   void rest(const ChainState &state) {
@@ -106,7 +114,80 @@ class Chain {
     return done_J - imposed_J(state.velocity_m_per_s) + imposed_J(start_m_per_s_.data());
   }
 
+  // Moves the strip over an interval, as Strip of adapters/panel/strip/panel.py does; points stand row
+  // by row, first y = 0, then y = width.  Fills in the surface's motion (points, 3) at the end and the
+  // mean force on the clamps (clamp points, 3), adds the work of the load and of the clamps to the
+  // state's books, and returns the smallest and the largest stretch of the springs.
+  std::pair<double, double> pass(const ChainState &state, const PanelInterval &now,
+                                 const PanelSurface &surface, double *reaction_N) {
+    const int count = 3 * held();
+    const auto middle = [](const double *points, int i) {  // of row i / 3, component i % 3
+      return 0.5 * (points[6 * (i / 3) + i % 3] + points[6 * (i / 3) + 3 + i % 3]);
+    };
+    const auto half = [](const double *points, int i) {
+      return 0.5 * (points[6 * (i / 3) + 3 + i % 3] - points[6 * (i / 3) + i % 3]);
+    };
+    const auto set = [](double *points, int i, double middle, double half) {
+      points[6 * (i / 3) + i % 3] = middle - half;
+      points[6 * (i / 3) + 3 + i % 3] = middle + half;
+    };
+    std::vector<double> from_m(count), from_m_per_s(count), to_m(count), to_m_per_s(count);
+    std::vector<double> impulse_N_s(count), turning_N(count), half_m_per_s(count);
+    for (int i = 0; i < count; ++i) {
+      const int at = 3 * parts_.held[i / 3] + i % 3;
+      from_m[i] = state.position_m[at];
+      from_m_per_s[i] = state.velocity_m_per_s[at];
+      to_m[i] = middle(now.clamps_m, i);
+      to_m_per_s[i] = middle(now.clamps_m_per_s, i);
+      half_m_per_s[i] = half(now.clamps_m_per_s, i);
+    }
+    std::copy_n(state.position_m, size(), start_m_.begin());
+    for (int i = 0; i < size(); ++i) {
+      outside_N_[i] = 2.0 * middle(now.load_N, i) + parts_.weight_N[i];
+      for (int k = 0; k < held(); ++k)
+        turning_N[3 * k + i % 3] += share(i / 3, k) * 2.0 * half(now.load_N, i);
+    }
+    const HeldPath path = {from_m.data(), from_m_per_s.data(), to_m.data(), to_m_per_s.data(),
+                           now.length_s};
+    double clamps_J = -advance(state, path, outside_N_.data(), now.steps, impulse_N_s.data());
+    double load_J = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double end_half_m = half(now.clamps_m, i);
+      const double turning_J = turning_N[i] * (end_half_m - state.clamp_half_m[i]);
+      clamps_J -= turning_J;
+      load_J += turning_J;
+      state.clamp_half_m[i] = end_half_m;
+      set(reaction_N, i, 0.5 * impulse_N_s[i] / now.length_s, 0.5 * turning_N[i]);
+    }
+    for (int i = 0; i < size(); ++i) {
+      load_J += 2.0 * middle(now.load_N, i) * (state.position_m[i] - start_m_[i]);
+      double own_half_m = 0.0, own_half_m_per_s = 0.0;
+      for (int k = 0; k < held(); ++k) {
+        own_half_m += share(i / 3, k) * state.clamp_half_m[3 * k + i % 3];
+        own_half_m_per_s += share(i / 3, k) * half_m_per_s[3 * k + i % 3];
+      }
+      set(surface.position_m, i, state.position_m[i], own_half_m);
+      set(surface.velocity_m_per_s, i, state.velocity_m_per_s[i], own_half_m_per_s);
+    }
+    state.received_J[0] += load_J;
+    state.received_J[1] += clamps_J;
+    return stretches(state);
+  }
+
  private:
+  double share(int row, int k) const { return parts_.share[row * held() + k]; }
+
+  // The smallest and the largest stretch of the springs; both are NaN if one of them is.
+  std::pair<double, double> stretches(const ChainState &state) const {
+    double lowest = state.strain[0], highest = state.strain[0];
+    for (int i = 0; i < parts_.springs(); ++i) {
+      if (state.strain[i] != state.strain[i]) return {state.strain[i], state.strain[i]};
+      lowest = std::min(lowest, state.strain[i]);
+      highest = std::max(highest, state.strain[i]);
+    }
+    return {lowest / parts_.rest_m, highest / parts_.rest_m};
+  }
+
   // Vectors are three numbers in a row.
   static double dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -221,7 +302,7 @@ class Chain {
   // How a free row follows the held ones across.
   double spread(int row) const {
     double moved = 0.0;
-    for (int k = 0; k < held(); ++k) moved += parts_.share[row * held() + k] * moved_across_[k];
+    for (int k = 0; k < held(); ++k) moved += share(row, k) * moved_across_[k];
     return moved;
   }
 
@@ -232,7 +313,7 @@ class Chain {
       add_normal_part(1.0, rows + 3 * parts_.held[k], across, held_rows + 3 * k);
       double handed = 0.0;
       for (int row = 0; row < parts_.rows(); ++row)
-        handed += parts_.share[row * held() + k] * dot(rows + 3 * row, across);
+        handed += share(row, k) * dot(rows + 3 * row, across);
       add(handed, across, held_rows + 3 * k);
     }
   }
@@ -258,7 +339,8 @@ class Chain {
 
   ChainParts parts_;
   Branches branches_;
-  std::vector<double> before_m_, before_N_, start_m_per_s_, impulse_N_s_, acting_;  // (rows, 3)
+  std::vector<double> before_m_, before_N_, start_m_per_s_, start_m_, outside_N_;   // (rows, 3)
+  std::vector<double> impulse_N_s_, acting_;                                        // (rows, 3)
   std::vector<double> moved_across_;                                                // (held)
   std::vector<double> stiffness_, strain_, over_;                                   // (strains)
   std::vector<double> direction_;                                                   // (springs, 3)

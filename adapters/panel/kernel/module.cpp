@@ -1,93 +1,14 @@
 // adapters.panel._kernel: the explicit loops of sheet and strip, bound to Python.
-//
-// Every array is handed over by its name, and its size is checked under that name: several have the
-// same size, so that two of them exchanged would not be noticed otherwise.  Arrays are never
-// converted: what is written to a copy would be lost.
 
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
-#include <string>
-#include <utility>
-#include <vector>
-
+#include "../../kernel_arguments.h"
 #include "chain.h"
 #include "sheet.h"
 
 namespace flipflow {
 
 namespace {
-
-namespace py = pybind11;
-
-template <class T>
-using ArrayOf = py::array_t<T, py::array::c_style>;
-using Doubles = ArrayOf<double>;
-
-// The data of an array of `size` numbers.
-const double *of(const Doubles &array, py::ssize_t size, const std::string &name) {
-  if (array.size() != size)
-    throw py::value_error(name + ": " + std::to_string(size) + " numbers wanted, got " +
-                          std::to_string(array.size()));
-  return array.data();
-}
-
-double *into(Doubles &array, py::ssize_t size, const std::string &name) {
-  of(array, size, name);
-  return array.mutable_data();
-}
-
-// What Python gives by name, each to be taken once: constants, which are copied, and the arrays of a
-// state, which Python owns and which `arrays` keeps alive.
-class Arguments {
- public:
-  explicit Arguments(py::kwargs given) : given_(std::move(given)) {}
-
-  std::vector<Doubles> arrays;
-
-  template <class T>
-  T number(const char *name) {
-    return take(name).cast<T>();
-  }
-
-  template <class T = double>
-  std::vector<T> copied(const char *name) {
-    const auto array = taken_array<T>(name);
-    return {array.data(), array.data() + array.size()};
-  }
-
-  std::vector<double> copied(const char *name, size_t size) {
-    const auto array = taken_array<double>(name);
-    const double *data = of(array, size, name);
-    return {data, data + size};
-  }
-
-  double *state(const char *name, size_t size) {
-    arrays.push_back(taken_array<double>(name));
-    return into(arrays.back(), size, name);
-  }
-
-  void check_all_taken() const {
-    for (const auto &item : given_)
-      throw py::type_error("unknown argument " + py::str(item.first).cast<std::string>());
-  }
-
- private:
-  py::object take(const char *name) {
-    if (!given_.contains(name)) throw py::type_error("missing argument " + std::string(name));
-    return given_.attr("pop")(name);
-  }
-
-  template <class T>
-  ArrayOf<T> taken_array(const char *name) {
-    py::object array = take(name);
-    if (!py::isinstance<ArrayOf<T>>(array))
-      throw py::type_error(std::string(name) + ": not a contiguous array of the right type");
-    return py::reinterpret_steal<ArrayOf<T>>(array.release());
-  }
-
-  py::kwargs given_;
-};
 
 // A body and the state that it works on: pointers into `arrays`.
 template <class Body, class State>
@@ -115,6 +36,37 @@ struct Bound {
 using BoundSheet = Bound<Sheet, SheetState>;
 using BoundChain = Bound<Chain, ChainState>;
 
+// Moves panels of one kind to the end of an interval, between clamps that reach the motion given,
+// under loads on their surface points; the arrays have one panel after the other.  Returns what `pass`
+// of each body says of it.
+template <class BoundBody>
+auto advance_together(const std::vector<BoundBody *> &panels, const Doubles &clamps_m,
+                      const Doubles &clamps_m_per_s, const Doubles &load_N, double length_s,
+                      const std::vector<int> &steps, Doubles surface_m, Doubles surface_m_per_s,
+                      Doubles reaction_N) {
+  py::ssize_t held = 0, size = 0;
+  for (const BoundBody *panel : panels)
+    held += 3 * panel->body.clamp_points(), size += 3 * panel->body.surface_points();
+  const double *end_m = of(clamps_m, held, "clamps_m");
+  const double *end_m_per_s = of(clamps_m_per_s, held, "clamps_m_per_s");
+  const double *given_N = of(load_N, size, "load_N");
+  PanelSurface surface = {into(surface_m, size, "surface_m"),
+                          into(surface_m_per_s, size, "surface_m_per_s")};
+  double *given_back_N = into(reaction_N, held, "reaction_N");
+  if (steps.size() != panels.size()) throw py::value_error("steps: one number for each panel wanted");
+  py::gil_scoped_release others_may_run;
+  std::vector<decltype(panels[0]->body.pass(panels[0]->state, {}, surface, given_back_N))> found;
+  for (size_t n = 0; n < panels.size(); ++n) {
+    auto &body = panels[n]->body;
+    const PanelInterval now = {end_m, end_m_per_s, given_N, length_s, steps[n]};
+    found.push_back(body.pass(panels[n]->state, now, surface, given_back_N));
+    const int of_clamps = 3 * body.clamp_points(), of_surface = 3 * body.surface_points();
+    end_m += of_clamps, end_m_per_s += of_clamps, given_back_N += of_clamps;
+    given_N += of_surface, surface.position_m += of_surface, surface.velocity_m_per_s += of_surface;
+  }
+  return found;
+}
+
 BoundSheet bind_sheet(py::kwargs given) {
   Arguments from(std::move(given));
   const CellGrid grid = {from.copied("along_m"), from.copied("across_m")};
@@ -132,7 +84,7 @@ BoundSheet bind_sheet(py::kwargs given) {
   Bending bending(std::move(matrix), from.copied("flat_m", size));
   Sheet body(Membrane(grid, law), std::move(bending),
              Branches(ratio, from.copied("time_s", branches)), from.copied("mobility_1_kg", nodes),
-             from.copied<int>("held"));
+             from.copied("mass_kg", nodes), from.copied("weight_N", size), from.copied<int>("held"));
   const SheetState state = {from.state("position_m", size),
                             from.state("velocity_m_per_s", size),
                             from.state("internal_N", size),
@@ -141,7 +93,8 @@ BoundSheet bind_sheet(py::kwargs given) {
                             from.state("elastic_N", size),
                             from.state("bending_stress_N", size * branches),
                             from.state("energy_J", 2 * branches),
-                            from.state("lost_J", 1)};
+                            from.state("lost_J", 1),
+                            from.state("received_J", 2)};
   from.check_all_taken();
   return {std::move(body), state, std::move(from.arrays)};
 }
@@ -152,6 +105,7 @@ BoundChain bind_chain(py::kwargs given) {
   parts.bending_N_m3 = from.copied("bending_N_m3");
   const size_t bends = parts.bending_N_m3.size(), rows = bends + 2, size = 3 * rows;
   parts.mass_kg = from.copied("mass_kg", rows);
+  parts.weight_N = from.copied("weight_N", size);
   parts.held = from.copied<int>("held");
   parts.free = from.copied<int>("free");
   parts.across = from.copied("across", 3);
@@ -167,12 +121,17 @@ BoundChain bind_chain(py::kwargs given) {
   if (parts.at_clamp.size() != bends || parts.first + parts.area_m2.size() >= rows)
     throw py::value_error("at_clamp, area_m2: springs, bends and rows do not fit together");
   const auto ratio = from.copied("ratio");
-  const size_t branches = ratio.size(), strains = parts.strains();
+  const size_t branches = ratio.size(), strains = parts.strains(), held = 3 * parts.held.size();
   Chain body(std::move(parts), Branches(ratio, from.copied("time_s", branches)));
-  const ChainState state = {from.state("position_m", size),     from.state("velocity_m_per_s", size),
-                            from.state("internal_N", size),     from.state("strain", strains),
+  const ChainState state = {from.state("position_m", size),
+                            from.state("velocity_m_per_s", size),
+                            from.state("internal_N", size),
+                            from.state("strain", strains),
                             from.state("stress", strains * branches),
-                            from.state("energy_J", branches),   from.state("lost_J", 1)};
+                            from.state("energy_J", branches),
+                            from.state("lost_J", 1),
+                            from.state("clamp_half_m", held),
+                            from.state("received_J", 2)};
   from.check_all_taken();
   return {std::move(body), state, std::move(from.arrays)};
 }
@@ -189,6 +148,15 @@ py::class_<BoundBody> add_body(py::module_ &module, const char *name, BoundBody 
            py::arg("steps"), array("impulse_N_s"));
 }
 
+// Binds the call that advances several bodies of one kind.
+template <class BoundBody>
+void add_joint_advance(py::module_ &module) {
+  const auto array = [](const char *name) { return py::arg(name).noconvert(); };
+  module.def("advance_together", &advance_together<BoundBody>, py::arg("panels"), py::kw_only(),
+             array("clamps_m"), array("clamps_m_per_s"), array("load_N"), py::arg("length_s"),
+             py::arg("steps"), array("surface_m"), array("surface_m_per_s"), array("reaction_N"));
+}
+
 }  // namespace
 
 }  // namespace flipflow
@@ -200,4 +168,6 @@ PYBIND11_MODULE(_kernel, module) {
   add_body(module, "Sheet", bind_sheet).def("membrane_J", [](const BoundSheet &sheet) {
     return sheet.body.membrane_J(sheet.state.position_m);
   });
+  add_joint_advance<BoundChain>(module);
+  add_joint_advance<BoundSheet>(module);
 }

@@ -1,37 +1,53 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "bending.h"
+#include "interval.h"
 #include "lanes.h"
 #include "maxwell.h"
 #include "membrane.h"
-#include "path.h"
 
 namespace flipflow {
 
 // All that changes while a sheet moves; arrays that Python owns.  (nodes, 3) each, and the
 // parts' strains, elastic forces and stresses as in membrane.h and bending.h; `energy_J` (2,
-// branches) of the membrane's and of bending's branches, `lost_J` (1) since the start.
+// branches) of the membrane's and of bending's branches, `lost_J` (1) since the start, `received_J`
+// (2) from the load and from the clamps.
 struct SheetState {
   double *position_m, *velocity_m_per_s, *internal_N;
   double *strain, *strain_stress, *elastic_N, *bending_stress_N;
-  double *energy_J, *lost_J;
+  double *energy_J, *lost_J, *received_J;
 };
+
+// The largest size of a number, or NaN if one of them is NaN.
+inline double largest_size(const double *numbers, int size) {
+  double largest = 0.0;
+  for (int i = 0; i < size; ++i) {
+    const double number = std::abs(numbers[i]);
+    if (!(number <= largest)) largest = number;
+    if (largest != largest) break;
+  }
+  return largest;
+}
 
 // A thin sheet in velocity Verlet: Explicit of adapters/panel/finite_element/integrators.py on the
 // structure of sheet_forms.py.
 class Sheet {
  public:
-  // `mobility_1_kg` (nodes), zero for the nodes `held`.
+  // `mobility_1_kg` (nodes), zero for the nodes `held`; `mass_kg` (nodes), `weight_N` (nodes, 3).
   Sheet(Membrane membrane, Bending bending, Branches branches,
-        const std::vector<double> &mobility_1_kg, std::vector<int> held)
+        const std::vector<double> &mobility_1_kg, std::vector<double> mass_kg,
+        std::vector<double> weight_N, std::vector<int> held)
       : membrane_(std::move(membrane)),
         bending_(std::move(bending)),
         branches_(std::move(branches)),
         mobility_(3 * mobility_1_kg.size()),
+        mass_kg_(std::move(mass_kg)),
+        weight_N_(std::move(weight_N)),
         held_(std::move(held)),
         before_m_(mobility_.size()),
         before_N_(mobility_.size()) {
@@ -41,6 +57,8 @@ class Sheet {
   double membrane_J(const double *position_m) const { return membrane_.energy_J(position_m); }
   int size() const { return static_cast<int>(mobility_.size()); }  // 3 * nodes
   int held() const { return static_cast<int>(held_.size()); }
+  int clamp_points() const { return held(); }
+  int surface_points() const { return size() / 3; }
 
   // Takes the positions as the shape in which every branch is relaxed.
   void rest(const SheetState &state) {
@@ -73,7 +91,41 @@ class Sheet {
     return work_J;
   }
 
+  // Moves the state over an interval, as ElasticPanel of adapters/panel/finite_element/elastic_panel.py
+  // does: its clamps go on from the held nodes, which they have moved.  Fills in the surface's motion
+  // (nodes, 3) at the end and the mean force on the clamps (held, 3), adds the work of the load and of
+  // the clamps to the state's books, and returns the largest speed of a node.
+  double pass(const SheetState &state, const PanelInterval &now, const PanelSurface &surface,
+              double *reaction_N) {
+    std::vector<double> start_m(3 * held()), start_m_per_s(3 * held()), impulse_N_s(3 * held());
+    std::vector<double> outside_N(size()), start_surface_m(state.position_m, state.position_m + size());
+    for (int i = 0; i < size(); ++i) outside_N[i] = weight_N_[i] + now.load_N[i];
+    for (int i = 0; i < 3 * held(); ++i) {
+      start_m[i] = state.position_m[node(i)];
+      start_m_per_s[i] = state.velocity_m_per_s[node(i)];
+    }
+    const HeldPath path = {start_m.data(), start_m_per_s.data(), now.clamps_m, now.clamps_m_per_s,
+                           now.length_s};
+    double clamps_J = advance(state, path, outside_N.data(), now.steps, impulse_N_s.data()), load_J = 0.0;
+    for (int i = 0; i < 3 * held(); ++i) {
+      const double before = start_m_per_s[i], after = state.velocity_m_per_s[node(i)];
+      const double gained_N_s = mass_kg_[held_[i / 3]] * (after - before), on_clamp_N = outside_N[node(i)];
+      clamps_J += 0.5 * gained_N_s * (after + before);
+      clamps_J -= on_clamp_N * (state.position_m[node(i)] - start_m[i]);
+      reaction_N[i] = on_clamp_N - (gained_N_s + impulse_N_s[i]) / now.length_s;
+    }
+    for (int i = 0; i < size(); ++i) load_J += now.load_N[i] * (state.position_m[i] - start_surface_m[i]);
+    state.received_J[0] += load_J;
+    state.received_J[1] += clamps_J;
+    std::copy_n(state.position_m, size(), surface.position_m);
+    std::copy_n(state.velocity_m_per_s, size(), surface.velocity_m_per_s);
+    return largest_size(state.velocity_m_per_s, size());
+  }
+
  private:
+  // The place among the nodes' numbers of number `i` of the held ones'.
+  int node(int i) const { return 3 * held_[i / 3] + i % 3; }
+
   struct Works {
     StepWork stretching, bending;
   };
@@ -124,6 +176,7 @@ class Sheet {
   Bending bending_;
   Branches branches_;
   std::vector<double> mobility_;  // (nodes, 3)
+  std::vector<double> mass_kg_, weight_N_;
   std::vector<int> held_;
   std::vector<double> before_m_, before_N_;  // (nodes, 3) at the step's start
 };

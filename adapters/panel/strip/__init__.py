@@ -47,7 +47,7 @@ def cost(work: PanelsWork) -> Cost:
     """
     steps_s = 0.1 * work.interval_s * (work.cells[0] / 22) ** 2
     opening_s = 0.05 + 1.1e-6 * work.cells[0] ** 3
-    return Cost(opening_s * work.panels, work.panels * work.runs * (1.0e-4 + steps_s))
+    return Cost(opening_s * work.panels, work.panels * work.runs * (1.0e-5 + steps_s))
 
 
 ADAPTER = PanelAdapter(

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.panel.common import bilinear
-from adapters.panel.common.grid import clamped_rows_m
+from adapters.panel.common.grid import clamped_rows_m, locate
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
@@ -65,8 +65,7 @@ class Chain:
         return curvature_1_m
 
     def tension_N(self, length_m: Array) -> Array:
-        """Return the tensions (c,) of axial springs of these lengths in N."""
-        """Return the tensions (c,) of axial springs of the lengths ``length_m`` (c,)."""
+        """Return the tensions (c,) in N of axial springs of the lengths ``length_m`` (c,)."""
         return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
 
     def elastic_N(self, position_m: Array) -> Array:
@@ -82,7 +81,6 @@ class Chain:
 
     def membrane_J(self, position_m: Array) -> float:
         """Return the energy of the axial springs in J."""
-        """Return the energy stored in the axial springs."""
         stretch = self.spring_directions(position_m)[1] / self.rest_m
         density_Pa = self.material.c10_Pa * (stretch**2 + 2 / stretch - 3)
         density_Pa = density_Pa + self.material.c01_Pa * (2 * stretch + stretch**-2 - 3)
@@ -90,7 +88,6 @@ class Chain:
 
     def bending_J(self, position_m: Array) -> float:
         """Return the energy of the bending springs in J."""
-        """Return the energy stored in the bending springs."""
         return float(self.bending_N_m3 @ (self.curvature_1_m(position_m) ** 2).sum(axis=1)) / 2
 
     def tangent_N_per_m(self, position_m: Array) -> Array:
@@ -143,9 +140,10 @@ def build_chain(plan: PanelPlan) -> Chain:
     _, tension_share, _ = remaining_shares(plan, free_m[:-1], free_m[1:])
     mass_share, _, _ = remaining_shares(plan, rows_m[:-1], rows_m[1:])
     per_length = plan.material.density_kg_per_m3 * area_m2 * mass_share
+    mass_kg = 2 * bilinear.half_row_mass_kg(rows_m, per_length)[::2]
     return Chain(
         rows_m=rows_m,
-        mass_kg=2 * bilinear.half_row_mass_kg(rows_m, per_length)[::2],
+        mass_kg=mass_kg + point_masses_kg(plan, rows_m),
         clamp_of_row=clamp_of_row,
         springs=slice(first, last + 1),
         rest_m=cell,
@@ -156,6 +154,16 @@ def build_chain(plan: PanelPlan) -> Chain:
         at_clamps=np.flatnonzero(clamp_of_row[1:-1] >= 0),
         clamp_along=rectangle.along,
     )
+
+
+def point_masses_kg(plan: PanelPlan, rows_m: Array) -> Array:
+    """Return the mass (r,) that point masses add to the rows, shared by the two rows beside each of them."""
+    added_kg = np.zeros(len(rows_m))
+    for mass in plan.point_masses:
+        cell, into = locate(rows_m, np.array([mass.along_m]), slack_m=0.0)
+        added_kg[cell] += (1 - into) * mass.mass_kg
+        added_kg[cell + 1] += into * mass.mass_kg
+    return added_kg
 
 
 def remaining_shares(plan: PanelPlan, low_m: Array, high_m: Array) -> tuple[Array, Array, Array]:

@@ -16,24 +16,23 @@ import numpy as np
 from adapters.panel.common.compiled_body import CompiledBody, kernel
 from adapters.panel.strip.chain import Chain
 from orchestrator.ports import Array
+from orchestrator.ports.plans import PanelPlan
 
 
 class ChainMotion(CompiledBody):
-    """A chain that starts at rest and relaxed at ``position_m`` (r, 3).
+    """A chain that starts at rest and relaxed at ``position_m`` (r, 3), under the gravity of ``plan``.
 
     ``internal_N`` (r, 3) is the present force of springs and branches on the rows.  Branches act on spring
     lengths, with the springs' stiffness at no stretch, and on curvatures; their stresses are kept over their
-    ratios.
+    ratios.  ``clamp_half_m`` (held, 3) are the half widths of the held rows, from the middle to y = width.
     """
 
+    kernel: kernel.Chain
+
     def __init__(
-        self,
-        chain: Chain,
-        position_m: Array,
-        branches: tuple[tuple[float, float], ...],
-        across: Array,
-        step_s: float,
+        self, chain: Chain, plan: PanelPlan, position_m: Array, clamp_half_m: Array, step_s: float
     ) -> None:
+        across, branches = plan.rectangle.across, plan.material.branches
         self._chain, self._across, self.share = chain, across, shares(chain)
         self._springs = len(chain.area_m2)
         strains = self._springs + 3 * len(chain.bending_N_m3)
@@ -41,9 +40,12 @@ class ChainMotion(CompiledBody):
             "strain": np.zeros(strains),
             "stress": np.zeros((len(branches), strains)),
             "energy_J": np.zeros(len(branches)),
+            "clamp_half_m": clamp_half_m.copy(),
+            "received_J": np.zeros(2),
         }
         rows = {
             "mass_kg": chain.mass_kg,
+            "weight_N": chain.mass_kg[:, None] * plan.gravity_m_per_s2,
             "free": np.flatnonzero(chain.clamp_of_row < 0).astype(np.int32),
             "across": across,
             "share": self.share,
@@ -59,7 +61,6 @@ class ChainMotion(CompiledBody):
         return float(stretch.min()), float(stretch.max())
 
     def stored_J(self) -> dict[str, float]:
-        """Return the stored energies in J by name: the elastic energies and the Maxwell branches' energy."""
         return {
             "membrane": self._chain.membrane_J(self.position_m),
             "bending": self._chain.bending_J(self.position_m),

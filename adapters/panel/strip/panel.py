@@ -17,7 +17,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from adapters.panel.common import bilinear
-from adapters.panel.common.panel import BodyPanel, choose_step_s
+from adapters.panel.common.compiled_panel import CompiledPanel
+from adapters.panel.common.panel import choose_step_s
 from adapters.panel.strip.chain import Chain, build_chain
 from adapters.panel.strip.motion import ChainMotion
 from adapters.panel.strip.resting_shape import settle
@@ -62,10 +63,11 @@ def stability_limit_s(links: Chain, material: HyperelasticPlan) -> float:
     return 2 / math.sqrt(square * (1 + sum(ratio for ratio, _ in material.branches)))
 
 
-class Strip(BodyPanel):
-    """A ``MeshedPanel``; surface points are numbered row by row, y = 0 before y = width.
+class Strip(CompiledPanel):
+    """A ``MeshedPanel`` around a compiled chain.
 
-    The clamp points are the points of the held rows, in the same order.
+    Surface points are numbered row by row, y = 0 before y = width; the clamp points are the points
+    of the held rows, in the same order.
     """
 
     _body: ChainMotion
@@ -73,10 +75,11 @@ class Strip(BodyPanel):
     def __init__(self, plan: PanelPlan, links: Chain, step_s: float) -> None:
         rectangle = plan.rectangle
         self._chain, self._across, self._width_m = links, rectangle.across, rectangle.width_m
-        motion = ChainMotion(links, settle(links, plan), plan.material.branches, rectangle.across, step_s)
-        material_m = bilinear.points_m(links.rows_m[motion.held], self._width_m)
-        names = tuple(plan.frames[end] for end in links.clamp_of_row[motion.held].repeat(2))
-        super().__init__(plan, Mount(rectangle.mounted(material_m), names), motion)
+        held = np.flatnonzero(links.clamp_of_row >= 0)
+        names = tuple(plan.frames[end] for end in links.clamp_of_row[held].repeat(2))
+        mount_m = rectangle.mounted(bilinear.points_m(links.rows_m[held], self._width_m))
+        motion = ChainMotion(links, plan, settle(links, plan), bilinear.half(mount_m), step_s)
+        super().__init__(plan, Mount(mount_m, names), motion)
         self._surface = self._surface_between(self._clamps)
 
     def inertia(self) -> Inertia:
@@ -109,17 +112,21 @@ class Strip(BodyPanel):
         outside_N = 2 * bilinear.middle(load_N) + self._weight_N
         path = HermitePath(_middle(self._clamps), _middle(clamps), interval.length_s)
         on_held = self._body.move(path, outside_N, interval)
-        lowest, highest = self._body.stretches()
-        if not SANE_STRETCH[0] < lowest <= highest < SANE_STRETCH[1]:  # nor is NaN
-            raise SolverFailed(
-                f"{self._name}: strip unstable before {interval.end_s} s: stretches are "
-                f"{lowest:.3g} ... {highest:.3g}"
-            )
+        self._check(interval, self._body.stretches())
         middle_N = on_held.impulse_N_s / interval.length_s
         turned_m = bilinear.half(clamps.position_m - self._clamps.position_m)
         clamps_J = -on_held.work_J - float(np.vdot(turning_N, turned_m))
         reaction_N = bilinear.join_halves(middle_N / 2, turning_N / 2)
         return self._surface_between(clamps), reaction_N, clamps_J
+
+    def _check(self, interval: Interval, found: tuple[float, float]) -> None:
+        """Check the smallest and the largest stretch."""
+        lowest, highest = found
+        if not SANE_STRETCH[0] < lowest <= highest < SANE_STRETCH[1]:  # nor is NaN
+            raise SolverFailed(
+                f"{self._name}: strip unstable before {interval.end_s} s: stretches are "
+                f"{lowest:.3g} ... {highest:.3g}"
+            )
 
     def _surface_between(self, clamps: Motion) -> Motion:
         """Return the rows' points: their middles now, and the halves that follow ``clamps``."""

@@ -17,23 +17,33 @@ class ContactHistory {
   explicit ContactHistory(int values) : record_(3 + values) {}
 
   // Makes the records of particle i those of its present contacts, in their order.
-  void match(int i, const std::vector<Touch> &touches) {
+  void match(int i, std::vector<Touch> &touches) {
     std::vector<double> &records = records_[i];
     if (records.empty() && touches.empty()) return;
+    for (size_t k = 0; k < touches.size(); ++k) touches[k].record = static_cast<int>(k);
+    if (touches.size() == 1 && goes_on(records.data(), records.size(), touches[0])) return;
     old_.swap(records);
     taken_.assign(old_.size() / record_, false);
     records.assign(touches.size() * record_, 0.0);
     for (size_t k = 0; k < touches.size(); ++k) {
-      const Vec3 normal = (1.0 / std::sqrt(touches[k].distance2)) * touches[k].away;
+      const Vec3 normal = normal_of(touches[k]);
       const int same = find_nearest(normal, kSameContact, false);
       const int heir_of = same >= 0 ? same : find_nearest(normal, kSamePatch, true);
       double *record = &records[k * record_];
       if (heir_of >= 0) std::copy_n(&old_[heir_of * record_], record_, record);
       if (same >= 0) taken_[same] = true;
-      record[0] = normal.x;
-      record[1] = normal.y;
-      record[2] = normal.z;
+      put(record, normal);
     }
+  }
+
+  // Leaves those records of particle i that belong to `touches`, which are in the order of the records.
+  void keep(int i, const std::vector<Touch> &touches) {
+    std::vector<double> &records = records_[i];
+    for (size_t k = 0; k < touches.size(); ++k) {
+      const auto from = records.begin() + touches[k].record * record_;
+      if (static_cast<size_t>(touches[k].record) != k) std::copy_n(from, record_, &records[k * record_]);
+    }
+    records.resize(touches.size() * record_);
   }
 
   double *values(int i, int contact) { return &records_[i][contact * record_ + 3]; }
@@ -78,6 +88,16 @@ class ContactHistory {
  private:
   static constexpr double kSameContact = 0.5;  // least cosine between old and new normal
   static constexpr double kSamePatch = 0.86602540378443865;  // cos 30 degrees
+
+  static Vec3 normal_of(const Touch &touch) { return (1.0 / std::sqrt(touch.distance2)) * touch.away; }
+
+  // Is the only contact the one that is remembered as the only one?  That is so nearly always.
+  bool goes_on(double *record, size_t size, const Touch &touch) const {
+    const Vec3 normal = normal_of(touch);
+    if (size != static_cast<size_t>(record_) || dot(normal, from(record)) <= kSameContact) return false;
+    put(record, normal);
+    return true;
+  }
 
   // The old record with the nearest normal, or -1.
   int find_nearest(Vec3 normal, double least_cosine, bool taken_ones) const {

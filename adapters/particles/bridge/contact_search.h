@@ -58,7 +58,8 @@ class ContactSearch {
   void search(const SurfacePath &surface, const Spheres &spheres, double factor, double skin_m,
               bool neighbours_listed_now) {
     if (no_grid_ || since_grid_ > 0.5 * skin_m) {
-      grid_.build(surface, triangles_, largest_reach_ * factor + 2.0 * skin_m);
+      grid_reach_ = largest_reach_ * factor + 2.0 * skin_m;
+      grid_.build(surface, triangles_, grid_reach_);
       no_grid_ = false;
       since_grid_ = 0.0;
     }
@@ -70,11 +71,20 @@ class ContactSearch {
     since_search_ = 0.0;
   }
 
-  // Does any triangle come nearer to a place than `reach_m`?  Looks at all of them.
+  // Does any triangle come nearer to a place than `reach_m`?  Looks at all of them where the grid does not
+  // tell.
   bool reached(const SurfacePath &surface, Vec3 place, double reach_m) const {
-    return any_image([&](int triangle, int periods) {
+    const auto nearer = [&](int triangle, int periods) {
       return nearest_place(surface, image(place, periods), triangle).distance2 < reach_m * reach_m;
-    });
+    };
+    if (no_grid_ || reach_m + since_grid_ > grid_reach_) return any_image(nearer);
+    const int most = period_ > 0 ? 1 : 0;
+    for (int periods = -most; periods <= most; ++periods) {
+      const auto cell = grid_.near(image(place, periods));
+      if (std::any_of(cell[0], cell[1], [&](int triangle) { return nearer(triangle, periods); }))
+        return true;
+    }
+    return false;
   }
 
   const std::vector<Near> &near() const { return near_; }
@@ -226,6 +236,7 @@ class ContactSearch {
   double period_ = 0.0;
   double largest_reach_ = 0.0;
   TriangleGrid grid_;
+  double grid_reach_ = 0.0;  // how near its cells know of triangles
   bool no_grid_ = true;
   double since_grid_ = 0.0, since_search_ = 0.0;  // how far the surface may have moved, m
   std::vector<Near> near_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 #include <stdexcept>
+#include <utility>
 
 #include "atom.h"
 #include "comm.h"
@@ -44,6 +45,10 @@ struct StyleTable {
   friend FixStyles *Modify::*style_table() { return member; }
 };
 template struct StyleTable<&Modify::fix_map>;
+
+// names in a saved state
+const char *const kCuts[3] = {"cuts_x", "cuts_y", "cuts_z"};
+const char *const kNextCuts[3] = {"next_cuts_x", "next_cuts_y", "next_cuts_z"};
 
 // LIGGGHTS registers its contact models again for every instance and warns on std::cerr about it.
 class QuietErrors {
@@ -131,16 +136,37 @@ void Engine::create(const Particles &particles, int first_id) {
 
 std::vector<bool> Engine::overlaps(const double *position_m, const double *diameter_m,
                                    int count) {
-  const Atom &atom = *lammps_->atom;
   std::vector<bool> overlapping(count, false);
+  if (count == 0) return overlapping;
+  const Atom &atom = *lammps_->atom;
+  double largest = 0.5 * *std::max_element(diameter_m, diameter_m + count);
+  if (atom.nlocal) largest += *std::max_element(atom.radius, atom.radius + atom.nlocal);
+  // the particles between the first and the last place along x and z, by x; along y is the screen's width
+  double low[3], high[3];
+  for (int d = 0; d < 3; ++d) {
+    low[d] = high[d] = position_m[d];
+    for (int k = 1; k < count; ++k) {
+      low[d] = std::min(low[d], position_m[3 * k + d]);
+      high[d] = std::max(high[d], position_m[3 * k + d]);
+    }
+  }
+  const auto between = [&](int i, int d) {
+    return atom.x[i][d] > low[d] - largest && atom.x[i][d] < high[d] + largest;
+  };
+  std::vector<std::pair<double, int>> near;
+  for (int i = 0; i < atom.nlocal; ++i)
+    if (between(i, 0) && between(i, 2)) near.emplace_back(atom.x[i][0], i);
+  std::sort(near.begin(), near.end());
   for (int k = 0; k < count; ++k) {
     const Vec3 x = from(position_m + 3 * k);
     overlapping[k] = surface().reached(x, 0.5 * diameter_m[k]);
-    for (int i = 0; i < atom.nlocal && !overlapping[k]; ++i) {
+    auto particle = std::lower_bound(near.begin(), near.end(), std::make_pair(x.x - largest, 0));
+    for (; particle != near.end() && particle->first < x.x + largest && !overlapping[k]; ++particle) {
+      const int i = particle->second;
       const double reach = 0.5 * diameter_m[k] + atom.radius[i];
       Vec3 apart = from(atom.x[i]) - x;
       lammps_->domain->minimum_image(apart.x, apart.y, apart.z);
-      overlapping[k] = std::abs(apart.x) < reach && dot(apart, apart) < reach * reach;
+      overlapping[k] = dot(apart, apart) < reach * reach;
     }
   }
   return overlapping;
@@ -156,19 +182,65 @@ void Engine::prepare() {
   lammps_->update->whichflag = 0;
 }
 
+// LIGGGHTS's own arrays of cuts, which its command `balance` would move: the public version has none.
+Engine::Cuts Engine::cuts() const {
+  const Comm &comm = *lammps_->comm;
+  const double *const split[3] = {comm.xsplit, comm.ysplit, comm.zsplit};
+  Cuts cuts;
+  for (int d = 0; d < 3; ++d) cuts[d].assign(split[d], split[d] + comm.procgrid[d] + 1);
+  return cuts;
+}
+
+void Engine::cut(const Cuts &cuts) {
+  Comm &comm = *lammps_->comm;
+  double *const split[3] = {comm.xsplit, comm.ysplit, comm.zsplit};
+  for (int d = 0; d < 3; ++d) {
+    if (cuts[d].size() != static_cast<size_t>(comm.procgrid[d]) + 1)
+      throw std::invalid_argument("the ranks are not as many as the parts that the cuts make");
+    std::copy(cuts[d].begin(), cuts[d].end(), split[d]);
+  }
+  comm.uniform = 0;
+  lammps_->domain->set_local_box();
+}
+
+void Engine::cut_later(const Cuts &cuts) {
+  next_cuts_ = cuts;
+  exits().before_exchange([this] {
+    if (!next_cuts_[0].empty()) cut(std::exchange(next_cuts_, {}));
+  });
+}
+
+std::array<double, 6> Engine::box_m() const {
+  const Domain &domain = *lammps_->domain;
+  std::array<double, 6> corners;
+  std::copy_n(domain.boxlo, 3, corners.begin());
+  std::copy_n(domain.boxhi, 3, corners.begin() + 3);
+  return corners;
+}
+
 SavedState Engine::save() {
   SavedState saved;
+  const Cuts now = cuts();
+  for (int d = 0; d < 3; ++d) {
+    saved.reals[kCuts[d]] = now[d];
+    saved.reals[kNextCuts[d]] = next_cuts_[d];
+  }
   save_particles(*lammps_, saved);
   surface().save(saved);
   return saved;
 }
 
 void Engine::restore(const SavedState &saved) {
-  if (!is_listed_as_saved(*lammps_, saved)) {
+  const Cuts then = {saved.real(kCuts[0]), saved.real(kCuts[1]), saved.real(kCuts[2])};
+  const bool cut_as_saved = then == cuts();
+  if (!is_listed_as_saved(*lammps_, saved) || !cut_as_saved) {
     store_history();  // of who goes: or LIGGGHTS would look for it when it lists those who come
+    next_cuts_ = {};
+    if (!cut_as_saved) cut(then);
     guarded([&] { place_as_listed(*lammps_, saved); });
     prepare();
   }
+  cut_later({saved.real(kNextCuts[0]), saved.real(kNextCuts[1]), saved.real(kNextCuts[2])});
   guarded([&] {
     go_on_as_saved(*lammps_, saved);
     surface().restore(saved);

@@ -2,6 +2,7 @@
 
 #include <mpi.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -50,6 +51,18 @@ class Engine {
   void prepare();
   void run(int steps, double step_s);
 
+  // Where the box is cut into the ranks' parts: along x, y and z the fractions of its side, from 0 to
+  // 1, at which parts begin and end.
+  using Cuts = std::array<std::vector<double>, 3>;
+  Cuts cuts() const;
+  // Cuts elsewhere, alike on every rank: at once, while there are no particles, or when they are next
+  // handed to other ranks, which changes nothing else.  They go to ranks side by side only, so each cut
+  // stays between those that are now beside it.
+  void cut(const Cuts &cuts);
+  void cut_later(const Cuts &cuts);
+  // The lowest and the highest corner of the box that is cut, which grows and shrinks with the particles.
+  std::array<double, 6> box_m() const;
+
   // Between runs: what the next ones depend on, and back to there, bit for bit, from anywhere.
   SavedState save();
   void restore(const SavedState &saved);
@@ -69,6 +82,7 @@ class Engine {
 
   LAMMPS_NS::LAMMPS *lammps_ = nullptr;
   ContactLaws laws_;
+  Cuts next_cuts_;  // empty: as they are
   bool healthy_ = true;
 };
 

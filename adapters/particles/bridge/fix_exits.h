@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,9 @@ class FixExits : public LAMMPS_NS::Fix {
     high_ = high_m;
   }
 
+  // What else is to be done before particles go to other ranks.
+  void before_exchange(std::function<void()> act) { before_exchange_ = std::move(act); }
+
   int setmask() override { return LAMMPS_NS::FixConst::PRE_EXCHANGE; }
 
   // LIGGGHTS calls its fixes of contact history before all others here, so that the history of who
@@ -68,6 +72,7 @@ class FixExits : public LAMMPS_NS::Fix {
     long gone = static_cast<long>(removed_.size() - before);
     MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_LONG, MPI_SUM, world);
     atom->natoms -= gone;
+    before_exchange_();
   }
 
   // since last taken
@@ -95,6 +100,7 @@ class FixExits : public LAMMPS_NS::Fix {
   std::vector<Box> exits_;
   Vec3 low_{}, high_{};
   std::vector<Removed> removed_;
+  std::function<void()> before_exchange_ = [] {};
 };
 
 }  // namespace flipflow

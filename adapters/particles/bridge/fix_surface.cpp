@@ -117,9 +117,9 @@ void FixSurface::post_force(int) {
     search_.surface_moved(surface_.fastest_m_per_s() * update->dt);
   }
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
-  const bool last = update->setupflag || update->ntimestep == last_step_;
-  load_.next_evaluation(last);
-  tangent_wanted_now_ = last && tangent_.asked();
+  last_evaluation_ = update->setupflag || update->ntimestep == last_step_;
+  load_.next_evaluation(last_evaluation_);
+  tangent_wanted_now_ = last_evaluation_ && tangent_.asked();
   if (tangent_wanted_now_) tangent_.clear();
   energy_ = {};
   touch_all_();
@@ -156,26 +156,30 @@ void FixSurface::touch(const ContactSearch::Near &near, Worn &worn) {
                       touches_);
   find_crossing(near, nearest2);
   for (Touch &touch : touches_) touch.depth_m = radius - std::sqrt(touch.distance2);
-  if (laws_.adhesion == ContactLaws::Adhesion::jkr) keep_necks(i);
+  const bool sticks = laws_.adhesion == ContactLaws::Adhesion::jkr;
+  if (sticks) keep_necks(i);
   search_.share(surface_, touches_);
   if (touches_.size() > kMostContacts) touches_.resize(kMostContacts);
-  history_.match(i, touches_);
+  if (sticks)
+    history_.keep(i, touches_);
+  else
+    history_.match(i, touches_);
   for (size_t k = 0; k < touches_.size(); ++k)
     push(i, touches_[k], dnum() > 0 ? history_.values(i, static_cast<int>(k)) : nullptr, worn);
 }
 
 // A contact that sticks lasts as long as its neck, whose depth counts from where it snaps; the neck
-// goes along from triangle to triangle.
+// goes along from triangle to triangle.  All places are matched with what is remembered.
 void FixSurface::keep_necks(int i) {
   history_.match(i, touches_);
   size_t kept = 0;
-  for (size_t k = 0; k < touches_.size(); ++k) {
-    Touch touch = touches_[k];
-    const bool overlaps = touch.depth_m > 0, necked = history_.values(i, static_cast<int>(k))[0] > 0;
-    touch.depth_m -= law(i, touch).separation_m();
-    if (overlaps || (necked && touch.depth_m >= 0)) touches_[kept++] = touch;
+  for (const Touch &touch : touches_) {
+    const bool necked = history_.values(i, touch.record)[0] > 0;
+    if (touch.depth_m > 0 || (necked && law(i, touch).holds(touch.depth_m))) touches_[kept++] = touch;
   }
   touches_.resize(kept);
+  if (kept < 2) return;  // a single contact's depth is compared with no other
+  for (Touch &touch : touches_) touch.depth_m -= law(i, touch).separation_m();
 }
 
 Jkr FixSurface::law(int i, const Touch &touch) const {
@@ -243,8 +247,9 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   if (laws_.touching(overlap, history)) {
     if (tangent_wanted_now_) add_tangent(touch, contact, history, unshared, turned);
     worn.after(before, contact, history, corner, w, touch.weight, step);
-    energy_.add(laws_.stored(atom->type[i], atom_type_wall_, atom->radius[i], 0.0, overlap, history),
-                touch.weight);
+    if (last_evaluation_)
+      energy_.add(laws_.stored(atom->type[i], atom_type_wall_, atom->radius[i], 0.0, overlap, history),
+                  touch.weight);
   }
 }
 

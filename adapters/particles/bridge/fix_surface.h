@@ -128,7 +128,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   std::function<void()> touch_all_;  // with or without wear
 
   LAMMPS_NS::bigint first_step_ = 0, last_step_ = 0;
-  bool neighbours_listed_now_ = true, tangent_wanted_now_ = false;
+  bool neighbours_listed_now_ = true, last_evaluation_ = true, tangent_wanted_now_ = false;
   ContactEnergy energy_;
   DeepestOverlap deepest_;
   std::vector<Crossing> crossings_;

@@ -38,6 +38,31 @@ struct Jkr {
     return least * u * u;
   }
 
+  // The same from the neck of a moment ago, by Newton's iteration on its square root s, of which
+  // overlap = s^4 / radius - s pull, pull^2 = 2 pi work / e_star.  It takes no cube root, and goes on until
+  // the next step would be below rounding; where it does not get there, Ferrari's method answers.
+  double neck_m(double overlap_m, double last_neck_m) const {
+    constexpr double kRounding = 1e-16;
+    constexpr int kIterations = 8;  // two or three are usual
+    if (work_J_per_m2 == 0.0 || last_neck_m <= 0.0) return neck_m(overlap_m);
+    const double pull = std::sqrt(2.0 * M_PI * work_J_per_m2 / e_star_Pa), per_m = 1.0 / radius_m;
+    double s = std::sqrt(last_neck_m);
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+      const double cube = s * s * s * per_m, slope = 4.0 * cube - pull;
+      if (slope <= 0.0) break;  // beyond where the neck snaps
+      const double step = (s * (cube - pull) - overlap_m) / slope;
+      s -= step;
+      if (6.0 * s * per_m * step * step <= kRounding * slope) return s * s;
+    }
+    return neck_m(overlap_m);
+  }
+
+  // Does a neck hold at this overlap: is it no deeper below zero than `separation_m`?
+  bool holds(double overlap_m) const {
+    const double pull2 = 2.0 * M_PI * work_J_per_m2 / e_star_Pa;
+    return 256.0 * -overlap_m * overlap_m * overlap_m <= 27.0 * pull2 * pull2 * radius_m;
+  }
+
   // Positive pushes the spheres apart.
   double force_N(double neck_m) const {
     const double cube = neck_m * neck_m * neck_m;

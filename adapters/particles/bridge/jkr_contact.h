@@ -34,7 +34,7 @@ class JkrNormal {
   }
 
   bool holds(const Close &pair, double overlap_m) const {
-    return pair.contact_history[neck_] > 0.0 && overlap_m >= law(pair).separation_m();
+    return pair.contact_history[neck_] > 0.0 && law(pair).holds(overlap_m);
   }
 
   void snap(Close &pair) const {
@@ -45,8 +45,8 @@ class JkrNormal {
 
   void push(Touching &pair, Forces &on_i, Forces &on_j) const {
     const Jkr jkr = law(pair);
-    const double neck = jkr.neck_m(pair.deltan), elastic = jkr.force_N(neck);
-    const double stiffness = 2.0 * jkr.e_star_Pa * neck;
+    const double neck = jkr.neck_m(pair.deltan, pair.contact_history[neck_]);
+    const double elastic = jkr.force_N(neck), stiffness = 2.0 * jkr.e_star_Pa * neck;
     const double shear = 8.0 * g_star_Pa_[pair.itype][pair.jtype] * neck;
     const double factor = -2.0 * std::sqrt(5.0 / 6.0) * damping_[pair.itype][pair.jtype];
     pair.contact_history[neck_] = neck;

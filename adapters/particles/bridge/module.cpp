@@ -323,6 +323,14 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("overlaps", &overlaps, by_keyword, exactly("position_m"), exactly("diameter_m"))
       .def("store_history", &Engine::store_history)
       .def("prepare", &Engine::prepare)
+      .def("cuts", &Engine::cuts)
+      .def("cut", &Engine::cut, py::arg("cuts"))
+      .def("cut_later", &Engine::cut_later, py::arg("cuts"))
+      .def("box_m",
+           [](const Engine &e) {
+             const std::array<double, 6> corners = e.box_m();
+             return array_of(std::vector<double>(corners.begin(), corners.end()), {2, 3});
+           })
       .def("begin_path", &begin_path, by_keyword, exactly("start_m"), exactly("start_m_per_s"),
            exactly("end_m"), exactly("end_m_per_s"), py::arg("length_s"), py::arg("steps"))
       .def("run", &run, by_keyword, py::arg("steps"), py::arg("step_s"))

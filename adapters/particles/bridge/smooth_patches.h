@@ -13,6 +13,7 @@ struct Touch {
   ClosestPoint at;
   Vec3 away;          // from the closest point to the particle's centre
   double distance2;
+  int record = 0;      // which of the particle's records of contacts is this one's
   double depth_m = 0;  // the measure by which contacts are compared: overlap, or more with adhesion
   double weight = 1;  // share of the contact force that acts, 0 ... 1
   Vec3 turning = {0, 0, 0};  // m^1.5: force of the turning normal for an energy of depth^2.5

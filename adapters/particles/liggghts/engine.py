@@ -10,8 +10,16 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from adapters.particles._liggghts import Engine
-from adapters.particles.liggghts.input import FIRST_EVALUATION, has_sliding, input_text
+from adapters.particles.liggghts.domain_cuts import first_cuts
+from adapters.particles.liggghts.input import (
+    FIRST_EVALUATION,
+    cutoff_m,
+    has_sliding,
+    input_text,
+    smallest_box_m,
+)
 from orchestrator.ports import Array, HermitePath, Indices
+from orchestrator.ports.decomposition import Grid
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan, Sjkr
 
@@ -31,6 +39,9 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
     )
     for line in text.splitlines():
         engine.command(line)
+    if communicator.size > 1:
+        grid, corners_m = parts(engine), smallest_box_m(plan)
+        engine.cut(first_cuts(plan, grid, corners_m, cutoff_m(plan)))
     engine.set_surface(
         position_m=floats(plan.surface.position_m),
         triangles=ints(plan.surface.triangles),
@@ -53,6 +64,12 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         domain_m=floats(plan.domain_m),
     )
     return engine
+
+
+def parts(engine: Engine) -> Grid:
+    """Return the numbers of the ranks' parts along x, y and z."""
+    x, y, z = (len(cuts) - 1 for cuts in engine.cuts())
+    return x, y, z
 
 
 def create_particles(engine: Engine, new: ParticleList, first_id: int) -> None:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from adapters.particles.liggghts.domain_cuts import processor_grid
 from orchestrator.ports import Array
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
@@ -28,7 +29,7 @@ newton          off
 communicate     single vel yes
 boundary        {boundary}           # grows with the particles (m): none can be lost unseen,
                                 # and no bins are kept where there are none
-{confirmations}region          box block {box} units box
+{confirmations}{processors}region          box block {box} units box
 create_box      {types} box
 neighbor        {skin} bin
 neigh_modify    delay 0
@@ -80,6 +81,16 @@ def contact_model(plan: ParticlesPlan) -> str:
     return model
 
 
+def ranks(plan: ParticlesPlan) -> int:
+    """Return the number of processes that share the particles."""
+    return 1 if plan.communicator is None else int(plan.communicator.size)
+
+
+def cutoff_m(plan: ParticlesPlan) -> float:
+    """Return the distance up to which the centres of particles are listed as neighbours."""
+    return (1.0 + SKIN) * plan.largest_diameter_m
+
+
 def smallest_box_m(plan: ParticlesPlan) -> Array:
     """Return the lowest and highest corner (2, 3) of the box that LIGGGHTS's bins cover at least.
 
@@ -90,8 +101,7 @@ def smallest_box_m(plan: ParticlesPlan) -> Array:
     points_m = plan.surface.position_m
     on_it = np.isin(np.arange(len(points_m)), plan.surface.triangles)  # not probes, nor frames
     places_m = np.vstack([points_m[on_it], plan.particles.position_m])
-    ranks = 1 if plan.communicator is None else plan.communicator.size
-    if ranks > 2 or not len(places_m):
+    if ranks(plan) > 2 or not len(places_m):
         places_m = plan.domain_m
     margin_m = plan.largest_diameter_m
     corners_m = np.array([places_m.min(axis=0) - margin_m, places_m.max(axis=0) + margin_m])
@@ -106,6 +116,7 @@ def input_text(plan: ParticlesPlan) -> str:
     return INPUT.format(
         boundary="m p m" if plan.periodic_y else "m m m",
         confirmations=_confirmations(youngs),
+        processors=_processors(plan),
         box=words(smallest_box_m(plan).T.round(12)),
         types=len(youngs),
         skin=words(SKIN * np.array(plan.largest_diameter_m)),
@@ -129,6 +140,13 @@ def bin_size_m(box_m3: float, largest_diameter_m: float, particles: int) -> floa
     wanted_m = math.cbrt(box_m3 / (BINS_PER_PARTICLE * max(particles, 1)))
     doublings = math.floor(math.log2(wanted_m / usual_m))
     return usual_m * 2.0**doublings if doublings > 0 else 0.0
+
+
+def _processors(plan: ParticlesPlan) -> str:
+    if ranks(plan) == 1:
+        return ""
+    grid = processor_grid(plan, smallest_box_m(plan), ranks(plan), cutoff_m(plan))
+    return "processors      {} {} {}\n".format(*grid)
 
 
 def _confirmations(youngs_Pa: list[float]) -> str:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from adapters.particles.liggghts.domain_cuts import UNEVEN, Places, cuts_on_the_way, even_cuts
 from adapters.particles.liggghts.input import FIRST_EVALUATION
 from adapters.particles.liggghts.ledger import ParticleLedger
 from orchestrator.ports import (
@@ -39,13 +40,20 @@ from orchestrator.ports.state import as_arrays, like
 try:
     from mpi4py import MPI
 
-    from adapters.particles.liggghts.engine import begin_path, create_particles, floats, start_engine
-    from adapters.particles.liggghts.input import bin_size_m, smallest_box_m
+    from adapters.particles.liggghts.engine import begin_path, create_particles, floats, parts, start_engine
+    from adapters.particles.liggghts.input import bin_size_m, cutoff_m, smallest_box_m
 except ImportError as missing:
     raise SolverMissing(
         "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
         f"g++, then `pip install .` ({missing})"
     ) from missing
+
+BALANCED_EVERY = 100
+"""Number of sync intervals after which the ranks compare their numbers of particles."""
+SORTED_EVERY = 1000
+"""Number of steps after which LIGGGHTS sorts particles in memory by their bins; its own default."""
+FEW = 500
+"""Number of particles per rank below which it does not matter who has them."""
 
 Arrays = dict[str, npt.NDArray[Any]]
 """Arrays by LIGGGHTS's names, one row per particle of this rank; ``type`` counts from 1."""
@@ -98,6 +106,7 @@ class Liggghts:
         steps = interval.steps(self._plan.step_s)
         try:
             begin_path(self._engine, path, interval.length_s, steps)
+            self._balance(interval)
             self._feed(interval)
             self._set_bins(self._bins_for(self._created - self._ledger.removed_count))
             self._prepare()
@@ -114,11 +123,11 @@ class Liggghts:
     def snapshot(self) -> ParticleSnapshot:
         """Return all particles in the order of their ids, on the first rank; none on the others."""
         mine = self._engine.particles()
-        names = ("tag", "x", "v", "omega", "radius", "density", "type")
+        names = ("tag", "x", "v", "omega", "radius", "density", "type", "f")
         ranks = self._comm.gather([np.array(mine[name]) for name in names])
         if self._comm.rank != 0:
             ranks = [[np.array(mine[name][:0]) for name in names]]
-        tag, x, v, omega, radius, density, kind = map(np.concatenate, zip(*ranks, strict=True))
+        tag, x, v, omega, radius, density, kind, force = map(np.concatenate, zip(*ranks, strict=True))
         order = np.argsort(tag)
         return ParticleSnapshot(
             id=tag[order].astype(np.int64),
@@ -128,6 +137,7 @@ class Liggghts:
             diameter_m=2.0 * radius[order],
             density_kg_per_m3=density[order],
             material=kind[order].astype(np.int64) - 1,
+            force_N=force[order],
         )
 
     def removed(self) -> Removed:
@@ -192,9 +202,11 @@ class Liggghts:
         self._opened.close()
 
     def _set_bins(self, size_m: float) -> None:
-        """Set the size of the bins, from the next list of neighbours on; 0 stands for LIGGGHTS's own."""
+        """Set the size of the bins in which LIGGGHTS lists neighbours and sorts particles, from the next list
+        on; 0 stands for LIGGGHTS's own."""
         if size_m != self._bin_m:
             self._engine.command(f"neigh_modify binsize {size_m!r}")
+            self._engine.command(f"atom_modify sort {SORTED_EVERY} {size_m!r}")
             self._bin_m = size_m
 
     def _summed(self, by_point: Array) -> Array:
@@ -206,6 +218,20 @@ class Liggghts:
         sums = np.array(counts)
         self._comm.Allreduce(MPI.IN_PLACE, sums)
         return [int(number) for number in sums]
+
+    def _balance(self, interval: Interval) -> None:
+        """Now and then cut the box elsewhere, if one rank has far more particles than the mean."""
+        if self._comm.size == 1 or interval.index % BALANCED_EVERY:
+            return
+        present = np.zeros(self._comm.size, dtype=int)
+        position_m = self._engine.particles()["x"]
+        self._comm.Allgather(np.array(len(position_m)), present)
+        if present.sum() < FEW * self._comm.size or present.max() <= UNEVEN * present.mean():
+            return
+        now, corners_m = self._engine.cuts(), self._engine.box_m()
+        shares = self._summed(Places.of_particles(position_m).in_slices(corners_m) * len(position_m))
+        wanted = even_cuts(shares, parts(self._engine), corners_m, cutoff_m(self._plan))
+        self._engine.cut_later(cuts_on_the_way(now, wanted))
 
     def _feed(self, interval: Interval) -> None:
         if self._plan.feed is None:
@@ -268,7 +294,8 @@ class Liggghts:
         """Return the sum of all ranks' ``crossed``.  Raises SolverFailed where a particle is missing or
         nowhere."""
         mine = self._engine.particles()
-        bad = int(not (np.isfinite(mine["x"]).all() and np.isfinite(mine["v"]).all()))
+        x, v = mine["x"], mine["v"]
+        bad = int(not np.isfinite(np.vdot(x, x) + np.vdot(v, v)))  # a NaN anywhere makes the sum a NaN
         present, bad, crossed = self._counted(len(mine["x"]), bad, crossed)
         if bad:
             raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from orchestrator.case.bed.size_distribution import classes
 from orchestrator.case.tables.case import Case, Material
 
@@ -83,13 +85,18 @@ def largest_diameters_m(case: Case) -> dict[str, float]:
 
 
 def _diameters_m(case: Case) -> dict[str, list[float]]:
-    """Return the diameters of single particles and the limits of size classes, by material."""
+    """Return the diameters of single particles, and the limits of size classes and of carried particles, by
+    material."""
     sizes_m: dict[str, list[float]] = {}
     for particle in case.bed.particles.values():
         sizes_m.setdefault(particle.material, []).append(particle.diameter_m)
     for source in case.bed.sources:
         for row in classes(source):
             sizes_m.setdefault(source.material, []).extend((row.smallest_m, row.largest_m))
+    if (carried := case.bed.carried) is not None:
+        for name in carried.materials:
+            diameter_m = carried.diameters_m(name)
+            sizes_m.setdefault(name, []).extend((float(diameter_m.min()), float(diameter_m.max())))
     return sizes_m
 
 
@@ -112,4 +119,6 @@ def impact_speed_m_per_s(case: Case) -> float:
     """
     bed = case.bed
     speeds = [math.hypot(*row.velocity_m_per_s) for row in (*bed.particles.values(), *bed.sources)]
+    if bed.carried is not None:
+        speeds.append(float(np.linalg.norm(bed.carried.velocity_m_per_s, axis=1).max()))
     return max([1.0, *speeds])

@@ -14,6 +14,7 @@ from orchestrator.case.tables.bed import Filling, PassingPoint, SizeClass
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_volume_m3
 
+RANGES = 10  # of the sizes of particles that are given one by one
 FINEST_STEP = 1.2  # A curve is cut into classes whose limits have at most this ratio.
 
 
@@ -34,7 +35,7 @@ def share_left_out(source: Filling) -> float:
 def finer_share(source: Filling) -> float:
     """Return the share of the mass that is finer than ``smallest_fed_m``."""
     limit_m = source.smallest_fed_m or 0.0
-    return sum(row.mass_fraction * (1.0 - _coarser_share(row, limit_m)) for row in _given_classes(source))
+    return sum(row.mass_fraction * (1.0 - _coarser_share(row, limit_m)) for row in given_classes(source))
 
 
 def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
@@ -62,8 +63,11 @@ def _faults_of_curve(points: Sequence[PassingPoint]) -> Iterator[tuple[str, str,
         yield "curve", what, "begin with a diameter that nothing passes, end with the largest"
 
 
-def _given_classes(source: Filling) -> list[SizeClass]:
-    """Return the size classes as the source gives them, or narrow classes along its curve."""
+def given_classes(source: Filling) -> list[SizeClass]:
+    """Return the size classes as the source gives them, or narrow classes along its curve.
+
+    Particles finer than ``smallest_fed_m`` are among them.
+    """
     if source.sizes:
         return list(source.sizes)
     return [
@@ -83,6 +87,20 @@ def _segment(fine_m: float, coarse_m: float, share: float) -> list[SizeClass]:
     return [size_class(a, b, part) for a, b, part in rows]
 
 
+def classes_of_diameters(diameter_m: Array) -> tuple[SizeClass, ...]:
+    """Return at most ``RANGES`` classes of given particles (n,), which have one density.
+
+    The limits of a class are the smallest and the largest of its particles.
+    """
+    edges_m = np.geomspace(diameter_m.min(), diameter_m.max(), RANGES + 1)[1:-1]
+    number, volume = np.digitize(diameter_m, edges_m), diameter_m**3
+    parts = [number == k for k in np.unique(number)]
+    return tuple(
+        size_class(diameter_m[part].min(), diameter_m[part].max(), volume[part].sum() / volume.sum())
+        for part in parts
+    )
+
+
 def size_class(smallest_m: float, largest_m: float, mass_fraction: float) -> SizeClass:
     """Return a size class with these limits and this share of the mass."""
     return SizeClass(
@@ -98,7 +116,7 @@ def _computed_classes(source: Filling) -> list[SizeClass]:
     limit_m = source.smallest_fed_m or 0.0
     rows = [
         size_class(max(row.smallest_m, limit_m), row.largest_m, row.mass_fraction * coarser)
-        for row in _given_classes(source)
+        for row in given_classes(source)
         if (coarser := _coarser_share(row, limit_m)) > 0
     ]
     if source.finer == "next-class" and rows:
@@ -156,6 +174,22 @@ def diameters_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Gen
     """Return ``total`` random diameters, class by class."""
     rows = zip(sizes, counts(sizes, total), strict=True)
     return np.concatenate([generator.uniform(r.smallest_m, r.largest_m, n) for r, n in rows])
+
+
+def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
+    """Return the diameter below which half of the mass lies.
+
+    The classes may overlap, and their mass fractions may add up to any sum.  The diameters of a class are
+    evenly spread by number, so that the mass below d is a straight line over d^4 between two limits.
+    """
+    limits_m = sorted({limit_m for row in sizes for limit_m in (row.smallest_m, row.largest_m)})
+    quartic_m4, finer = [], []
+    for limit_m in limits_m:
+        below = sum(row.mass_fraction * (1.0 - _coarser_share(row, limit_m)) for row in sizes)
+        equal = sum(row.mass_fraction for row in sizes if row.smallest_m == row.largest_m == limit_m)
+        quartic_m4 += [limit_m**4, limit_m**4]
+        finer += [below, below + equal]
+    return float(np.interp(finer[-1] / 2, finer, quartic_m4) ** 0.25)
 
 
 def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:

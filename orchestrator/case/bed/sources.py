@@ -9,7 +9,7 @@ import numpy as np
 
 from orchestrator.case.bed.contact_times import largest_diameters_m
 from orchestrator.case.bed.feed import Feeds, Inlet
-from orchestrator.case.bed.packing import concatenate, place_block
+from orchestrator.case.bed.packing import concatenate, no_particles, place_block
 from orchestrator.case.bed.size_distribution import classes, share_left_out
 from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
@@ -27,12 +27,28 @@ class NoRoom(Exception):
 
 
 def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
-    """Return the single particles, then the blocks' particles.  Raises NoRoom.
+    """Return the single particles, then the blocks' particles, or else the carried ones.  Raises NoRoom.
 
     ``numbers`` are the materials' numbers, by name.
     """
     blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
-    return concatenate([_single_particles(case, numbers), *blocks])
+    return concatenate([_single_particles(case, numbers), *blocks, _carried_particles(case, numbers)])
+
+
+def _carried_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
+    """Return the particles taken over, with the densities of the case's materials."""
+    carried = case.bed.carried
+    if carried is None:
+        return no_particles()
+    of_name = [case.materials[name].density_kg_per_m3 for name in carried.materials]
+    return ParticleList(
+        position_m=carried.position_m,
+        velocity_m_per_s=carried.velocity_m_per_s,
+        spin_rad_per_s=carried.spin_rad_per_s,
+        diameter_m=carried.diameter_m,
+        density_kg_per_m3=np.array(of_name)[carried.material],
+        material=np.array([numbers[name] for name in carried.materials], dtype=np.int64)[carried.material],
+    )
 
 
 def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:

@@ -184,8 +184,9 @@ al., Minerals 14, 2024, 278).  Thin layers are faster, and fewer particles are t
 
 
 def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_PER_S) -> float:
-    """Return the time that material stays on the deck; infinite where nothing leaves."""
-    return deck_length_m(case) / transport_m_per_s if case.screen.exits else math.inf
+    """Return the time that material stays on the deck; infinite where nothing leaves, or without panels."""
+    length_m = deck_length_m(case)
+    return length_m / transport_m_per_s if case.screen.exits and length_m else math.inf
 
 
 def deck_length_m(case: Case) -> float:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from orchestrator.case.file.base import case_folders
 from orchestrator.case.file.layers import is_outside
 from orchestrator.ports import Array, Indices
 
@@ -109,12 +110,15 @@ def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
 
 
 def find_file(folder: Path, name: str) -> Path:
-    """Return the path of a file that lies in ``folder`` and is not too large.  Raises UnreadableStl."""
+    """Return the path of a file that is not too large and lies in a case's ``folder`` or that of a base.
+
+    Raises UnreadableStl.
+    """
     file = folder / name
     try:
         if not file.is_file():
             raise UnreadableStl("no such file")
-        if is_outside(file, folder):
+        if all(is_outside(file, each) for each in case_folders(folder)):
             raise UnreadableStl("is outside of the case's folder: copy it there")
         if file.stat().st_size > LARGEST_BYTES:
             raise UnreadableStl(f"is larger than {LARGEST_BYTES} bytes")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -55,6 +56,7 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> TriangleGrid:
     return TriangleGrid(coordinates, np.vstack([first, second]).astype(np.int64), number[:, rows // 2])
 
 
+REMEMBERED = 32  # shapes of panels: more than a case has
 GIVEN_POINTS_ONLY = 3  # This value of gmsh's Mesh.Algorithm means "initial mesh only".
 SMALLEST_ANGLE_DEG = 1.0
 
@@ -208,16 +210,25 @@ def surface_grids(case: Case) -> dict[str, TriangleGrid]:
     """Return the grid of each panel, by the panel's name.
 
     The grids resolve openings only if the case has particles; otherwise the surface only serves for
-    pictures.  Raises SolverMissing (without gmsh) and BadMesh for panels with openings.
+    pictures.  Equal panels share one grid.  Raises SolverMissing (without gmsh) and BadMesh for panels with
+    openings.
     """
-    by_shape: dict[object, TriangleGrid] = {}
     grids = {}
     for panel in single_panels(case):
         r = panel.rectangle
         apertures = panel.apertures if has_particles(case) else None
-        shape = (r.length_m, r.width_m, r.clamp_m, apertures)
-        if shape not in by_shape:
-            cells = case.panel.surface_cells
-            by_shape[shape] = perforated_grid(r, apertures, cells) if apertures else grid(r, cells)
-        grids[panel.name] = by_shape[shape]
+        grids[panel.name] = _grid_of(r.length_m, r.width_m, r.clamp_m, apertures, case.panel.surface_cells)
     return grids
+
+
+@lru_cache(REMEMBERED)
+def _grid_of(
+    length_m: float, width_m: float, clamp_m: float, apertures: AperturePattern | None, cells: tuple[int, int]
+) -> TriangleGrid:
+    """Return the grid of all panels of one shape, which takes seconds for a thousand openings."""
+    x, y, _ = np.eye(3)
+    shape = Rectangle(np.zeros(3), x, y, length_m, length_m, width_m, clamp_m)
+    made = perforated_grid(shape, apertures, cells) if apertures else grid(shape, cells)
+    for values in (made.coordinates_m, made.triangles, made.centre_line):
+        values.setflags(write=False)
+    return made

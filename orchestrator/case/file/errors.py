@@ -11,6 +11,8 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from orchestrator.case.file.units import why_refused
+
 Key = tuple[str | int, ...]
 MOST = 50  # A message shows at most so many problems.
 LONGEST = 600  # The line about a problem has at most so many characters.
@@ -18,6 +20,7 @@ LONGEST = 600  # The line about a problem has at most so many characters.
 RENAMED = {
     "damping_N_s_m": "damping_N_s_per_m",
     "density_kg_m3": "density_kg_per_m3",
+    "fitted": "ours",
     "gravity_m_s2": "gravity_m_per_s2",
     "hand_over": "exchange",
     "rate_kg_s": "rate_kg_per_s",
@@ -51,17 +54,24 @@ class CaseProblem:
 
     def __str__(self) -> str:
         place = " ".join(part for part in (self.file, dotted_key(self.key)) if part)
-        return visible(f"{place}: {self.what}" + (f"; {self.hint}" if self.hint else ""))
+        return visible(f"{place}: {self.what_helps}")
+
+    @property
+    def what_helps(self) -> str:
+        """What is wrong and how to correct it, without the place."""
+        return f"{self.what}; {self.hint}" if self.hint else self.what
 
 
 class CaseError(Exception):
     """An error for a case that cannot be run as it is (exit code 2); ``problems`` lists the reasons."""
 
+    where = "in the case"
+
     def __init__(self, problems: Iterable[CaseProblem]) -> None:
         self.problems = tuple(problems)
         count = len(self.problems)
         head = "1 problem" if count == 1 else f"{count} problems"
-        lines = [f"{head} in the case:", *(f"  {problem}" for problem in self.problems[:MOST])]
+        lines = [f"{head} {self.where}:", *(f"  {problem}" for problem in self.problems[:MOST])]
         if count > MOST:
             lines.append(f"  and {count - MOST} more")
         super().__init__("\n".join(lines))
@@ -151,6 +161,8 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
         if REPLACED.get(word) in allowed:
             return CaseProblem(key, f"{value} is of an earlier version", f'use "{REPLACED[word]}"')
         return CaseProblem(key, f"{value} is not one of {expected}", did_you_mean(word, allowed))
+    if isinstance(detail["input"], str) and (why := why_refused(detail["input"], key)):
+        return CaseProblem(key, f"{value} {why}")
     if kind == "model_type":
         expected = "a table"
     return CaseProblem(key, f"{value} is wrong, {expected} is wanted")

@@ -1,19 +1,20 @@
 """The layers of a case: its TOML files and overrides, merged, with the source of each key.
 
 Tables are merged key by key; any other value is replaced as a whole.  An overlay addresses an element
-of a list by its number, as if the list were a table: ``contacts.0.restitution``.
+of a list by its number, as if the list were a table: ``contacts.0.restitution``.  If an overlay gives a
+quantity in another way than the layers below it, the other way is gone.
 """
 
 from __future__ import annotations
 
-import hashlib
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
+from orchestrator.case.file.units import in_own_units
 
 DEEPEST = 20  # So many tables may lie in each other; the case format has 7.
 TOO_DEEP = "is nested too deeply"
@@ -66,13 +67,24 @@ def is_outside(file: Path, folder: Path) -> bool:
     return not file.resolve().is_relative_to(folder.resolve())
 
 
+REPLACED_BY = {
+    "work_of_adhesion_J_per_m2": ("bond_number", "bond_diameter_m", "moisture"),
+    "bond_number": ("work_of_adhesion_J_per_m2", "moisture"),
+    "moisture": ("work_of_adhesion_J_per_m2", "bond_number", "bond_diameter_m"),
+}
+"""Keys that a key of a later layer replaces, because it gives the same quantity in another way."""
+
+
 class Layers:
-    """A stack of tables laid over each other; ``merged`` is the table that all of them make."""
+    """A stack of tables laid over each other; ``merged`` is the table that all of them make.
+
+    Numbers with units are in the units of their keys (units.py).
+    """
 
     def __init__(self, given: Mapping[str, Any], source: str) -> None:
         self._first = source
         self._source: dict[tuple[str, ...], str] = {}
-        self.merged: dict[str, Any] = dict(given)
+        self.merged: dict[str, Any] = in_own_units(given)
 
     def copy(self) -> Layers:
         """Return a copy of these layers, over which others can be laid."""
@@ -85,7 +97,7 @@ class Layers:
 
         Raises CaseError if the table addresses an element that a list does not have.
         """
-        self.merged = self._over(self.merged, overlay, (), source)
+        self.merged = self._over(self.merged, in_own_units(overlay), (), source)
 
     def source(self, key: Key) -> str:
         """Return the file or option that last gave this key or the table that holds it."""
@@ -113,7 +125,8 @@ class Layers:
         if not isinstance(below, Mapping):
             self._source[key] = source
             below = {}
-        merged = dict(below)
+        other_ways = {other for word in overlay for other in REPLACED_BY.get(word, ())} - overlay.keys()
+        merged = {word: value for word, value in below.items() if word not in other_ways}
         for word, value in overlay.items():
             merged[word] = self._over(below.get(word), value, (*key, word), source)
             if value is None:
@@ -164,67 +177,3 @@ def find_changes(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator
             yield from find_changes(before.get(word), after.get(word), (*key, word))
     elif before != after:
         yield key
-
-
-def level_file(folder: Path, level: str) -> Path:
-    """Return the file of a level: in the case's folder by its name, or any TOML file by its path."""
-    return Path(level) if level.endswith(".toml") else folder / "levels" / f"{level}.toml"
-
-
-CHEAP_LEVEL = "draft"
-"""The level at which a case is tried out if it has a level of this name."""
-OF_EFFECTS = ("effects", "effects_for")
-
-
-@dataclass(frozen=True)
-class Origin:
-    """The origin of a case: its folder, the table of case.toml, its level ("" for none) and its overrides."""
-
-    folder: Path
-    given: Mapping[str, Any]
-    level: str
-    overrides: tuple[str, ...]
-
-    @property
-    def others(self) -> tuple[str, ...]:
-        """The overrides that do not choose effects."""
-        return tuple(text for text in self.overrides if text.partition("=")[0].strip() not in OF_EFFECTS)
-
-    def read(self) -> dict[str, Any]:
-        """Read everything that defines the case except its choice of effects.
-
-        The result has tables, overrides, and checksums of the STL files and recordings in the folder
-        that these name.  Raises CaseError for a level that cannot be read.
-        """
-        levels = {
-            name: read_toml(file)
-            for name in {self.level, CHEAP_LEVEL} - {""}
-            if (file := level_file(self.folder, name)).is_file()
-        }
-        tables = [_without_effects(table) for table in (self.given, *levels.values())]
-        named = {word for table in [*tables, *self.others] for word in _words(table)}
-        return {
-            "level": self.level,
-            "given": tables[0],
-            "levels": dict(zip(levels, tables[1:], strict=True)),
-            "overrides": list(self.others),
-            "files": {
-                word: hashlib.sha256(file.read_bytes()).hexdigest()
-                for word in sorted(named)
-                if word.endswith((".stl", ".h5")) and (file := self.folder / word).is_file()
-            },
-        }
-
-
-def _without_effects(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a case's table without the keys that choose effects."""
-    return {key: value for key, value in table.items() if key not in OF_EFFECTS}
-
-
-def _words(value: Any) -> set[str]:
-    """Return all strings in a table; from an override, return its value."""
-    if isinstance(value, Mapping):
-        return {word for inner in value.values() for word in _words(inner)}
-    if isinstance(value, list | tuple):
-        return {word for inner in value for word in _words(inner)}
-    return {value.rpartition("=")[2].strip().strip("\"'")} if isinstance(value, str) else set()

@@ -17,7 +17,7 @@ from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.bed import Bed, Filling
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.frames import Exciter
+from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.case.tables.quantities import Box
 from orchestrator.case.tables.screen import PanelTable, Screen
 from orchestrator.ports import Array, Indices
@@ -114,6 +114,15 @@ def _problems(case: Case) -> list[CaseProblem]:
         if not y_m[0] <= particle.position_m[1] < y_m[1]:
             key = ("bed", "particles", name, "position_m")
             problems.append(CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
+    carried = case.bed.carried
+    if carried is not None and case.bed.outside == "refuse":
+        beside = (carried.position_m[:, 1] < y_m[0]) | (carried.position_m[:, 1] > y_m[1])
+        if beside.any():
+            what = f"{beside.sum()} particles of {carried.source} are not in the slice"
+            hint = 'bed.outside = "leave-out" leaves them out'
+            problems.append(
+                CaseProblem(("bed", "outside"), f"{what} from y = {y_m[0]:g} to {y_m[1]:g} m", hint)
+            )
     return problems + _through_openings(case) + _in_periodic(case)
 
 
@@ -163,15 +172,30 @@ def _sides_m(panel: PanelTable) -> tuple[float, float]:
 def _cut_screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen:
     """Return the screen with cut panels, and with ``part`` of its frames, bushings and exciters."""
     inertia = ("mass_kg", "inertia_kg_m2", "products_of_inertia_kg_m2")
-    spring = ("stiffness_N_per_m", "damping_N_s_per_m")
     return screen.model_copy(
         update={
             "frames": {name: row.times(part, *inertia) for name, row in screen.frames.items()},
-            "bushings": {name: row.times(part, *spring) for name, row in screen.bushings.items()},
+            "bushings": {name: _bushing(row, part) for name, row in screen.bushings.items()},
             "exciters": {name: _exciter(row, part) for name, row in screen.exciters.items()},
             "panels": {name: _panel(row, y_m) for name, row in screen.panels.items()},
         }
     )
+
+
+def _bushing(row: Bushing, part: float) -> Bushing:
+    """Return a bushing with ``part`` of its stiffness and damping, and of those in its curves."""
+    spring = ("stiffness_N_per_m", "damping_N_s_per_m")
+    curves = [
+        curve.times(part, "elastic_N_per_m").model_copy(
+            update={
+                "points": tuple(point.times(part, *spring) for point in curve.points),
+                "friction": tuple(element.times(part, spring[0]) for element in curve.friction),
+                "maxwell": tuple(element.times(part, spring[0]) for element in curve.maxwell),
+            }
+        )
+        for curve in row.curves
+    ]
+    return row.times(part, *spring).model_copy(update={"curves": tuple(curves)})
 
 
 def _exciter(row: Exciter, part: float) -> Exciter:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
+from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.quantities import (
     Box,
     Name,
     NotNegative,
+    OneLine,
     Particles,
     Positive,
     Share,
+    Switch,
     Table,
     Vector,
     Whole,
@@ -102,7 +105,8 @@ class Feed(Filling):
 
 
 class Bed(Table):
-    """All particles.  Their ids start from 1, in the order particles, blocks, feeds."""
+    """All particles.  Their ids start from 1, in the order particles, blocks, feeds.  With ``from_run`` or
+    ``table``, the particles taken over replace single particles and blocks, while feeds stay."""
 
     particles: dict[Name, Particle] = Field(default_factory=dict)
     """Single particles by name."""
@@ -110,6 +114,41 @@ class Bed(Table):
     """Blocks by name."""
     feeds: dict[Name, Feed] = Field(default_factory=dict)
     """Feeds by name."""
+    from_run: OneLine | None = None
+    """Folder of a run whose particles this case begins with, from the case's folder or from the working
+    directory.  It may be a run of another level, mesh or machine."""
+    from_time_s: NotNegative | None = None
+    """With ``from_run``: time of the state; the nearest recorded state is taken.  By default, it is the
+    last one.  States of checkpoints are exact, others are those of the ParaView files."""
+    table: OneLine | None = None
+    """Table of particles, a CSV or Parquet file, from the case's folder or from the working directory.
+    Its columns are x_m, y_m, z_m, diameter_m, material; and, if given, vx_m_per_s, vy_m_per_s, vz_m_per_s,
+    wx_rad_per_s, wy_rad_per_s, wz_rad_per_s.  All are in world axes."""
+    velocities: Literal["keep", "zero"] = "keep"
+    """Velocities and spins of the particles taken over.  keep: as they were.  zero: all at rest."""
+    outside: Literal["refuse", "leave-out"] = "refuse"
+    """Particles taken over that are outside of ``domain_m``."""
+    push_out: Switch = False
+    """true: particles taken over that lie in surfaces or too deep in each other are moved apart before
+    the start.  false: they are refused."""
+
+    _carried: CarriedBed | None = PrivateAttr(default=None)
+
+    @property
+    def is_carried(self) -> bool:
+        """True if the particles at t = 0 come from a run or from a table."""
+        return self.from_run is not None or self.table is not None
+
+    @property
+    def carried(self) -> CarriedBed | None:
+        """The particles that were taken over, once they have been read (case/bed/carry.py)."""
+        return self._carried
+
+    def with_carried(self, carried: CarriedBed) -> Bed:
+        """Return a copy that begins with the ``carried`` particles instead of those that it describes."""
+        bed = self.model_copy(update={"particles": {}, "blocks": {}})
+        bed._carried = carried
+        return bed
 
     @property
     def sources(self) -> tuple[Block | Feed, ...]:

@@ -90,8 +90,13 @@ class Hyperelastic(Table):
 
 
 class Material(Table):
-    """A material of particles, walls or panels."""
+    """A material of particles, walls or panels.  A material of the library needs no table: ``material =
+    "limestone"`` is enough, and its table may give single keys that replace the library's
+    (docs/materials.md)."""
 
+    like: OneLine | None = None
+    """Name of a material of the library, which gives all keys that this table does not.  By default, it is
+    this material's own name."""
     density_kg_per_m3: Positive
     """Density."""
     youngs_modulus_Pa: Positive | None = None
@@ -100,6 +105,9 @@ class Material(Table):
     """Poisson's ratio in contacts.  For a hyperelastic material the default follows from its constants."""
     hyperelastic: Hyperelastic | None = None
     """Constants that the material of a panel needs in addition."""
+
+
+WORK_OF_ADHESION = "work_of_adhesion_J_per_m2"
 
 
 class Contact(Table):
@@ -116,6 +124,16 @@ class Contact(Table):
     work_of_adhesion_J_per_m2: NotNegative = 0.0
     """Energy per area to separate the two materials.  For equal materials it is twice the surface
     energy."""
+    bond_number: Annotated[float, Strict(), Ge(0), Le(1e6)] | None = None
+    """Pull-off force over the weight of a grain, which may be given instead of
+    ``work_of_adhesion_J_per_m2`` (docs/theory/adhesion.md).  The resolved case has the work."""
+    bond_diameter_m: Positive | None = None
+    """Diameter of the grain that ``bond_number`` refers to.  By default, it is the median diameter by mass
+    of the material's feeds; without feeds, of its blocks, else of its single particles, else of the
+    particles that the case takes over."""
+    moisture: Literal["dry", "moist", "wet", "sticky"] | None = None
+    """Class of moisture, which may be given instead of ``work_of_adhesion_J_per_m2``.  It stands for a work
+    of adhesion: dry 0, moist 0.192, wet 0.576, sticky 1.92 J/m2 (docs/theory/adhesion.md)."""
     specific_wear_m3_per_N_m: NotNegative = 0.0
     """Volume that particles of one material wear off a panel or surface of the other material, per
     normal force and sliding distance (docs/theory/wear.md)."""
@@ -132,6 +150,8 @@ class Probe(Table):
     """Panel that carries the point; give ``at``, too."""
     at: tuple[Share, Share] | None = None
     """Place of the point on the panel, as fractions of the free length and of the width."""
+    sensor_kg: NotNegative = 0.0
+    """Mass of a sensor that is fixed to the panel at the point.  Rigid and recorded panels leave it out."""
     particle: Annotated[int, Strict(), Ge(1), Lt(2**63)] | None = None
     """Id of the particle."""
 
@@ -189,7 +209,7 @@ class Case(Table):
     """Output and its intervals."""
 
     _whole: Case | None = PrivateAttr(default=None)
-    _fine: Case | None = PrivateAttr(default=None)
+    _given: Case | None = PrivateAttr(default=None)
 
     @property
     def adapters(self) -> dict[Port, Adapter[Any, Any, Any]]:
@@ -209,14 +229,15 @@ class Case(Table):
 
     @property
     def original(self) -> Case:
-        """The case of the whole machine with particles as fine as the user gave them."""
-        return self.whole_machine._fine or self.whole_machine
+        """The case of the whole machine with all particles, as fine as the user gave them."""
+        return self.whole_machine._given or self.whole_machine
 
-    def with_coarse(self, update: dict[str, object]) -> Case:
-        """Return a copy with updated tables for coarse particles, which knows this case as its original."""
-        coarse = self.model_copy(update=update)
-        coarse._fine = self
-        return coarse
+    def computed_with(self, update: dict[str, object]) -> Case:
+        """Return a copy with updated tables for coarse or fewer particles, which knows this case as its
+        original."""
+        copy = self.model_copy(update=update)
+        copy._given = self
+        return copy
 
     def cut_to(self, update: dict[str, object]) -> Case:
         """Return a copy with updated tables for a slice, which knows this case as the whole machine."""
@@ -227,7 +248,8 @@ class Case(Table):
 
 def has_particles(case: Case) -> bool:
     """Return whether the case has or feeds particles."""
-    described = case.bed.particles or case.bed.blocks or case.bed.feeds
+    bed = case.bed
+    described = bed.particles or bed.blocks or bed.feeds or bed.is_carried
     return bool(described) and case.particles.solver != NONE
 
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le
-from pydantic import Strict
+from pydantic import Strict, StringConstraints
 
 from orchestrator.case.tables.quantities import (
     NotNegative,
     NotNegativeVector,
     Number,
+    OneLine,
     Positive,
     Table,
     Vector,
@@ -35,8 +36,8 @@ class Drive(Table):
     """Amplitude of the rotation vector."""
     rotation_phase_rad: Vector = (0.0, 0.0, 0.0)
     """Phase of each component of the rotation."""
-    center_m: Vector = (0.0, 0.0, 0.0)
-    """Centre of the rotation."""
+    center_m: Vector | None = None
+    """Centre of the rotation.  A drive with ``rotation_rad`` needs it."""
     run_up_s: NotNegative = 0.0
     """Time in which the motion grows to its full size."""
 
@@ -46,8 +47,9 @@ class Frame(Table):
     moves as its ``drive`` prescribes, whatever pushes it.  One machine may have both kinds with the
     solvers "planar" and "exudyn"."""
 
-    center_of_mass_m: Vector = (0.0, 0.0, 0.0)
-    """Centre of mass at t = 0."""
+    center_of_mass_m: Vector | None = None
+    """Centre of mass at t = 0.  A free frame needs it, unless its solver knows no rotation.  For a driven
+    frame it is only the point whose motion is recorded, by default the origin."""
     mass_kg: Positive | None = None
     """Mass without panels and particles."""
     inertia_kg_m2: tuple[Positive, Positive, Positive] | None = None
@@ -58,6 +60,64 @@ class Frame(Table):
     """Prescribed motion, which the solver "two-mass" does not know.  A driven frame may have no mass and
     no inertia, because these have no effect on its motion."""
 
+    @property
+    def recorded_point_m(self) -> Vector:
+        """The point whose motion is recorded: the centre of mass, or the origin where none is given."""
+        return self.center_of_mass_m or (0.0, 0.0, 0.0)
+
+
+class CurvePoint(Table):
+    """A harmonic test of a bushing: the deformation, and the force that it took."""
+
+    amplitude_m: Annotated[float, Strict(), Ge(1e-7), Le(1)]
+    """Amplitude of the deformation, which is half of its range."""
+    frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e4)]
+    """Frequency."""
+    stiffness_N_per_m: Positive
+    """Amplitude of the force in phase with the deformation, divided by ``amplitude_m``."""
+    loss_factor: Annotated[float, Strict(), Ge(0), Le(10)] | None = None
+    """Energy lost in a cycle, divided by pi ``stiffness_N_per_m`` ``amplitude_m`` squared."""
+    damping_N_s_per_m: NotNegative | None = None
+    """Damping of the viscous damper that loses as much in a cycle; given in place of ``loss_factor``."""
+
+
+class FrictionElement(Table):
+    """A spring and a slider in series.  The slider holds until the spring is stretched by ``slip_m``."""
+
+    stiffness_N_per_m: Positive
+    """Stiffness of the spring."""
+    slip_m: Positive
+    """Stretch of the spring at which the slider slips."""
+
+
+class MaxwellElement(Table):
+    """A spring and a damper in series."""
+
+    stiffness_N_per_m: Positive
+    """Stiffness of the spring."""
+    relaxation_s: Positive
+    """Relaxation time, which is the damping divided by the stiffness."""
+
+
+class BushingCurve(Table):
+    """Measured stiffness and loss of one bushing over amplitude and frequency.  A spring with friction and
+    Maxwell elements in parallel is fitted to the points when the case is read, unless
+    ``elastic_N_per_m`` gives them.  The solvers "planar" and "exudyn" move frames by this law."""
+
+    axes: Annotated[str, StringConstraints(pattern=r"^[xyz]{1,3}$")] = "x"
+    """Axes of the bushing to which the curve belongs, such as "xz"."""
+    points: tuple[CurvePoint, ...] = ()
+    """Measured points."""
+    file: OneLine | None = None
+    """CSV file in the case's folder with the points, in place of ``points``.  Its first line has the names
+    of their keys."""
+    elastic_N_per_m: Positive | None = None
+    """Stiffness of the spring alone, at a large amplitude and a low frequency."""
+    friction: tuple[FrictionElement, ...] = ()
+    """Friction elements."""
+    maxwell: tuple[MaxwellElement, ...] = ()
+    """Maxwell elements."""
+
 
 class Bushing(Table):
     """Equal bushings between two frames: a spring and a damper at each position."""
@@ -67,11 +127,15 @@ class Bushing(Table):
     positions_m: Vectors
     """Positions of the bushings, with a row for each."""
     stiffness_N_per_m: NotNegativeVector
-    """Stiffness of one bushing, along each of its axes."""
+    """Stiffness of one bushing, along each of its axes.  Along an axis with a curve, estimates and linear
+    solvers use it."""
     damping_N_s_per_m: NotNegativeVector = (0.0, 0.0, 0.0)
-    """Viscous damping of one bushing, along each of its axes."""
+    """Viscous damping of one bushing, along each of its axes.  Along an axis with a curve, estimates and
+    linear solvers use it."""
     rotation_deg: Vector = (0.0, 0.0, 0.0)
     """Rotation of the bushing's axes from the deck axes: about x, then y, then z."""
+    curves: tuple[BushingCurve, ...] = ()
+    """Measured curves of the bushing, for one or more of its axes each."""
 
 
 class Motor(Table):

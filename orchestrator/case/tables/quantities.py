@@ -1,7 +1,8 @@
 """The kinds of value in a case, and the base class of all its tables.
 
-Numbers are strict: "4" and true are no numbers, but a whole number is a valid float.  The name of
-every float ends in its unit; tests/case/test_tables.py checks this for all tables.
+Numbers are strict: "4" and true are no numbers, but a whole number is a valid float.  Numbers with
+units ("4 mm") have been converted before a table sees them (file/units.py).  The name of every float
+ends in its unit; tests/case/test_tables.py checks this for all tables.
 """
 
 from __future__ import annotations

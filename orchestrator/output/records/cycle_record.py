@@ -17,13 +17,14 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_numbers
 from orchestrator.output.records.history import History
-from orchestrator.output.records.panel_lines import PanelLines, panel_pull_N
-from orchestrator.ports import Array
+from orchestrator.output.records.panel_lines import PanelLines, panel_pull_N, sum_of_products
+from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.geometry import Rectangle
 from orchestrator.ports.state import SavedAttributes
 
 LEAST, MEAN, MOST = range(3)
 POINT_VALUES, PANEL_VALUES = 5, 8
+TOGETHER = 32  # sync points evaluated together, which costs little more than evaluating two
 Columns = dict[str, tuple[int, int | slice]]
 POINT_COLUMNS: Columns = {  # from the displacement since t = 0 (3), its size and the speed
     "least_m": (LEAST, slice(0, 3)),
@@ -49,7 +50,8 @@ PANEL_COLUMNS: Columns = {  # from the values that ``CycleRecord._panel_values``
 class CycleRecord(SavedAttributes):
     """The record of the current cycle's means and extremes; ``cycles.py`` defines the cycle of a sync point.
 
-    A cycle that the end of the run cuts short gets a row like the others.
+    A cycle that the end of the run cuts short gets a row like the others.  Sync points are kept until there
+    are ``TOGETHER``, or until the cycle or the run ends; the outcome is the same to the last bit.
     """
 
     STATE: ClassVar = ("_cycle", "_last_s", "_count", "_least", "_most", "_sum")
@@ -72,11 +74,12 @@ class CycleRecord(SavedAttributes):
         start_m = start.panel.surface.position_m
         self._start_m = self._of_points(start.clamps.position_m, start_m)
         self._panels = [panel.name for panel in machine.panels]
+        lines = [panel.centre_line for panel in machine.panels]
+        self._on_lines: Indices = np.concatenate([np.empty(0, dtype=np.int64), *lines])
         if self._panels:
-            lines = [panel.centre_line for panel in machine.panels]
-            self._on_lines = np.concatenate(lines)
             self._lines = PanelLines(rectangles, [start_m[line] for line in lines])
             self._along = np.array([rectangle.along for rectangle in rectangles])
+        self._kept: list[tuple[Array, Array, Array, Array]] = []
         self._cycle, self._last_s, self._count = 0, 0.0, 0
         size = POINT_VALUES * len(self._points) + PANEL_VALUES * len(self._panels)
         self._least, self._most = np.full(size, np.inf), np.full(size, -np.inf)
@@ -88,16 +91,23 @@ class CycleRecord(SavedAttributes):
         cycle = int(cycle_numbers(time_s, self._cycle_s))
         if cycle != self._cycle:
             self.close()
-        values = np.concatenate([self._point_values(state), self._panel_values(state, forces_N)])
+        clamps, surface = state.clamps, state.panel.surface
+        position_m = self._of_points(clamps.position_m, surface.position_m)
+        velocity_m_per_s = self._of_points(clamps.velocity_m_per_s, surface.velocity_m_per_s)
+        self._kept.append((position_m, velocity_m_per_s, surface.position_m[self._on_lines], forces_N))
         self._cycle, self._last_s, self._count = cycle, time_s, self._count + 1
-        np.minimum(self._least, values, out=self._least)
-        np.maximum(self._most, values, out=self._most)
-        self._sum += values
+        if len(self._kept) == TOGETHER:
+            self._evaluate()
+
+    def save(self) -> Saved:
+        self._evaluate()
+        return super().save()
 
     def close(self) -> None:
         """Write the row of the current cycle if it has a sync point."""
         if not self._count:
             return
+        self._evaluate()
         table = np.stack([self._least, self._sum / self._count, self._most])
         of_points, of_panels = np.split(table, [POINT_VALUES * len(self._points)], axis=1)
         for kind, names, columns, values in (
@@ -110,31 +120,48 @@ class CycleRecord(SavedAttributes):
         self._count, self._sum[:] = 0, 0.0
         self._least[:], self._most[:] = np.inf, -np.inf
 
+    def _evaluate(self) -> None:
+        """Take the sync points that are kept into the means and extremes."""
+        if not self._kept:
+            return
+        position_m, velocity_m_per_s, line_m, forces_N = map(np.stack, zip(*self._kept, strict=True))
+        self._kept.clear()
+        values = np.concatenate(
+            [self._point_values(position_m, velocity_m_per_s), self._panel_values(line_m, forces_N)], axis=1
+        )
+        np.minimum(self._least, values.min(axis=0), out=self._least)
+        np.maximum(self._most, values.max(axis=0), out=self._most)
+        for row in values:  # one after the other, so that the sum does not depend on who is kept together
+            self._sum += row
+
     def _of_points(self, carried: Array, touched: Array) -> Array:
         return np.vstack([carried[self._carried], touched[self._touched]])
 
-    def _point_values(self, state: State) -> Array:
-        clamps, surface = state.clamps, state.panel.surface
-        moved_m = self._of_points(clamps.position_m, surface.position_m) - self._start_m
-        velocity_m_per_s = self._of_points(clamps.velocity_m_per_s, surface.velocity_m_per_s)
-        sizes = [np.sqrt(np.einsum("ij,ij->i", x, x)) for x in (moved_m, velocity_m_per_s)]
-        return np.column_stack([moved_m, *sizes]).ravel()
+    def _point_values(self, position_m: Array, velocity_m_per_s: Array) -> Array:
+        """Return the ``POINT_VALUES`` values of each point at n times, (n, all values), from its motion (n,
+        points, 3)."""
+        moved_m = position_m - self._start_m
+        sizes = [np.sqrt(sum_of_products(x, x))[..., None] for x in (moved_m, velocity_m_per_s)]
+        values: Array = np.concatenate([moved_m, *sizes], axis=2)
+        return values.reshape(len(moved_m), POINT_VALUES * len(self._points))
 
-    def _panel_values(self, state: State, forces_N: Array) -> Array:
-        """Return the ``PANEL_VALUES`` values of each panel, one panel after the other.
+    def _panel_values(self, line_m: Array, forces_N: Array) -> Array:
+        """Return the ``PANEL_VALUES`` values of each panel at n times, (n, all values).
 
         They are its pull, the larger force on a clamp, its load (3), the stretch of its middle line, and
         the largest height of this line and the height of its middle over the chord between its ends.
+        ``line_m`` are the lines' points (n, points, 3), ``forces_N`` has the shape (n, 5, panels, 3).
         """
         if not self._panels:
-            return np.empty(0)
-        load_N, _, first_N, second_N, _ = forces_N
-        place_m = state.panel.surface.position_m[self._on_lines]
-        columns = (
+            return np.empty((len(line_m), 0))
+        load_N, _, first_N, second_N, _ = np.moveaxis(forces_N, 1, 0)
+        sizes_N = [np.sqrt(sum_of_products(x, x)) for x in (first_N, second_N)]
+        single = (
             panel_pull_N(first_N, second_N, self._along),
-            np.linalg.norm([first_N, second_N], axis=2).max(axis=0),
-            load_N,
-            self._lines.stretch(place_m),
-            *self._lines.heights_m(place_m),
+            np.maximum(*sizes_N),
+            *np.moveaxis(load_N, 2, 0),
+            self._lines.stretch(line_m),
+            *self._lines.heights_m(line_m),
         )
-        return np.column_stack(columns).ravel()
+        values: Array = np.stack(single, axis=2)
+        return values.reshape(len(line_m), PANEL_VALUES * len(self._panels))

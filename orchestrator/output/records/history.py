@@ -119,12 +119,13 @@ class Column:
 
 
 ROWS_IN_MEMORY = 500
-HISTORY_FORMAT = 2
+HISTORY_FORMAT = 3
 """The version of the file's format, in its attribute ``format_version``.  Raise it with every change of
 COLUMNS or of their meaning (docs/run-folder.md, "history.h5").  The oldest files have no version."""
 COLUMNS: dict[str, tuple[str, ...]] = {
     "frames": ("displacement_m", "velocity_m_per_s", "rotation_rad", "spin_rad_per_s"),
     "probes": ("position_m", "velocity_m_per_s"),
+    "accelerations": ("acceleration_m_per_s2",),
     "point_cycles": ("sync_points", "least_m", "most_m", "mean_m", "farthest_m", "fastest_m_per_s"),
     "panel_cycles": (
         *("sync_points", "pull_least_N", "pull_mean_N", "pull_most_N", "clamp_most_N", "load_mean_N"),
@@ -222,8 +223,29 @@ class History:
         self._columns[where].append(block)
 
 
-GROUP = "results"
+GROUP, ACCELERATIONS = "results", "accelerations"
 ROOM_BYTES = 4 * 1024**2
+
+
+def write_accelerations(
+    history_file: Path, accelerations: Mapping[str, tuple[Array, Array]], band_Hz: float
+) -> None:
+    """Write the group ``accelerations`` anew: for each point, times (n,) and accelerations (n, 3) in m/s2.
+
+    ``band_Hz``, the highest frequency that they show, is an attribute of the group.  Raises OSError if the
+    disk is nearly full: a failed write would lose the whole file.
+    """
+    needed = sum(time_s.nbytes + values.nbytes for time_s, values in accelerations.values())
+    if shutil.disk_usage(history_file.parent).free < ROOM_BYTES + needed:
+        raise OSError(errno.ENOSPC, f"no room for the group {ACCELERATIONS} of {history_file.name}")
+    with h5py.File(history_file, "a") as history:
+        if ACCELERATIONS in history:
+            del history[ACCELERATIONS]
+        history.create_group(ACCELERATIONS).attrs["band_Hz"] = band_Hz
+        for name, (time_s, values) in accelerations.items():
+            for column, data in zip(("time_s", *COLUMNS[ACCELERATIONS]), (time_s, values), strict=True):
+                dataset = history.create_dataset(f"{ACCELERATIONS}/{name}/{column}", data=data)
+                dataset.attrs["unit"] = unit_of(column)
 
 
 def write_results(history_file: Path, results: Mapping[str, Any]) -> None:

@@ -41,32 +41,38 @@ class PanelLines:
         self._clamped_m = np.array([clamped_length_m(rectangle, line_m) for rectangle, line_m in pairs])
 
     def stretch(self, line_m: Array) -> Array:
-        """Return the mean strain (panels,) along the lines (points, 3).
+        """Return the mean strain (..., panels) along the lines (..., points, 3), of any number of times.
 
         The strain is the length between the clamps over the stress-free length, less one.  Chords of
         length h on a curvature k are shorter than their arcs by the share h^2 k^2 / 24.
         """
-        step_m = np.diff(line_m, axis=0)
-        piece_m = np.sqrt(np.einsum("ij,ij->i", step_m, step_m))
-        piece_m[self._last[:-1]] = 0.0  # from the end of a panel to the beginning of the next panel
-        length_m = np.add.reduceat(piece_m, self._first)
+        step_m = np.diff(line_m, axis=-2)
+        piece_m = np.sqrt(sum_of_products(step_m, step_m))
+        piece_m[..., self._last[:-1]] = 0.0  # from the end of a panel to the beginning of the next panel
+        length_m = np.add.reduceat(piece_m, self._first, axis=-1)
         return np.asarray((length_m - self._clamped_m) / self._free_m - 1.0)
 
     def heights_m(self, line_m: Array) -> tuple[Array, Array]:
         """Return each line's largest distance from the chord between its ends, and the height of its middle.
 
-        Both are (panels,) in m.  The height over the chord is positive towards the bed.
+        Both are (..., panels) in m, of lines (..., points, 3).  The height over the chord is positive towards
+        the bed.
         """
-        chord_m = line_m[self._last] - line_m[self._first]
-        run_m = np.einsum("pi,pi->p", chord_m, self._along)
-        climb_m = np.einsum("pi,pi->p", chord_m, self._normal)
+        first_m = line_m[..., self._first, :]
+        chord_m = line_m[..., self._last, :] - first_m
+        run_m, climb_m = sum_of_products(chord_m, self._along), sum_of_products(chord_m, self._normal)
         over_m = np.hypot(run_m, climb_m)
         # normal to the chord, in the plane of the panel's length and its normal
-        upright = (run_m[:, None] * self._normal - climb_m[:, None] * self._along) / over_m[:, None]
-        from_end_m = line_m - line_m[self._first][self._panel]
-        height_m = np.einsum("ij,ij->i", from_end_m, upright[self._panel])
-        largest_m = np.maximum.reduceat(np.abs(height_m), self._first)
-        return largest_m, height_m[self._middle]
+        upright = (run_m[..., None] * self._normal - climb_m[..., None] * self._along) / over_m[..., None]
+        from_end_m = line_m - first_m[..., self._panel, :]
+        height_m = sum_of_products(from_end_m, upright[..., self._panel, :])
+        largest_m = np.maximum.reduceat(np.abs(height_m), self._first, axis=-1)
+        return largest_m, height_m[..., self._middle]
+
+
+def sum_of_products(a: Array, b: Array) -> Array:
+    """Return the products of vectors (..., 3), added in the same order however many there are."""
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
 
 
 def clamped_length_m(at: Rectangle, line_m: Array) -> float:
@@ -77,12 +83,12 @@ def clamped_length_m(at: Rectangle, line_m: Array) -> float:
 
 
 def panel_pull_N(first_N: Array, second_N: Array, along: Array) -> Array:
-    """Return the pull (n,) of panels, which is negative where a panel pushes.
+    """Return the pull (..., n) of panels, which is negative where a panel pushes.
 
-    The pull is half the difference of the forces (n, 3) on the first and the second clamp, along the
+    The pull is half the difference of the forces (..., n, 3) on the first and the second clamp, along the
     unit vectors ``along`` from the first clamp to the second, (3,) or (n, 3).
     """
-    return np.asarray(((first_N - second_N) * along).sum(axis=1) / 2)
+    return sum_of_products(first_N - second_N, along) / 2
 
 
 def _length_m(line_m: Array) -> float:

@@ -36,6 +36,7 @@ from orchestrator.output.records.panel_lines import FoldMonitor
 from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.output.records.surface_fields import SurfaceFields
 from orchestrator.output.records.wear_record import WearRecord
 from orchestrator.ports import Array, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in
@@ -79,6 +80,8 @@ class Recorder:
         self._parts = {"folds": self._folds, "series": self._series, "cycles": self._cycles}
         if len(machine.surface.triangles):
             self._parts["surface"] = self._surface = Series(folder, "surface")
+            start_m, triangles = start.panel.surface.position_m, machine.surface.triangles
+            self._fields = SurfaceFields(start_m, triangles, self._interval_s)
         if machine.material is not None:
             self._parts["particles"] = self._particles = Series(folder, "particles")
             exits = machine.material.exits
@@ -112,10 +115,13 @@ class Recorder:
         if self._writes:
             self._series.write_row(time_s, state, followed)
 
-    def record_output(self, time_s: float, state: State) -> tuple[dict[str, float], BedSnapshot | None]:
+    def record_output(
+        self, time_s: float, state: State, before: State
+    ) -> tuple[dict[str, float], BedSnapshot | None]:
         """Record an output time: shapes, books, and files for ParaView.
 
-        Return the terms of the ledger, and the bed (None without particles).
+        ``before`` is the state at the sync point before it, or the same state at t = 0.  Return the terms of
+        the ledger, and the bed (None without particles).
         """
         machine, surface = self._machine, state.panel.surface
         terms = self._ledger.energy_J()
@@ -130,11 +136,13 @@ class Recorder:
             self._folds.look(time_s, panel.name, line_m)
         triangles = machine.surface.triangles
         if len(triangles):
-            worn: dict[str, Array] = {}
+            at_points = self._fields.at_points(surface, before.panel.surface, state.load)
             if worn_m3 is not None:
                 self._add_groups(time_s, self._wear.groups(worn_m3))
-                worn["worn_depth_m"] = self._wear.point_depth_m(worn_m3)
-            self._surface.add(time_s, surface_mesh(surface, triangles, machine.panel_of_triangle, worn))
+                at_points["worn_depth_m"] = self._wear.point_depth_m(worn_m3)
+            stretch = {"stretch_percent": self._fields.stretch_percent(surface)}
+            panels = machine.panel_of_triangle
+            self._surface.add(time_s, surface_mesh(surface, triangles, panels, at_points, stretch))
         if bed is not None:
             particles = bed.particles
             self._history.add("bed", time_s, _describe_bed(particles))

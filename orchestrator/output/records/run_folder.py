@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import json
 import logging
+import math
 import os
 import shutil
 import time
@@ -16,7 +18,10 @@ from typing import Any
 
 import tomli_w
 
-from orchestrator.case.provenance import provenance
+from orchestrator.case.bed import saved_bed
+from orchestrator.case.bed.saved_bed import BED
+from orchestrator.case.provenance import provenance, read_provenance
+from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
 
 LOG = logging.getLogger("flipflow")
@@ -58,12 +63,36 @@ def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
                 shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
         if loaded.case.panel.recording is not None:
             shutil.copyfile(loaded.folder / loaded.case.panel.recording, folder / RECORDING)
+        if (carried := loaded.case.original.bed.carried) is not None:
+            saved_bed.write(folder / BED, carried)
         write_case(folder, loaded)
-        write_json(folder / "provenance.json", provenance(world.size if world else 1))
+        about = provenance(world.size if world else 1)
+        write_json(folder / "provenance.json", about | _origin_of_bed(loaded.case))
     except OSError as error:
         remove_folder(folder)
         raise FolderUnusable(f"{folder}: cannot be written: {error.strerror or error}") from None
     return folder
+
+
+def _origin_of_bed(case: Case) -> dict[str, Any]:
+    """Return where the particles come from with which the case begins; nothing where it describes them."""
+    carried = case.bed.carried
+    if carried is None:
+        return {}
+    source = Path(carried.source).resolve()
+    table: dict[str, Any] = {
+        "file": str(source),
+        "sha256": hashlib.sha256(source.read_bytes()).hexdigest(),
+        "time_s": None if math.isnan(carried.time_s) else carried.time_s,
+        "particles": len(carried),
+        "left_out": len(case.original.bed.carried or ()) - len(carried),
+        "velocities": case.bed.velocities,
+    }
+    if case.bed.from_run is not None:
+        run = next(folder for folder in source.parents if (folder / "provenance.json").is_file())
+        about = read_provenance(run)
+        table |= {"run": str(run), "run_started": about.get("started"), "run_commit": about.get("commit")}
+    return {"bed": table}
 
 
 def write_case(folder: Path, loaded: JudgedCase) -> None:
@@ -73,10 +102,15 @@ def write_case(folder: Path, loaded: JudgedCase) -> None:
 
 def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
     """Return the case for the run's folder, with its level, every ``--set`` and every default applied."""
+    case_bed = loaded.case.original.bed
     table = loaded.case.original.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
             surface["stl"] = f"{name}.stl"
+    if case_bed.carried is not None:
+        for key in ("from_run", "from_time_s"):
+            table["bed"].pop(key, None)
+        table["bed"]["table"] = BED
     if "recording" in table["panel"]:
         table["panel"]["recording"] = RECORDING
     return table | {"default_level": ""}

@@ -13,6 +13,7 @@ from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import History
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
+from orchestrator.ports.frames import find_element_forces_N
 from orchestrator.ports.state import SavedAttributes
 
 FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
@@ -70,7 +71,8 @@ class TimeSeries(SavedAttributes):
             position_m, velocity_m_per_s = _probe_motion(probe, state, followed)
             values = {"position_m": position_m, "velocity_m_per_s": velocity_m_per_s}
             history.add(f"probes/{probe.name}", time_s, values)
-        deformation_m, force_N = machine.bushings.at(state.clamps)
+        element_N = find_element_forces_N(machine.members.frames)
+        deformation_m, force_N = machine.bushings.at(state.clamps, element_N)
         columns = {"deformation_m": deformation_m, "force_N": force_N}
         history.add_each("bushings", time_s, machine.bushings.names, columns)
         mean_N = self._sum_N / self._summed

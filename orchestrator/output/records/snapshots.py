@@ -14,6 +14,7 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 
+from orchestrator.case.bed.push_out import overlapping_pairs
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 
@@ -80,15 +81,21 @@ def in_single_precision(mesh: meshio.Mesh) -> meshio.Mesh:
         return values.astype(np.float32) if values.dtype == np.float64 else values
 
     point_data = {name: single(values) for name, values in mesh.point_data.items()}
-    return meshio.Mesh(single(mesh.points), mesh.cells, point_data, mesh.cell_data)
+    cell_data = {name: [single(part) for part in parts] for name, parts in mesh.cell_data.items()}
+    return meshio.Mesh(single(mesh.points), mesh.cells, point_data, cell_data)
 
 
 def surface_mesh(
-    surface: Motion, triangles: Indices, panel: Indices, worn: Mapping[str, Array]
+    surface: Motion,
+    triangles: Indices,
+    panel: Indices,
+    at_points: Mapping[str, Array],
+    of_triangles: Mapping[str, Array],
 ) -> meshio.Mesh:
     """Return the mesh of the triangles (n, 3), with the number of the ``panel`` (n,) in each cell.
 
-    Its points have their velocity, and the values ``worn`` (points,) by name.  Points without a triangle
+    Its points have their velocity and the fields ``at_points``, by name; its cells have the fields
+    ``of_triangles``.  Points without a triangle
     (probes, arms of frames) are left out: they would enlarge a viewer's view.
     """
     points, corners = np.unique(triangles, return_inverse=True)
@@ -97,15 +104,20 @@ def surface_mesh(
         [("triangle", corners.reshape(triangles.shape))],
         point_data={
             "velocity_m_per_s": surface.velocity_m_per_s[points],
-            **{name: values[points] for name, values in worn.items()},
+            **{name: values[points] for name, values in at_points.items()},
         },
-        cell_data={"panel": [panel]},
+        cell_data={"panel": [panel], **{name: [values] for name, values in of_triangles.items()}},
     )
 
 
 def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
-    """Return a mesh with a vertex for each particle, with its id, diameter, motion, density and material."""
+    """Return a mesh with a vertex for each particle, with its id, diameter, motion, density and material.
+
+    It has the number of other particles that each particle touches, too, and the force on it where the solver
+    tells it.
+    """
     count = len(particles.id)
+    forces = {} if particles.force_N is None else {"force_N": particles.force_N}
     return meshio.Mesh(
         particles.position_m.reshape(count, 3),
         [("vertex", np.arange(count).reshape(count, 1))],
@@ -117,5 +129,15 @@ def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
             "spin_rad_per_s": particles.spin_rad_per_s,
             "density_kg_per_m3": particles.density_kg_per_m3,
             "material": particles.material,
+            "contacts": contact_numbers(particles.position_m, particles.diameter_m),
+            **forces,
         },
     )
+
+
+def contact_numbers(position_m: Array, diameter_m: Array) -> Indices:
+    """Return for each of the spheres the number of other spheres that it overlaps, (n,)."""
+    if not len(diameter_m):
+        return np.empty(0, dtype=np.int64)
+    one, two, _ = overlapping_pairs(position_m, diameter_m)
+    return np.bincount(np.concatenate([one, two]), minlength=len(diameter_m))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from multiprocessing import get_context
@@ -14,18 +15,22 @@ from typing import Any
 
 from jinja2 import UndefinedError
 
+from orchestrator.case.deck.stl import UnreadableStl
 from orchestrator.case.file.errors import CaseError
+from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
+from orchestrator.output.drawing import data_uri, embed, fill_template
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
 from orchestrator.output.report import facts
-from orchestrator.output.report.drawing import data_uri, embed, fill_template
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.subprocesses import python
+from orchestrator.output.views.drawings import SIDE, draw_view
+from orchestrator.output.views.outline import outline
 
 NAME = "report.html"
 FILM_CYCLES = 3
@@ -89,6 +94,12 @@ def _write_page(folder: Path) -> Path:
     return folder / NAME
 
 
+def _draw_side(case: Case, folder: Path) -> Iterator[tuple[str, Any]]:
+    """Yield the side view of the whole machine; nothing if the run's folder lacks a surface's file."""
+    with suppress(UnreadableStl):
+        yield "side", draw_view(outline(case.whole_machine, folder), SIDE)
+
+
 @dataclass(frozen=True)
 class Film:
     """An animated WebP of ``frames`` pictures; it is empty, with the ``reason``, if rendering failed."""
@@ -122,7 +133,7 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
         summary = run.summary
         animation = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
         cost = ("cost", draw_cost(summary["wall_by_part_s"]))
-        drawings = chain([cost], draw_results(results), draw_machine(run))
+        drawings = chain([cost], draw_results(results), draw_machine(run), _draw_side(run.case, folder))
         return fill_template(
             "output/report/template.html",
             case=run.case,

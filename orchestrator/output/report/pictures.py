@@ -8,7 +8,7 @@ nothing else.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,14 @@ from matplotlib import colormaps
 from scipy.integrate import trapezoid
 
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.output.report.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
+from orchestrator.output.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
 from orchestrator.output.results.run_reader import RunReader
 
 COLUMNS = 4  # panels or bushings side by side
 LOWEST = 3.8  # inches: least height, at which a single row of panels is legible
 MOMENTS = 8  # of a cycle
+INSTANTS = 4  # of a cycle, for panels with probes
+FEWEST_PROBES = 3  # on a panel or on frames, for a picture of their motion
 MM_IN_1000_H = 1e6  # 1 m/h
 MOST_POINTS = 4000  # of a line
 FEWEST_SECTIONS = 3  # least width of the axes in sections, so that bars do not become too wide
@@ -73,6 +75,49 @@ def draw_panel_shapes(run: RunReader) -> Any:
             colour = colormaps["twilight_shifted"](0.1 + 0.8 * phase)  # a cyclic map, like the phase
             ax.plot(line_mm @ at.along, line_mm @ at.normal, lw=1.1, color=colour)
         ax.set(title=name, xlabel="along / mm")
+    return fig
+
+
+def draw_panel_instants(run: RunReader, panels: Mapping[str, Sequence[str]]) -> Any:
+    """Draw panels with the probes on them at four instants of the last cycle, a quarter of a cycle apart.
+
+    ``panels`` has the names of the probes on each panel.  Heights are over the straight line between the
+    panel's ends as built.
+    """
+    rectangles = {panel.name: panel.rectangle for panel in single_panels(run.case)}
+    fig, axes = _grid(len(panels) * INSTANTS, "height / mm", 0.6, 2.3)
+    for number, (name, probes) in enumerate(panels.items()):
+        at, time_s = rectangles[name], run.read(f"panels/{name}/time_s")
+        of_panel = axes.flat[number * INSTANTS : (number + 1) * INSTANTS]
+        for instant, ax in enumerate(of_panel):
+            wanted_s = run.end_s - (INSTANTS - 1 - instant) / INSTANTS * run.cycle_s
+            row = int(np.abs(time_s - wanted_s).argmin())
+            line_mm = 1e3 * (run.read(f"panels/{name}/centre_line_m")[row] - at.corner_m)
+            ax.plot(line_mm @ at.along, line_mm @ at.normal, lw=1.2, color=HELD)
+            points_s = run.read(f"probes/{probes[0]}/time_s")
+            near = int(np.abs(points_s - time_s[row]).argmin())
+            points_m = np.array([run.read(f"probes/{probe}/position_m")[near] for probe in probes])
+            points_mm = 1e3 * (points_m - at.corner_m)
+            ax.plot(points_mm @ at.along, points_mm @ at.normal, "o", ms=3.5, color=OVER)
+            ax.set(title=f"{name}, t = {time_s[row]:.4f} s", xlabel="along / mm")
+        lows_mm, highs_mm = zip(*(ax.get_ylim() for ax in of_panel), strict=True)
+        for ax in of_panel:
+            ax.set_ylim(min(lows_mm), max(highs_mm))
+    return fig
+
+
+def draw_point_orbits(run: RunReader, probes: Sequence[str]) -> Any:
+    """Draw the orbits of probes on frames in the last cycle, along and normal to the deck."""
+    fig, axes = _grid(len(probes), "normal / mm", 0.6, 2.6)
+    for ax, name in zip(axes.flat, probes, strict=False):
+        time_s = run.read(f"probes/{name}/time_s")
+        last = time_s > time_s[-1] - run.cycle_s
+        moved_mm = 1e3 * run.read(f"probes/{name}/position_m")[last] @ run.deck_axes
+        moved_mm = moved_mm - (moved_mm.max(axis=0) + moved_mm.min(axis=0)) / 2
+        ax.plot(moved_mm[:, 0], moved_mm[:, 2], lw=1)
+        ax.plot(moved_mm[:1, 0], moved_mm[:1, 2], "o", ms=3.5)
+        ax.set(title=f"{name} ({run.case.probes[name].frame})", xlabel="along / mm")
+        ax.set_aspect("equal", "datalim")
     return fig
 
 
@@ -226,6 +271,31 @@ def draw_along_deck(results: dict[str, Any]) -> Any:
     return fig
 
 
+def draw_course(course: dict[str, Any], share_of_width: float) -> Any:
+    """Draw the amplitude of the frames against each other and the mass on the full deck, over time."""
+    fig, axes = figure(1, 1, WIDE, 3.2)
+    ax, end_s = axes[0, 0], np.asarray(course["end_s"])
+    for name, pair in course["relative"].items():
+        width_mm = [1e3 * (width or 0.0) for width in pair["half_width_m"]]
+        along_mm = 1e3 * np.asarray(pair["along_m"])
+        ax.errorbar(end_s, along_mm, width_mm, marker="o", ms=3, lw=1, capsize=2, label=name)
+    ax.set(
+        xlabel="time / s",
+        ylabel="amplitude along / mm",
+        title="frames against each other, windows of six cycles",
+    )
+    ax.set_ylim(bottom=0)
+    ax.legend(loc="lower left")
+    if "on_deck_kg" in course:
+        on_deck_kg = np.array(course["on_deck_kg"], float) / share_of_width
+        load = ax.twinx()
+        load.fill_between(end_s, on_deck_kg, color=FEED, alpha=0.25, lw=0)
+        load.set(ylabel="on the deck / kg")
+        load.set_ylim(bottom=0)
+        load.grid(visible=False)
+    return fig
+
+
 def draw_wear(wear: dict[str, Any]) -> Any:
     """Draw the depth of wear in 1000 h in the patches of all panels, side by side."""
     maps = {n: MM_IN_1000_H * np.array(p["depth_m_per_h"], float) for n, p in wear["panels"].items()}
@@ -252,6 +322,8 @@ def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
             yield "sections", draw_sections(screening)
     if "bed" in results:
         yield "along", draw_along_deck(results)
+    if "course" in results:
+        yield "course", draw_course(results["course"], results["share_of_width"])
     if "wear" in results:
         yield "wear", draw_wear(results["wear"])
 
@@ -267,6 +339,18 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
     for group, (name, draw) in drawings.items():
         if run.has(group):
             yield name, draw(run)
+    if not (run.has("probes") and run.is_driven):
+        return
+    on_frames = [name for name, probe in run.case.probes.items() if probe.frame is not None]
+    if len(on_frames) >= FEWEST_PROBES:
+        yield "point_orbits", draw_point_orbits(run, on_frames)
+    on_panels = {
+        panel: [name for name, probe in run.case.probes.items() if probe.panel == panel]
+        for panel in run.names("panels")
+    }
+    equipped = {panel: names for panel, names in on_panels.items() if len(names) >= FEWEST_PROBES}
+    if equipped:
+        yield "panel_instants", draw_panel_instants(run, equipped)
 
 
 def write_pictures(folder: Path) -> None:

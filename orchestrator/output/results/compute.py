@@ -15,6 +15,7 @@ from orchestrator.case.file.slice import share
 from orchestrator.case.tables.case import has_particles
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
+from orchestrator.output.results.course import course
 from orchestrator.output.results.estimate import Estimate
 from orchestrator.output.results.events import Events, read_events
 from orchestrator.output.results.power import power_metrics
@@ -150,6 +151,8 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
         missing["orbits"] = why
     else:
         motion |= machine.orbits(run, start_s, end_s)
+        if (whole := course(run)) is not None:
+            table["course"] = whole
     motion["reason"] = machine.why_not_settled(run, start_s, end_s, motion["drift"])
     motion["is_settled"] = not motion["reason"]
     if all(probe.panel is None for probe in run.case.probes.values()):

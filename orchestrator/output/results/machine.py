@@ -17,6 +17,7 @@ from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 
 BAND_HZ = 500.0
+FEWEST_FILTERED = 20  # rows; the filter needs some more than a dozen
 LARGEST_BAND = 0.9  # of half the rows' rate: highest frequency at which a filter can be made
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
 FEWEST_CYCLES = 4  # in a window whose halves are compared
@@ -35,7 +36,7 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
     probes = [name for name, probe in run.case.probes.items() if probe.frame and run.has(f"probes/{name}")]
     moved_m = {name: run.read(f"frames/{name}/displacement_m") for name in frames}
     moved_m |= {name: run.read(f"probes/{name}/position_m") for name in probes}
-    pairs = {f"{two}-{one}": moved_m[two] - moved_m[one] for one, two in combinations(frames, 2)}
+    pairs = relative_motions_m(run)
     time_s = run.series_s()
 
     def harmonics(motions: dict[str, Array]) -> dict[str, Harmonic]:
@@ -52,6 +53,13 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
         },
         "drift": drift(list(single.values())),
     }
+
+
+def relative_motions_m(run: RunReader) -> dict[str, Array]:
+    """Return the displacement (rows, 3) of the second against the first, for every two frames."""
+    frames = [name for name in run.case.screen.frames if run.has(f"frames/{name}")]
+    moved_m = {name: run.read(f"frames/{name}/displacement_m") for name in frames}
+    return {f"{two}-{one}": moved_m[two] - moved_m[one] for one, two in combinations(frames, 2)}
 
 
 def why_not_settled(run: RunReader, start_s: float, end_s: float, drift_share: float | None) -> str:
@@ -119,6 +127,26 @@ def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
 def band_hz(step_s: float) -> float:
     """Return the highest frequency that ``acceleration_m_per_s2`` shows at steps of ``step_s``."""
     return BAND_HZ if 2 * BAND_HZ * step_s < LARGEST_BAND else 0.5 / step_s
+
+
+def acceleration_series(run: RunReader) -> dict[str, tuple[Array, Array]]:
+    """Return times (n,) and accelerations (n, 3) in m/s2 of every frame's centre of mass, and of every probe
+    on a frame or panel, by name.
+
+    They come from the rows of the series, and show frequencies up to ``band_hz`` of their step.  A series of
+    fewer than ``FEWEST_FILTERED`` rows has none, and so has one whose steps a resumed run has changed.
+    """
+    points = {name: f"frames/{name}" for name in run.names("frames")}
+    on_machine = [name for name, probe in run.case.probes.items() if probe.particle is None]
+    points |= {name: f"probes/{name}" for name in on_machine if run.has(f"probes/{name}")}
+    table = {}
+    for name, group in points.items():
+        time_s = run.read(f"{group}/time_s")
+        if len(time_s) < FEWEST_FILTERED or np.ptp(steps_s := np.diff(time_s)) > 1e-6 * steps_s[0]:
+            continue
+        velocity_m_per_s = run.read(f"{group}/velocity_m_per_s")
+        table[name] = time_s, acceleration_m_per_s2(velocity_m_per_s, float(steps_s[0]))
+    return table
 
 
 def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:

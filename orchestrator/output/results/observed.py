@@ -227,7 +227,7 @@ class ObservedMotion:
         """
         exciters = list(self._run.case.screen.exciters.values())
         path = "energy/supplied.frames.exciter_J"
-        if not self._run.has(path) or any(exciter.motor for exciter in exciters):
+        if not exciters or not self._run.has(path) or any(exciter.motor for exciter in exciters):
             return None
         time_s, given_J = self._run.read("energy/time_s"), self._run.read(path)
         start_s, end_s = self._window_s

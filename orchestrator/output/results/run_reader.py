@@ -14,6 +14,7 @@ import numpy as np
 from orchestrator.case.deck.line import DeckLine, deck_line
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import axes
+from orchestrator.case.provenance import read_provenance
 from orchestrator.case.tables.case import Case
 from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, is_driven, within
 from orchestrator.output.records.history import HISTORY_FORMAT
@@ -63,8 +64,7 @@ class RunReader:
     @cached_property
     def provenance(self) -> dict[str, Any]:
         """The table of ``provenance.json``."""
-        table: dict[str, Any] = json.loads((self.folder / "provenance.json").read_text(encoding="utf-8"))
-        return table
+        return read_provenance(self.folder)
 
     @cached_property
     def history(self) -> Any:

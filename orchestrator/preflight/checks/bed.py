@@ -49,7 +49,8 @@ def complete_materials(case: Case) -> Iterator[CaseProblem]:
 
 def _grains(case: Case) -> set[str]:
     """Return the materials of the particles."""
-    return {row.material for row in (*case.bed.particles.values(), *case.bed.sources)}
+    carried = case.bed.carried.materials if case.bed.carried is not None else ()
+    return {row.material for row in (*case.bed.particles.values(), *case.bed.sources)} | {*carried}
 
 
 def complete_contacts(case: Case) -> Iterator[CaseProblem]:
@@ -110,6 +111,23 @@ def fines(case: Case) -> Iterator[str]:
             )
 
 
+SAME_DENSITY = 1e-6  # relative
+
+
+def other_densities(case: Case) -> Iterator[str]:
+    """Yield a warning for each material whose particles had another density in the run before."""
+    carried = case.bed.carried
+    for number, name in enumerate(carried.materials if carried is not None else ()):
+        assert carried is not None
+        before = float(carried.density_kg_per_m3[carried.material == number].mean())
+        now = case.materials[name].density_kg_per_m3
+        if abs(before - now) > SAME_DENSITY * now:  # never true for a table, which has none
+            yield (
+                f"the particles of {name} from {carried.source} had {before:g} kg/m3 there, and have {now:g} "
+                "kg/m3 here: their masses and momenta change"
+            )
+
+
 FULLEST = 0.38  # largest share of a box that spheres at random places can fill (bed/packing.py)
 
 
@@ -143,7 +161,7 @@ def works_of_adhesion(case: Case) -> Iterator[CaseProblem]:
     asked = case.particles.adhesion
     if asked not in (None, "none") and not any(row.work_of_adhesion_J_per_m2 for row in case.contacts):
         what = f'"{asked}" is asked for, but every work of adhesion is zero'
-        hint = 'give contacts a work_of_adhesion_J_per_m2, or take "none"'
+        hint = 'give contacts a work_of_adhesion_J_per_m2 or a bond_number, or take "none"'
         yield CaseProblem(("particles", "adhesion"), what, hint)
     if case.particles.sjkr_diameter_m is not None and adhesion_law(case) != "sjkr":
         what = 'has no meaning without particles.adhesion = "sjkr"'

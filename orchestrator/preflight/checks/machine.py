@@ -35,6 +35,18 @@ def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
         if frame.inertia_kg_m2 is None and able.rotates:
             yield CaseProblem((*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it")
+        if frame.center_of_mass_m is None and able.rotates:
+            what = "missing: it decides how the frame turns"
+            yield CaseProblem((*key, "center_of_mass_m"), what, _describe_middle(case, str(key[-1])))
+
+
+def _describe_middle(case: Case, frame: str) -> str:
+    """Return a text with the middle of the bushings that hold a frame; "" if none does."""
+    rows_m = [row.positions_m for row in case.screen.bushings.values() if frame in row.between]
+    if not rows_m:
+        return ""
+    middle_m = np.round(np.concatenate([np.array(row_m) for row_m in rows_m]).mean(axis=0), 4) + 0.0
+    return f"the middle of its bushings is {middle_m.tolist()}"
 
 
 def inertia_tensors(case: Case) -> Iterator[CaseProblem]:
@@ -139,11 +151,22 @@ def probes(case: Case) -> Iterator[CaseProblem]:
                 yield CaseProblem((*key, place), what)
         if probe.frame == GROUND:
             yield CaseProblem((*key, "frame"), "the ground does not move", "name a frame")
+        if probe.sensor_kg > 0 and probe.panel is None:
+            yield CaseProblem((*key, "sensor_kg"), "is for a probe on a panel", "add its mass to the frame's")
+        if probe.sensor_kg > 0 and case.slice is not None:
+            what = "is a mass at one point, of which a slice of the width has no share"
+            yield CaseProblem((*key, "sensor_kg"), what, "take it away, or run the whole width")
 
 
 def start_of_drives(case: Case) -> Iterator[CaseProblem]:
-    """Check that a drive without run-up starts from the place in which its frame is drawn."""
+    """Check that a drive without run-up starts from the place in which its frame is drawn.
+
+    Check as well that a drive that turns its frame says about which point.
+    """
     for key, drive in rows(case, "screen.frames.drive"):
+        if any(drive.rotation_rad) and drive.center_m is None:
+            what = "missing: rotation_rad turns the frame about it"
+            yield CaseProblem((*key, "center_m"), what, "give the point that stays where it is")
         if drive.run_up_s > 0:
             continue
         for phase, unit, size, phase_rad in (

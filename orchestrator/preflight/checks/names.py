@@ -7,6 +7,7 @@ from typing import Any
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseProblem, Key, did_you_mean
+from orchestrator.case.materials.library import suggest
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import GROUND
 
@@ -65,7 +66,8 @@ def unknown_names(case: Case) -> Iterator[CaseProblem]:
     for kind, paths in REFERENCES.items():
         for key, name in (row for path in paths for row in rows(case, path)):
             if name not in known[kind]:
-                hint = did_you_mean(name, known[kind], f"{kind}s")
+                of_names = did_you_mean(name, known[kind], f"{kind}s")
+                hint = suggest(name, known[kind]) if kind == "material" else of_names
                 yield CaseProblem(key, f'no {kind} "{name}"', hint)
 
 

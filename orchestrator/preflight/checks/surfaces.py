@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck import stl
 from orchestrator.case.deck.panels import plate_corners_m, single_panels, to_world, walls
@@ -124,13 +125,17 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
         return
     if len(particles) == 0:
         return
+    apart = case.bed.carried is not None and case.bed.push_out  # before the start, and checked then
     low, high = np.array(case.domain_m)
     beyond = ((particles.position_m < low) | (particles.position_m > high)).any(axis=1)
     outside = np.flatnonzero(beyond)
     if len(outside):
         key, name = _describe_particle(case, outside[0])
         place = np.round(particles.position_m[outside[0]], 4).tolist()
-        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}")
+        hint = 'bed.outside = "leave-out" leaves them out' if case.bed.carried is not None else ""
+        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}", hint)
+    if apart:
+        return
     yield from _overlapping(case, particles)
     for name, corners_m in _surfaces(case, folder):
         yield from _in_surface(case, particles, name, corners_m)
@@ -160,24 +165,32 @@ def surface_penetrations(
 def hanging_panels(
     case: Case, surface: TriangleSurface, panel_of_triangle: Indices, particles: ParticleList
 ) -> Iterator[CaseProblem]:
-    """Check that no panel at rest reaches into particles or into boxes of feeds."""
+    """Check that no panel at rest reaches into particles or into boxes of feeds.
+
+    Check as well that particles that were pushed out have found room.
+    """
     corners_m = surface.position_m[surface.triangles]
     for number, panel in enumerate(single_panels(case)):
         at_rest = f"panel {panel.name} as it hangs at rest"
         own_m = corners_m[panel_of_triangle == number]
         yield from _in_surface(case, particles, at_rest, own_m)
         yield from _in_feed_box(case, at_rest, own_m)
+    if case.bed.carried is not None and case.bed.push_out:
+        yield from _overlapping(case, particles)
+        yield from _in_surface(case, particles, "a rigid surface", corners_m[panel_of_triangle < 0])
 
 
 def _in_surface(case: Case, particles: ParticleList, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
     """Check that no particle's centre is nearer to the triangles (m, 3, 3) than its radius."""
     depth_m = overlap_m(particles.position_m, particles.diameter_m / 2, corners_m)
-    inside = np.flatnonzero(depth_m > ALLOWED * particles.diameter_m)
+    inside = np.flatnonzero(depth_m > allowed_overlap(case) * particles.diameter_m)
     if len(inside):
         deepest = inside[np.argmax(depth_m[inside])]
         key, name = _describe_particle(case, deepest)
         yield CaseProblem(
-            key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_count_of_others(inside)}"
+            key,
+            f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_count_of_others(inside)}",
+            _how_to_make_room(case),
         )
 
 
@@ -204,20 +217,30 @@ def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
 
 
 def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
-    """Check with a k-d tree that no two particles are nearer than the sum of their radii."""
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(particles.position_m)
-    one, two = tree.query_pairs(particles.diameter_m.max(), output_type="ndarray").T
-    distance_m = np.linalg.norm(particles.position_m[one] - particles.position_m[two], axis=1)
-    radii_m = (particles.diameter_m[one] + particles.diameter_m[two]) / 2
-    pairs = np.flatnonzero(distance_m < radii_m * (1 - ALLOWED))
+    """Check that no two particles overlap by more than ``allowed_overlap``."""
+    one, two, depth_m = overlapping_pairs(particles.position_m, particles.diameter_m)
+    smaller_m = np.minimum(particles.diameter_m[one], particles.diameter_m[two])
+    pairs = np.flatnonzero(depth_m > allowed_overlap(case) * smaller_m)
     if len(pairs):
-        deepest = pairs[np.argmax((radii_m - distance_m)[pairs])]
+        deepest = pairs[np.argmax(depth_m[pairs])]
         key, name = _describe_particle(case, one[deepest])
         other = _describe_particle(case, two[deepest])[1]
-        depth_m = (radii_m - distance_m)[deepest]
-        yield CaseProblem(key, f"{name} overlaps {other} by {depth_m:.3g} m{_count_of_others(pairs)}")
+        what = f"{name} overlaps {other} by {depth_m[deepest]:.3g} m{_count_of_others(pairs)}"
+        yield CaseProblem(key, what, _how_to_make_room(case))
+
+
+def allowed_overlap(case: Case) -> float:
+    """Return the overlap over a diameter that particles may have at t = 0; settled ones touch each other."""
+    return SETTLED if case.bed.carried is not None else ALLOWED
+
+
+def _how_to_make_room(case: Case) -> str:
+    """Return a hint for carried particles that do not fit; empty for others."""
+    if case.bed.carried is None:
+        return ""
+    if case.bed.push_out:
+        return f"there is no room to push it out to {SETTLED:g} of its diameter"
+    return f"up to {SETTLED:g} of the diameter is allowed; bed.push_out = true makes room"
 
 
 def _count_of_others(numbers: Indices) -> str:
@@ -234,4 +257,7 @@ def _describe_particle(case: Case, number: int) -> tuple[Key, str]:
         first += block.count
         if number < first:
             return ("bed", "blocks", name, "box_m"), f"particle {number + 1}"
+    if case.bed.carried is not None:
+        key = "from_run" if case.bed.from_run is not None else "table"
+        return ("bed", key), f"particle {number + 1}"
     raise AssertionError(f"there is no particle {number + 1}")

@@ -15,7 +15,8 @@ def judge(scene: Scene) -> Verdict | None:
     if not has_particles(scene.case):
         return None
     verdict = compare_passage(scene, cost="a deck that fills for as long as material stays on it")
-    if scene.case.bed.blocks or scene.case.bed.particles:
+    bed = scene.case.bed
+    if bed.blocks or bed.particles or bed.is_carried:
         return verdict
     return replace(verdict, matters=True, why="at t = 0 the deck is empty: the feed is all there is")
 

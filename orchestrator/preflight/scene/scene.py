@@ -9,13 +9,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_diameters_m
-from orchestrator.case.bed.size_distribution import classes, mean_mass_kg, share_left_out, size_class
+from orchestrator.case.bed.size_distribution import (
+    classes,
+    classes_of_diameters,
+    mean_mass_kg,
+    share_left_out,
+    size_class,
+)
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes, single_panels, stay_s
@@ -71,12 +78,12 @@ class Scene:
         """The highest speed of an excitation; 0 if nothing shakes."""
         return max((shaking.speed_rad_per_s for shaking in self.shaken), default=0.0)
 
-    @property
+    @cached_property
     def gravity_m_per_s2(self) -> float:
         """The size of gravity; standard gravity, as a unit, if the case has none."""
         return float(np.linalg.norm(self.case.gravity_m_per_s2)) or STANDARD_GRAVITY_M_PER_S2
 
-    @property
+    @cached_property
     def frames_throw(self) -> float:
         """The throw intensity w^2 a / g of the frame that moves most normal to the deck."""
         if self.observed.frames_throw is not None:
@@ -89,7 +96,7 @@ class Scene:
         ]
         return float(max(accelerations_m_per_s2, default=0.0)) / self.gravity_m_per_s2
 
-    @property
+    @cached_property
     def panels_throw(self) -> float:
         """The throw intensity w^2 s / g of the middle of the panel whose middle travels farthest."""
         travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
@@ -100,7 +107,7 @@ class Scene:
         """The larger throw intensity of frames and panels."""
         return max(self.frames_throw, self.panels_throw)
 
-    @property
+    @cached_property
     def bed_kg_per_m2(self) -> float:
         """The largest mass of the particles per area of the deck, as estimated or of a run.
 
@@ -145,7 +152,7 @@ class Scene:
             for panel in self.panels
         )
 
-    @property
+    @cached_property
     def impact_m_per_s(self) -> float:
         """The speed of impacts: the larger of the case's own speed and the speed of the panels' middles.
 
@@ -232,8 +239,8 @@ def bed_kg(case: Case) -> float:
 
 
 def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[float, tuple[SizeClass, ...]]]:
-    """Yield the mass and the size classes of each single particle, each block and, with the mass that
-    ``fed_kg`` gives, each feed."""
+    """Yield the mass and the size classes of each single particle, each block, the carried particles of
+    each material and, with the mass that ``fed_kg`` gives, each feed."""
     for particle in case.bed.particles.values():
         density, diameter_m = case.materials[particle.material].density_kg_per_m3, particle.diameter_m
         yield sphere_mass_kg(diameter_m, density), (size_class(diameter_m, diameter_m, 1.0),)
@@ -242,6 +249,11 @@ def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[flo
         yield block.count * mean_mass_kg(sizes, case.materials[block.material].density_kg_per_m3), sizes
     for feed in case.bed.feeds.values():
         yield fed_kg(feed), classes(feed)
+    if (carried := case.bed.carried) is not None:
+        for name in carried.materials:
+            sizes_m = carried.diameters_m(name)
+            density = case.materials[name].density_kg_per_m3
+            yield float(sphere_mass_kg(sizes_m, density).sum()), classes_of_diameters(sizes_m)
 
 
 def layer_kg_per_m2(case: Case) -> float:

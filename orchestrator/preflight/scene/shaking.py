@@ -90,7 +90,7 @@ def _shaking(
     speed_rad_per_s: float,
 ) -> Shaking:
     every = np.arange(len(plan.bodies))
-    whole = _with_panels(_with_loss(plan, loss_factor, speed_rad_per_s), springs)
+    whole = carry_panels(_with_loss(plan, loss_factor, speed_rad_per_s), springs)
     machine = linear_frames.linearise(whole, linear_frames.SPACE[:freedoms], every)
     dynamic = machine.stiffness + 1j * speed_rad_per_s * machine.damping - speed_rad_per_s**2 * machine.mass
     amplitude, load = np.zeros((2, len(every), freedoms), dtype=complex)
@@ -127,7 +127,7 @@ def _with_loss(plan: FramesPlan, loss_factor: float | None, speed_rad_per_s: flo
     return replace(plan, bushings=tuple(lossy))
 
 
-def _with_panels(plan: FramesPlan, springs: Sequence[PanelSpring]) -> FramesPlan:
+def carry_panels(plan: FramesPlan, springs: Sequence[PanelSpring]) -> FramesPlan:
     """Return the plan with panels as bushings, and with their masses at the frames' centres of mass."""
     bodies = []
     for body in plan.bodies:

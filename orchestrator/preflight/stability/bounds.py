@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Literal, NamedTuple
 
 from orchestrator.case.bed.contact_times import (
@@ -205,11 +206,13 @@ def _seats(
     case, exchange = scene.case, scene.case.exchange
     yields = case.panel.adapter.yields
     area_m2 = sum(p.panel.rectangle.span_m * p.panel.rectangle.width_m for p in scene.panels)
+    all_kg, touches_of = bed_kg(case), cache(partial(touches, scene))
     for name, panel in case.screen.panels.items():
-        for touch in touches(scene, panel.material):
+        touching = touches_of(panel.material)
+        alone_kg = lightest_point_kg(case, name) if yields and touching else 0.0
+        for touch in touching:
             if yields:
-                alone_kg = lightest_point_kg(case, name)
-                crowd = max(1.0, bed_kg(case) / touch.mass_kg)
+                crowd = max(1.0, all_kg / touch.mass_kg)
                 mass_kg = min(alone_kg, max(areal_kg_per_m2(case, panel) * touch.area_m2, alone_kg / crowd))
             elif frames is not None and exchange.panel_reaction and exchange.frame_motion:
                 mass_kg = frames.lightest_kg * touch.area_m2 / area_m2
@@ -301,9 +304,8 @@ def surface_bounds(scene: Scene) -> Iterator[Bound]:
     The shortest impact on a surface that loads move must last ten intervals.  The places of surfaces
     must be exact to a share of the particles' overlaps.
     """
-    meetings = [
-        (surface, touch) for surface in met_surfaces(scene) for touch in touches(scene, surface.material)
-    ]
+    touches_of = cache(partial(touches, scene))
+    meetings = [(surface, touch) for surface in met_surfaces(scene) for touch in touches_of(surface.material)]
     free = [touch for surface, touch in meetings if not surface.known]
     shortest = min(free, key=lambda touch: touch.impact_s, default=None)
     if shortest is not None and math.isfinite(shortest.impact_s):

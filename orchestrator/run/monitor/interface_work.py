@@ -28,7 +28,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import MeteredSolvers
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState
+from orchestrator.ports import Array, HermitePath, Load, Motion, PanelState
 from orchestrator.ports.state import SavedAttributes
 
 SLOW_M_PER_S = 1e-3  # nothing on a screen that moves slower counts
@@ -125,36 +125,10 @@ class Balance:
         self.recent_through_J = self.newest_J = 0.0
 
 
-@dataclass(frozen=True)
-class NonzeroLoad:
-    """The components of a load that are not zero: particles touch few of a surface's many points.
-
-    ``where`` (n,) are their indices among the flattened components, and ``force_N`` (n,) their values.
-    """
-
-    where: Indices
-    force_N: Array
-
-    def moved_m(self, from_m: Array, to_m: Array) -> Array:
-        """Return the displacements (n,) along the components."""
-        return np.subtract(to_m.take(self.where), from_m.take(self.where))
-
-    def work_J(self, from_m: Array, to_m: Array) -> float:
-        """Return the work of the load on points that move from ``from_m`` to ``to_m``."""
-        return float(self.force_N.dot(self.moved_m(from_m, to_m)))
-
-
-def nonzero_load(load: Load, points: slice) -> NonzeroLoad:
-    """Return the components of a load that are not zero on some of the points."""
-    force_N = load.force_N[points]
-    where = np.flatnonzero(force_N != 0.0)
-    return NonzeroLoad(where, force_N.take(where))
-
-
 class ContactWork(SavedAttributes):
     """The work between particles and panels; ``exchange`` covers all that particles touch, with walls."""
 
-    STATE = ("balance", "exchange", "_whole_m", "_path_end_m", "_load", "_load_before")
+    STATE = ("balance", "exchange", "_whole_m", "_path_end_m", "_load_N", "_load_before_N")
     LEDGER_NAME = "particles-panel"
 
     def __init__(self, start: State, points: slice) -> None:
@@ -162,37 +136,33 @@ class ContactWork(SavedAttributes):
         self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._whole_m = start.panel.surface.position_m
         self._path_end_m = self._whole_m[points]
-        self._load = self._load_before = nonzero_load(start.load, points)
+        self._load_N = self._load_before_N = start.load.force_N[points]
 
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
         assert data.particles is not None
         path, load = data.particles
         _, panel_load, state = data.panel
-        before_m, surface_m = (m[self._points] for m in (self._whole_m, state.surface.position_m))
-        start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
-        newest = nonzero_load(load, self._points)
-        moved_m = newest.moved_m(before_m, surface_m)
-        given_J = newest.force_N.dot(moved_m)
-        if panel_load is not load:
-            given_J = nonzero_load(panel_load, self._points).work_J(before_m, surface_m)
-        new_J, before_J, twice_before_J = (
-            each.work_J(self._path_end_m, start_m) for each in (newest, self._load, self._load_before)
-        )
-        jump_J = (2 * new_J + 5 * before_J - twice_before_J) / 6
-        particles_J = newest.work_J(start_m, end_m) + jump_J
-        went_J = through_J(newest.force_N, moved_m, data.length_s)
-        self.balance.add(float(given_J - particles_J), went_J)
-        whole_load = newest if len(surface_m) == len(load) else nonzero_load(load, slice(None))
-        work_J = whole_load.work_J(self._whole_m, state.surface.position_m)
-        self.exchange.add(work_J, whole_load.force_N, data.length_s)
-        self._whole_m, self._path_end_m = state.surface.position_m, end_m
-        self._load_before, self._load = self._load, newest
+        surface_m, points = state.surface.position_m, self._points
+        whole_moved_m = surface_m - self._whole_m
+        moved_m, load_N = whole_moved_m[points], load.force_N[points]
+        start_m, end_m = path.start.position_m[points], path.end.position_m[points]
+        jump_m = start_m - self._path_end_m
+        jump_J = (
+            2 * work_J(load_N, jump_m)
+            + 5 * work_J(self._load_N, jump_m)
+            - work_J(self._load_before_N, jump_m)
+        ) / 6
+        particles_J = work_J(load_N, end_m - start_m) + jump_J
+        given_J = work_J(panel_load.force_N[points], moved_m)
+        self.balance.add(given_J - particles_J, through_J(load_N, moved_m, data.length_s))
+        self.exchange.add(work_J(load.force_N, whole_moved_m), load.force_N, data.length_s)
+        self._whole_m, self._path_end_m = surface_m, end_m
+        self._load_before_N, self._load_N = self._load_N, load_N
 
     def begin_anew(self) -> None:
         """Forget recent intervals: the next ones have another length."""
-        surface_m = self._whole_m[self._points]
-        self.balance.begin_anew(self._load.work_J(self._path_end_m, surface_m))
+        self.balance.begin_anew(work_J(self._load_N, self._whole_m[self._points] - self._path_end_m))
 
 
 class ClampWork(SavedAttributes):
@@ -215,12 +185,12 @@ class ClampWork(SavedAttributes):
         all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
         moved_m, force_N = all_moved_m[self._points], all_N[self._points]
         missed_m = (clamps.position_m - target.position_m)[self._points]
-        at_end_J = float(np.vdot(force_N, missed_m))
-        created_J = at_end_J - float(np.vdot(force_N, self._missed_m))
+        at_end_J = work_J(force_N, missed_m)
+        created_J = at_end_J - work_J(force_N, self._missed_m)
         if reaction is not state.reaction:
-            created_J += float(np.vdot(reaction.force_N[self._points] - force_N, moved_m))
+            created_J += work_J(reaction.force_N[self._points] - force_N, moved_m)
         self.balance.add(created_J, through_J(force_N, moved_m, data.length_s))
-        self.exchange.add(float(np.vdot(all_N, all_moved_m)), all_N, data.length_s)
+        self.exchange.add(work_J(all_N, all_moved_m), all_N, data.length_s)
         self._clamps_m, self._missed_m = clamps.position_m, missed_m
         self._at_end_J = at_end_J
 
@@ -229,12 +199,17 @@ class ClampWork(SavedAttributes):
         self.balance.begin_anew(self._at_end_J)
 
 
+def work_J(force_N: Array, moved_m: Array) -> float:
+    """Return the work of forces on points, (n, 3) each, that move by ``moved_m``."""
+    return float(force_N.ravel().dot(moved_m.ravel()))
+
+
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
     """Return the sum of the absolute work along each axis at each point.
 
     ``force_N`` and the motion ``moved_m`` in an interval of ``length_s`` have the same shape.
     """
-    return float(np.vdot(np.abs(force_N), np.abs(moved_m) + SLOW_M_PER_S * length_s))
+    return work_J(np.abs(force_N), np.abs(moved_m) + SLOW_M_PER_S * length_s)
 
 
 Works = dict[str, ContactWork | ClampWork]

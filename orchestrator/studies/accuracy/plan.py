@@ -362,7 +362,7 @@ class Plan:
             yield f"more ranks: mpirun -n {max(2, ranks)}, if they share their work perfectly"
         else:
             yield "more ranks would not do: what they do not share takes too long"
-        if not has_particles(case) or case.bed.particles or left_s <= 0:
+        if not has_particles(case) or case.bed.particles or case.bed.is_carried or left_s <= 0:
             return
         try:
             low, high = full_width_m(case.whole_machine)

@@ -434,7 +434,10 @@ NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     "panels": (lambda case: bool(case.screen.panels), "the case has no panels"),
     "frames": (lambda case: bool(case.screen.frames), "the case has no frames"),
     "particles": (has_particles, "the case has no particles"),
-    "many": (lambda case: not case.bed.particles, "single particles stand for themselves"),
+    "many": (
+        lambda case: not case.bed.particles and not case.bed.is_carried,
+        "single particles stand for themselves, and so do those of a run or a table",
+    ),
 }
 """The conditions that parameters need, by name, and the message where a case does not meet the condition."""
 PARAMETERS = {

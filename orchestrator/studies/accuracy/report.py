@@ -11,8 +11,8 @@ from typing import Any
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 from rich.table import Table
 
+from orchestrator.output.drawing import LINES, figure, save
 from orchestrator.output.records.run_folder import write_json
-from orchestrator.output.report.drawing import LINES, figure, save
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,

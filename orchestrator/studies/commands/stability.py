@@ -24,8 +24,8 @@ from orchestrator.case.file.layers import read_toml
 from orchestrator.case.tables.quantities import OneLine, Positive, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
+from orchestrator.output.drawing import save
 from orchestrator.output.records.run_folder import study_folder
-from orchestrator.output.report.drawing import save
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
 from orchestrator.studies.options import StudyOutput

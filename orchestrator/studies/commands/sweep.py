@@ -1,22 +1,27 @@
-"""``flipflow study sweep``: runs of a case over the values of one key."""
+"""``flipflow study sweep``: runs of a case over the values of one key or of several keys."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.scalars import scalar
+from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
-from orchestrator.output.report.drawing import save
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
+from orchestrator.output.results.tidy import single_numbers
 from orchestrator.studies.options import StudyOutput
-from orchestrator.studies.points import CaseStudy, Point, Vary, parse_vary, summary_of
-from orchestrator.studies.report import Cell, figure_parts, write_csv
+from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary, summary_of
+from orchestrator.studies.report import Cell, figure_parts, write_csv, write_parquet
+from orchestrator.studies.sweep_plan import Arrangement, SweepPlan, plan_sweep
+from orchestrator.studies.sweep_results import Measured, draw_results, results_of, results_table
 
 AXES = {0: "x", 2: "z"}
 SETTLED, NOT_SETTLED = "yes", "no"
@@ -41,31 +46,75 @@ Part = tuple[str, list[tuple[str, str]], float]
 def command(
     study: CaseStudy,
     vary: Annotated[
-        str, typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)")
+        list[str],
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="values as a,b,c or first:last:step (both ends); may be repeated for several keys",
+        ),
     ],
+    plan: Annotated[
+        Arrangement,
+        typer.Option(
+            help="grid: all combinations; list: the first values of all keys, the second, and so on; "
+            "random: values between first:last, or of a list"
+        ),
+    ] = Arrangement.GRID,
+    number: Annotated[int, typer.Option(min=1, max=MOST_VALUES, help="number of runs of a random plan")] = 10,
+    seed: Annotated[int, typer.Option(min=0, help="of a random plan")] = 1,
+    result: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME", help="result to be printed and drawn, by its short name or path; may be repeated"
+        ),
+    ] = None,
 ) -> StudyOutput:
-    """Run a case over values of one key.
+    """Run a case over values of one key, or of several keys.
 
-    Each value has a run of its own in a folder of its own.  Called again, the command makes only the
-    missing runs. sweep.csv has a row for each value: amplitudes of the first harmonic along (x) and
-    normal to the deck (z) of the frames, of probes on frames, and of the frames against each other;
-    their drift; and every single number of the results with its interval.  In sweep.png, a value
-    that has not settled has an open mark, and a value that cannot be trusted is a cross.
+    Each setting has a run of its own in a folder of its own.  Called again, the command makes only the
+    missing runs. sweep.csv and sweep.parquet have a row for each setting: amplitudes of the first harmonic
+    along (x) and normal to the deck (z) of the frames, of probes on frames, and of the frames against each
+    other; their drift; every single number of the results with its interval; and each --result.  In
+    sweep.png, a value that has not settled has an open mark, and a value that cannot be trusted is a cross.
+    results.png has each --result with its interval.
     """
-    wanted = parse_vary(vary)
-    study = replace(study, name=wanted.name)
-    points = wanted.points(study)
+    wanted = _check_results(result)
+    single = len(vary) == 1 and plan is not Arrangement.RANDOM
+    settings = parse_vary(vary[0]) if single else plan_sweep(vary, plan, number, seed)
+    study = replace(study, name=settings.name)
+    points = settings.points(study)
     yield from study.run(points)
-    yield from write_sweep(wanted, points, study.folder)
+    rows = sweep_rows(settings, points, wanted)
+    if isinstance(settings, Vary):
+        yield from write_sweep(settings, points, study.folder, wanted)
+    else:
+        yield write_csv(rows, study.folder / "sweep.csv")
+    yield write_parquet(rows, study.folder / "sweep.parquet")
+    if wanted:
+        measured = [Measured(settings.setting_of(p), p.status(), results_of(p, wanted)) for p in points]
+        yield results_table(settings.keys, measured, wanted)
+        yield from draw_results(settings.keys, measured, wanted, study.folder / "results.png")
     return all(point.status() == trust.DONE for point in points)
 
 
-def write_sweep(vary: Vary, points: Sequence[Point], folder: Path) -> list[Path]:
+def _check_results(names: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the names of the wanted results.  Raises CaseError for a name that is none."""
+    problems = []
+    for name in names or ():
+        try:
+            scalar(name)
+        except KeyError as error:
+            problems.append(CaseProblem((), str(error.args[0]), file=f"--result {name}"))
+    if problems:
+        raise CaseError(problems)
+    return tuple(names or ())
+
+
+def write_sweep(vary: Vary, points: Sequence[Point], folder: Path, wanted: Sequence[str] = ()) -> list[Path]:
     """Write ``sweep.csv`` and ``sweep.png``, and return the files.
 
     There is a picture only where the values are numbers and two or more runs came to their end.
     """
-    rows = sweep_rows(vary, points)
+    rows = sweep_rows(vary, points, wanted)
     files = [write_csv(rows, folder / "sweep.csv")]
     ended = [row for row in rows if trust.came_to_its_end(str(row["status"]))]
     try:
@@ -78,21 +127,25 @@ def write_sweep(vary: Vary, points: Sequence[Point], folder: Path) -> list[Path]
     return files
 
 
-def sweep_rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
+def sweep_rows(vary: Vary | SweepPlan, points: Sequence[Point], wanted: Sequence[str] = ()) -> list[Row]:
     """Return a row for each point.
 
-    The first column is the varied key, as it is written after ``--vary``.  ``status`` is the state of the
-    run, ``settled`` says whether its motion had settled, and ``drift`` how much the amplitudes still changed.
+    The first columns are the varied keys, as they are written after ``--vary``.  ``status`` is the state of
+    the run, ``settled`` says whether its motion had settled, and ``drift`` how much the amplitudes still
+    changed.
     There are amplitudes of the first harmonic along (x) and normal to the deck (z) of every frame, of every
     probe on a frame, and of the frames against each other, with their half widths.  Every single number of
-    the run's results follows, with the half width of its interval.
+    the run's results follows, with the half width of its interval, and the results ``wanted`` by name.
     """
     rows: list[Row] = []
     for point in points:
         summary = summary_of(point.folder)
-        row: Row = {vary.key: point.value, "status": point.status()}
+        row: Row = {**vary.setting_of(point), "status": point.status()}
         if trust.came_to_its_end(str(summary.get("status"))):
-            row |= _motion(summary) | dict(_numbers(summary.get("results") or {}, ""))
+            row |= _motion(summary) | dict(single_numbers(summary.get("results") or {}))
+            for name, value in results_of(point, wanted).items():
+                row[name] = value.value
+                row[f"{name}.half_width"] = value.half_width
         rows.append(row)
     return rows
 
@@ -114,29 +167,6 @@ def _motion(summary: dict[str, Any]) -> Row:
             if orbit["half_width_m"] is not None:
                 row[f"{name}.{letter}_m.half_width"] = orbit["half_width_m"][axis]
     return row
-
-
-def _numbers(value: Any, where: str) -> Iterator[tuple[str, float]]:
-    """Yield every single number of a run's results with its keys, joined by dots.
-
-    The value of an estimate has the keys of the estimate; its half width, if it has one, has the additional
-    key ``half_width``.  The components of a vector have the keys x, y and z, and the tables of a list have
-    their ``exit`` or their number as key.  Words, and results along the deck, by size or over time, are left
-    out.
-    """
-    parts: dict[str, Any] = {}
-    if isinstance(value, int | float):
-        yield where.removeprefix("."), value
-    elif isinstance(value, dict) and set(value) >= {"value", "half_width", "batches"}:
-        parts = {"": value["value"], ".half_width": value["half_width"]}
-    elif isinstance(value, dict):
-        parts = {f".{key}": part for key, part in value.items()}
-    elif isinstance(value, list) and value and isinstance(value[0], dict):
-        parts = {f".{row.get('exit', number)}": row for number, row in enumerate(value)}
-    elif isinstance(value, list) and len(value) == 3:
-        parts = dict(zip((".x", ".y", ".z"), value, strict=True))
-    for key, part in parts.items():
-        yield from _numbers(part, where + key)
 
 
 def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.output.report.drawing import LINES, figure, save
+from orchestrator.output.drawing import LINES, figure, save
 from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER
 from orchestrator.studies.design.findings import HALF_WIDTH, Findings

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
+from orchestrator.case.load import read_tables
 from orchestrator.case.scalars import value_at
-from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
@@ -76,12 +76,12 @@ class Runs:
     def _check_names(self) -> None:
         """Raise CaseError where a formula's key would add a part to the case instead of changing one."""
         try:
-            layers = self._runs.check(self._study.file.overrides).layers
+            checked = self._runs.check(self._study.file.overrides)
         except CaseError:  # only the formulas make it a case
             return
         problems = []
         for key in self._study.file.set:
-            place: Any = Case.model_validate(layers.merged)
+            place: Any = read_tables(checked.layers.merged, checked.folder)
             for number, part in enumerate(words := key.split(".")):
                 if isinstance(place, Mapping) and part not in place:
                     what = f'the case has no "{part}" in {".".join(words[:number])}'

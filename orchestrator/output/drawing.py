@@ -55,10 +55,15 @@ def save(fig: Any, file: Path) -> None:
 
 def embed(fig: Any) -> str:
     """Return a figure as a data URI with its SVG, and close the figure."""
+    return data_uri(draw_svg(fig), "image/svg+xml")
+
+
+def draw_svg(fig: Any) -> bytes:
+    """Return a figure as SVG, and close the figure."""
     svg = io.BytesIO()
     fig.savefig(svg, format="svg", metadata={"Date": None})
     plt.close(fig)
-    return data_uri(svg.getvalue(), "image/svg+xml")
+    return svg.getvalue()
 
 
 def data_uri(content: bytes, kind: str) -> str:
@@ -75,4 +80,5 @@ def fill_template(template: str, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["zip"] = zip
     return environment.get_template(template).render(**values)

@@ -22,4 +22,16 @@ struct HeldPath {
   }
 };
 
+// What a panel meets in an interval: where its clamps come to, and the load on its surface points.
+struct PanelInterval {
+  const double *clamps_m, *clamps_m_per_s, *load_N;
+  double length_s;
+  int steps;
+};
+
+// Where the motion of a panel's surface points is to be written.
+struct PanelSurface {
+  double *position_m, *velocity_m_per_s;
+};
+
 }  // namespace flipflow

@@ -1,0 +1,76 @@
+"""Panels around a compiled body, which one call advances together with others of their kind."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from adapters.panel.common.compiled_body import CompiledBody, kernel
+from adapters.panel.common.panel import BodyPanel
+from orchestrator.ports import Account, Load, Motion, Panel, PanelState, check_point_count
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.panel import JointAdvance
+
+
+class CompiledPanel(BodyPanel):
+    """A panel whose body is compiled, and advances surface, reaction and works in one call for all panels.
+
+    The body itself has the motion of surface and clamps, and their work; ``_surface`` and ``_clamps`` are
+    those of t = 0.  ``_move`` of a subclass has the same equations in Python, with which the tests compare
+    the compiled ones.
+    """
+
+    STATE = ("_elapsed_s",)
+    _body: CompiledBody
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        return advance_together([self], interval, clamps, load)
+
+    def join(self, panels: Sequence[Panel]) -> JointAdvance | None:
+        """Return the call that advances ``panels`` together, or None where one of them is of another kind."""
+        alike = [panel for panel in panels if isinstance(panel, type(self))]
+        return partial(advance_together, alike) if len(alike) == len(panels) else None
+
+    def account(self) -> Account:
+        self._received_J = dict(
+            zip(("load", "clamps"), self._body.memory["received_J"].tolist(), strict=True)
+        )
+        return super().account()
+
+    def pass_interval(self, interval: Interval, found: Any) -> None:
+        """Take note of an interval in which the body reached ``found``.  Raises SolverFailed."""
+        self._check(interval, found)
+        self._elapsed_s += interval.length_s
+
+    @abstractmethod
+    def _check(self, interval: Interval, found: Any) -> None:
+        """Raise SolverFailed if ``found``, what the compiled code says of the body, shows a blow-up."""
+
+
+def advance_together(
+    panels: Sequence[CompiledPanel], interval: Interval, clamps: Motion, load: Load
+) -> PanelState:
+    """Advance panels of one kind by one compiled call; clamps, load and the state returned have one panel
+    after the other."""
+    check_point_count("panels: clamps", clamps, sum(len(panel._clamps) for panel in panels))
+    check_point_count("panels: load", load, sum(len(panel._surface) for panel in panels))
+    surface_m, surface_m_per_s = np.empty((2, *load.force_N.shape))
+    reaction_N = np.empty_like(clamps.position_m)
+    found = kernel.advance_together(
+        [panel._body.kernel for panel in panels],
+        clamps_m=np.ascontiguousarray(clamps.position_m),
+        clamps_m_per_s=np.ascontiguousarray(clamps.velocity_m_per_s),
+        load_N=np.ascontiguousarray(load.force_N),
+        length_s=interval.length_s,
+        steps=[interval.steps(panel._body.step_s) for panel in panels],
+        surface_m=surface_m,
+        surface_m_per_s=surface_m_per_s,
+        reaction_N=reaction_N,
+    )
+    for panel, of_panel in zip(panels, found, strict=True):
+        panel.pass_interval(interval, of_panel)
+    return PanelState(Motion(surface_m, surface_m_per_s), Load(reaction_N))

@@ -1,0 +1,105 @@
+"""Tables of particles, as users give them: CSV or Parquet files of any size, one row per particle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case.bed.saved_bed import UnreadableBed
+from orchestrator.case.file.errors import did_you_mean
+from orchestrator.case.file.plausible import RANGES
+from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.ports import Array
+
+PLACES = ("x_m", "y_m", "z_m")
+VELOCITIES = ("vx_m_per_s", "vy_m_per_s", "vz_m_per_s")
+SPINS = ("wx_rad_per_s", "wy_rad_per_s", "wz_rad_per_s")
+NUMBERS = (*PLACES, "diameter_m", *VELOCITIES, *SPINS)
+REQUIRED = (*PLACES, "diameter_m", "material")
+SMALLEST_M, LARGEST_M = RANGES["diameter_m"]
+KNOWN = (*NUMBERS, "material", "id")
+"""All columns; ``id`` is allowed and not used, because ids are given anew."""
+
+
+def read_table(path: Path) -> CarriedBed:
+    """Read a table of particles; a missing column of a velocity or spin counts as 0.
+
+    Raises UnreadableBed with all that is wrong in the table.
+    """
+    table = _read(path)
+    if wrong := [*_wrong_columns(table), *_wrong_cells(table)]:
+        raise UnreadableBed(f"{path}: " + "; ".join(wrong))
+    names, material = np.unique(table["material"].to_numpy(str), return_inverse=True)
+    count = len(table)
+
+    def vectors(columns: tuple[str, ...]) -> Array:
+        given = [table[name].to_numpy(float) if name in table else np.zeros(count) for name in columns]
+        return np.column_stack(given)
+
+    return CarriedBed(
+        materials=tuple(names.tolist()),
+        material=material,
+        position_m=vectors(PLACES),
+        velocity_m_per_s=vectors(VELOCITIES),
+        spin_rad_per_s=vectors(SPINS),
+        diameter_m=table["diameter_m"].to_numpy(float),
+        density_kg_per_m3=np.full(count, np.nan),
+        time_s=np.nan,
+        coarse_graining=np.nan,
+        source=str(path),
+    )
+
+
+def _read(path: Path) -> Any:
+    """Return the table as a DataFrame.  Raises UnreadableBed."""
+    import pandas as pd  # It is imported here because most cases have no table of particles.
+
+    read = {".csv": _read_csv, ".parquet": pd.read_parquet}.get(path.suffix.lower())
+    if read is None:
+        raise UnreadableBed(f'{path}: "{path.suffix}" is no kind of table; a .csv or .parquet file is wanted')
+    try:
+        return read(path)
+    except (OSError, ValueError, ImportError) as error:
+        raise UnreadableBed(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
+
+
+def _read_csv(path: Path) -> Any:
+    import pandas as pd
+
+    return pd.read_csv(path, comment="#", skipinitialspace=True)
+
+
+def _wrong_columns(table: Any) -> Iterator[str]:
+    """Yield a text for each column that is missing or unknown, and for a table without rows."""
+    for name in REQUIRED:
+        if name not in table:
+            yield f'there is no column "{name}"'
+    for name in table.columns:
+        if name not in KNOWN:
+            yield f'the column "{name}" is unknown ({did_you_mean(str(name), KNOWN)})'
+    if not len(table):
+        yield "there are no rows"
+
+
+def _wrong_cells(table: Any) -> Iterator[str]:
+    """Yield a text for each column with a cell that is not a finite number, or not a plausible
+    diameter."""
+    import pandas as pd
+
+    for name in NUMBERS:
+        if name not in table:
+            continue
+        values = pd.to_numeric(table[name], errors="coerce").to_numpy(float)
+        wrong = ~np.isfinite(values)
+        if name == "diameter_m":
+            wrong |= (values < SMALLEST_M) | (values > LARGEST_M)
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            wanted = "a plausible diameter in m" if name == "diameter_m" else "a number"
+            others = f" ({wrong.sum() - 1} more)" if wrong.sum() > 1 else ""
+            yield f"row {row + 1}: {name} = {table[name].iloc[row]!r} is not {wanted}{others}"
+    if "material" in table and table["material"].isna().any():
+        yield f"row {int(np.argmax(table['material'].isna())) + 1} has no material"

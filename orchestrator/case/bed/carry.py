@@ -1,0 +1,214 @@
+"""The step that reads the particles with which a case begins from a run or from a table.
+
+A run has recorded its particles in two ways: ``bed.h5`` in each checkpoint has them in full precision,
+and the ParaView files of the output times have them in single precision.  Places, velocities, spins,
+diameters and materials are taken over.  Tangential springs of contacts are not: they start anew.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from pydantic import ValidationError
+
+from orchestrator.case.bed import saved_bed
+from orchestrator.case.bed.bed_table import read_table
+from orchestrator.case.bed.saved_bed import BED, UnreadableBed
+from orchestrator.case.file.coarse import coarsen
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
+from orchestrator.case.file.layers import read_toml
+from orchestrator.case.file.slice import bounds_m, cut_to_slice
+from orchestrator.case.solver_plans import material_numbers
+from orchestrator.case.tables.bed import Bed
+from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.case.tables.case import Case
+
+CHECKPOINTS, SERIES = "checkpoints", "particles.pvd"
+SAME = 1e-9  # times with a smaller relative difference are one time
+
+
+@dataclass(frozen=True)
+class RecordedState:
+    """A state of a run's particles: its time and its file, exact in a checkpoint's ``bed.h5``."""
+
+    time_s: float
+    file: Path
+
+    @property
+    def is_exact(self) -> bool:
+        """True if the file has the particles in full precision."""
+        return self.file.name == BED
+
+
+def carry_bed(case: Case, folder: Path) -> Case:
+    """Return the case with the particles that ``[bed]`` takes over; without any, the case itself.
+
+    ``folder`` is the folder of the case.  Raises CaseError with every reason why they cannot be taken over.
+    """
+    bed = case.bed
+    if not bed.is_carried:
+        if bed.from_time_s is not None:
+            raise CaseError([CaseProblem(("bed", "from_time_s"), "has no meaning without bed.from_run")])
+        return case
+    if bed.from_run is not None and bed.table is not None:
+        raise CaseError([CaseProblem(("bed", "table"), "contradicts bed.from_run", "give one of them")])
+    key: Key = ("bed", "from_run" if bed.from_run is not None else "table")
+    try:
+        found = _find_particles(bed, folder)
+    except UnreadableBed as error:
+        raise CaseError([CaseProblem(key, str(error))]) from None
+    if problems := [*_unfit(case, found, key)]:
+        raise CaseError(problems)
+    return case.model_copy(update={"bed": bed.with_carried(_as_wanted(case, found))})
+
+
+def _find_particles(bed: Bed, folder: Path) -> CarriedBed:
+    """Return the particles that the table ``[bed]`` names.  Raises UnreadableBed."""
+    if bed.from_run is not None:
+        return read_run(_locate(bed.from_run, folder), bed.from_time_s)
+    assert bed.table is not None
+    if bed.from_time_s is not None:
+        raise UnreadableBed("a table has no times: bed.from_time_s belongs to bed.from_run")
+    path = _locate(bed.table, folder)
+    return saved_bed.read(path) if path.suffix == ".h5" else read_table(path)
+
+
+def _locate(name: str, folder: Path) -> Path:
+    """Return the file or folder of this name, seen from a case's ``folder`` or from the working directory.
+
+    Raises UnreadableBed if there is none.
+    """
+    for place in (folder / name, Path(name)):
+        with suppress(OSError):  # a folder on the way that this user may not enter
+            if place.exists():
+                return place
+    raise UnreadableBed(f'there is no "{name}", neither in {folder} nor in the working directory')
+
+
+def read_run(run: Path, time_s: float | None) -> CarriedBed:
+    """Read the particles of a run, at the recorded time that is nearest to ``time_s``; None takes the last.
+
+    Raises UnreadableBed.
+    """
+    states = sorted(_recorded_states(run), key=lambda state: (state.time_s, state.is_exact))
+    if not states:
+        raise UnreadableBed(f"{run}: has no recorded particles, neither checkpoints nor {SERIES}")
+    end_s = states[-1].time_s
+    if time_s is None:
+        return _read_state(run, states[-1])
+    if time_s > end_s * (1 + SAME):
+        raise UnreadableBed(f"{run}: ends at t = {end_s:g} s, before bed.from_time_s = {time_s:g} s")
+    away_s = min(abs(state.time_s - time_s) for state in states)
+    nearest = [state for state in states if abs(state.time_s - time_s) <= away_s + SAME * end_s]
+    return _read_state(run, nearest[-1])
+
+
+def _recorded_states(run: Path) -> Iterator[RecordedState]:
+    """Yield the states of a run that can be read.  Raises UnreadableBed for a folder that is no run."""
+    if not (run / "case.toml").is_file() or not (run / "provenance.json").is_file():
+        raise UnreadableBed(f"{run}: is not the folder of a run")
+    for file in run.glob(f"{CHECKPOINTS}/[0-9]*/{BED}"):
+        if (time_s := saved_bed.read_time_s(file)) is not None:
+            yield RecordedState(time_s, file)
+    if (run / SERIES).is_file():
+        try:
+            rows = [row.attrib for row in ElementTree.parse(run / SERIES).iter("DataSet")]
+            yield from [RecordedState(float(row["timestep"]), run / row["file"]) for row in rows]
+        except (OSError, ValueError, KeyError, ElementTree.ParseError) as error:
+            raise UnreadableBed(f"{run / SERIES}: cannot be read ({error})") from None
+
+
+def _read_state(run: Path, state: RecordedState) -> CarriedBed:
+    """Read the particles of a recorded state.  Raises UnreadableBed."""
+    if state.is_exact:
+        return saved_bed.read(state.file)
+    import meshio  # It is imported here because most cases take nothing over.
+
+    case = _case_of_run(run)
+    by_number = sorted(numbers := material_numbers(case), key=lambda name: numbers[name])
+    try:
+        mesh = meshio.read(state.file)
+        data = {name: np.asarray(values, dtype=float) for name, values in mesh.point_data.items()}
+        bed = CarriedBed(
+            materials=tuple(by_number),
+            material=data["material"].astype(np.int64),
+            position_m=np.asarray(mesh.points, dtype=float),
+            velocity_m_per_s=data["velocity_m_per_s"].reshape(-1, 3),
+            spin_rad_per_s=data["spin_rad_per_s"].reshape(-1, 3),
+            diameter_m=data["diameter_m"],
+            density_kg_per_m3=data["density_kg_per_m3"],
+            time_s=state.time_s,
+            coarse_graining=case.particles.coarse_graining,
+            source=str(state.file),
+        )
+    except (OSError, KeyError, ValueError, meshio.ReadError) as error:
+        raise UnreadableBed(f"{state.file}: cannot be read ({error})") from None
+    return saved_bed.keep_used_materials(bed)
+
+
+def _case_of_run(run: Path) -> Case:
+    """Return a run's case with the particles that it began with, which decide about the materials' numbers.
+
+    Raises UnreadableBed.
+    """
+    try:
+        case = Case.model_validate(read_toml(run / "case.toml"))
+    except (ValidationError, CaseError) as error:
+        first = str(error).splitlines()[-1].strip()
+        raise UnreadableBed(f"{run}: its case is not one of this flipflow's ({first})") from None
+    if case.bed.table is None:
+        return case
+    begun = case.model_copy(update={"bed": case.bed.with_carried(saved_bed.read(run / BED))})
+    return leave_out_outside(cut_to_slice(coarsen(begun)))
+
+
+def _unfit(case: Case, found: CarriedBed, key: Key) -> Iterator[CaseProblem]:
+    """Yield a problem for each material that the case lacks, and for particles of other coarseness or outside
+    of the domain."""
+    if not len(found):
+        yield CaseProblem(key, f"{found.source} has no particles")
+        return
+    for number, name in enumerate(found.materials):
+        if name not in case.materials:
+            count = int((found.material == number).sum())
+            what = f'{count} particles of {found.source} are of "{name}", which the case does not have'
+            yield CaseProblem(key, what, did_you_mean(name, case.materials))
+    own = case.particles.coarse_graining
+    if not math.isnan(found.coarse_graining) and found.coarse_graining != own:
+        what = f"its particles have a coarse graining of {found.coarse_graining:g}, those of the case {own:g}"
+        yield CaseProblem(key, what, f"take particles.coarse_graining = {found.coarse_graining:g}")
+
+
+def leave_out_outside(case: Case) -> Case:
+    """Return the case without the carried particles outside of its domain or slice, if ``bed.outside`` wants
+    it.  Raises CaseError if none is left.
+    """
+    carried = case.bed.carried
+    if carried is None or case.bed.outside == "refuse":
+        return case
+    low, high = np.array(case.domain_m)
+    if case.slice is not None:
+        y_m = bounds_m(case.whole_machine)
+        low[1], high[1] = max(low[1], y_m[0]), min(high[1], y_m[1])
+    inside = ((carried.position_m >= low) & (carried.position_m <= high)).all(axis=1)
+    if not inside.any():
+        what = f"all {len(carried)} particles of {carried.source} are outside domain_m"
+        raise CaseError([CaseProblem(("bed", "outside"), what)])
+    left = case.bed.with_carried(saved_bed.keep_used_materials(carried.part(inside)))
+    if case.original is case:
+        return case.computed_with({"bed": left})
+    return case.model_copy(update={"bed": left})
+
+
+def _as_wanted(case: Case, found: CarriedBed) -> CarriedBed:
+    """Return the particles with the velocities that ``[bed]`` wants."""
+    if case.bed.velocities == "keep":
+        return found
+    at_rest = np.zeros_like(found.velocity_m_per_s)
+    return replace(found, velocity_m_per_s=at_rest, spin_rad_per_s=at_rest.copy())

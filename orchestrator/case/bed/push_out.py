@@ -1,0 +1,90 @@
+"""The step that moves carried particles out of surfaces, and apart where they lie too deep in each other.
+
+A bed that settled on one deck does not fit another one exactly, and an overlap of a millimetre would throw
+a particle out with some metres per second.  Particles are therefore displaced without a velocity.  In each
+round, a particle in a surface is moved out of the surface, and of two particles that overlap too much
+the upper one is moved, so that a whole layer is lifted in as many rounds as it has particles above each
+other.  The method is position-based dynamics with a mass that falls with the height (Macklin, M., Mueller,
+M., Chentanez, N. and Kim, T.-Y., ACM Transactions on Graphics 33(4), 2014, 153, section 5.2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import contact_points
+from orchestrator.ports.plans import ParticleList
+
+SETTLED = 0.05
+"""The largest overlap of particles taken over, as a share of the (smaller) particle's diameter."""
+WANTED = SETTLED / 5  # the overlap with which a particle is left after it has been moved
+ROUNDS = 1000
+LEVEL = 0.3  # Pairs whose direction rises by less are beside each other, and both are moved.
+
+
+def push_out(particles: ParticleList, corners_m: Array, up: Array) -> ParticleList:
+    """Return the particles with places at which none overlaps another or a triangle by more than ``SETTLED``.
+
+    ``corners_m`` (m, 3, 3) are the surface's triangles, and ``up`` (3,) is the unit vector against gravity.
+    Where there is no room, overlaps remain after ``ROUNDS`` rounds; the checks of places report them.
+    """
+    place_m, diameter_m = particles.position_m.copy(), particles.diameter_m
+    for _ in range(ROUNDS):
+        moved_m = _out_of_surface(place_m, diameter_m, corners_m, up)
+        moved_m += _apart(place_m, diameter_m, up)
+        if not moved_m.any():
+            break
+        place_m += moved_m
+    return replace(particles, position_m=place_m)
+
+
+def _out_of_surface(place_m: Array, diameter_m: Array, corners_m: Array, up: Array) -> Array:
+    """Return the displacement (n, 3) of each particle out of the triangle in which it lies deepest."""
+    moved_m = np.zeros_like(place_m)
+    sphere, from_surface_m = contact_points(place_m, diameter_m / 2, corners_m)
+    distance_m = np.linalg.norm(from_surface_m, axis=1)
+    depth_m = diameter_m[sphere] / 2 - distance_m
+    order = np.argsort(depth_m)  # the deepest contact of a particle is written last
+    order = order[depth_m[order] > SETTLED * diameter_m[sphere[order]]]
+    out_m = (depth_m - WANTED * diameter_m[sphere])[:, None] * _directions(from_surface_m, up)
+    moved_m[sphere[order]] = out_m[order]
+    return moved_m
+
+
+def _apart(place_m: Array, diameter_m: Array, up: Array) -> Array:
+    """Return the mean displacement (n, 3) of each particle away from those that it overlaps too much."""
+    one, two, overlap_m = overlapping_pairs(place_m, diameter_m)
+    smaller_m = np.minimum(diameter_m[one], diameter_m[two])
+    deep = overlap_m > SETTLED * smaller_m
+    one, two, overlap_m, smaller_m = one[deep], two[deep], overlap_m[deep], smaller_m[deep]
+    between_m = place_m[two] - place_m[one]
+    direction = _directions(between_m, up)
+    rise = direction @ up
+    share_of_two = np.where(rise > LEVEL, 1.0, np.where(rise < -LEVEL, 0.0, 0.5))
+    apart_m = (overlap_m - WANTED * smaller_m)[:, None] * direction
+    moved_m, count = np.zeros_like(place_m), np.zeros(len(place_m))
+    np.add.at(moved_m, two, share_of_two[:, None] * apart_m)
+    np.add.at(moved_m, one, (share_of_two - 1.0)[:, None] * apart_m)
+    np.add.at(count, two, share_of_two > 0)
+    np.add.at(count, one, share_of_two < 1)
+    return np.asarray(moved_m / np.maximum(count, 1.0)[:, None])
+
+
+def _directions(vectors: Array, up: Array) -> Array:
+    """Return the unit vectors (n, 3) along ``vectors``; ``up`` for a vector without a length."""
+    length = np.linalg.norm(vectors, axis=1)[:, None]
+    return np.where(length > 0, vectors / np.maximum(length, 1e-300), up)
+
+
+def overlapping_pairs(place_m: Array, diameter_m: Array) -> tuple[Indices, Indices, Array]:
+    """Return the numbers of both particles of each pair that overlaps, and the overlaps in m."""
+    from scipy.spatial import cKDTree
+
+    one, two = cKDTree(place_m).query_pairs(diameter_m.max(), output_type="ndarray").T
+    distance_m = np.linalg.norm(place_m[one] - place_m[two], axis=1)
+    overlap_m = (diameter_m[one] + diameter_m[two]) / 2 - distance_m
+    touching = overlap_m > 0
+    return one[touching], two[touching], overlap_m[touching]

@@ -1,0 +1,91 @@
+"""The file ``bed.h5``: all particles of one instant, in full precision.
+
+Every checkpoint has one, and so has the folder of a run that began with particles taken over.  The names
+of its datasets and attributes are the fields of ``CarriedBed``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.case.tables.quantities import unit_of
+from orchestrator.ports import ParticleSnapshot
+
+FORMAT = 1
+"""Version of the file, in its attribute ``format_version``."""
+BED = "bed.h5"
+COLUMNS = ("material", "position_m", "velocity_m_per_s", "spin_rad_per_s", "diameter_m", "density_kg_per_m3")
+
+
+class UnreadableBed(Exception):
+    """An error for particles that cannot be read; the message says what is wrong and what helps."""
+
+
+def from_snapshot(
+    snapshot: ParticleSnapshot, numbers: dict[str, int], time_s: float, coarse_graining: float
+) -> CarriedBed:
+    """Return the particles of an instant; ``numbers`` are the materials' numbers by name."""
+    by_number = sorted(numbers, key=lambda name: numbers[name])
+    columns = {name: getattr(snapshot, name) for name in COLUMNS}
+    return keep_used_materials(
+        CarriedBed(tuple(by_number), **columns, time_s=time_s, coarse_graining=coarse_graining, source="")
+    )
+
+
+def keep_used_materials(bed: CarriedBed) -> CarriedBed:
+    """Return the bed with the names of those materials only that one of its particles has."""
+    used, material = np.unique(bed.material, return_inverse=True)
+    fields = {**vars(bed), "materials": tuple(bed.materials[k] for k in used), "material": material}
+    return CarriedBed(**fields)
+
+
+def write(path: Path, bed: CarriedBed) -> None:
+    """Write a bed, either completely or not at all.  Raises OSError."""
+    import h5py  # It is imported here because checks of cases without a saved bed do not need it.
+
+    aside = path.with_name(f".{path.name}")
+    with h5py.File(aside, "w") as file:
+        file.attrs["format_version"] = FORMAT
+        file.attrs["materials"] = list(bed.materials)
+        file.attrs["time_s"] = bed.time_s
+        file.attrs["coarse_graining"] = bed.coarse_graining
+        for name in COLUMNS:
+            dataset = file.create_dataset(name, data=getattr(bed, name))
+            dataset.attrs["unit"] = unit_of(name)
+    aside.replace(path)
+
+
+def read(path: Path) -> CarriedBed:
+    """Read a bed.  Raises UnreadableBed."""
+    import h5py  # It is imported here because checks of cases without a saved bed do not need it.
+
+    try:
+        with h5py.File(path) as file:
+            version = file.attrs.get("format_version")
+            if version != FORMAT:
+                raise UnreadableBed(
+                    f"{path}: has format {version}; this flipflow reads {FORMAT}: run the case again"
+                )
+            return CarriedBed(
+                materials=tuple(str(name) for name in file.attrs["materials"]),
+                **{name: np.asarray(file[name][:]) for name in COLUMNS},
+                time_s=float(file.attrs["time_s"]),
+                coarse_graining=float(file.attrs["coarse_graining"]),
+                source=str(path),
+            )
+    except (OSError, KeyError, ValueError) as error:
+        raise UnreadableBed(f"{path}: is no saved bed ({error})") from None
+
+
+def read_time_s(path: Path) -> float | None:
+    """Return the time of a saved bed; None if the file cannot be read."""
+    import h5py
+
+    try:
+        with h5py.File(path) as file:
+            return float(file.attrs["time_s"])
+    except (OSError, KeyError, ValueError):
+        return None

@@ -1,0 +1,166 @@
+"""The works of adhesion that a case gives by Bond numbers or by classes of moisture.
+
+The Bond number Bo of a contact is the pull-off force over the weight of a grain.  JKR's pull-off force
+is 3/2 pi w R*, so that  w = Bo m g / (3/2 pi R*)  for a grain of mass m; R* is the reduced radius of the
+pair.  docs/theory/adhesion.md has the closed forms, the classes of moisture and their sources.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+from orchestrator.case.bed.size_distribution import (
+    classes_of_diameters,
+    faults,
+    given_classes,
+    mean_mass_kg,
+    median_diameter_m,
+    size_class,
+)
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
+from orchestrator.case.file.plausible import wrong_sizes
+from orchestrator.case.tables.bed import SizeClass
+from orchestrator.case.tables.case import WORK_OF_ADHESION, Case, Contact
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+
+WATER_N_PER_M = 0.072
+"""Surface tension of clean water at 25 degrees Celsius."""
+LIQUID_BRIDGE_J_PER_M2 = 8 / 3 * WATER_N_PER_M
+"""Work of adhesion at which JKR's pull-off force is that of a small bridge of water that wets both bodies.
+
+The bridge pulls with 4 pi gamma R*, for two spheres as for a sphere and a plane (Fisher, R. A., Journal
+of Agricultural Science 16, 1926, 492-505), and JKR's contact with 3/2 pi w R*.
+"""
+MOISTURES_J_PER_M2 = {
+    "dry": 0.0,
+    "moist": LIQUID_BRIDGE_J_PER_M2,
+    "wet": 3 * LIQUID_BRIDGE_J_PER_M2,
+    "sticky": 10 * LIQUID_BRIDGE_J_PER_M2,
+}
+"""Work of adhesion of each class of moisture."""
+
+
+def resolve_works_of_adhesion(case: Case) -> Case:
+    """Return the case with a work of adhesion in place of each Bond number and each class of moisture.
+
+    A Bond number stays as it is if no particle has a material of the pair, or if later checks refuse
+    the pair's materials or sizes.  Raises CaseError with every contact that gives its adhesion in two
+    ways; if the case has sizes that must be mistakes, CaseError has these alone.
+    """
+    if not any(_ways(row) or row.bond_diameter_m is not None for row in case.contacts):
+        return case
+    if problems := [*_contradictions(case)] or [*wrong_sizes(case)]:
+        raise CaseError(problems)
+    grains_m = _typical_diameters_m(case)
+    contacts = tuple(_resolve(row, case, grains_m) for row in case.contacts)
+    return case.model_copy(update={"contacts": contacts})
+
+
+def move_to_given_key(problem: CaseProblem, contacts: Any) -> CaseProblem:
+    """Return a problem of a resolved work of adhesion at the key that gave it; any other unchanged.
+
+    ``contacts`` is the list of contacts as the user gave it.
+    """
+    match problem.key:
+        case ("contacts", int(number), key) if key == WORK_OF_ADHESION and number < len(contacts):
+            given: Mapping[str, Any] = contacts[number]
+            for way in ("bond_number", "moisture"):
+                if way in given and key not in given:
+                    what = f"as a work of adhesion in J/m2, {problem.what}"
+                    return replace(problem, key=("contacts", number, way), what=what)
+    return problem
+
+
+def _ways(row: Contact) -> list[str]:
+    """Return the keys, other than the work itself, by which a contact gives its work of adhesion."""
+    return [key for key in ("bond_number", "moisture") if getattr(row, key) is not None]
+
+
+def _contradictions(case: Case) -> Iterator[CaseProblem]:
+    """Yield a problem for each contact that gives its adhesion twice, or a grain without a Bond number."""
+    for number, row in enumerate(case.contacts):
+        key: Key = ("contacts", number)
+        ways = _ways(row)
+        if WORK_OF_ADHESION in row.model_fields_set:
+            ways = [WORK_OF_ADHESION, *ways]
+        if len(ways) > 1:
+            hint = f"give {WORK_OF_ADHESION}, bond_number or moisture, and only one of them"
+            yield CaseProblem((*key, ways[1]), f"contradicts {ways[0]}", hint)
+        elif row.bond_diameter_m is not None and row.bond_number is None:
+            yield CaseProblem((*key, "bond_diameter_m"), "has no meaning without bond_number")
+
+
+def _resolve(row: Contact, case: Case, grains_m: Mapping[str, float]) -> Contact:
+    """Return a contact with its work of adhesion; unchanged if it has a Bond number but no grain."""
+    if row.moisture is not None:
+        work_J_per_m2: float | None = MOISTURES_J_PER_M2[row.moisture]
+    elif row.bond_number is not None:
+        work_J_per_m2 = _work_of_bond_number(row, case, grains_m)
+    else:
+        return row
+    if work_J_per_m2 is None:
+        return row
+    ways = dict.fromkeys(("bond_number", "bond_diameter_m", "moisture"))
+    return row.model_copy(update={**ways, WORK_OF_ADHESION: work_J_per_m2})
+
+
+def _work_of_bond_number(row: Contact, case: Case, grains_m: Mapping[str, float]) -> float | None:
+    """Return the work of adhesion in J/m2 of a Bond number; None if the pair has no grain.
+
+    Of two grains of different materials, the lighter one is weighed.
+    """
+    assert row.bond_number is not None
+    known = [name for name in row.between if name in grains_m]
+    if not known:
+        return None
+    diameters_m = [row.bond_diameter_m or grains_m[name] for name in known]
+    weight_N = min(
+        STANDARD_GRAVITY_M_PER_S2 * sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
+        for name, diameter_m in zip(known, diameters_m, strict=True)
+    )
+    reduced_m = 1 / sum(2 / diameter_m for diameter_m in diameters_m)
+    return row.bond_number * weight_N / (1.5 * math.pi * reduced_m)
+
+
+def _typical_diameters_m(case: Case) -> dict[str, float]:
+    """Return the median diameter by mass of the grains of each material, by name.
+
+    Materials that do not exist, and those whose sizes are not valid, are left out.
+    """
+    diameters_m = {}
+    for name in case.materials:
+        with suppress(ValueError):  # the check of sizes reports these classes
+            if sizes := _grains(case, name):
+                diameters_m[name] = median_diameter_m(sizes)
+    return diameters_m
+
+
+def _grains(case: Case, name: str) -> list[SizeClass]:
+    """Return the size classes of a material's grains: of its feeds, else its blocks, else single particles.
+
+    Feeds are weighted by their rates, blocks and particles by their masses.  Particles too fine to be
+    computed (``smallest_fed_m``) count, so that the result is the same at every level.
+    """
+    density_kg_per_m3 = case.materials[name].density_kg_per_m3
+    sources = [row for row in case.bed.sources if row.material == name]
+    if any(True for row in sources for _ in faults(row)):
+        return []
+    parts: list[tuple[list[SizeClass], float]]
+    if feeds := [row for row in case.bed.feeds.values() if row.material == name]:
+        parts = [(given_classes(row), row.rate_kg_per_s) for row in feeds]
+    elif blocks := [row for row in case.bed.blocks.values() if row.material == name]:
+        parts = [
+            (sizes := given_classes(row), row.count * mean_mass_kg(sizes, density_kg_per_m3))
+            for row in blocks
+        ]
+    else:
+        diameters_m = [row.diameter_m for row in case.bed.particles.values() if row.material == name]
+        parts = [([size_class(d, d, 1.0)], sphere_mass_kg(d, density_kg_per_m3)) for d in diameters_m]
+        if case.bed.carried is not None and name in case.bed.carried.materials:
+            real_m = case.bed.carried.diameters_m(name) / case.particles.coarse_graining
+            parts.append(([*classes_of_diameters(real_m)], 1.0))
+    return [size.times(mass, "mass_fraction") for sizes, mass in parts for size in sizes]

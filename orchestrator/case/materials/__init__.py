@@ -1,0 +1,1 @@
+"""The library of named materials and their contacts, and its use in a case."""

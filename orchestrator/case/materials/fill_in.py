@@ -1,0 +1,152 @@
+"""The completion of a case from the library of materials.
+
+It works on the tables as the user gave them, before their types are checked, and therefore leaves alone
+everything that it does not expect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import combinations_with_replacement, product
+from typing import Any
+
+from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.layers import REPLACED_BY
+from orchestrator.case.materials.library import (
+    NamedMaterial,
+    UnknownMaterial,
+    contact_keys,
+    find,
+    slug,
+    suggest,
+)
+
+
+def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a case's table with the library's values for all keys of materials and contacts not given.
+
+    A material is completed if its own name or its key ``like`` names one of the library.  A material that
+    is complete without the library has nothing to do with it, whatever its name.  Contacts are added for
+    all pairs of completed materials that can meet.  Names of the library with blanks are replaced by their
+    slugs everywhere.  Raises CaseError for materials that are ``like`` one that the library does not have.
+    """
+    given: Mapping[str, Any] = table.get("materials", {})
+    if not isinstance(given, Mapping) or not isinstance(table.get("contacts", []), list):
+        return dict(table)
+    if problems := [*_unknown_models(given)]:
+        raise CaseError(problems)
+    renamed = {name: slug(name) for name in {*_referenced(table), *given} if _is_named(name)}
+    case = _with_names(table, renamed)
+    materials: dict[str, Any] = {renamed.get(name, name): row for name, row in given.items()}
+    original = {new: name for name, new in renamed.items()}
+    known: dict[str, NamedMaterial] = {}
+    for name in dict.fromkeys([*materials, *renamed.values()]):
+        row = materials.get(name, {})
+        if isinstance(row, Mapping) and (library := _library_material(row, original.get(name, name))):
+            own = {key: value for key, value in row.items() if key != "like"}
+            if (filled := _filled(library.keys(), own)) != row:  # else it is a material of the user's own
+                materials[name], known[name] = filled, library
+    contacts = [_filled_contact(row, known) for row in case.get("contacts", [])]
+    contacts += _missing_contacts(case, contacts, known)
+    return {**case, "materials": materials} | ({"contacts": contacts} if contacts else {})
+
+
+def _unknown_models(given: Mapping[str, Any]) -> Iterator[CaseProblem]:
+    """Yield a problem for each material that is ``like`` one that the library does not have."""
+    for name, row in given.items():
+        like = row.get("like") if isinstance(row, Mapping) else None
+        if isinstance(like, str) and not _is_named(like):
+            what = f'no material "{like}" in the library'
+            yield CaseProblem(("materials", name, "like"), what, suggest(like))
+
+
+def _is_named(name: str) -> bool:
+    """Return whether the library has a material of this name."""
+    try:
+        find(name)
+    except UnknownMaterial:
+        return False
+    return True
+
+
+def _library_material(row: Mapping[str, Any], name: str) -> NamedMaterial | None:
+    """Return the library's material that a table of ``materials`` is or is like; None if there is none."""
+    try:
+        return find(str(row.get("like", name)))
+    except UnknownMaterial:
+        return None
+
+
+def _referenced(table: Mapping[str, Any]) -> set[str]:
+    """Return all names of materials that tables of a case refer to."""
+    return {word for _, word in _references(table, "")}
+
+
+def _references(value: Any, key: str) -> Iterator[tuple[str, str]]:
+    """Yield each name of a material in a table, with the name of the table that refers to it."""
+    if isinstance(value, Mapping):
+        for word, inner in value.items():
+            if word == "material" and isinstance(inner, str):
+                yield key, inner
+            elif word not in ("materials", "contacts"):
+                yield from _references(inner, key or word)
+    elif isinstance(value, list | tuple):
+        for inner in value:
+            yield from _references(inner, key)
+
+
+def _with_names(value: Any, renamed: Mapping[str, str]) -> Any:
+    """Return tables with other names of materials wherever a key refers to one."""
+    if isinstance(value, Mapping):
+        return {
+            word: renamed.get(inner, inner)
+            if word == "material" and isinstance(inner, str)
+            else [renamed.get(name, name) if isinstance(name, str) else name for name in inner]
+            if word == "between" and isinstance(inner, list | tuple)
+            else _with_names(inner, renamed)
+            for word, inner in value.items()
+        }
+    if isinstance(value, list | tuple):
+        return [_with_names(inner, renamed) for inner in value]
+    return value
+
+
+def _filled(library: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return ``given`` with the library's values for all keys that it lacks, also in its tables."""
+    filled = dict(library) | dict(given)
+    for key, value in library.items():
+        if isinstance(value, Mapping) and isinstance(given.get(key), Mapping):
+            filled[key] = _filled(value, given[key])
+    return filled
+
+
+def _filled_contact(row: Any, known: Mapping[str, NamedMaterial]) -> Any:
+    """Return a row of ``contacts`` with the library's values for all keys that it lacks."""
+    if not isinstance(row, Mapping):
+        return row
+    between = row.get("between")
+    if not isinstance(between, list) or len(between) != 2 or not all(str(name) in known for name in between):
+        return row
+    one, other = (known[str(name)] for name in between)
+    library = contact_keys(one, other)
+    if any(way in row for way in REPLACED_BY):
+        library.pop("moisture", None)
+    return _filled(library, row)
+
+
+def _missing_contacts(
+    case: Mapping[str, Any], contacts: list[Any], known: Mapping[str, NamedMaterial]
+) -> list[dict[str, Any]]:
+    """Return the contacts of all pairs of the library's materials that can meet and are not given."""
+    references = list(_references(case, ""))
+    in_bed = {name for table, name in references if table == "bed"}
+    # Particles of a run or table that the case takes over may be of any grains in its ``materials``.
+    grains = sorted(name for name in known if name in in_bed or known[name].material.kind == "grains")
+    surfaces = sorted({name for table, name in references if table == "screen" and name in known} - {*grains})
+    given = [row.get("between") for row in contacts if isinstance(row, Mapping)]
+    there = {frozenset(map(str, between)) for between in given if isinstance(between, list)}
+    return [
+        {"between": [one, other], **keys}
+        for one, other in [*combinations_with_replacement(grains, 2), *product(grains, surfaces)]
+        if frozenset((one, other)) not in there and (keys := contact_keys(known[one], known[other]))
+    ]

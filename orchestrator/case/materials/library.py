@@ -1,0 +1,193 @@
+"""The library of materials: named materials and their contacts, each number with its range and its source.
+
+library.toml has the numbers.  A name may say more than the library's own name: "moist limestone" has a
+class of moisture, and "polyurethane 85 Shore A" a hardness.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
+
+from orchestrator.case.file.errors import did_you_mean
+from orchestrator.case.file.hardness import RANGES, youngs_modulus_Pa
+
+FILE = Path(__file__).with_name("library.toml")
+Kind = Literal["grains", "surface", "elastomer"]
+MOISTURES = ("dry", "moist", "wet", "sticky")  # from the driest to the stickiest
+NAME = re.compile(r"(?:(dry|moist|wet|sticky) )?(.+?)(?: (\d+(?:\.\d+)?) ?shore ?([ad]))?")
+COEFFICIENTS = ("restitution", "sliding_friction", "rolling_friction")
+LOSS_FROM_HZ, LOSS_TO_HZ = 5.0, 500.0
+"""The frequencies between which an elastomer's loss factor is taken as constant."""
+
+
+class UnknownMaterial(ValueError):
+    """An error for a name that the library does not have.
+
+    The message says what is wrong with it; it is empty if no material of the library is meant.
+    """
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of the library with its ordinary range, its source, and a note.
+
+    ``source_id`` is the short name of the source.
+    """
+
+    key: str
+    value: float
+    low: float
+    high: float
+    source: str
+    source_id: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class LibraryMaterial:
+    """A material of the library, with all its quantities by key."""
+
+    name: str
+    about: str
+    kind: Kind
+    quantities: Mapping[str, Quantity]
+
+
+@dataclass(frozen=True)
+class LibraryPair:
+    """The contact of two materials of the library, with its coefficients by key."""
+
+    between: tuple[str, str]
+    quantities: Mapping[str, Quantity]
+
+
+@dataclass(frozen=True)
+class NamedMaterial:
+    """A material as a case names it: a material of the library, its moisture and its hardness.
+
+    ``moisture`` is "" if the name does not say it.  Only elastomers have a hardness, such as (85, "A").
+    """
+
+    material: LibraryMaterial
+    moisture: str = ""
+    hardness: tuple[float, str] | None = None
+
+    def keys(self) -> dict[str, Any]:
+        """Return the keys of the material's table in a case."""
+        values = {key: quantity.value for key, quantity in self.material.quantities.items()}
+        if self.hardness is None:
+            return values
+        modulus_Pa = values["modulus_over_that_of_hardness"] * youngs_modulus_Pa(*self.hardness)
+        c10_Pa = modulus_Pa / 6 / (1 + values["c01_over_c10"])
+        curve = [
+            {"frequency_Hz": f, "loss_factor": values["loss_factor"]} for f in (LOSS_FROM_HZ, LOSS_TO_HZ)
+        ]
+        return {
+            "density_kg_per_m3": values["density_kg_per_m3"],
+            "hyperelastic": {
+                "c10_Pa": c10_Pa,
+                "c01_Pa": values["c01_over_c10"] * c10_Pa,
+                "bulk_modulus_Pa": values["bulk_modulus_Pa"],
+                "loss_curve": curve,
+            },
+        }
+
+
+@cache
+def materials() -> dict[str, LibraryMaterial]:
+    """Return all materials of the library by name."""
+    return {
+        name: LibraryMaterial(name, row["about"], row["kind"], _quantities(row))
+        for name, row in _table()["materials"].items()
+    }
+
+
+@cache
+def pairs() -> dict[frozenset[str], LibraryPair]:
+    """Return all pairs of the library by their two materials."""
+    rows = [LibraryPair(tuple(row["between"]), _quantities(row)) for row in _table()["pairs"]]
+    return {frozenset(row.between): row for row in rows}
+
+
+def sources() -> dict[str, str]:
+    """Return the full names of all sources by their short names."""
+    return dict(_table()["sources"])
+
+
+def find(name: str) -> NamedMaterial:
+    """Return the material that a name denotes.  Raises UnknownMaterial."""
+    match = NAME.fullmatch(re.sub(r"[\s_-]+", " ", name.strip()).lower())
+    moisture, base, number, scale = match.groups("") if match else ("", "", "", "")
+    material = materials().get(base)
+    if material is None:
+        raise UnknownMaterial
+    if material.kind == "elastomer":
+        if not number:
+            raise UnknownMaterial(f'give its hardness, for example "{base} 85 Shore A"')
+        hardness = (float(number), scale.upper())
+        low, high = RANGES[hardness[1]]
+        if not low <= hardness[0] <= high:
+            raise UnknownMaterial(f"its hardness must be from {low:g} to {high:g} Shore {hardness[1]}")
+        return NamedMaterial(material, hardness=hardness)
+    if number:
+        raise UnknownMaterial(f'only elastomers are named with a hardness; the material is "{base}"')
+    if moisture and material.kind != "grains":
+        raise UnknownMaterial(f'only grains are {moisture}; the material is "{base}"')
+    return NamedMaterial(material, moisture)
+
+
+def suggest(name: str, others: Iterable[str] = ()) -> str:
+    """Return a hint at what an unknown name may mean, among the library's and other names."""
+    try:
+        find(name)
+    except UnknownMaterial as error:
+        return str(error) or did_you_mean(name, {*others, *materials()}, say="materials")
+    return ""
+
+
+def slug(name: str) -> str:
+    """Return the name of a material as a key of a case's table: polyurethane-85-Shore-A."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", name.strip()).strip("-")[:60]
+
+
+def contact_keys(one: NamedMaterial, other: NamedMaterial) -> dict[str, Any]:
+    """Return the keys of the contact of two materials; none if the library does not have the pair.
+
+    Two different grains have the means of the coefficients of their own pairs, which is an assumption.
+    The wetter material determines the moisture of the contact.
+    """
+    coefficients = _coefficients(one.material, other.material)
+    wetter = max(one.moisture, other.moisture, key=("", *MOISTURES).index)
+    return {**coefficients, "moisture": wetter} if coefficients and wetter else coefficients
+
+
+def _coefficients(one: LibraryMaterial, other: LibraryMaterial) -> dict[str, float]:
+    """Return restitution and friction of two materials; none if the library does not have them."""
+    if pair := pairs().get(frozenset((one.name, other.name))):
+        return {key: quantity.value for key, quantity in pair.quantities.items()}
+    if one.kind == other.kind == "grains":
+        own = [_coefficients(material, material) for material in (one, other)]
+        return {key: sum(row[key] for row in own) / 2 for key in COEFFICIENTS}
+    return {}
+
+
+def _quantities(row: Mapping[str, Any]) -> dict[str, Quantity]:
+    """Return the quantities of a row of the library by key."""
+    return {key: _quantity(key, **each) for key, each in row.items() if isinstance(each, Mapping)}
+
+
+def _quantity(key: str, value: float, range: tuple[float, float], source: str, note: str = "") -> Quantity:
+    """Return a quantity from its inline table in the library."""
+    low, high = range
+    return Quantity(key, value, low, high, sources()[source], source, note)
+
+
+@cache
+def _table() -> dict[str, Any]:
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))

@@ -1,0 +1,57 @@
+"""The record of particles that a case takes over from a run or from a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.ports import Array, Indices
+
+
+@dataclass(frozen=True, eq=False)
+class CarriedBed:
+    """Particles with which a case begins, as they were found; n is their number.
+
+    Parameters
+    ----------
+    materials
+        The names of the materials.
+    material
+        (n,) the index of each particle's material in ``materials``.
+    position_m, velocity_m_per_s, spin_rad_per_s
+        (n, 3) in world axes.
+    diameter_m, density_kg_per_m3
+        (n,); a table without densities has NaN.
+    time_s
+        The time of the state in the run that it comes from; NaN for a table.
+    coarse_graining
+        The number of diameters of real particles for which one diameter stands; NaN for a table.
+    source
+        The file that the particles were read from.
+    """
+
+    materials: tuple[str, ...]
+    material: Indices
+    position_m: Array
+    velocity_m_per_s: Array
+    spin_rad_per_s: Array
+    diameter_m: Array
+    density_kg_per_m3: Array
+    time_s: float
+    coarse_graining: float
+    source: str
+
+    def part(self, rows: npt.NDArray[np.bool_]) -> CarriedBed:
+        """Return the particles of some rows."""
+        columns = ("material", "position_m", "velocity_m_per_s", "spin_rad_per_s", "diameter_m")
+        chosen = {name: getattr(self, name)[rows] for name in (*columns, "density_kg_per_m3")}
+        return replace(self, **chosen)
+
+    def diameters_m(self, material: str) -> Array:
+        """Return the diameters of the particles of a material."""
+        return np.asarray(self.diameter_m[self.material == self.materials.index(material)])
+
+    def __len__(self) -> int:
+        return len(self.diameter_m)

@@ -1,0 +1,129 @@
+"""The output of ``check``, ``explain`` and ``list`` for other programs (docs/json-output.md).
+
+All numbers are in SI units, and names end with their unit.  Errors are no JSON: their message goes to
+standard error, and the exit code tells their kind.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from orchestrator.preflight.judge import JudgedCase
+    from orchestrator.preflight.judgement.catalogue import Judged
+
+FORMAT = 1
+"""Version of all these forms, their entry ``format_version``."""
+
+
+def print_json(table: dict[str, Any]) -> None:
+    """Print a table as JSON on standard output, with ``format_version`` first; numbers that are not finite
+    become null."""
+    typer.echo(json.dumps(_finite({"format_version": FORMAT} | table), indent=2, ensure_ascii=False))
+
+
+def _finite(value: Any) -> Any:
+    """Return a table in which None stands for every number that JSON cannot have."""
+    if isinstance(value, dict):
+        return {str(key): _finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(inner) for inner in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def check_form(loaded: JudgedCase) -> dict[str, Any]:
+    """Return what ``flipflow check`` says about a case without problems."""
+    from orchestrator.case.deck.panels import single_panels
+    from orchestrator.case.solver_plans import particle_step_s
+    from orchestrator.case.tables.case import has_particles
+    from orchestrator.ports.clock import steps_in
+    from orchestrator.preflight.check import warnings
+    from orchestrator.preflight.checks.steps import missing_solvers
+    from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
+    from orchestrator.preflight.stability.report import stability_report, with_scheme
+
+    case = loaded.case
+    stability = stability_report(case)
+    costed, at_start = with_scheme(case, stability.scheme), particles_at_start(case)
+    solvers = {"frames": case.frames.solver, "panel": case.panel.solver, "particles": case.particles.solver}
+    return {
+        "case": loaded.name,
+        "level": loaded.level or None,
+        "title": case.title,
+        "solvers": solvers,
+        "frames": [*case.screen.frames],
+        "panels": [panel.name for panel in single_panels(case)],
+        "particles_at_start": at_start,
+        "feeds_kg_per_s": {name: feed.rate_kg_per_s for name, feed in case.bed.feeds.items()},
+        "duration_s": case.duration_s,
+        "sync_interval_s": case.coupling.sync_interval_s,
+        "sync_intervals": steps_in(case.duration_s, case.coupling.sync_interval_s),
+        "particle_step_s": particle_step_s(case) if has_particles(case) else None,
+        "predicted_processor_s": {
+            "thin_bed": sum(predicted_parts_s(costed, at_start, THIN).values()),
+            "thick_bed": sum(predicted_parts_s(costed, at_start, THICK).values()),
+        },
+        "left_out": loaded.left_out,
+        "changed": list(loaded.changed),
+        "stability": stability.as_json(),
+        "warnings": [*warnings(loaded), *stability.warnings(), *missing_solvers(case)],
+    }
+
+
+def explain_form(loaded: JudgedCase, effects: Sequence[Judged]) -> dict[str, Any]:
+    """Return what ``flipflow explain`` says about the effects of a case."""
+    from orchestrator.preflight.judgement.catalogue import find_dispensable, with_dependents
+
+    left_out = with_dependents(find_dispensable(effects), "")
+    return {
+        "case": loaded.name,
+        "level": loaded.level or None,
+        "title": loaded.case.title,
+        "effects": {
+            judged.effect: {
+                "part": judged.part,
+                "present": judged.present,
+                "verdict": asdict(judged.verdict),
+                "is_lacking": judged.is_lacking,
+                "is_spare": judged.is_spare,
+                "auto_leaves_out": judged.present and judged.effect in left_out,
+                "key": judged.key,
+            }
+            for judged in effects
+        },
+    }
+
+
+def list_form(folder: Path) -> dict[str, Any]:
+    """Return the cases of a folder, with their titles and levels."""
+    return {"cases": [*cases_in(folder)]}
+
+
+def cases_in(folder: Path) -> Iterator[dict[str, Any]]:
+    """Yield the folder, title, base, levels and default level of each case in a folder, in order.
+
+    The title of a case that cannot be read is None.
+    """
+    from orchestrator.case.file.base import level_names, read_chain
+    from orchestrator.case.file.errors import CaseError
+    from orchestrator.case.load import load
+
+    for file in sorted(folder.glob("*/case.toml")):
+        case: dict[str, Any] = {"folder": str(file.parent), "title": None, "base": None}
+        case |= {"levels": [], "default_level": None}
+        with suppress(CaseError):  # the title then says that it has problems
+            case |= {"levels": level_names(file.parent), "base": read_chain(file)[0].base or None}
+            loaded = load(file)
+            case["title"] = loaded.case.title
+            case["default_level"] = loaded.level.name if loaded.level is not None else None
+        yield case

@@ -1,0 +1,181 @@
+"""The command ``new``: it asks for what is not given, and writes the proposed case."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from orchestrator.cli.console import CONSOLE, reported_errors
+
+if TYPE_CHECKING:
+    from orchestrator.case.file.errors import CaseProblem
+    from orchestrator.preflight.proposal.proposal import Proposal
+
+NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
+
+
+def new(
+    context: typer.Context,
+    folder: Annotated[Path, typer.Argument(metavar="NAME", help="new folder of the case")],
+    template: Annotated[
+        str | None, typer.Option(help="flip-flow, banana, crank-link or test-rig [default: flip-flow]")
+    ] = None,
+    width: Annotated[str | None, typer.Option(help='width of the deck, such as "2 m"')] = None,
+    panels: Annotated[str | None, typer.Option(help="number of panels along the deck")] = None,
+    length: Annotated[
+        str | None, typer.Option(help="length of the whole deck [default: as the stroke wants it]")
+    ] = None,
+    slope: Annotated[
+        str | None, typer.Option(help='slope, such as "20 deg", or slopes: "30 deg, 20 deg, 12 deg"')
+    ] = None,
+    opening: Annotated[str | None, typer.Option(help='width of the openings, such as "12 mm"')] = None,
+    opening_length: Annotated[
+        str | None, typer.Option(help="length of the openings [default: square]")
+    ] = None,
+    material: Annotated[str | None, typer.Option(help="material that is screened")] = None,
+    throughput: Annotated[str | None, typer.Option(help='mass rate of the feed, such as "50 t/h"')] = None,
+    speed: Annotated[str | None, typer.Option(help='speed of the shaft, such as "750 rpm"')] = None,
+    stroke: Annotated[
+        str | None,
+        typer.Option(help='amplitude of one frame against the other along the deck, such as "6 mm"'),
+    ] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="takes the defaults of what is not given, and asks nothing")
+    ] = False,
+) -> None:
+    """Begin a machine of your own: write a commented case that can be checked and run at once.
+
+    From the stroke and the speed that are wanted, masses, unbalance and bushings are proposed; the
+    command says how far the machine is from resonance.  In a terminal it asks for what is not given.  Nothing
+    is overwritten.
+
+    Exit code 0: the case is written; 2: no such machine can be, one message says why, and nothing is written.
+    """
+    from orchestrator.case.file.errors import CaseProblem
+    from orchestrator.preflight.proposal.propose import find_refusals, propose
+    from orchestrator.preflight.proposal.wishes import (
+        QUESTIONS,
+        ImpossibleWishes,
+        find_wrong_answers,
+        read_wishes,
+    )
+
+    options = ((name, context.params[name.replace("-", "_")]) for name in QUESTIONS)
+    answers = {name: text for name, text in options if text is not None}
+    with reported_errors():
+        problems = [*_wrong_folder(folder), *find_wrong_answers(template, answers)]
+        if can_ask() and not yes and not problems:
+            template, answers = _ask(template, answers)
+            CONSOLE.print(f"the same without questions: {_command(folder, template, answers)}")
+        template = template or "flip-flow"
+        if problems := [*_wrong_folder(folder), *find_refusals(template, answers)]:
+            raise ImpossibleWishes(problems)
+        proposal = propose(read_wishes(template, answers), folder.name)
+        try:
+            write_files(proposal.files, folder)
+        except OSError as error:
+            what = f"{folder} cannot be written: {error.strerror}"
+            raise ImpossibleWishes([CaseProblem((), what, file="NAME")]) from None
+    _report(proposal, folder)
+
+
+def _wrong_folder(folder: Path) -> Iterator[CaseProblem]:
+    """Yield a problem if a case cannot be written into a new folder of this name."""
+    from orchestrator.case.file.errors import CaseProblem
+
+    if not NAME.fullmatch(folder.name):
+        hint = "letters, digits, _, - and dots make a name, at most 60"
+        yield CaseProblem((), f"{str(folder)!r} is no name of a folder", hint, file="NAME")
+    elif folder.exists() or folder.is_symlink():
+        yield CaseProblem((), f"{folder} exists already", "take another name", file="NAME")
+    elif not (above := next(place for place in folder.absolute().parents if place.exists())).is_dir():
+        yield CaseProblem((), f"{above} is no folder", "take another place", file="NAME")
+
+
+def can_ask() -> bool:
+    """Return whether somebody can answer questions."""
+    return sys.stdin.isatty()
+
+
+def _ask(template: str | None, given: Mapping[str, str]) -> tuple[str, dict[str, str]]:
+    """Ask in the terminal for the template and for each wish that is not given; return all answers.
+
+    A wrong answer is explained, and the question is asked again.
+    """
+    from orchestrator.case.file.errors import CaseError
+    from orchestrator.preflight.proposal.wishes import (
+        QUESTIONS,
+        TEMPLATES,
+        default_answer,
+        read_answer,
+        read_template,
+    )
+
+    def checked_template(text: str) -> str:
+        try:
+            read_template(text)
+        except CaseError as error:
+            raise typer.BadParameter(error.problems[0].what_helps) from None
+        return text
+
+    if template is None:
+        for name, row in TEMPLATES.items():
+            CONSOLE.print(f"  {name:<12}{row.about}")
+        template = typer.prompt("Which kind of machine?", default="flip-flow", value_proc=checked_template)
+    read_template(template)
+    answers = dict(given)
+    for name in TEMPLATES[template].asks:
+        if name in answers:
+            continue
+
+        def checked(text: str, name: str = name) -> str:
+            try:
+                read_answer(name, text)
+            except CaseError as error:
+                raise typer.BadParameter("; ".join(row.what_helps for row in error.problems)) from None
+            return text
+
+        default = default_answer(template, name)
+        answers[name] = typer.prompt(
+            QUESTIONS[name].sentence, default=default, show_default=bool(default), value_proc=checked
+        )
+    return template, answers
+
+
+def _command(folder: Path, template: str, answers: Mapping[str, str]) -> str:
+    """Return the command that gives all answers, for a shell."""
+    given = {"template": template} | {name: text.strip() for name, text in answers.items()}
+    words = [word for name, text in given.items() if text for word in (f"--{name}", text)]
+    return shlex.join(["flipflow", "new", str(folder), *words, "--yes"])
+
+
+def write_files(files: Mapping[str, str], folder: Path) -> None:
+    """Write the files of a case into a new folder, which appears when all are written."""
+    unfinished = folder.with_name(f".{folder.name}.unfinished")
+    try:
+        for name, text in files.items():
+            file = unfinished / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        unfinished.rename(folder)
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _report(proposal: Proposal, folder: Path) -> None:
+    """Print what is proposed, and the next commands."""
+    from orchestrator.preflight.cost import in_words
+
+    CONSOLE.print(f"{folder.name}: {proposal.title}")
+    for line in proposal.remarks:
+        CONSOLE.print(f"  {line}")
+    CONSOLE.print(f"written: {folder} with {', '.join(proposal.files)}")
+    CONSOLE.print(f"next:  flipflow check {folder}")
+    CONSOLE.print(f"       flipflow run {folder}    # level draft, about {in_words(proposal.run_s['draft'])}")

@@ -1,0 +1,183 @@
+"""The comparison of runs: the keys in which their cases differ, and the results that differ.
+
+The first run is the reference.  Two results with 95 % confidence intervals of half widths w1 and w2 differ by
+more than chance if they are farther apart than sqrt(w1^2 + w2^2), the half width of the interval of their
+difference for independent runs.  By chance alone, this is true for one result in twenty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from orchestrator.case.file.errors import CaseError, show_value
+from orchestrator.case.file.layers import find_changes, read_toml
+from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.output.results.tidy import Result, RunResults, read_results
+
+SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "no interval"
+UNIMPORTANT = {"title", "description", "default_level"}
+EQUAL = 1e-12  # results with a smaller relative difference are the same
+MISSING = "–"
+
+
+@dataclass(frozen=True)
+class DifferingKey:
+    """A key of the case with its value in each run, as text; "–" where a run does not have it."""
+
+    key: str
+    values: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ComparedResult:
+    """A result that the first run and another run have, with the verdict on each run after the first.
+
+    ``results`` has None for a run without this result, and so has ``verdicts``.
+    """
+
+    name: str
+    unit: str
+    results: tuple[Result | None, ...]
+
+    @cached_property
+    def verdicts(self) -> tuple[str | None, ...]:
+        """The verdict on each run; None for the first run."""
+        first, *others = self.results
+        assert first is not None
+        return (None, *(None if other is None else judge_difference(first, other) for other in others))
+
+    @property
+    def differs(self) -> bool:
+        """True if a run differs from the first by more than chance, or if no interval can tell."""
+        return bool({MORE, UNKNOWN} & set(self.verdicts))
+
+    @property
+    def is_short(self) -> bool:
+        """True for a result with a short name."""
+        return any(result is not None and result.is_short for result in self.results)
+
+    def changes(self) -> tuple[float | None, ...]:
+        """Return the difference of each run from the first over the size of the first; None if unknown."""
+        first, *others = self.results
+        assert first is not None
+        if not first.value:
+            return (None,) * len(self.results)
+        return (0.0, *(None if other is None else _change(first, other) for other in others))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A comparison of two or more runs, whose ``names`` are short and differ from each other."""
+
+    runs: tuple[RunResults, ...]
+    names: tuple[str, ...]
+    keys: tuple[DifferingKey, ...]
+    results: tuple[ComparedResult, ...]
+
+    @property
+    def compared(self) -> int:
+        """The number of comparisons by intervals."""
+        return sum(verdict in (BY_CHANCE, MORE) for row in self.results for verdict in row.verdicts)
+
+    @property
+    def more_than_chance(self) -> int:
+        """The number of comparisons by intervals that show a difference."""
+        return sum(verdict == MORE for row in self.results for verdict in row.verdicts)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the comparison as a table of lists, with an entry for each run in each list."""
+        return {
+            "runs": [{"folder": str(run.folder), "status": run.status} for run in self.runs],
+            "keys": {row.key: list(row.values) for row in self.keys},
+            "results": {
+                row.name: {
+                    "unit": row.unit,
+                    "values": [result and result.value for result in row.results],
+                    "half_widths": [result and result.half_width for result in row.results],
+                    "verdicts": list(row.verdicts),
+                }
+                for row in self.results
+            },
+            "compared": self.compared,
+            "more_than_chance": self.more_than_chance,
+        }
+
+
+def judge_difference(one: Result, other: Result) -> str:
+    """Return whether two results are the same, or differ within or by more than chance."""
+    difference = abs(other.value - one.value)
+    if difference <= max(one.floor, EQUAL * max(abs(one.value), abs(other.value))):
+        return SAME
+    if one.half_width is None or other.half_width is None:
+        return UNKNOWN
+    return MORE if difference > math.hypot(one.half_width, other.half_width) else BY_CHANCE
+
+
+def _change(first: Result, other: Result) -> float:
+    """Return the difference of two results over the size of the first; 0 for the same."""
+    if judge_difference(first, other) == SAME:
+        return 0.0
+    return (other.value - first.value) / abs(first.value)
+
+
+def compare(folders: Sequence[Path]) -> Comparison:
+    """Compare runs with the first of them.
+
+    Raises FolderUnusable if there are fewer than two runs, if one is named twice or cannot be read, and if
+    the runs have no results in common.
+    """
+    runs = tuple(read_results(folders))
+    places = [run.folder.resolve() for run in runs]
+    if len(set(places)) < len(places):
+        raise FolderUnusable("a run is named twice; it would be compared with itself")
+    if len(runs) < 2:
+        raise FolderUnusable(f"{runs[0].folder}: there is nothing to compare it with; name two or more runs")
+    results = tuple(_compare_results(runs))
+    if not results:
+        others = ", ".join(str(run.folder) for run in runs[1:])
+        raise FolderUnusable(f"{runs[0].folder} has no results in common with {others}")
+    return Comparison(runs, tuple(_short_names(runs)), tuple(_compare_keys(runs)), results)
+
+
+def _compare_results(runs: Sequence[RunResults]) -> list[ComparedResult]:
+    first, *others = runs
+    return [
+        ComparedResult(name, result.unit, tuple(run.results.get(name) for run in runs))
+        for name, result in first.results.items()
+        if any(name in other.results for other in others)
+    ]
+
+
+def _compare_keys(runs: Sequence[RunResults]) -> list[DifferingKey]:
+    """Return the keys in which the resolved cases of the runs differ."""
+    try:
+        tables = [read_toml(run.folder / "case.toml") for run in runs]
+    except CaseError as error:
+        raise FolderUnusable(str(error)) from None
+    keys = dict.fromkeys(key for table in tables[1:] for key in find_changes(tables[0], table))
+    return [
+        DifferingKey(".".join(key), tuple(_value_at(table, key) for table in tables))
+        for key in keys
+        if key[0] not in UNIMPORTANT
+    ]
+
+
+def _value_at(table: Any, key: Sequence[str]) -> str:
+    for word in key:
+        table = table.get(word) if isinstance(table, dict) else None
+    return MISSING if table is None else show_value(table)
+
+
+def _short_names(runs: Sequence[RunResults]) -> list[str]:
+    """Return the last parts of the folders' paths, as many of them as tell all runs apart."""
+    parts = [run.folder.resolve().parts for run in runs]
+    for count in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(each[-count:]) for each in parts]
+        if len(set(names)) == len(names):
+            break
+    return names

@@ -1,0 +1,172 @@
+"""The single numbers of a run's results as rows: one row for each number, with its interval and unit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.case.scalars import SCALARS
+from orchestrator.case.tables.quantities import unit_of
+from orchestrator.output.records import trust
+from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable
+from orchestrator.output.results.run_reader import RunReader
+
+AXES = ("x", "y", "z")
+HALF_WIDTH = ".half_width"
+RUNS_OVER = ("along_m", "edges_m", "end_s", "time_s")
+"""Keys of the places, sizes and times over which the lists of a table run."""
+VECTOR, ITS_WIDTHS = "amplitude_m", "half_width_m"
+"""Keys of a vector of estimates, and of their half widths beside it."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A number of a run's results.
+
+    ``name`` is a short name of case/scalars.py or a path of keys of ``results`` in ``summary.json``, joined
+    by dots.  ``half_width`` is half the width of its 95 % confidence interval, None where there is none.
+    A run does not resolve differences of up to ``floor``.
+    """
+
+    name: str
+    value: float
+    half_width: float | None
+    unit: str
+    is_short: bool = False
+    floor: float = 0.0
+
+
+@dataclass(frozen=True)
+class RunResults:
+    """All results of a run, by name, with the summary and the resolved case from which they come."""
+
+    folder: Path
+    case: str
+    level: str
+    status: str
+    results: dict[str, Result]
+
+    def rows(self) -> list[dict[str, str | float | None]]:
+        """Return a row of a tidy table for each result."""
+        run = {"run": str(self.folder), "case": self.case, "level": self.level, "status": self.status}
+        return [
+            {
+                **run,
+                "result": result.name,
+                "kind": "short name" if result.is_short else "path",
+                "value": result.value,
+                "half_width": result.half_width,
+                "unit": result.unit,
+            }
+            for result in self.results.values()
+        ]
+
+
+def single_numbers(value: Any, where: str = "") -> Iterator[tuple[str, float]]:
+    """Yield every single number of a run's results with its keys, joined by dots.
+
+    The value of an estimate has the keys of the estimate; its half width, if it has one, has the additional
+    key ``half_width``.  The components of a vector have the keys x, y and z, and the tables of a list have
+    their ``exit`` or their number as key.  Words, and results along the deck, by size or over time, are left
+    out, whatever their length.
+    """
+    parts: dict[str, Any] = {}
+    if isinstance(value, int | float):
+        yield where.removeprefix("."), value
+    elif isinstance(value, dict) and set(value) >= {"value", "half_width", "batches"}:
+        parts = {"": value["value"], HALF_WIDTH: value["half_width"]}
+    elif isinstance(value, dict):
+        parts = {f".{key}": part for key, part in _entries(value).items()}
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        parts = {f".{row.get('exit', number)}": row for number, row in enumerate(value)}
+    elif isinstance(value, list) and len(value) == 3:
+        parts = dict(zip((f".{axis}" for axis in AXES), value, strict=True))
+    for key, part in parts.items():
+        yield from single_numbers(part, where + key)
+
+
+def _entries(table: dict[str, Any]) -> dict[str, Any]:
+    """Return the entries of a table of results, without lists that run along the deck, by size or over time.
+
+    A vector with half widths beside it becomes a table of estimates by component.
+    """
+    if any(isinstance(table.get(key), list) for key in RUNS_OVER):
+        return {key: part for key, part in table.items() if not isinstance(part, list)}
+    if not (isinstance(table.get(VECTOR), list) and ITS_WIDTHS in table):
+        return table
+    widths = table[ITS_WIDTHS] or [None] * len(AXES)
+    rows = zip(AXES, table[VECTOR], widths, strict=True)
+    estimates = {axis: {"value": size, "half_width": width, "batches": None} for axis, size, width in rows}
+    return {key: part for key, part in table.items() if key != ITS_WIDTHS} | {VECTOR: estimates}
+
+
+def tidy_results(summary: dict[str, Any]) -> dict[str, Result]:
+    """Return the results in a summary by name: those with a short name first, then all single numbers."""
+    found: dict[str, Result] = {}
+    for name, scalar in SCALARS.items():
+        if (value := scalar.of(summary)) is not None:
+            unit = scalar.words.rpartition(" / ")[2].strip("()")
+            found[name] = Result(name, value.value, value.half_width, unit, True, scalar.floor)
+    numbers = dict(single_numbers(summary.get("results") or {}))
+    for name, number in numbers.items():
+        if not name.endswith(HALF_WIDTH) and not isinstance(number, bool):
+            found[name] = Result(name, float(number), numbers.get(name + HALF_WIDTH), _unit(name))
+    return found
+
+
+def _unit(name: str) -> str:
+    """Return the unit of a result by its path: that of the last word which has one, else 1."""
+    units = (unit_of(word, "") for word in reversed(name.split(".")))
+    return next((unit for unit in units if unit), "1")
+
+
+def read_results(folders: Sequence[Path]) -> list[RunResults]:
+    """Return the results of the runs in some folders, or in the subfolders of a study's folder.
+
+    Raises FolderUnusable with every folder that is no run, that has no results, or that another version of
+    flipflow wrote.
+    """
+    runs: list[RunResults] = []
+    problems: list[str] = []
+    for folder in (run for each in folders for run in find_runs(each)):
+        try:
+            runs.append(_read(folder))
+        except (FolderUnusable, CaseError) as error:
+            problems.append(str(error))
+        except (OSError, ValueError) as error:
+            problems.append(f"{folder}: is no run that has ended ({error})")
+    if problems:
+        raise FolderUnusable("\n".join(problems))
+    return runs
+
+
+def find_runs(folder: Path) -> list[Path]:
+    """Return the folder itself, or the folders of the ended runs in it if it is the folder of a study."""
+    if (folder / "case.toml").is_file() or (folder / SUMMARY).is_file():
+        return [folder]
+    return sorted(file.parent for file in folder.glob(f"*/{SUMMARY}")) or [folder]
+
+
+def _read(folder: Path) -> RunResults:
+    """Read the results of a run.  Raises FolderUnusable, OSError or ValueError."""
+    if not folder.is_dir():
+        raise FolderUnusable(f"{folder}: no such folder")
+    if not (folder / SUMMARY).is_file():
+        raise FolderUnusable(f"{folder}: is no run that has ended: it has no {SUMMARY}")
+    summary = RunReader(folder).summary
+    status = str(summary.get("status", "unknown"))
+    results = tidy_results(summary)
+    if not results:
+        why = json.dumps((summary.get("results") or {}).get("missing") or {"status": status})
+        raise FolderUnusable(f"{folder}: the run has no results ({why})")
+    level = str(summary.get("level") or "")
+    return RunResults(folder, str(summary.get("case", folder.name)), level, status, results)
+
+
+def doubtful(runs: Sequence[RunResults]) -> list[str]:
+    """Return a line for each run that is not to be trusted."""
+    return [f"{run.folder}: the run is {run.status}" for run in runs if not trust.is_trusted(run.status)]

@@ -1,0 +1,219 @@
+"""The machine of a case as points and lines in the world, which all views draw."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from orchestrator.case.deck.panels import SinglePanel, axes, single_panels, to_world, walls
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.frames import Bushing, Exciter
+from orchestrator.ports import Array, Indices
+
+FLAT_DEG = 20.0  # Neighbouring triangles that bend less make one face.
+
+
+@dataclass(frozen=True)
+class PanelOutline:
+    """A panel with the corners of its whole rectangle (4, 3) and of its free part (4, 3)."""
+
+    panel: SinglePanel
+    corners_m: Array
+    free_m: Array
+
+
+@dataclass(frozen=True)
+class WallOutline:
+    """A rigid surface: its triangles (m, 3, 3), and the edges (n, 2, 3) that bound its faces."""
+
+    name: str
+    frame: str
+    triangles_m: Array
+    edges_m: Array
+
+
+@dataclass(frozen=True)
+class BoxOutline:
+    """A box by its corners (8, 3), with a name and a description."""
+
+    name: str
+    text: str
+    corners_m: Array
+    velocity_m_per_s: Array
+
+    @property
+    def middle_m(self) -> Array:
+        """The middle of the box (3,)."""
+        return np.asarray(self.corners_m.mean(axis=0))
+
+
+@dataclass(frozen=True)
+class BushingOutline:
+    """A group of equal bushings with their places (n, 3)."""
+
+    name: str
+    table: Bushing
+    places_m: Array
+
+
+@dataclass(frozen=True)
+class ExciterOutline:
+    """An exciter with its place (3,) and the axis (3,) about which it turns in the positive sense."""
+
+    name: str
+    table: Exciter
+    place_m: Array
+    axis: Array
+
+
+@dataclass(frozen=True)
+class MachineOutline:
+    """All that the views draw, in world axes; ``down`` (3,) points down the deck."""
+
+    case: Case
+    panels: tuple[PanelOutline, ...]
+    walls: tuple[WallOutline, ...]
+    centers_m: dict[str, Array]
+    bushings: tuple[BushingOutline, ...]
+    exciters: tuple[ExciterOutline, ...]
+    feeds: tuple[BoxOutline, ...]
+    blocks: tuple[BoxOutline, ...]
+    exits: tuple[BoxOutline, ...]
+    particles_m: tuple[tuple[Array, float], ...]
+    down: Array
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """The names of the frames, in the order of the case."""
+        return tuple(self.case.screen.frames)
+
+    @property
+    def points_m(self) -> Array:
+        """All points (n, 3) of the machine and of its feeds, without the exits."""
+        parts = [panel.corners_m for panel in self.panels]
+        parts += [wall.triangles_m.reshape(-1, 3) for wall in self.walls]
+        parts += [row.places_m for row in self.bushings] + [row.place_m[None] for row in self.exciters]
+        parts += [box.corners_m for box in (*self.feeds, *self.blocks)]
+        parts += [center_m[None] for center_m in self.centers_m.values()]
+        parts += [place_m[None] for place_m, _ in self.particles_m]
+        return np.concatenate(parts) if parts else np.array(self.case.domain_m)
+
+
+def outline(case: Case, folder: Path) -> MachineOutline:
+    """Return the outline of a case without problems.  Raises stl.UnreadableStl."""
+    screen = case.screen
+    return MachineOutline(
+        case=case,
+        panels=tuple(_panel(panel) for panel in single_panels(case)),
+        walls=tuple(
+            WallOutline(
+                wall.name,
+                wall.frame,
+                wall.position_m[wall.triangles],
+                face_edges_m(wall.position_m, wall.triangles),
+            )
+            for wall in walls(case, folder)
+        ),
+        centers_m={
+            name: to_world(case, row.center_of_mass_m)
+            for name, row in screen.frames.items()
+            if row.center_of_mass_m is not None and row.mass_kg is not None
+        },
+        bushings=tuple(
+            BushingOutline(name, row, to_world(case, np.array(row.positions_m)))
+            for name, row in screen.bushings.items()
+        ),
+        exciters=tuple(
+            ExciterOutline(name, row, to_world(case, row.position_m), to_world(case, row.axis))
+            for name, row in screen.exciters.items()
+        ),
+        feeds=tuple(
+            _box(
+                case,
+                name,
+                f"{row.rate_kg_per_s:.4g} kg/s of {row.material}",
+                row.box_m,
+                row.axes,
+                row.velocity_m_per_s,
+            )
+            for name, row in case.bed.feeds.items()
+        ),
+        blocks=tuple(
+            _box(
+                case,
+                name,
+                f"{row.count} particles of {row.material}",
+                row.box_m,
+                row.axes,
+                row.velocity_m_per_s,
+            )
+            for name, row in case.bed.blocks.items()
+        ),
+        exits=tuple(
+            _box(case, name, row.product, row.box_m, "deck", (0.0, 0.0, 0.0))
+            for name, row in screen.exits.items()
+        ),
+        particles_m=tuple(
+            (
+                to_world(case, row.position_m) if row.axes == "deck" else np.array(row.position_m),
+                row.diameter_m,
+            )
+            for row in case.bed.particles.values()
+        ),
+        down=axes(case)[:, 0],
+    )
+
+
+def _panel(panel: SinglePanel) -> PanelOutline:
+    r = panel.rectangle
+
+    def corners_m(clamp_m: float) -> Array:
+        ends_m = (-clamp_m, r.length_m + clamp_m)
+        around = [(ends_m[0], 0.0), (ends_m[1], 0.0), (ends_m[1], r.width_m), (ends_m[0], r.width_m)]
+        return r.mounted(np.array(around))
+
+    return PanelOutline(panel, corners_m(r.clamp_m), corners_m(0.0))
+
+
+def _box(
+    case: Case,
+    name: str,
+    text: str,
+    box_m: tuple[tuple[float, ...], tuple[float, ...]],
+    given_in: str,
+    velocity_m_per_s: tuple[float, ...],
+) -> BoxOutline:
+    corners_m = np.array(list(product(*zip(*box_m, strict=True))))
+    velocity = np.array(velocity_m_per_s)
+    if given_in == "deck":
+        corners_m, velocity = to_world(case, corners_m), to_world(case, velocity)
+    return BoxOutline(name, text, corners_m, velocity)
+
+
+def face_edges_m(position_m: Array, triangles: Indices) -> Array:
+    """Return the edges (n, 2, 3) of a surface that belong to one triangle only or to a bend."""
+    corners_m = position_m[triangles]
+    normal = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    distinct, which, sharing = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    owners = np.repeat(np.arange(len(triangles)), 3)[np.argsort(which.ravel(), kind="stable")]
+    first = np.cumsum(sharing) - sharing
+    one, other = normal[owners[first]], normal[owners[first + sharing - 1]]
+    flat = np.abs(np.einsum("nk,nk->n", one, other)) > np.cos(np.radians(FLAT_DEG))
+    return np.asarray(position_m[distinct[~((sharing == 2) & flat)]])
+
+
+def carried_points_m(machine: MachineOutline, frame: str) -> Array:
+    """Return points (n, 3) of a frame: the edges that it clamps, its bushings, exciters and its centre."""
+    parts = [machine.centers_m[frame][None]] if frame in machine.centers_m else []
+    for row in machine.panels:
+        for end, corners in ((0, [0, 3]), (1, [1, 2])):
+            if row.panel.frames[end] == frame:
+                parts.append(row.corners_m[corners])
+    parts += [row.places_m for row in machine.bushings if frame in row.table.between]
+    parts += [row.place_m[None] for row in machine.exciters if row.table.frame == frame]
+    return np.concatenate(parts) if parts else np.empty((0, 3))

@@ -1,0 +1,126 @@
+"""All views of a machine: as files in a folder, and as one page that opens without a network."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from orchestrator.case.tables.case import Case
+from orchestrator.output.drawing import data_uri, draw_svg, embed, fill_template
+from orchestrator.output.records.run_folder import write_text
+from orchestrator.output.views.drawings import SIDE, TOP, draw_view
+from orchestrator.output.views.modes import modes_svg
+from orchestrator.output.views.openings import draw_openings
+from orchestrator.output.views.outline import MachineOutline, outline
+from orchestrator.preflight.judge import JudgedCase
+from orchestrator.preflight.scene.frame_modes import frame_modes
+from orchestrator.preflight.scene.scene import scene
+
+DPI = 130
+PAGE, MODEL, MODES = "machine.html", "model.html", "modes.svg"
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What ``flipflow check`` says about a case: problems, warnings, and lines about contents and cost."""
+
+    problems: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    lines: Sequence[str] = ()
+
+
+class Views:
+    """The views of a judged case; a slice is shown as a part of its whole machine."""
+
+    def __init__(self, loaded: JudgedCase) -> None:
+        """Take the case's geometry.  Raises stl.UnreadableStl."""
+        self._loaded = loaded
+        self._case: Case = loaded.case.whole_machine
+        self.machine: MachineOutline = outline(self._case, loaded.folder)
+
+    def figures(self) -> Iterator[tuple[str, Any]]:
+        """Yield the name and the figure of each drawing: side view, top view, and kinds of openings."""
+        for view in (SIDE, TOP):
+            yield view.name, draw_view(self.machine, view)
+        for name, figure in draw_openings(self._case):
+            yield f"openings-{name}", figure
+
+    def modes(self) -> str:
+        """Return the animated SVG of the frames' modes; "" if no frame is free."""
+        shaken = scene(self._case)
+        if not (modes := frame_modes(shaken)):
+            return ""
+        return modes_svg(self.machine, modes, [row.speed_rad_per_s / (2 * math.pi) for row in shaken.shaken])
+
+    def write(self, folder: Path, findings: Findings) -> list[Path]:
+        """Write all views into a folder, which is made if needed, and return the files.
+
+        Raises OSError if a file cannot be written.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        written: list[Path] = []
+        drawings: dict[str, str] = {}
+        with made_apart(self.machine) as model:
+            for name, figure in self.figures():
+                written += [folder / f"{name}.png", folder / f"{name}.svg"]
+                figure.savefig(written[-2], dpi=DPI)
+                svg = draw_svg(figure)
+                written[-1].write_bytes(svg)
+                drawings[name] = data_uri(svg, "image/svg+xml")
+            modes = self.modes()
+            page = self._page(findings, drawings, modes, model())
+        for name, text in ((MODES, modes), (MODEL, model()), (PAGE, page)):
+            if text:
+                write_text(folder / name, text)
+                written.append(folder / name)
+        return written
+
+    def page(self, findings: Findings) -> str:
+        """Return the HTML of one page with the findings and all views."""
+        with made_apart(self.machine) as model:
+            drawings = {name: embed(figure) for name, figure in self.figures()}
+            return self._page(findings, drawings, self.modes(), model())
+
+    def _page(self, findings: Findings, drawings: dict[str, str], modes: str, model: str) -> str:
+        return fill_template(
+            "output/views/page.html",
+            loaded=self._loaded,
+            case=self._case,
+            findings=findings,
+            drawings=drawings,
+            modes=modes,
+            model=model,
+        )
+
+
+@contextmanager
+def made_apart(machine: MachineOutline) -> Iterator[Callable[[], str]]:
+    """Make the model's page in a process of its own, and yield the function that waits for it.
+
+    LIGGGHTS brings another VTK, which cannot share a process with this one.  The function returns "" if the
+    process crashed.
+    """
+    with ProcessPoolExecutor(1, get_context("spawn")) as apart:
+        made = apart.submit(_model_page, machine)
+
+        def model() -> str:
+            try:
+                return made.result()
+            except BrokenProcessPool:
+                return ""
+
+        yield model
+
+
+def _model_page(machine: MachineOutline) -> str:
+    """Return the model's page; only the process that makes it loads VTK."""
+    from orchestrator.output.views.model import model_page
+
+    return model_page(machine)

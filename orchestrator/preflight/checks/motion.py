@@ -1,0 +1,120 @@
+"""The warnings about the machine's motion: resonances, damping, its start and its direction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from orchestrator.case.tables.case import Case
+from orchestrator.ports import Array
+from orchestrator.preflight.scene.clamp_motion import has_moved_by_forces
+from orchestrator.preflight.scene.frame_modes import frame_modes, name_frame
+from orchestrator.preflight.scene.moved_panel import MovedPanel
+from orchestrator.preflight.scene.scene import Scene
+
+NEAR = 0.15  # A mode this close to an excitation, as a share of it, is resonant or soon may be.
+UNDAMPED = 0.002  # Share of the critical damping below which a mode rings for more than 80 cycles.
+CYCLES = 4  # of a usual run-up
+SHEARED = 1.5  # Motion normal to a panel over that along it; a circular motion has 1.
+LEVEL = 0.09  # Sine of 5 degrees.
+UPRIGHT = 0.27  # Tangent of 15 degrees: a stroke that leans less against the normal carries nothing.
+
+
+def resonances(scene: Scene) -> Iterator[str]:
+    """Yield a warning for each speed of excitation, with all the frames' modes that are near it."""
+    modes = frame_modes(scene)
+    for shaking in scene.shaken:
+        excited_Hz = shaking.speed_rad_per_s / (2 * math.pi)
+        near = [mode for mode in modes if abs(mode.frequency_Hz - excited_Hz) <= NEAR * excited_Hz]
+        if near:
+            which = "; ".join(mode.in_words for mode in near)
+            yield (
+                f"the excitation at {excited_Hz:.3g} Hz is within {NEAR:.0%} of {_count(len(near))} of the "
+                f"frames: {which}; small changes of stiffness, mass or load then change the motion strongly; "
+                "change bushings, masses or the speed"
+            )
+
+
+def missing_damping(case: Case, scene: Scene) -> Iterator[str]:
+    """Yield warnings about frames and panels whose vibrations nothing damps."""
+    undamped = [
+        mode for mode in frame_modes(scene) if mode.frequency_Hz > 0 and mode.damping_ratio < UNDAMPED
+    ]
+    if undamped:
+        more = f"{_more(len(undamped))} modes" if len(undamped) > 1 else ""
+        yield (
+            f"no damping of {undamped[0].in_words}{more}: less than {UNDAMPED:.1%} of the critical damping, "
+            "so that the motion of the start hardly dies out; give the bushings damping_N_s_per_m (loss "
+            "factor times stiffness over speed; rubber has a loss factor of some 0.1)"
+        )
+    if not case.panel.adapter.deforms:
+        return
+    for name in dict.fromkeys(panel.material for panel in case.screen.panels.values()):
+        law = case.materials[name].hyperelastic
+        if law is not None and not law.maxwell and not law.loss_curve:
+            yield (
+                f"no damping in panels of {name}: their vibrations do not die out; give the material maxwell "
+                "branches or a loss_curve (polyurethane has a loss factor of some 0.1)"
+            )
+
+
+def sudden_exciters(case: Case) -> Iterator[str]:
+    """Yield a warning for each exciter without run-up, whose force would begin with a blow."""
+    if not has_moved_by_forces(case) or not case.frames.adapter.moved_by_forces:
+        return
+    for name, exciter in case.screen.exciters.items():
+        if exciter.run_up_s == 0:
+            force_N = exciter.mass_moment_kg_m * exciter.speed_rad_per_s**2
+            cycles_s = CYCLES * 2 * math.pi / exciter.speed_rad_per_s
+            yield (
+                f'no run-up of exciter "{name}": its full force of {force_N:.3g} N begins at once, which '
+                f"makes the frames swing for long; give it a run_up_s, {CYCLES} cycles are {cycles_s:.2g} s"
+            )
+
+
+def normal_strokes(scene: Scene) -> Iterator[str]:
+    """Yield warnings about strokes normal to the deck.
+
+    The ends of a flip-flow panel must move against each other along the panel.  A panel whose ends move
+    together carries material on a level deck only if its stroke leans downhill.
+    """
+    sheared, lifted = [], []
+    for moving, spring in zip(scene.panels, scene.springs, strict=True):
+        relative = [shaking.relative_m(spring.frames) for shaking in scene.shaken]
+        along_m, normal_m = _parts_m(relative, moving)
+        if normal_m > SHEARED * along_m:
+            sheared.append((moving.panel.name, spring.frames, normal_m, along_m))
+        own = [shaking.amplitude_m[spring.frames[0]] for shaking in scene.shaken]
+        own_along_m, own_normal_m = _parts_m(own, moving)
+        level = abs(spring.along[2]) < LEVEL and scene.case.bed.feeds
+        if level and along_m == normal_m == 0 and own_along_m < UPRIGHT * own_normal_m:
+            lifted.append((moving.panel.name, spring.frames[0]))
+    if sheared:
+        name, frames, normal_m, along_m = sheared[0]
+        yield (
+            f"the stroke between {name_frame(frames[0])} and {name_frame(frames[1])} is normal to panel "
+            f"{name}{_more(len(sheared))}: {1e3 * normal_m:.2g} mm against {1e3 * along_m:.2g} mm along it, "
+            "which shears the panel and hardly stretches it; directions are in deck axes, x along the deck"
+        )
+    if lifted:
+        name, frame = lifted[0]
+        yield (
+            f"the stroke of {name_frame(frame)} is normal to the level panel {name}{_more(len(lifted))}: it "
+            "throws material up and does not carry it along the deck"
+        )
+
+
+def _parts_m(amplitudes_m: list[Array], moving: MovedPanel) -> tuple[float, float]:
+    """Return the parts of complex amplitudes (3,) along a panel and normal to it, summed over all speeds."""
+    at = moving.panel.rectangle
+    along_m = sum(float(abs(amplitude_m @ at.along)) for amplitude_m in amplitudes_m)
+    normal_m = sum(float(abs(amplitude_m @ at.normal)) for amplitude_m in amplitudes_m)
+    return along_m, normal_m
+
+
+def _more(count: int) -> str:
+    return f" and {count - 1} more" if count > 1 else ""
+
+
+def _count(modes: int) -> str:
+    return "a mode" if modes == 1 else f"{modes} modes"

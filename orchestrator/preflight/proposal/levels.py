@@ -1,0 +1,149 @@
+"""The levels of a proposed case: a draft that takes minutes, and a study.
+
+The draft computes a slice of the width with strips.  If its predicted cost is too high, it leaves out the
+finest particles and then feeds less, and says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from orchestrator.case.file.slice import ENOUGH_DIAMETERS
+from orchestrator.preflight.proposal.layout import Layout
+
+DRAFT_S = 220.0  # processor time that a draft may take as predicted
+CROSSING_M_PER_S = 0.8  # speed along the deck at which a draft's duration is planned
+LONGEST_INTERVAL_S = 2e-4
+DRAFT_PA, STUDY_PA = 2e7, 5e7  # In softer contacts, stones press grains half way into each other.
+WITHIN = 0.97  # of the longest interval that is stable and accurate
+COARSER = (
+    (0.7, 1.0, 1.0),
+    (0.7, 0.5, 1.0),
+    (0.7, 0.5, 0.7),
+    (0.7, 0.25, 0.7),
+    (0.7, 0.25, 0.5),
+    (0.7, 0.1, 0.5),
+    (0.7, 0.1, 0.35),
+)
+"""Finest diameter over the smaller side of the openings, share of the throughput, and share of the time
+that a steady state takes, from the best draft down."""
+COARSE_CELLS, FINE_CELLS = (
+    (16, 0.025),
+    (22, 0.018),
+)  # along a panel: at least so many, and their largest length
+
+
+@dataclass(frozen=True)
+class Level:
+    """The settings of a level; ``slice_m`` is None if the whole width is computed."""
+
+    about: str
+    duration_s: float
+    slice_m: float | None
+    interval_s: float
+    youngs_modulus_Pa: float
+    sizes_m: tuple[tuple[float, float, float], ...]
+    rate_share: float
+    is_coarser: bool
+    cycle_s: float
+    output_s: float
+
+    def with_interval(self, longest_s: float) -> Level:
+        """Return the level with the longest sync interval up to ``longest_s`` that divides a quarter turn."""
+        quarter_s = self.cycle_s / 4
+        return replace(self, interval_s=quarter_s / math.ceil(quarter_s / longest_s - 1e-9))
+
+    @property
+    def changes_feed(self) -> bool:
+        """Whether the level feeds less or coarser material than the case."""
+        return self.rate_share < 1 or self.is_coarser
+
+    @property
+    def feed_interval_s(self) -> float:
+        """The time between two batches of the feed, a whole number of sync intervals."""
+        return round(0.002 / self.interval_s) * self.interval_s
+
+    @property
+    def series_s(self) -> float:
+        """The time between two rows of the time series, a whole number of sync intervals."""
+        return max(1, int(4e-4 / self.interval_s + 1e-6)) * self.interval_s
+
+
+def cells(layout: Layout, kind: tuple[int, float]) -> int:
+    """Return the number of cells along a panel, more for a long one, so that none is too slender."""
+    fewest, longest_m = kind
+    return max(fewest, round(layout.panel_m / longest_m))
+
+
+def drafts(layout: Layout) -> Iterator[Level]:
+    """Yield drafts, from the best to the cheapest."""
+    for finest, share, lasting in COARSER:
+        about = "minutes: strips, frames that do not turn, a slice of the width, without the finest particles"
+        if share < 1:
+            about += f", {share:.0%} of the throughput"
+        if lasting < 1:
+            about += ", too short for a steady state"
+        yield _level(
+            layout,
+            about=about,
+            duration_s=lasting * steady_s(layout),
+            youngs_modulus_Pa=DRAFT_PA,
+            sizes_m=_without_fines(layout, finest * layout.wishes.smaller_m),
+            rate_share=share,
+            is_coarser=True,
+        )
+
+
+def study(layout: Layout) -> Level:
+    """Return the level with finite elements, frames that turn and the whole feed."""
+    about = "sheets of finite elements, frames that turn, the whole feed on a slice of the width"
+    return _level(
+        layout,
+        about=about,
+        duration_s=3 * steady_s(layout),
+        youngs_modulus_Pa=STUDY_PA,
+        sizes_m=layout.sizes_m,
+        rate_share=1.0,
+        is_coarser=False,
+    )
+
+
+def steady_s(layout: Layout) -> float:
+    """Return the time in which the feed crosses the deck, with a second for the start and the fall."""
+    return (layout.length_m + layout.chute_length_m) / CROSSING_M_PER_S + 1.0
+
+
+def _level(layout: Layout, duration_s: float, **settings: Any) -> Level:
+    """Return a level that lasts ten turns longer than ``duration_s``, with outputs at four phases."""
+    cycle_s = 2 * math.pi / layout.wishes.speed_rad_per_s
+    level = Level(
+        duration_s=(math.ceil(duration_s / cycle_s) + 10) * cycle_s,
+        slice_m=_slice_m(layout),
+        interval_s=LONGEST_INTERVAL_S,
+        cycle_s=cycle_s,
+        output_s=0.75 * cycle_s,
+        **settings,
+    )
+    return level.with_interval(LONGEST_INTERVAL_S)
+
+
+def _slice_m(layout: Layout) -> float | None:
+    """Return the width of ``ENOUGH_DIAMETERS`` of the largest particles, in whole pitches of the openings.
+
+    Return None if this is not less than the deck's width between its margins.
+    """
+    openings, width_m = layout.openings, layout.wishes.width_m
+    pitches = math.ceil(ENOUGH_DIAMETERS * layout.largest_m / openings.pitch_across_m + 1e-9)
+    slice_m = pitches * openings.pitch_across_m
+    return round(slice_m, 9) if slice_m < width_m - 2 * openings.margin_across_m else None
+
+
+def _without_fines(layout: Layout, finest_m: float) -> tuple[tuple[float, float, float], ...]:
+    """Return the size classes from ``finest_m`` up; the finest class that remains keeps all finer mass."""
+    remaining = [(max(low, finest_m), high, share) for low, high, share in layout.sizes_m if high > finest_m]
+    lost = 1.0 - sum(share for *_, share in remaining)
+    (low, high, share), *others = remaining
+    return (low, high, round(share + lost, 9)), *others

@@ -1,0 +1,98 @@
+"""The limits of what a proposed machine can do: wishes beyond them are refused, all in one message."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
+from orchestrator.case.file.errors import CaseProblem
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
+from orchestrator.preflight.proposal import machine, two_mass
+from orchestrator.preflight.proposal.layout import AROUND_M, Layout, openings_of, panel_length_m
+from orchestrator.preflight.proposal.wishes import TEMPLATES, Wishes, down, problem, up
+
+LARGEST_STRAIN = 0.06  # of a panel at full stroke
+LARGEST_SHAKE_G = 15.0  # of the driven frame
+DEEPEST_BED_M = 0.25  # at the speed of a thick bed
+PACKED = 0.6  # share of a bed's volume that loosely packed particles fill
+SHORTEST_PANEL_M = 0.1
+FEWEST_OPENINGS = 3  # in a row along and across a panel
+
+
+def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
+    """Yield each reason why no machine can fulfil the wishes."""
+    panel_m = panel_length_m(wishes)
+    if panel_m < SHORTEST_PANEL_M - 1e-9:
+        need_m = up(wishes.panels * (SHORTEST_PANEL_M + AROUND_M))
+        panels = "1 panel" if wishes.panels == 1 else f"{wishes.panels} panels"
+        what = f"{panels} and their clamps find no room on {wishes.length_m:g} m"
+        fewer = ", or take fewer --panels" if wishes.panels > 1 else ""
+        yield problem("length", what, f"at least {need_m:g} m are needed{fewer}")
+    else:
+        yield from _openings(wishes, panel_m)
+        strain = wishes.stroke_m / panel_m
+        if strain > LARGEST_STRAIN:
+            what = f"stretches panels of {1e3 * panel_m:.3g} mm by {strain:.1%}"
+            largest_mm = down(1e3 * LARGEST_STRAIN * panel_m)
+            yield problem("stroke", what, f"up to {largest_mm:g} mm, or take longer panels: --length")
+    yield from _shaking(wishes)
+    if TEMPLATES[wishes.template].has_material:
+        largest_kg_per_s = (
+            PACKED * wishes.density_kg_per_m3 * wishes.width_m * TRANSPORT_M_PER_S * DEEPEST_BED_M
+        )
+        if wishes.throughput_kg_per_s > largest_kg_per_s:
+            depth_m = wishes.throughput_kg_per_s / largest_kg_per_s * DEEPEST_BED_M
+            what = (
+                f"{3.6 * wishes.throughput_kg_per_s:.4g} t/h lie {depth_m:.2g} m deep on {wishes.width_m:g} m"
+            )
+            yield problem(
+                "throughput",
+                what,
+                f"this width carries {down(3.6 * largest_kg_per_s):g} t/h, or take a wider deck",
+            )
+
+
+def _openings(wishes: Wishes, panel_m: float) -> Iterator[CaseProblem]:
+    """Yield a problem for each direction in which a panel of this free length has too few openings."""
+    row = openings_of(wishes)
+    along = "opening-length" if "opening-length" in wishes.answers else "opening"
+    directions = (
+        ("opening", "across", wishes.width_m - 2 * row.margin_across_m, row.width_m, row.pitch_across_m),
+        (along, "along", panel_m - 2 * row.margin_along_m, row.length_m, row.pitch_along_m),
+    )
+    for option, where, room_m, size_m, pitch_m in directions:
+        fitting = int(room_m / pitch_m + 1e-6)
+        if fitting < FEWEST_OPENINGS:
+            found = ("no opening finds", "only 1 opening finds", "only 2 openings find")[max(0, fitting)]
+            room = f"{where} a panel, on {1e3 * max(0.0, room_m):.4g} mm between its margins"
+            what = f"{1e3 * size_m:.4g} mm: {found} room {room}"
+            yield problem(option, what, f"at least {FEWEST_OPENINGS} in a row are wanted")
+
+
+def _shaking(wishes: Wishes) -> Iterator[CaseProblem]:
+    """Yield a problem for a stroke at which the driven frame would break."""
+    if wishes.template == "test-rig":
+        return
+    ratio = machine.RATIO
+    largest_m = LARGEST_SHAKE_G * STANDARD_GRAVITY_M_PER_S2 / wishes.speed_rad_per_s**2 * (ratio - 1) / ratio
+    if wishes.stroke_m > largest_m:
+        _, driven_m = two_mass.amplitudes_m(wishes.stroke_m, ratio)
+        shake_g = driven_m * wishes.speed_rad_per_s**2 / STANDARD_GRAVITY_M_PER_S2
+        what = f"{1e3 * wishes.stroke_m:.3g} mm at this speed shake the driven frame with {shake_g:.2g} g"
+        yield problem("stroke", what, f"up to {down(1e3 * largest_m):g} mm, or take a lower --speed")
+
+
+def too_stiff_panels(layout: Layout, panels_N_per_m: float) -> Iterator[CaseProblem]:
+    """Yield a problem if the panels alone are so stiff that no usual driven frame comes near resonance."""
+    wishes = layout.wishes
+    usual_kg = machine.DRIVEN_KG_PER_M2 * layout.length_m * wishes.width_m
+    needed_kg = machine.least_driven_kg(layout, panels_N_per_m)
+    if needed_kg > machine.HEAVIEST * usual_kg:
+        factor = math.sqrt(needed_kg / (machine.HEAVIEST * usual_kg))
+        rpm = up(30 / math.pi * wishes.speed_rad_per_s * factor)
+        what = (
+            f"the panels alone hold the frames with {panels_N_per_m / 1e6:.2g} MN/m: at this speed only a "
+            f"driven frame of {up(needed_kg):g} kg (usual: {up(usual_kg):g} kg) would reach the stroke"
+        )
+        yield problem("speed", what, f"take {rpm:g} rpm or more, or fewer and longer panels")

@@ -1,0 +1,74 @@
+"""The proposal of a case: its files, and what was estimated of its machine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from statistics import fmean
+
+import numpy as np
+
+from orchestrator.case.deck.panels import axes
+from orchestrator.ports import Array
+from orchestrator.preflight.proposal.layout import Layout
+from orchestrator.preflight.proposal.levels import Level
+from orchestrator.preflight.proposal.machine import Machine
+from orchestrator.preflight.proposal.wishes import TEMPLATES, Template, Wishes
+from orchestrator.preflight.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A proposed case: the texts of its files by their paths, and the scene of its machine.
+
+    ``machine`` is None where drives prescribe the motion.  ``run_s`` has the predicted processor time of a
+    run at each level, and ``remarks`` has sentences about what is proposed and what is doubtful in it.
+    """
+
+    wishes: Wishes
+    layout: Layout
+    machine: Machine | None
+    scene: Scene
+    draft: Level
+    run_s: Mapping[str, float]
+    remarks: tuple[str, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return title(self.wishes)
+
+    @property
+    def template(self) -> Template:
+        """The template of the case."""
+        return TEMPLATES[self.wishes.template]
+
+    @property
+    def along(self) -> Array:
+        """The direction of the deck in the world (3,)."""
+        return np.asarray(axes(self.scene.case)[:, 0])
+
+    @property
+    def panels_N_per_m(self) -> float:
+        """The stiffness of all panels along the deck, as springs."""
+        return panels_N_per_m(self.scene)
+
+
+def panels_N_per_m(moved: Scene) -> float:
+    """Return the stiffness of all panels along the deck, as springs."""
+    along = axes(moved.case)[:, 0]
+    return float(sum(spring.stiffness_N_per_m * (spring.along @ along) ** 2 for spring in moved.springs))
+
+
+def mean_stroke_m(moved: Scene) -> float:
+    """Return the mean amplitude of the panels' ends against each other, each along its panel."""
+    return fmean(panel.stroke_m for panel in moved.panels)
+
+
+def title(wishes: Wishes) -> str:
+    """Return the title of the case."""
+    panels = f"{wishes.panels} panels" if wishes.panels > 1 else "one panel"
+    where = f"{panels} of {wishes.width_m:g} m width"
+    under = f" under {wishes.material}" if TEMPLATES[wishes.template].has_material else ""
+    return f"{TEMPLATES[wishes.template].title}: {where}{under}"

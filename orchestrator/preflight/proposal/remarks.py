@@ -1,0 +1,104 @@
+"""The sentences that say what is proposed, how far it is from resonance, and what a designer should doubt."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
+from orchestrator.preflight.proposal.limits import PACKED
+from orchestrator.preflight.proposal.machine import round_to
+from orchestrator.preflight.scene.frame_modes import frame_modes
+
+if TYPE_CHECKING:
+    from orchestrator.preflight.proposal.proposal import Proposal
+
+USUAL_STRAIN, USUAL_SHAKE_G = 0.03, 6.0
+LONGEST_PANEL_M = 0.8
+DEEP_BED = 4.0  # openings; deeper beds hinder the fines on their way down: a rule of thumb of screen makers
+
+
+def remarks(proposal: Proposal) -> list[str]:
+    """Return sentences about a proposal, the doubtful ones last."""
+    return sorted(_remarks(proposal), key=lambda sentence: sentence.startswith("doubtful"))
+
+
+def _remarks(proposal: Proposal) -> Iterator[str]:
+    """Yield sentences about a proposal, part by part."""
+    wishes, layout = proposal.wishes, proposal.layout
+    panels = "panels" if wishes.panels > 1 else "one panel"
+    yield (
+        f"deck: {layout.length_m:.3g} m long, {panels} of {1e3 * layout.panel_m:.4g} mm free length, "
+        f"openings of {1e3 * wishes.opening_m:.4g} x {1e3 * wishes.opening_length_m:.4g} mm"
+    )
+    yield (
+        f"stroke: {1e3 * wishes.stroke_m:.3g} mm (half of the whole travel), which stretches the panels by "
+        f"{wishes.stroke_m / layout.panel_m:.1%}"
+    )
+    if proposal.machine is not None:
+        yield from _machine(proposal)
+    if proposal.template.has_material:
+        yield from _material(proposal)
+    if wishes.stroke_m > USUAL_STRAIN * layout.panel_m:
+        yield f"doubtful: panels are seldom stretched by more than {USUAL_STRAIN:.0%}; a longer deck helps"
+    if wishes.length_m is not None and layout.panel_m > LONGEST_PANEL_M:
+        yield f"doubtful: panels are seldom longer than {1e3 * LONGEST_PANEL_M:g} mm; more panels help"
+
+
+def _machine(proposal: Proposal) -> Iterator[str]:
+    """Yield sentences about masses, springs and distances from resonance."""
+    machine = proposal.machine
+    assert machine is not None, "only free frames have a machine"
+    (shaking,) = proposal.scene.shaken
+    amplitudes_m = {name: abs(shaking.amplitude_m[name] @ proposal.along) for name in ("driving", "driven")}
+    moved = " and ".join(f"the {name} frame by {1e3 * size:.2g} mm" for name, size in amplitudes_m.items())
+    yield (
+        f"frames: {machine.driving.mass_kg:g} kg (driving) and {machine.driven.mass_kg:g} kg (driven), "
+        f"unbalance {machine.mass_moment_kg_m:g} kg m; along the deck {moved}"
+    )
+    total_N_per_m = machine.shear.total_N_per_m[0] + proposal.panels_N_per_m
+    yield (
+        f"springs: {len(machine.shear.positions_m)} shear bushings of "
+        f"{round_to(machine.shear.stiffness_N_per_m[0] / 1e3, 3):g} kN/m along the deck; the panels hold "
+        f"{proposal.panels_N_per_m / total_N_per_m:.0%} of the stiffness there"
+    )
+    yield from resonances(proposal)
+    shake_g = amplitudes_m["driven"] * shaking.speed_rad_per_s**2 / STANDARD_GRAVITY_M_PER_S2
+    if shake_g > USUAL_SHAKE_G:
+        yield (
+            f"doubtful: the driven frame shakes with {shake_g:.2g} g along the deck, and most machines stay "
+            f"below {USUAL_SHAKE_G:g} g; was the whole travel meant, which is twice the stroke?"
+        )
+
+
+def resonances(proposal: Proposal) -> Iterator[str]:
+    """Yield a sentence about the modes nearest to the working speed, and a line for each mode."""
+    (shaking,) = proposal.scene.shaken
+    working_Hz = shaking.speed_rad_per_s / (2 * math.pi)
+    modes = frame_modes(proposal.scene)
+    nearest = min(abs(mode.frequency_Hz / working_Hz - 1) for mode in modes)
+    yield (
+        f"resonance: no mode of the frames is nearer than {nearest:.0%} to the working speed of "
+        f"{working_Hz:.3g} Hz:"
+    )
+    for mode in modes:
+        yield f"  {mode.frequency_Hz / working_Hz - 1:+5.0%}  {mode.in_words}"
+
+
+def _material(proposal: Proposal) -> Iterator[str]:
+    """Yield sentences about the bed and the draft."""
+    wishes, layout = proposal.wishes, proposal.layout
+    yield (
+        f"feed: {3.6 * wishes.throughput_kg_per_s:.4g} t/h of {wishes.material}, {1e3 * layout.finest_m:.3g} "
+        f"to {1e3 * layout.largest_m:.3g} mm, two fifths of it finer than the openings"
+    )
+    yield f"draft: {proposal.draft.about}"
+    per_m2 = wishes.throughput_kg_per_s / (wishes.width_m * TRANSPORT_M_PER_S)
+    depth_m = per_m2 / (PACKED * wishes.density_kg_per_m3)
+    if depth_m > DEEP_BED * wishes.smaller_m:
+        yield (
+            f"doubtful: at {TRANSPORT_M_PER_S:g} m/s the bed is {1e3 * depth_m:.3g} mm deep, more than "
+            f"{DEEP_BED:g} openings; a wider deck lets more of the fines reach it"
+        )

@@ -1,0 +1,324 @@
+"""The wishes for a new case: the questions that are asked, their defaults, and the possible answers.
+
+Each question has the name of its option on the command line.  All numbers are in SI units.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
+from orchestrator.case.file.units import parse_quantity, split_quantity
+from orchestrator.case.materials.library import NamedMaterial, UnknownMaterial, find, materials, suggest
+from orchestrator.case.tables.quantities import unit_of
+
+
+@dataclass(frozen=True)
+class Template:
+    """A kind of machine: its title, what it is, the questions that it asks, and its own defaults.
+
+    ``files`` is the folder of its files in ``templates/``.  ``is_free`` says whether forces move its
+    frames; otherwise drives prescribe their motion.
+    """
+
+    title: str
+    about: str
+    asks: tuple[str, ...]
+    files: str
+    is_free: bool
+    defaults: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def has_material(self) -> bool:
+        """Whether material is fed."""
+        return "material" in self.asks
+
+
+_DECK = ("width", "panels", "length", "slope", "opening", "opening-length")
+_MATERIAL = ("material", "throughput")
+_MOTION = ("speed", "stroke")
+TEMPLATES = {
+    "flip-flow": Template(
+        "A vibrating flip-flow screen",
+        "a vibrating flip-flow screen: an exciter, two frames on rubber bushings, and a straight deck",
+        (*_DECK, *_MATERIAL, *_MOTION),
+        "screen",
+        True,
+    ),
+    "banana": Template(
+        "A banana flip-flow screen",
+        "the same machine with a deck of several slopes, from steep to flat",
+        (*_DECK, *_MATERIAL, *_MOTION),
+        "screen",
+        True,
+        {"panels": "6", "slope": "30 deg, 20 deg, 12 deg"},
+    ),
+    "crank-link": Template(
+        "A crank-driven flip-flow screen",
+        "a flip-flow screen whose two frames a crank moves against each other by prescribed strokes",
+        (*_DECK, *_MATERIAL, *_MOTION),
+        "screen",
+        False,
+        {"speed": "600 rpm"},
+    ),
+    "test-rig": Template(
+        "A test rig",
+        "one panel without material between a fixed clamp and a driven clamp",
+        ("width", "length", "opening", "opening-length", *_MOTION),
+        "test-rig",
+        False,
+        {"width": "0.5 m", "panels": "1", "slope": "0 deg"},
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question about one wish.
+
+    ``sentence`` is the question as it is asked, and ``default`` the answer that is offered, as text with
+    its unit; "" leaves the choice to the proposal.  ``key`` is the name of the number and ends with its unit;
+    without a unit, it is a whole number.  ``limits`` are the smallest and the largest possible value.
+    """
+
+    sentence: str
+    default: str
+    key: str
+    limits: tuple[float, float] = (0.0, 0.0)
+
+    def range(self, unit: str) -> str:
+        """Return the limits as text in a unit of the question's kind; "" stands for the key's own unit."""
+        size = parse_quantity(f"1 {unit}", self.key) if unit else 1.0
+        low, high = (limit / size for limit in self.limits)
+        return f"{up(low):.15g} to {down(high):.15g} {unit or unit_of(self.key, '')}".rstrip()
+
+
+def down(value: float, digits: int = 3) -> float:
+    """Return the largest number of so many significant digits that is not above a value."""
+    return _cut(value, digits, math.floor)
+
+
+def up(value: float, digits: int = 3) -> float:
+    """Return the smallest number of so many significant digits that is not below a value."""
+    return _cut(value, digits, math.ceil)
+
+
+def _cut(value: float, digits: int, whole: Callable[[float], int]) -> float:
+    """Return a number of so many significant digits beside a value; one that differs by rounding is equal."""
+    if value == 0:
+        return 0.0
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    return round(whole(round(value * 10.0**places, 6)) / 10.0**places, max(0, places))
+
+
+QUESTIONS = {
+    "width": Question("How wide is the deck?", "2 m", "width_m", (0.1, 6.0)),
+    "panels": Question("How many panels follow one another along the deck?", "4", "panels", (1, 40)),
+    "length": Question(
+        "How long is the whole deck (nothing: as long as panels for this stroke are)?",
+        "",
+        "length_m",
+        (0.15, 15.0),
+    ),
+    "slope": Question(
+        "How steeply does the deck slope down (several slopes, separated by commas, from the upper end)?",
+        "20 deg",
+        "slope_deg",
+        (0.0, 45.0),
+    ),
+    "opening": Question("How wide are the openings across the deck?", "12 mm", "opening_m", (5e-4, 0.2)),
+    "opening-length": Question(
+        "How long are the openings along the deck (nothing: as long as wide)?",
+        "",
+        "opening_length_m",
+        (5e-4, 0.5),
+    ),
+    "material": Question("Which material is screened?", "limestone", "material"),
+    "throughput": Question("How much material is fed?", "50 t/h", "throughput_kg_per_s", (0.003, 2000.0)),
+    "speed": Question("How fast does the shaft turn?", "750 rpm", "speed_rad_per_s", (5.0, 200.0)),
+    "stroke": Question(
+        "How large shall the stroke be, the amplitude of one frame against the other along the deck "
+        "(half of the whole travel)?",
+        "6 mm",
+        "stroke_m",
+        (2e-4, 0.05),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """The answers to the questions of a template, in SI units.
+
+    None leaves the choice to the proposal.  A template that does not ask for something has its default.
+    ``answers`` has the answers as text, by the names of the template's questions.
+    """
+
+    template: str
+    answers: Mapping[str, str]
+    width_m: float
+    panels: int
+    length_m: float | None
+    slopes_deg: tuple[float, ...]
+    opening_m: float
+    opening_length_m: float
+    material: str
+    throughput_kg_per_s: float
+    speed_rad_per_s: float
+    stroke_m: float
+
+    @property
+    def smaller_m(self) -> float:
+        """The smaller side of the openings, which decides what passes."""
+        return min(self.opening_m, self.opening_length_m)
+
+    @property
+    def density_kg_per_m3(self) -> float:
+        """The density of the material's particles."""
+        return find_grains(self.material).material.quantities["density_kg_per_m3"].value
+
+
+class ImpossibleWishes(CaseError):
+    """An error for wishes that no machine can fulfil; ``problems`` lists every reason with its option."""
+
+    where = "in the wishes"
+
+
+def problem(option: str, what: str, hint: str = "") -> CaseProblem:
+    """Return a problem with the answer to a question."""
+    return CaseProblem((), what, hint, file=f"--{option}")
+
+
+def default_answer(template: str, name: str) -> str:
+    """Return the answer that a template offers to a question."""
+    return TEMPLATES[template].defaults.get(name, QUESTIONS[name].default)
+
+
+def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
+    """Return the wishes from a template's answers as text; questions without an answer get their default.
+
+    Raises ImpossibleWishes with every answer that cannot be read or is out of its limits, and for an
+    unknown template.
+    """
+    if problems := find_wrong_answers(template, answers):
+        raise ImpossibleWishes(problems)
+    texts = {name: answers.get(name, "").strip() or default_answer(template, name) for name in QUESTIONS}
+    numbers = {name: read_answer(name, text) for name, text in texts.items()}
+    if (slopes := len(numbers["slope"])) > max(1, *numbers["panels"]):
+        what, hint = f"{slopes} slopes want {slopes} panels or more", "take fewer, or more --panels"
+        problems.append(problem("slope", what, hint))
+    if problems:
+        raise ImpossibleWishes(problems)
+    first = {name: row[0] if row else None for name, row in numbers.items()}
+    return Wishes(
+        template=template,
+        answers={name: texts[name] for name in TEMPLATES[template].asks if texts[name]},
+        width_m=_given(first["width"]),
+        panels=int(_given(first["panels"])),
+        length_m=first["length"],
+        slopes_deg=numbers["slope"],
+        opening_m=_given(first["opening"]),
+        opening_length_m=_given(first["opening-length"] or first["opening"]),
+        material=" ".join(texts["material"].split()),
+        throughput_kg_per_s=_given(first["throughput"]),
+        speed_rad_per_s=_given(first["speed"]),
+        stroke_m=_given(first["stroke"]),
+    )
+
+
+def find_wrong_answers(template: str | None, answers: Mapping[str, str]) -> list[CaseProblem]:
+    """Return a problem for an unknown template and for each answer that is wrong in itself.
+
+    None stands for a template that is not chosen yet.
+    """
+    problems: list[CaseProblem] = []
+    asks = tuple(QUESTIONS)
+    if template is not None:
+        try:
+            asks = read_template(template).asks
+        except CaseError as error:
+            problems += error.problems
+    for name, text in answers.items():
+        if name not in asks:
+            problems.append(problem(name, f"the template {template} does not ask for it", "leave it out"))
+        try:
+            if text.strip():
+                read_answer(name, text)
+        except CaseError as error:
+            problems += error.problems
+    return problems
+
+
+def read_template(name: str) -> Template:
+    """Return the template of a name.  Raises ImpossibleWishes, which names the nearest, if there is none."""
+    if name not in TEMPLATES:
+        hint = did_you_mean(name, TEMPLATES, say="templates")
+        raise ImpossibleWishes([problem("template", f"no template {show_value(name)}", hint)])
+    return TEMPLATES[name]
+
+
+def _given(number: float | None) -> float:
+    assert number is not None, "only lengths may be left to the proposal"
+    return number
+
+
+def read_answer(name: str, text: str) -> tuple[float, ...]:
+    """Return the numbers of an answer in SI units; empty for a material, and for an answer that is left open.
+
+    Raises ImpossibleWishes with every reason why the answer is wrong.
+    """
+    question = QUESTIONS[name]
+    if name == "material":
+        find_grains(text)
+        return ()
+    numbers, problems = [], []
+    for part in text.split(",") if name == "slope" else [text] if text.strip() else []:
+        try:
+            numbers.append(_read_number(part.strip(), question))
+        except ValueError as error:
+            problems.append(problem(name, str(error)))
+    if problems:
+        raise ImpossibleWishes(problems)
+    return tuple(numbers)
+
+
+def find_grains(name: str) -> NamedMaterial:
+    """Return the material of the library that a name denotes.
+
+    Raises ImpossibleWishes for a name that the library does not have, and for a material that is no grains.
+    """
+    try:
+        named = find(name)
+    except UnknownMaterial:
+        raise ImpossibleWishes(
+            [problem("material", f"no material {show_value(name)}", suggest(name))]
+        ) from None
+    if named.material.kind != "grains":
+        grains = ", ".join(row.name for row in materials().values() if row.kind == "grains")
+        what = f"{show_value(name)} is not screened"
+        raise ImpossibleWishes([problem("material", what, f"take one of {grains}")])
+    return named
+
+
+def _read_number(text: str, question: Question) -> float:
+    """Return a number in SI units.  Raises ValueError, whose message says what is wrong."""
+    try:
+        number = float(text)
+    except ValueError:
+        if not unit_of(question.key, ""):
+            raise ValueError(f"{show_value(text)} is no number") from None
+        try:
+            number = parse_quantity(text, question.key)
+        except ValueError as error:
+            raise ValueError(f"{show_value(text)} {str(error) or 'is no number with a unit'}") from None
+    low, high = question.limits
+    own = unit_of(question.key, "")
+    if not low <= number <= high:
+        unit = split_quantity(text)[1]
+        hint = f"; a number without a unit is in {own}" if own and not unit else ""
+        raise ValueError(f"{show_value(text)} is out of the range {question.range(unit)}{hint}")
+    if not own and number != int(number):
+        raise ValueError(f"{show_value(text)} is no whole number")
+    return number

@@ -1,0 +1,137 @@
+"""The plan of a sweep over several keys: all combinations of values, a list, or random settings."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.studies.points import (
+    MOST_VALUES,
+    CaseStudy,
+    Point,
+    Vary,
+    in_own_unit,
+    parse_vary,
+    with_one_unit,
+)
+
+DIGITS = 4  # of random values, which are also names of folders; narrow ranges have more
+
+
+class Arrangement(StrEnum):
+    """The way in which the values of several keys are put together."""
+
+    GRID = "grid"
+    LIST = "list"
+    RANDOM = "random"
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """The settings of a sweep: one value, as text, for each of the ``keys`` in each of the ``settings``."""
+
+    keys: tuple[str, ...]
+    settings: tuple[tuple[str, ...], ...]
+
+    @property
+    def name(self) -> str:
+        """The last words of the keys."""
+        return "-".join(Vary(key, ()).name for key in self.keys)
+
+    def points(self, study: CaseStudy) -> list[Point]:
+        """Return the point of each setting; nothing is run here.
+
+        Raises CaseError if the case is wrong with one of the settings.
+        """
+        return [
+            study.point(
+                name(setting),
+                [f"{key}={value}" for key, value in zip(self.keys, setting, strict=True)],
+                "_".join(Vary(key, ()).folder(v) for key, v in zip(self.keys, setting, strict=True)),
+            )
+            for setting in self.settings
+        ]
+
+    def setting_of(self, point: Point) -> dict[str, str]:
+        """Return the value of each key at a point."""
+        (setting,) = (each for each in self.settings if name(each) == point.value)
+        return dict(zip(self.keys, setting, strict=True))
+
+
+def name(setting: Sequence[str]) -> str:
+    """Return the name of a setting: its values."""
+    return ", ".join(setting)
+
+
+def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) -> SweepPlan:
+    """Return the plan of a sweep from the options ``--vary``, ``--plan``, ``--number`` and ``--seed``.
+
+    Raises CaseError with every problem of the options.
+    """
+    keys: list[str] = []
+    columns: list[tuple[str, ...]] = []
+    problems: list[CaseProblem] = []
+    for text in vary:
+        try:
+            key, values = (
+                _random_values(text, number, np.random.default_rng([seed, len(keys)]))
+                if how is Arrangement.RANDOM
+                else _given_values(text)
+            )
+            keys.append(key)
+            columns.append(values)
+        except CaseError as error:
+            problems += error.problems
+    problems += [_wrong(key, "is varied twice") for key in sorted({k for k in keys if keys.count(k) > 1})]
+    if not problems and how is Arrangement.LIST and len({len(values) for values in columns}) > 1:
+        counts = ", ".join(f"{key} has {len(values)}" for key, values in zip(keys, columns, strict=True))
+        problems.append(_wrong("--plan list", f"wants as many values of each key: {counts}"))
+    if not problems and how is Arrangement.GRID and math.prod(map(len, columns)) > MOST_VALUES:
+        problems.append(_wrong("--plan grid", f"makes more than {MOST_VALUES} settings"))
+    if problems:
+        raise CaseError(problems)
+    settings = itertools.product(*columns) if how is Arrangement.GRID else zip(*columns, strict=True)
+    return SweepPlan(tuple(keys), tuple(dict.fromkeys(settings)))
+
+
+def _given_values(text: str) -> tuple[str, tuple[str, ...]]:
+    vary = parse_vary(text)
+    return vary.key, vary.values
+
+
+def _random_values(text: str, number: int, generator: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+    """Return the key and ``number`` random values, of a range 'key=first:last' or of a list 'key=a,b,c'.
+
+    The same seed gives the same values, and a larger number continues them.  Raises CaseError.
+    """
+    key, equals, values = (part.strip() for part in text.partition("="))
+    if equals and values.count(":") == 1:
+        try:
+            first, last = (float(in_own_unit(part, key)) for part in with_one_unit(values.split(":")))
+        except ValueError:
+            raise CaseError([_wrong(text, "is no range of numbers")]) from None
+        if not first < last:
+            raise CaseError([_wrong(text, "is no range: the first number must be the smaller one")])
+        drawn = generator.uniform(first, last, number)
+        return key, tuple(_rounded(value, first, last) for value in drawn.tolist())
+    vary = parse_vary(text)
+    return vary.key, tuple(vary.values[k] for k in generator.integers(len(vary.values), size=number))
+
+
+def _rounded(value: float, first: float, last: float) -> str:
+    """Return a value of a range with so many digits that it stays in the range and differs from others."""
+    narrow = max(abs(first), abs(last)) / (last - first)
+    more = math.ceil(math.log10(narrow)) if narrow > 10 else 0
+    text = f"{value:.{DIGITS + more}g}"
+    return text if first <= float(text) <= last else repr(value)
+
+
+def _wrong(text: str, what: str) -> CaseProblem:
+    hint = "for example --vary screen.inclination_deg=10,15,20, or with --plan random =10:20"
+    return CaseProblem((), what, hint, f"--vary {text}" if not text.startswith("--") else text)

@@ -1,0 +1,104 @@
+"""The results that a user wants of a sweep: a table for the terminal, and a picture, both with intervals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from orchestrator.case.scalars import Value, scalar
+from orchestrator.output.drawing import save
+from orchestrator.output.records import trust
+from orchestrator.output.report.formatting import interval
+from orchestrator.studies.points import Point, summary_of
+from orchestrator.studies.report import console_table, figure_parts
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A setting of a sweep, by key, with the state of its run and the wanted results that the run has."""
+
+    setting: Mapping[str, str]
+    status: str
+    results: Mapping[str, Value]
+
+    def number(self, key: str) -> float:
+        """Return the value of a key; NaN for a value that is no number."""
+        try:
+            return float(self.setting[key])
+        except ValueError:
+            return math.nan
+
+
+def results_of(point: Point, wanted: Sequence[str]) -> dict[str, Value]:
+    """Return the wanted results that the run of a point has, by name."""
+    summary = summary_of(point.folder)
+    values = {name: scalar(name).of(summary) for name in wanted}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def results_table(keys: Sequence[str], rows: Sequence[Measured], wanted: Sequence[str]) -> Table:
+    """Return a table for the terminal with a row for each setting."""
+
+    def cells(row: Measured) -> Iterator[str]:
+        yield from (row.setting[key] for key in keys)
+        for name in wanted:
+            value = row.results.get(name)
+            yield interval(None if value is None else vars(value))
+        yield row.status
+
+    head = [*(key.rpartition(".")[2] for key in keys), *wanted, "state"]
+    return console_table("", head, (list(cells(row)) for row in rows), left=("state",))
+
+
+def draw_results(
+    keys: Sequence[str], rows: Sequence[Measured], wanted: Sequence[str], file: Path
+) -> list[Path]:
+    """Draw each wanted result over each varied key with its interval, and return the file.
+
+    Over the first key of a grid, lines join the runs whose other keys are equal.  Nothing is drawn where
+    the values of the keys are no numbers, or fewer than two runs have results.  Runs that are not to be
+    trusted are crosses.
+    """
+    drawn = [row for row in rows if row.results and trust.came_to_its_end(row.status)]
+    numeric = [key for key in keys if all(math.isfinite(row.number(key)) for row in drawn)]
+    if len(drawn) < 2 or not numeric:
+        return []
+    lines = _lines(keys, drawn)
+    over = numeric[:1] if lines else numeric
+    fig, axes = figure_parts(len(wanted) * len(over), max(len(over), min(2, len(wanted))), 5.5, 4.0)
+    for number, (name, key) in enumerate((name, key) for name in wanted for key in over):
+        _draw_result(axes[number], name, key, keys, lines or {"": drawn})
+    save(fig, file)
+    return [file]
+
+
+def _lines(keys: Sequence[str], rows: Sequence[Measured]) -> dict[str, list[Measured]]:
+    """Return the runs with equal other keys, by these; {} where no line would join two of them."""
+    lines: dict[str, list[Measured]] = {}
+    for row in rows:
+        others = ", ".join(f"{key.rpartition('.')[2]} = {row.setting[key]}" for key in keys[1:])
+        lines.setdefault(others, []).append(row)
+    return lines if max(map(len, lines.values())) > 1 else {}
+
+
+def _draw_result(
+    axes: Any, name: str, key: str, keys: Sequence[str], lines: Mapping[str, Sequence[Measured]]
+) -> None:
+    for number, (label, rows) in enumerate(lines.items()):
+        some = sorted((row for row in rows if name in row.results), key=lambda row: row.number(key))
+        colour, joined = f"C{number}", len(lines) > 1 or len(keys) == 1
+        x, y = [row.number(key) for row in some], [row.results[name].value for row in some]
+        for place, height, row in zip(x, y, some, strict=True):
+            mark = "o" if trust.is_trusted(row.status) else "x"
+            width = row.results[name].half_width or 0.0
+            axes.errorbar(place, height, width, fmt=mark, ms=5, capsize=3, color=colour)
+        axes.plot(x, y, lw=1 if joined else 0, color=colour, label=label or None)
+    axes.set(xlabel=key, ylabel=scalar(name).words)
+    axes.locator_params(axis="x", nbins=5)
+    if len(lines) > 1:
+        axes.legend(fontsize=8)

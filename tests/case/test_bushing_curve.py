@@ -1,0 +1,164 @@
+"""Measured curves of bushings: their points, files, fits, and what a user is told."""
+
+from __future__ import annotations
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.case.file.bushing_curve import Elements, fit_points, harmonic_stiffness
+from orchestrator.case.solver_plans import bushings
+from orchestrator.cli.overview import overview
+from orchestrator.output.records.run_folder import resolved_case
+from tests.cases import CASE, LEVEL, case_folder, complaints, load_case, loaded, only_complaint
+
+KNOWN = Elements(1.5e4, ((4e3, 3e-4), (3e3, 1.5e-3)), ((2e3, 5e-3),))
+PLANAR = 'frames.solver="planar"'
+
+
+def measured(elements: Elements = KNOWN) -> list[tuple[float, float, float, float]]:
+    tests = np.array([*product((5e-4, 1e-3, 2e-3, 4e-3, 6e-3), (5.0, 10.0, 15.0))])
+    storage, ahead = harmonic_stiffness(elements, *tests.T)
+    return [
+        (a, f, k, loss)
+        for (a, f), k, loss in zip(tests.tolist(), storage.tolist(), (ahead / storage).tolist(), strict=True)
+    ]
+
+
+def rows(points: list[tuple[float, float, float, float]]) -> str:
+    keys = ("amplitude_m", "frequency_Hz", "stiffness_N_per_m", "loss_factor")
+    return ", ".join(
+        "{" + ", ".join(f"{k}={v!r}" for k, v in zip(keys, point, strict=True)) + "}" for point in points
+    )
+
+
+CURVE = f'screen.bushings.isolation.curves=[{{axes="x", points=[{rows(measured())}]}}]'
+
+
+def test_the_elements_that_made_a_curve_are_found_again() -> None:
+    """Two friction and one Maxwell element, to 1 %."""
+    fit = fit_points(tuple(measured()))
+    assert fit.error < 1e-3
+    assert fit.elements.elastic_N_per_m == pytest.approx(KNOWN.elastic_N_per_m, rel=0.01)
+    assert np.array(fit.elements.friction) == pytest.approx(np.array(KNOWN.friction), rel=0.01)
+    assert np.array(fit.elements.maxwell) == pytest.approx(np.array(KNOWN.maxwell), rel=0.01)
+
+
+def test_a_curve_that_does_not_vary_needs_few_elements() -> None:
+    """One stiffness, one loss factor at one frequency: a spring and a Maxwell element."""
+    fit = fit_points(tuple((a, 12.5, 2e4, 0.1) for a in (1e-3, 3e-3, 6e-3)))
+    assert (len(fit.elements.friction), len(fit.elements.maxwell)) == (0, 1)
+    assert fit.error < 1e-6
+
+
+def test_one_friction_element_by_hand() -> None:
+    """A = 2 s: t = pi / 2, so k' = k / 2 and k'' = k / pi."""
+    storage, ahead = harmonic_stiffness(Elements(0.0, ((1e3, 1e-3),), ()), np.array([2e-3]), np.array([1.0]))
+    assert (storage[0], ahead[0]) == pytest.approx((500.0, 1e3 / np.pi))
+
+
+def test_a_file_is_the_same_as_its_points(tmp_path: Path) -> None:
+    """Damping in place of a loss factor, too; the resolved case holds points and elements, and is not fitted
+    again."""
+    text = "amplitude_m, frequency_Hz, stiffness_N_per_m, damping_N_s_per_m\n" + "".join(
+        f"{a},{f},{k},{loss * k / (2 * np.pi * f)}\n" for a, f, k, loss in measured()
+    )
+    (tmp_path / "spring.csv").write_text(text)
+    from_file = loaded(tmp_path, ['screen.bushings.isolation.curves=[{axes="x", file="spring.csv"}]'])
+    inline = loaded(tmp_path / "inline", [CURVE])
+    one, other = (case.case.screen.bushings["isolation"].curves[0] for case in (from_file, inline))
+    assert one.elastic_N_per_m == pytest.approx(other.elastic_N_per_m)
+    assert len(one.points) == 15
+    again = load_case(tmp_path / "again", resolved_case(from_file))
+    assert again.case.screen.bushings["isolation"].curves[0] == one
+
+
+def test_check_says_how_well_the_curve_is_met(tmp_path: Path) -> None:
+    lines = "\n".join(overview(loaded(tmp_path, [CURVE])))
+    assert "isolation along x: spring with 2 friction and 1 Maxwell elements" in lines
+    assert "at 15 points: stiffness off by 0.0% at most, loss factor by 0%" in lines
+
+
+def test_plans_have_the_elements_where_the_solver_has(tmp_path: Path) -> None:
+    """planar has them; two-mass has the linear numbers, and says so, or its level must."""
+    curved = loaded(tmp_path, [CURVE, PLANAR])
+    plan = bushings(curved.case)[0]
+    assert plan.hysteresis[0].friction_N_per_m == pytest.approx([4e3, 3e3], rel=0.01)
+    assert plan.beside_elements().stiffness_N_per_m == pytest.approx([1.5e4, 3e4, 4e4], rel=0.01)
+    assert plan.stiffness_N_per_m[0] == 2e4
+    linear = loaded(tmp_path, [CURVE, 'frames.solver="two-mass"'])
+    assert bushings(linear.case)[0].hysteresis == ()
+    assert "one stiffness and one damping" in linear.left_out["bushing-hysteresis"]
+    assert (
+        bushings(loaded(tmp_path, [CURVE, PLANAR, "effects=['frame-dynamics', 'frame-rotation']"]).case)[
+            0
+        ].hysteresis
+        == ()
+    )
+
+
+def test_a_slice_has_its_share(tmp_path: Path) -> None:
+    """Half of the width: half of every stiffness, at the same slips."""
+    whole = bushings(loaded(tmp_path, [CURVE, PLANAR]).case)[0].hysteresis[0]
+    half = bushings(loaded(tmp_path, [CURVE, PLANAR, "slice.width_m=0.1"]).case)[0].hysteresis[0]
+    assert half.elastic_N_per_m == pytest.approx(whole.elastic_N_per_m / 2)
+    assert half.friction_N_per_m == pytest.approx(whole.friction_N_per_m / 2)
+    assert half.slip_m.tolist() == whole.slip_m.tolist()
+
+
+@pytest.mark.parametrize(
+    ("curve", "said"),
+    [
+        ('{axes="x"}', "has no points"),
+        (f'{{axes="xx", points=[{rows(measured())}]}}', "has an axis twice"),
+        (f'{{axes="z", points=[{rows(measured())}]}}', "40000 along z is far from the measured"),
+        ('{axes="x", friction=[{stiffness_N_per_m=1.0, slip_m=1.0}]}', "has no points"),
+        (
+            '{axes="x", points=[{amplitude_m=0.001, frequency_Hz=10, stiffness_N_per_m=2e4}]}',
+            "has no loss; give loss_factor or damping_N_s_per_m",
+        ),
+        (
+            f"{{points=[{rows([(1e-3, 10, 1.5e4, 0.1), (6e-3, 10, 2.5e4, 0.1)])}]}}",
+            "no spring with friction and Maxwell elements meets it: off by",
+        ),
+    ],
+)
+def test_a_wrong_curve_is_refused(tmp_path: Path, curve: str, said: str) -> None:
+    assert any(said in line for line in complaints(tmp_path, f"screen.bushings.isolation.curves=[{curve}]"))
+
+
+def test_all_mistakes_in_a_file_are_told(tmp_path: Path) -> None:
+    (tmp_path / "bad.csv").write_text("amplitude_m,frequenzy_Hz,loss_factor\n1,2\n0.001,ten,0.1\n")
+    found = complaints(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="bad.csv"}]')
+    assert any(
+        "bad.csv" in line and """no column 'frequenzy_Hz'; did you mean "frequency_Hz"?""" in line
+        for line in found
+    )
+    assert any("row 2: 2 cells instead of 3" in line for line in found)
+    assert any("row 3: frequenzy_Hz: 'ten' is no number" in line for line in found)
+    missing = only_complaint(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="none.csv"}]')
+    assert "none.csv" in missing
+    assert "cannot be read: No such file" in missing
+    outside = only_complaint(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="../x.csv"}]')
+    assert "outside of the case's folder" in outside
+
+
+def test_a_level_that_leaves_curves_out_says_so(tmp_path: Path) -> None:
+    level = LEVEL.replace('["variation-across"]', '["variation-across", "frame-rotation", "motor-slip"]')
+    text = CASE.replace(
+        "stiffness_N_per_m = [2e4, 3e4, 4e4]", f"stiffness_N_per_m = [2e4, 3e4, 4e4]\n{CURVE[26:]}"
+    )
+    folder = case_folder(tmp_path, text, light=level + '[frames]\nsolver = "two-mass"\n')
+    said = str(_refused(folder))
+    assert '"bushing-hysteresis" must be named' in said
+
+
+def _refused(folder: Path) -> BaseException:
+    from orchestrator.case.file.errors import CaseError
+    from orchestrator.preflight.judge import load_judged
+
+    with pytest.raises(CaseError) as raised:
+        load_judged(folder, "light", [PLANAR.replace("planar", "two-mass")])
+    return raised.value

@@ -1,0 +1,250 @@
+"""Beds from runs and from tables: what is read, what does not fit, and what is pushed out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from orchestrator.case.bed import saved_bed
+from orchestrator.case.bed.carry import read_run
+from orchestrator.case.bed.contact_times import impact_speed_m_per_s
+from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs, push_out
+from orchestrator.case.bed.sources import initial_particles, largest_diameter_m
+from orchestrator.case.solver_plans import material_numbers
+from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.output.records.run_folder import create_run_folder
+from orchestrator.output.records.snapshots import Series, particle_mesh
+from orchestrator.ports import Array, ParticleSnapshot
+from orchestrator.ports.geometry import overlap_m
+from orchestrator.ports.plans import ParticleList
+from orchestrator.preflight.check import find_problems, warnings
+from orchestrator.preflight.scene.scene import bed_kg
+from tests.cases import CASE, case_folder, contact, grains, load_case, loaded, only_complaint
+
+FLOOR = np.array([[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], dtype=float)
+UP = np.array([0.0, 0.0, 1.0])
+# the panel's upper side is at z = 0
+ROWS = pd.DataFrame(
+    {
+        "x_m": [0.10, 0.1195, 0.20],
+        "y_m": [0.10, 0.10, 0.10],
+        "z_m": [0.0099, 0.0101, 0.02],
+        "diameter_m": [0.02, 0.02, 0.01],
+        "material": ["coal", "coal", "coal"],
+        "vz_m_per_s": [0.0, -0.5, 2.0],
+    }
+)
+
+
+def write_table(folder: Path, rows: pd.DataFrame = ROWS, name: str = "bed.csv") -> str:
+    case_folder(folder)
+    file = folder / name
+    if name.endswith(".csv"):
+        rows.to_csv(file, index=False)
+    else:
+        rows.to_parquet(file)
+    return f"bed.table={name}"
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("name", ["bed.csv", "bed.parquet"])
+def test_a_table_replaces_the_particles_that_the_case_describes(tmp_path: Path, name: str) -> None:
+    """Settled spheres touch each other and the panel, here by half a millimetre of 20."""
+    found = load_case(tmp_path, CASE, [write_table(tmp_path, name=name)])
+    particles = initial_particles(found.case, material_numbers(found.case))
+    assert find_problems(found) == []
+    np.testing.assert_allclose(particles.position_m[:, 2], ROWS["z_m"])
+    np.testing.assert_allclose(particles.velocity_m_per_s[:, 2], ROWS["vz_m_per_s"])
+    assert not particles.spin_rad_per_s.any()
+    assert set(particles.density_kg_per_m3) == {1430.0}
+    assert largest_diameter_m(found.case) == 0.02
+    assert impact_speed_m_per_s(found.case) == 2.0
+    mass_kg = 1430 * np.pi / 6 * (ROWS["diameter_m"] ** 3).sum()
+    assert bed_kg(found.case) == pytest.approx(mass_kg, rel=1e-6)
+
+
+def test_velocities_are_zeroed_on_request(tmp_path: Path) -> None:
+    found = load_case(tmp_path, CASE, [write_table(tmp_path), "bed.velocities=zero"])
+    assert not initial_particles(found.case, material_numbers(found.case)).velocity_m_per_s.any()
+
+
+def test_a_table_may_be_larger_than_a_case_file(tmp_path: Path) -> None:
+    """20 000 particles need more than the megabyte that a case file may have."""
+    count = np.arange(20_000)
+    grid = {"x_m": count % 200, "y_m": count // 200 % 10, "z_m": 1 + count // 2000}
+    rows = pd.DataFrame({name: 0.0015 * number + 1e-4 for name, number in grid.items()})
+    rows = rows.assign(diameter_m=0.001, material="coal", vx_m_per_s=np.linspace(0, 1e-3, 20_000))
+    found = load_case(tmp_path, CASE, [write_table(tmp_path, rows)])
+    assert (tmp_path / "bed.csv").stat().st_size > 1_000_000
+    assert find_problems(found) == []
+    assert len(initial_particles(found.case, material_numbers(found.case))) == 20_000
+
+
+def test_one_message_names_everything_that_does_not_fit(tmp_path: Path) -> None:
+    rows = ROWS.assign(z_m=[0.002, 0.01, 5.0], x_m=[0.10, 0.105, 0.2])
+    said = "\n".join(map(str, find_problems(load_case(tmp_path, CASE, [write_table(tmp_path, rows)]))))
+    assert "bed.table: particle 3" in said
+    assert 'bed.outside = "leave-out"' in said
+    assert "particle 1 overlaps particle 2" in said
+    assert "particle 1 is 0.008 m inside panel deck" in said
+    assert "bed.push_out = true makes room" in said
+
+
+def test_particles_outside_are_left_out_on_request(tmp_path: Path) -> None:
+    sets = [write_table(tmp_path, ROWS.assign(z_m=[0.0099, 0.0101, 5.0])), "bed.outside=leave-out"]
+    found = load_case(tmp_path, CASE, sets)
+    assert find_problems(found) == []
+    assert len(initial_particles(found.case, material_numbers(found.case))) == 2
+    sets[0] = write_table(tmp_path, ROWS.assign(z_m=5.0))
+    assert "all 3 particles" in only_complaint(tmp_path, *sets)
+
+
+@pytest.mark.parametrize("sides", ["walls", "periodic"])
+def test_particles_beside_a_slice_are_refused_or_left_out(tmp_path: Path, sides: str) -> None:
+    """The slice has the middle 0.1 of 0.2 m."""
+    sets = [
+        write_table(tmp_path, ROWS.assign(y_m=[0.1, 0.1, 0.19])),
+        f'slice={{width_m=0.1, sides="{sides}"}}',
+    ]
+    assert "1 particles of" in only_complaint(tmp_path, *sets)
+    found = load_case(tmp_path, CASE, [*sets, "bed.outside=leave-out"])
+    assert len(initial_particles(found.case, material_numbers(found.case))) == 2
+
+
+@pytest.mark.parametrize("sets", [[], ["slice.width_m=0.1"], ["particles.coarse_graining=2"]])
+def test_a_run_that_left_particles_out_knows_them_and_its_materials(tmp_path: Path, sets: list[str]) -> None:
+    """A material of which no particle is left has no number in the run's states for ParaView."""
+    ash = CASE.replace("[materials.coal]", grains("ash", 1000.0, 1e7) + "[materials.coal]")
+    ash += contact("ash", "ash", 0.3, 0.3) + contact("ash", "PU", 0.3, 0.3) + contact("ash", "coal", 0.3, 0.3)
+    rows = ROWS.assign(y_m=[0.19, 0.1, 0.1], z_m=[5.0, 0.0101, 0.02], material=["ash", "coal", "coal"])
+    sets = [write_table(tmp_path / "case", rows), "bed.outside=leave-out", *sets]
+    found = load_case(tmp_path / "case", ash, sets)
+    run = create_run_folder(found, tmp_path / "run", None)
+    origin = json.loads((run / "provenance.json").read_text())["bed"]
+    assert (origin["particles"], origin["left_out"]) == (2, 1)
+    began = initial_particles(found.case, material_numbers(found.case))
+    fields = {name: getattr(began, name) for name in saved_bed.COLUMNS}
+    snapshot = ParticleSnapshot(id=np.arange(1, len(began) + 1), **fields)
+    Series(run, "particles").add(0.1, particle_mesh(snapshot))
+    state = read_run(run, 0.1)
+    assert state.materials == ("coal",)
+    np.testing.assert_allclose(state.position_m, began.position_m, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        (ROWS.rename(columns={"vz_m_per_s": "vz_m_s"}), 'did you mean "vz_m_per_s"?'),
+        (ROWS.drop(columns="material"), 'there is no column "material"'),
+        (ROWS.assign(diameter_m=[0.02, -0.01, 0.02]), "diameter_m = -0.01 is not a plausible diameter"),
+        (ROWS.assign(x_m=["a", 0.1, "b"]), "row 1: x_m = 'a' is not a number (1 more)"),
+        (ROWS.assign(material="cool"), 'did you mean "coal"?'),
+        (ROWS.iloc[:0], "there are no rows"),
+    ],
+)
+def test_a_wrong_table_is_refused_with_a_reason(tmp_path: Path, rows: pd.DataFrame, said: str) -> None:
+    assert said in only_complaint(tmp_path, write_table(tmp_path, rows))
+
+
+@pytest.mark.parametrize(
+    ("sets", "said"),
+    [
+        (["bed.from_run=nowhere"], 'there is no "nowhere"'),
+        (["bed.from_run=levels"], "is not the folder of a run"),
+        (["bed.from_time_s=1"], "has no meaning without bed.from_run"),
+        (["bed.table=bed.csv", "bed.from_run=levels"], "contradicts bed.from_run"),
+        (["bed.table=case.toml"], '".toml" is no kind of table'),
+    ],
+)
+def test_a_wrong_source_is_refused_with_a_reason(tmp_path: Path, sets: list[str], said: str) -> None:
+    assert said in only_complaint(tmp_path, *sets)
+
+
+def saved_run(folder: Path, coarse_graining: float = 1.0) -> Path:
+    """The folder of a run with two checkpoints."""
+    (folder / "run").mkdir()
+    for name in ("case.toml", "provenance.json"):
+        (folder / "run" / name).write_text("")
+    for number, time_s in ((10, 0.1), (20, 0.2)):
+        checkpoint = folder / "run" / "checkpoints" / f"{number:012d}"
+        checkpoint.mkdir(parents=True)
+        place_m = np.array([[0.1, 0.1, time_s]])
+        spin = np.array([[1.0, 2.0, 3.0]])
+        bed = CarriedBed(
+            ("coal",),
+            np.zeros(1, dtype=np.int64),
+            place_m,
+            -place_m,
+            spin,
+            np.array([0.01]),
+            np.array([1430.0]),
+            time_s,
+            coarse_graining,
+            "",
+        )
+        saved_bed.write(checkpoint / saved_bed.BED, bed)
+    return folder / "run"
+
+
+@pytest.mark.parametrize(("wanted", "taken_s"), [(None, 0.2), (0.12, 0.1), (0.2, 0.2)])
+def test_the_nearest_state_of_a_run_is_taken(tmp_path: Path, wanted: float | None, taken_s: float) -> None:
+    sets = [f"bed.from_run={saved_run(tmp_path)}"]
+    sets += [] if wanted is None else [f"bed.from_time_s={wanted}"]
+    particles = initial_particles((case := loaded(tmp_path, sets).case), material_numbers(case))
+    np.testing.assert_array_equal(particles.position_m, [[0.1, 0.1, taken_s]])
+    np.testing.assert_array_equal(particles.velocity_m_per_s, [[-0.1, -0.1, -taken_s]])
+    np.testing.assert_array_equal(particles.spin_rad_per_s, [[1.0, 2.0, 3.0]])
+
+
+def test_runs_with_and_without_an_effect_are_remembered_for_one_state_of_a_run(tmp_path: Path) -> None:
+    """A run that has been continued is another origin of the bed."""
+    run = saved_run(tmp_path)
+    origin = loaded(tmp_path, [f"bed.from_run={run}"]).origin
+    before = origin.read()["files"]
+    assert list(before) == [str(run)]
+    (run / "checkpoints" / f"{20:012d}" / saved_bed.BED).write_bytes(b"another state")
+    assert origin.read()["files"] != before
+
+
+def test_another_density_is_a_warning(tmp_path: Path) -> None:
+    source = f"bed.from_run={saved_run(tmp_path)}"
+    assert not [line for line in warnings(loaded(tmp_path, [source])) if "kg/m3" in line]
+    other = loaded(tmp_path, [source, "materials.coal.density_kg_per_m3=1500.0"])
+    (said,) = (line for line in warnings(other) if "kg/m3" in line)
+    assert "had 1430 kg/m3 there, and have 1500" in said
+
+
+def test_a_state_after_the_end_and_other_coarse_particles_are_refused(tmp_path: Path) -> None:
+    run = saved_run(tmp_path, coarse_graining=2.0)
+    assert "ends at t = 0.2 s" in only_complaint(tmp_path, f"bed.from_run={run}", "bed.from_time_s=1")
+    assert "take particles.coarse_graining = 2" in only_complaint(tmp_path, f"bed.from_run={run}")
+
+
+def column(diameter_m: Array, height_m: Array) -> ParticleList:
+    """Particles above each other, with a small offset along x."""
+    count = len(diameter_m)
+    place_m = np.column_stack([1e-4 * np.arange(count), np.zeros(count), height_m])
+    still, ones = np.zeros((count, 3)), np.ones(count)
+    return ParticleList(place_m, still, still, diameter_m, 1430 * ones, np.zeros(count, dtype=np.int64))
+
+
+def test_particles_are_pushed_out_of_surfaces_and_apart() -> None:
+    """A column of twelve that settled 8 mm too low is lifted as a whole, and not thrown: it moves by little
+    more than it must."""
+    diameter_m = np.full(12, 0.02)
+    settled = column(diameter_m, 0.002 + 0.0199 * np.arange(12))
+    pushed = push_out(settled, FLOOR, UP)
+    assert (overlap_m(pushed.position_m, diameter_m / 2, FLOOR) <= SETTLED * diameter_m).all()
+    assert overlapping_pairs(pushed.position_m, diameter_m)[2].max() <= SETTLED * 0.02
+    moved_m = np.linalg.norm(pushed.position_m - settled.position_m, axis=1)
+    assert 0.006 < moved_m.max() < 0.0085
+    assert not pushed.velocity_m_per_s.any()
+
+
+def test_particles_that_fit_stay_where_they_are() -> None:
+    settled = column(np.array([0.02, 0.02]), np.array([0.0098, 0.0295]))
+    np.testing.assert_array_equal(push_out(settled, FLOOR, UP).position_m, settled.position_m)

@@ -1,0 +1,76 @@
+"""``--json`` of check, explain and list: JSON alone on standard output, with what the words say."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.cli.main import app
+from tests.cases import LEVEL, case_folder
+
+CALL = CliRunner()
+PAGE = (Path(__file__).parents[2] / "docs/json-output.md").read_text(encoding="utf-8")
+SETS = ("--set", "panel.solver=rigid", "--set", "frames.solver=two-mass")
+
+
+def documented(command: str) -> set[str]:
+    """The keys that the page lists for a command."""
+    section = PAGE.split(f"## `{command}", 1)[1].split("\n## ", 1)[0]
+    return set(re.findall(r"^\| `([a-z_]+)`", section, flags=re.M))
+
+
+def printed(*words: str) -> dict[str, Any]:
+    done = CALL.invoke(app, [*words, "--json"])
+    assert done.exit_code == 0, done.output
+    table: dict[str, Any] = json.loads(done.stdout)
+    assert table.pop("format_version") == 1
+    return table
+
+
+@pytest.mark.smoke
+def test_check(tmp_path: Path) -> None:
+    table = printed("check", str(case_folder(tmp_path)), *SETS)
+    assert set(table) == documented("flipflow check")
+    assert table["solvers"] == {"frames": "two-mass", "panel": "rigid", "particles": "liggghts"}
+    assert table["panels"] == ["deck"]
+    assert table["particles_at_start"] == 1
+    assert table["sync_intervals"] == round(table["duration_s"] / table["sync_interval_s"])
+    assert "panel-deformation" in table["left_out"]
+
+
+def test_explain(tmp_path: Path) -> None:
+    table = printed("explain", str(case_folder(tmp_path)), *SETS)
+    assert set(table) == documented("flipflow explain")
+    judged = table["effects"]["panel-deformation"]
+    assert judged["part"] == "panels"
+    assert not judged["present"]
+    assert judged["verdict"]["matters"] in (True, False, None)
+
+
+def test_list(tmp_path: Path) -> None:
+    case_folder(tmp_path / "good", draft=LEVEL)
+    (tmp_path / "bad").mkdir()
+    (tmp_path / "bad" / "case.toml").write_text("title = ")
+    table = printed("list", str(tmp_path))
+    assert set(table) == documented("flipflow list")
+    bad, good = table["cases"]
+    assert bad["title"] is None
+    assert good == {
+        "folder": str(tmp_path / "good"),
+        "title": "a test",
+        "base": None,
+        "levels": ["draft"],
+        "default_level": "draft",
+    }
+
+
+def test_a_wrong_case_leaves_standard_output_empty(tmp_path: Path) -> None:
+    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--json", "--set", "panel.solver=rigd"])
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert 'did you mean "rigid"?' in done.stderr

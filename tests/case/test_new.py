@@ -1,0 +1,276 @@
+"""New cases from templates: they are right at once, reach the wanted stroke, and refuse the impossible."""
+
+from __future__ import annotations
+
+import math
+import re
+import shlex
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.cli import new
+from orchestrator.cli.main import app
+from orchestrator.preflight.check import find_problems, warnings
+from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.judge import JudgedCase, load_judged
+from orchestrator.preflight.proposal import machine, two_mass
+from orchestrator.preflight.proposal.layout import lay_out
+from orchestrator.preflight.proposal.proposal import Proposal, mean_stroke_m
+from orchestrator.preflight.proposal.propose import find_refusals, propose
+from orchestrator.preflight.proposal.wishes import TEMPLATES, ImpossibleWishes, read_wishes
+from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.scene.shaking import solve_shakings
+from orchestrator.preflight.stability.report import stability_report
+from tests.runs.outside import flipflow, summary
+
+CALL = CliRunner()
+DOUBTFUL = 5  # exit code of a run whose own figures call for caution
+FREE = [name for name, template in TEMPLATES.items() if template.is_free]
+
+
+@cache
+def proposed(template: str) -> Proposal:
+    return propose(read_wishes(template, {}), template)
+
+
+def write(template: str, place: Path) -> Path:
+    new.write_files(proposed(template).files, place / template)
+    return place / template
+
+
+def complaints(judged: JudgedCase) -> list[str]:
+    stability = stability_report(judged.case)
+    return [*map(str, find_problems(judged)), *warnings(judged), *stability.warnings()]
+
+
+@pytest.mark.solver
+@pytest.mark.parametrize("level", ["draft", "study"])
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_a_new_case_is_right_at_once(template: str, level: str, tmp_path: Path) -> None:
+    assert complaints(load_judged(write(template, tmp_path), level)) == []
+
+
+@pytest.mark.solver
+@pytest.mark.parametrize("template", FREE)
+def test_the_case_itself_meets_the_closed_form_of_two_masses(template: str, tmp_path: Path) -> None:
+    """The masses, bushings and unbalance of the written case give stroke and ratio, without the proposal."""
+    case = load_judged(write(template, tmp_path), "draft").case.whole_machine
+    moved = scene(case)
+    assert mean_stroke_m(moved) == pytest.approx(0.006, rel=2e-3)
+    frames, bushings = case.screen.frames, case.screen.bushings
+    carried_kg = sum(spring.mass_kg for spring in moved.springs) / 2
+    along = np.array([math.cos(math.radians(case.screen.inclination_deg)), 0.0, 0.0])
+    along[2] = -math.sin(math.radians(case.screen.inclination_deg))
+    shear = bushings["shear"]
+    shear_N_per_m = len(shear.positions_m) * shear.stiffness_N_per_m[0]
+    shear_N_per_m += sum(spring.stiffness_N_per_m * (spring.along @ along) ** 2 for spring in moved.springs)
+    driving_kg, driven_kg = ((frames[name].mass_kg or 0.0) + carried_kg for name in ("driving", "driven"))
+    ground = bushings["isolation"]
+    amplitudes_m = two_mass.amplitudes_m(0.006, machine.RATIO)
+    (speed,) = (exciter.speed_rad_per_s for exciter in case.screen.exciters.values())
+    assert shear_N_per_m == pytest.approx(
+        two_mass.shear_stiffness_N_per_m(driven_kg, speed, machine.RATIO), rel=1e-2
+    )
+    moment_kg_m = two_mass.mass_moment_kg_m(
+        driving_kg, driven_kg, len(ground.positions_m) * ground.stiffness_N_per_m[0], speed, amplitudes_m
+    )
+    (given_kg_m,) = (exciter.mass_moment_kg_m for exciter in case.screen.exciters.values())
+    assert given_kg_m == pytest.approx(moment_kg_m, rel=0.05)  # damping wants a little more
+    (undamped,) = solve_shakings(moved.plan, moved.springs, loss_factor=0.0)
+    driving_m, driven_m = (abs(undamped.amplitude_m[name] @ along) for name in ("driving", "driven"))
+    assert driven_m / driving_m == pytest.approx(machine.RATIO, rel=0.03)
+
+
+@pytest.mark.solver
+def test_another_machine_has_its_own_stroke_and_a_draft_that_says_what_it_leaves_out(tmp_path: Path) -> None:
+    """So many fine particles come here that the draft feeds only a part of them."""
+    answers = {"stroke": "4 mm", "speed": "850 rpm", "width": "1.2 m", "panels": "3"}
+    answers |= {"opening": "3 mm", "throughput": "100 t/h", "material": "iron ore"}
+    proposal = propose(read_wishes("flip-flow", answers), "mine")
+    assert mean_stroke_m(proposal.scene) == pytest.approx(0.004, rel=2e-3)
+    assert proposal.draft.rate_share < 1
+    assert f"{proposal.draft.rate_share:.0%} of the throughput" in proposal.files["levels/draft.toml"]
+    new.write_files(proposal.files, tmp_path / "mine")
+    judged = load_judged(tmp_path / "mine", "draft")
+    assert complaints(judged) == []
+    assert judged.case.bed.feeds["iron-ore"].rate_kg_per_s < 100 / 3.6 * proposal.draft.rate_share
+    cost_s = predicted_s(judged.case, particles_at_start(judged.case))
+    assert cost_s == pytest.approx(proposal.run_s["draft"])
+
+
+IMPOSSIBLE: dict[str, tuple[str, dict[str, str], list[str]]] = {
+    "shaken to pieces": ("flip-flow", {"stroke": "40 mm"}, ["--stroke: 40 mm at this speed shake", "34 g"]),
+    "torn": ("flip-flow", {"stroke": "20 mm", "length": "1.3 m"}, ["--stroke: stretches panels", "--length"]),
+    "buried": ("flip-flow", {"throughput": "5000 t/h"}, ["5000 t/h lie", "this width carries"]),
+    "all opening": ("flip-flow", {"opening": "200 mm"}, ["--opening: 200 mm: no opening finds room along"]),
+    "one opening": ("flip-flow", {"opening": "100 mm"}, ["--opening: 100 mm: only 1 opening finds room"]),
+    "short": ("flip-flow", {"length": "0.4 m"}, ["--length: 4 panels and their clamps", "fewer --panels"]),
+    "only clamps": (
+        "flip-flow",
+        {"panels": "28", "length": "1 m", "throughput": "5000 t/h"},
+        ["2 problems", "--length: 28 panels and their clamps find no room on 1 m", "this width carries"],
+    ),
+    "ranges in the answer's own unit": (
+        "flip-flow",
+        {"speed": "-750 rpm", "throughput": "1e9 t/h", "stroke": "0 mm", "slope": "80 deg"},
+        ["range 47.8 to 1900 rpm", "0.0108 to 7200 t/h", "0.2 to 50 mm", "0 to 45 deg"],
+    ),
+    "millimetres meant": (
+        "flip-flow",
+        {"stroke": "6"},
+        ["0.0002 to 0.05 m; a number without a unit is in m"],
+    ),
+    "template and number": ("bananna", {"width": "12 Hz"}, ["2 problems", "'bananna'", "is a frequency"]),
+    "slopes": ("banana", {"panels": "2"}, ["--slope: 3 slopes want 3 panels or more"]),
+    "material": ("flip-flow", {"material": "limstone"}, ["--material: no material", 'mean "limestone"?']),
+    "template": ("bananna", {}, ["--template: no template 'bananna'; did you mean \"banana\"?"]),
+    "units": (
+        "flip-flow",
+        {"width": "12 Hz", "speed": "2 m"},
+        ["'12 Hz' is a frequency", "'2 m' is a length"],
+    ),
+    "no numbers": ("flip-flow", {"panels": "2.5", "width": "wide"}, ["2 problems", "'2.5'", "'wide' is no"]),
+    "one of many": ("banana", {"width": "nan", "slope": "20 deg, x"}, ["2 problems", "'nan'", "'x' is no"]),
+    "not asked": ("test-rig", {"throughput": "5 t/h"}, ["--throughput: the template test-rig does not ask"]),
+}
+
+
+@pytest.mark.parametrize(("template", "answers", "said"), IMPOSSIBLE.values(), ids=IMPOSSIBLE)
+def test_the_impossible_is_refused_with_all_reasons(
+    template: str, answers: dict[str, str], said: list[str]
+) -> None:
+    with pytest.raises(ImpossibleWishes) as error:
+        propose(read_wishes(template, answers), "mine")
+    for words in said:
+        assert words in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("option", "given", "others", "offered"),
+    [
+        ("length", "0.3 m", {"opening": "2 mm"}, r"at least (\S+ m)"),
+        ("stroke", "18 mm", {}, r"up to (\S+ mm)"),
+        ("stroke", "19 mm", {"length": "1 m", "speed": "300 rpm"}, r"up to (\S+ mm)"),
+        ("throughput", "974 t/h", {}, r"carries (\S+ t/h)"),
+        ("speed", "-1 rpm", {}, r"range (\S+) to \S+ (rpm)"),
+        ("speed", "1 GHz", {"stroke": "0.5 mm"}, r"range \S+ to (\S+) (GHz)"),
+    ],
+)
+def test_the_limit_that_a_refusal_offers_is_accepted(
+    option: str, given: str, others: dict[str, str], offered: str
+) -> None:
+    (refusal,) = find_refusals("flip-flow", others | {option: given})
+    found = re.search(offered, str(refusal))
+    assert found is not None, refusal
+    assert find_refusals("flip-flow", others | {option: " ".join(found.groups())}) == []
+
+
+def test_an_answer_of_blanks_is_left_to_the_template() -> None:
+    wishes = read_wishes("flip-flow", {"width": " ", "slope": "", "opening-length": "  "})
+    assert (wishes.width_m, wishes.slopes_deg, wishes.opening_length_m) == (2.0, (20.0,), 0.012)
+
+
+def test_the_feed_of_short_openings_can_pass_them() -> None:
+    layout = lay_out(read_wishes("flip-flow", {"opening": "12 mm", "opening-length": "3 mm"}))
+    assert layout.finest_m < 0.003 < layout.largest_m
+
+
+@pytest.mark.parametrize(("length", "width"), [("15 m", "2 m"), ("0.7 m", "6 m")])
+def test_the_inertia_of_long_and_wide_frames_is_that_of_a_body(length: str, width: str) -> None:
+    made = machine.propose_machine(
+        lay_out(read_wishes("flip-flow", {"length": length, "width": width})), 0.0, 0.0, 1.0
+    )
+    for frame in (made.driving, made.driven):
+        assert 2 * max(frame.inertia_kg_m2) <= sum(frame.inertia_kg_m2) * (1 + 1e-12)
+
+
+@pytest.mark.solver
+def test_a_deck_of_long_panels_is_meshed_and_called_doubtful() -> None:
+    proposal = propose(read_wishes("flip-flow", {"length": "6 m", "panels": "2"}), "mine")
+    assert "doubtful: panels are seldom longer" in proposal.remarks[-1]
+
+
+@pytest.mark.solver
+def test_panels_that_are_too_stiff_for_the_speed_are_refused() -> None:
+    with pytest.raises(ImpossibleWishes, match=r"--speed: the panels alone .* or more"):
+        propose(read_wishes("flip-flow", {"speed": "150 rpm"}), "mine")
+
+
+def test_nothing_is_written_or_overwritten_where_wishes_are_wrong(tmp_path: Path) -> None:
+    there = tmp_path / "there"
+    there.mkdir()
+    done = CALL.invoke(app, ["new", str(there), "--panels", "none", "--material", "limstone"])
+    assert done.exit_code == 2
+    for said in (
+        "3 problems in the wishes",
+        "exists already",
+        "--panels: 'none' is no number",
+        '"limestone"',
+    ):
+        assert said in done.stderr
+    done = CALL.invoke(app, ["new", str(there), "--stroke", "40 mm"])
+    assert done.exit_code == 2
+    assert "exists already" in done.stderr
+    assert "--stroke: 40 mm" in done.stderr
+    assert [file.name for file in tmp_path.rglob("*")] == ["there"]
+
+
+def test_a_place_inside_of_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    done = CALL.invoke(app, ["new", str(tmp_path / "file" / "mine")])
+    assert (done.exit_code, "is no folder" in done.stderr) == (2, True)
+
+
+def test_wrong_options_are_refused_before_anything_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(new, "can_ask", lambda: True)
+    done = CALL.invoke(app, ["new", str(tmp_path / "mine"), "--width", "12 Hz"], input="\n" * 20)
+    assert done.exit_code == 2
+    assert "is a frequency" in done.stderr
+    assert "?" not in done.stdout
+
+
+@pytest.mark.solver
+@pytest.mark.smoke
+def test_a_terminal_is_asked_and_a_wrong_answer_is_asked_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(new, "can_ask", lambda: True)
+    typed = "test-rg\ntest-rig\n0.4 m\n\n12 s\n10 mm\n700 rpm\n\n"
+    words = ["new", str(tmp_path / "mine"), "--opening-length", "12 mm"]
+    done = CALL.invoke(app, words, input=typed)
+    assert done.exit_code == 0, done.output
+    assert 'did you mean "test-rig"?' in done.output
+    assert "'12 s' is a time; a length is wanted" in done.output
+    case = load_judged(tmp_path / "mine").case
+    (panel,) = case.screen.panels.values()
+    assert panel.apertures is not None
+    assert (panel.width_m, panel.apertures.width_m, panel.apertures.length_m) == (0.4, 0.01, 0.012)
+    assert "Which material" not in done.output
+    (command,) = (line for line in done.output.splitlines() if "without questions" in line)
+    words = shlex.split(command.partition(": flipflow ")[2].replace("mine", "again"))
+    assert CALL.invoke(app, words).exit_code == 0
+    texts = [(tmp_path / name / "case.toml").read_text(encoding="utf-8") for name in ("mine", "again")]
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.solver
+@pytest.mark.process
+@pytest.mark.slow
+def test_a_new_case_runs_and_loses_nothing(tmp_path: Path) -> None:
+    """Half a second: the machine has its speed, and the first particles are fed and fall onto the deck."""
+    words = ["--set", "duration_s=0.48", "--set", "output.pictures=false", "--out", str(tmp_path / "run")]
+    assert flipflow("run", str(write("flip-flow", tmp_path)), *words).returncode in (0, DOUBTFUL)
+    told = summary(tmp_path / "run")
+    material = told["material"]
+    through = sum(row["number"] for row in material["exits"].values())
+    assert material["fed"]["number"] > 20
+    assert material["lost"]["number"] == material["escaped"]["number"] == 0
+    assert material["fed"]["number"] == through + material["on_deck"]["number"]
+    stroke_m = told["results"]["motion"]["relative"]["driven-driving"]["along_m"]["value"]
+    assert stroke_m == pytest.approx(0.006, rel=0.15)  # a few turns after the run-up

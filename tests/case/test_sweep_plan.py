@@ -1,0 +1,89 @@
+"""The plan of a sweep over several keys, and the results that are drawn; nothing is run here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.image
+import pytest
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.case.scalars import Value
+from orchestrator.studies.points import CaseStudy
+from orchestrator.studies.sweep_plan import Arrangement, plan_sweep
+from orchestrator.studies.sweep_results import Measured, draw_results
+from tests.runs.outside import ROOT
+
+SPEED, SLOPE = "screen.exciters.shaft.speed_rad_per_s", "screen.inclination_deg"
+TWO = (f"{SPEED}=58:84:26", f"{SLOPE}=10,15")
+
+
+@pytest.mark.smoke
+def test_a_grid_has_all_combinations() -> None:
+    plan = plan_sweep([*TWO, "panel.solver=rigid,strip"], Arrangement.GRID, 0, 1)
+    assert plan.keys == (SPEED, SLOPE, "panel.solver")
+    assert len(plan.settings) == 8
+    assert plan.settings[0] == ("58.0", "10", "rigid")
+
+
+def test_a_list_takes_one_value_of_each_key() -> None:
+    assert plan_sweep(TWO, Arrangement.LIST, 0, 1).settings == (("58.0", "10"), ("84.0", "15"))
+
+
+def test_random_settings_are_repeatable_and_can_be_continued() -> None:
+    """A larger number keeps the settings that have been run."""
+    wanted = (f"{SPEED}=58:110", f"{SLOPE}=10,15")
+    few, more = (plan_sweep(wanted, Arrangement.RANDOM, number, 7) for number in (5, 9))
+    other = plan_sweep(wanted, Arrangement.RANDOM, 5, 8)
+    assert more.settings[:5] == few.settings
+    assert other.settings != few.settings
+    assert all(58 <= float(speed) <= 110 and slope in ("10", "15") for speed, slope in more.settings)
+
+
+@pytest.mark.parametrize(("first", "last"), [(1000.2, 1000.4), (10.004, 20.0), (-0.1, 0.1), (58.0, 110.0)])
+def test_random_values_lie_in_their_range(first: float, last: float) -> None:
+    plan = plan_sweep([f"{SPEED}={first}:{last}"], Arrangement.RANDOM, 50, 1)
+    values = [float(value) for (value,) in plan.settings]
+    assert all(first <= value <= last for value in values)
+    assert len(values) > 45, "rounding made most of them equal"
+
+
+def test_each_point_has_a_folder_of_its_own_and_its_keys(tmp_path: Path) -> None:
+    plan = plan_sweep(TWO, Arrangement.GRID, 0, 1)
+    points = plan.points(CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path))
+    assert len({point.folder for point in points}) == 4
+    assert points[1].folder.name == "speed_rad_per_s-58.0_inclination_deg-15"
+    assert points[1].loaded.case.screen.inclination_deg == 15
+    assert plan.setting_of(points[1]) == {SPEED: "58.0", SLOPE: "15"}
+
+
+@pytest.mark.parametrize(
+    ("vary", "how", "said"),
+    [
+        ((f"{SPEED}=1,2", f"{SPEED}=3,4"), "grid", "is varied twice"),
+        ((f"{SPEED}=1,2", f"{SLOPE}=3"), "list", f"{SPEED} has 2, {SLOPE} has 1"),
+        ((f"{SPEED}=1:1000:1", f"{SLOPE}=1:2:1"), "grid", "makes more than 1000 settings"),
+        ((f"{SPEED}=2:1",), "random", "the first number must be the smaller one"),
+        ((f"{SPEED}=a:b",), "random", "is no range of numbers"),
+        (("x", "y="), "grid", "2 problems"),
+    ],
+)
+def test_a_wrong_plan_is_refused(vary: tuple[str, ...], how: str, said: str) -> None:
+    with pytest.raises(CaseError, match=said):
+        plan_sweep(vary, Arrangement(how), 3, 1)
+
+
+@pytest.mark.parametrize(("how", "pictures"), [("grid", 2), ("random", 4)])
+def test_results_are_drawn_with_their_intervals(tmp_path: Path, how: str, pictures: int) -> None:
+    """Lines over the first key of a grid; for scattered settings, a picture over each key."""
+    keys = ("a.x_m", "b.y_m")
+    settings = [("1", "1"), ("2", "1"), ("1", "2"), ("2", "2")] if how == "grid" else [("1", "3"), ("2", "4")]
+    rows = [
+        Measured(dict(zip(keys, each, strict=True)), "done", {"stroke": Value(0.01, 0.001)})
+        for each in settings
+    ]
+    wanted = ("stroke", "results.bed.depth_m")
+    (file,) = draw_results(keys, rows, wanted, tmp_path / "results.png")
+    height = matplotlib.image.imread(file).shape[0]
+    assert (height > 600) == (pictures > 2), "two parts in one row, or four in two"
+    assert draw_results(keys, rows[:1], wanted, tmp_path / "none.png") == []

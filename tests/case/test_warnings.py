@@ -1,0 +1,264 @@
+"""Each warning about a machine that can hardly be meant, by a good machine with just that mistake."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from orchestrator.preflight.check import find_problems, warnings
+from orchestrator.preflight.checks.defaults import taken_defaults
+from tests.cases import FEED as POURED
+from tests.cases import contact, grains, load_case, loaded, polyurethane
+
+MACHINE = (
+    """
+title = "A good machine: three panels between two frames, fed with gravel"
+duration_s = 5.0
+domain_m = [[-1.0, -0.6, -2.0], [3.0, 1.0, 1.5]]
+"""
+    + polyurethane((0.2, 1e-2), (0.2, 2e-3))
+    + grains("gravel", 2650.0, 1e7)
+    + grains("steel", 7850.0, 2.1e11)
+    + contact("gravel", "gravel", 0.3, 0.5)
+    + contact("gravel", "PU", 0.3, 0.5)
+    + contact("gravel", "steel", 0.3, 0.5)
+    + """
+[screen]
+inclination_deg = 15.0
+
+[screen.frames.driving]
+mass_kg = 76.4
+inertia_kg_m2 = [4.0, 12.0, 12.0]
+center_of_mass_m = [0.507, 0.20, -0.05]
+
+[screen.frames.driven]
+mass_kg = 28.7
+inertia_kg_m2 = [1.0, 3.2, 3.6]
+center_of_mass_m = [0.507, 0.20, -0.05]
+
+[screen.bushings.isolation]
+between = ["ground", "driving"]
+stiffness_N_per_m = [22.5e3, 22.5e3, 22.5e3]
+damping_N_s_per_m = [86.0, 86.0, 86.0]
+positions_m = [[0.0, -0.1, -0.05], [1.014, -0.1, -0.05], [0.0, 0.5, -0.05], [1.014, 0.5, -0.05]]
+
+[screen.bushings.shear]
+between = ["driving", "driven"]
+stiffness_N_per_m = [28.9e3, 97.0e3, 97.0e3]
+damping_N_s_per_m = [37.0, 124.0, 124.0]
+positions_m = [
+  [0.1, -0.05, -0.05], [0.507, -0.05, -0.05], [0.914, -0.05, -0.05],
+  [0.1, 0.45, -0.05], [0.507, 0.45, -0.05], [0.914, 0.45, -0.05],
+]
+
+[screen.exciters.shaft]
+frame = "driving"
+position_m = [0.507, 0.20, -0.05]
+mass_moment_kg_m = 0.35
+speed_rad_per_s = 78.5
+run_up_s = 0.3
+
+[screen.decks.deck]
+material = "PU"
+frames = ["driving", "driven"]
+corner_m = [0.0, 0.0, 0.0]
+panels = 3
+pitch_m = 0.338
+length_m = 0.30
+width_m = 0.40
+thickness_m = 0.004
+clamp_m = 0.018
+tension_m = 0.0
+apertures = { length_m = 0.02, width_m = 0.01, pitch_along_m = 0.03, pitch_across_m = 0.02 }
+side_plates = { frame = "driving", material = "steel", height_m = 0.3, gap_m = 0.002 }
+cross_beams = { material = "PU" }
+
+[screen.surfaces.back]
+corner_m = [0.0, 0.0, -0.03]
+edges_m = [[0.0, 0.4, 0.0], [0.0, 0.0, 0.4]]
+frame = "driving"
+material = "steel"
+
+[screen.exits.below]
+product = "undersize"
+box_m = [[-0.5, -0.5, -0.6], [1.05, 0.9, -0.2]]
+
+[screen.exits.behind]
+product = "oversize"
+box_m = [[1.05, -0.5, -0.9], [2.5, 0.9, -0.05]]
+
+[bed.feeds.gravel]
+material = "gravel"
+rate_kg_per_s = 1.0
+axes = "deck"
+box_m = [[0.05, 0.05, 0.15], [0.25, 0.35, 0.30]]
+velocity_m_per_s = [0.0, 0.0, -1.0]
+sizes = [{ smallest_m = 0.006, largest_m = 0.02, mass_fraction = 1.0 }]
+
+[panel]
+solver = "strip"
+
+[particles]
+largest_youngs_modulus_Pa = 1e7
+"""
+)
+DECK, FEED = "screen.decks.deck", "bed.feeds.gravel"
+PLATES = f"{DECK}.side_plates"
+OPENINGS, SHAFT = f"{DECK}.apertures", "screen.exciters.shaft"
+ELSEWHERE = 'screen.exits.{}={{product="{}", box_m=[[2, 0, 1], [2.1, 0.1, 1.1]]}}'
+UNDAMPED = tuple(f"screen.bushings.{name}.damping_N_s_per_m=[0, 0, 0]" for name in ("isolation", "shear"))
+
+
+def said(folder: Path, *overrides: str, case: str = MACHINE) -> list[str]:
+    """Return the warnings about the machine with some keys changed."""
+    found = load_case(folder, case, overrides)
+    assert find_problems(found) == []
+    return warnings(found)
+
+
+def test_a_good_machine_has_no_warning(tmp_path: Path) -> None:
+    assert said(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("overrides", "wanted", "lines"),
+    [
+        ((f"{PLATES}.gap_m=0.008",), "a gap of 8 mm between panel deck-1 and 2 more and the wall along", 2),
+        (
+            ("screen.surfaces.back.corner_m=[-0.04, 0, -0.03]",),
+            "a gap of 39.6 mm between the upper end of",
+            1,
+        ),
+        (
+            (f"{PLATES}.height_m=0.001", f"{PLATES}.depth_m=0.1"),
+            "no wall along the left side of panel deck-1",
+            2,
+        ),
+        (("screen.surfaces.back.edges_m=[[0, 0.4, 0], [0, 0, 0.029]]",), "no back wall at the upper end", 1),
+        ((ELSEWHERE.format("behind", "oversize"),), "no exit behind the lower end, panel deck-3", 1),
+        ((ELSEWHERE.format("below", "undersize"),), "no exit below the openings of panel deck-1 and", 1),
+        (
+            (f"{FEED}.box_m=[[-0.4, 0.05, 0.15], [-0.2, 0.35, 0.3]]",),
+            "misses the deck: all flights from its",
+            1,
+        ),
+        ((f"{FEED}.velocity_m_per_s=[3, 0, 0]",), "misses the deck: 3 of 27 flights from its box", 1),
+        ((f"{OPENINGS}.width_m=0.005",), "smaller than all particles: 5 mm against at least 6 mm", 1),
+        (
+            (f"{OPENINGS}.width_m=0.018", f"{FEED}.sizes.0.largest_m=0.017"),
+            "larger than all particles: 18 mm",
+            1,
+        ),
+        (
+            UNDAMPED,
+            "no damping of motion along the deck of the driving frame with the driven frame, 4.57 Hz",
+            1,
+        ),
+        (("materials.PU.hyperelastic.maxwell=[]",), "no damping in panels of PU", 1),
+        ((f"{SHAFT}.run_up_s=0",), 'no run-up of exciter "shaft": its full force of 2.16e+03 N', 1),
+        (
+            (f"{SHAFT}.speed_rad_per_s=102",),
+            "motion along the deck of the driven frame against the driving",
+            1,
+        ),
+    ],
+)
+def test_one_mistake_gives_its_own_warning(
+    tmp_path: Path, overrides: tuple[str, ...], wanted: str, lines: int
+) -> None:
+    found = said(tmp_path, *overrides)
+    assert wanted in found[0]
+    assert len(found) == lines  # one for each side where both sides have the mistake
+
+
+def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
+    case = MACHINE.replace('cross_beams = { material = "PU" }\n', "").replace(
+        "pitch_m = 0.338", "pitch_m = 0.36"
+    )
+    (found,) = [line for line in said(tmp_path, case=case) if "between panels" in line]
+    assert "a gap of 24 mm between panels deck-1 and deck-2 (and at 1 more joints): all particles" in found
+    # Cross beams of panels with a longer pitch cover their longer gaps.
+    covered = MACHINE.replace("pitch_m = 0.338", "pitch_m = 0.36")
+    assert [line for line in said(tmp_path, case=covered) if "between panels" in line] == []
+
+
+def test_periodic_sides_are_closed(tmp_path: Path) -> None:
+    gap, periodic, walls = (
+        f"{PLATES}.gap_m=0.008",
+        "slice.width_m=0.12",
+        'slice={width_m=0.12, sides="walls"}',
+    )
+    assert said(tmp_path, gap, periodic) == []
+    assert len(said(tmp_path, gap, walls)) == 2
+
+
+@pytest.mark.parametrize(
+    ("corner_m", "frames", "wanted"),
+    [
+        ([0.34, 0.0, 0.0], '["ground", "driving"]', None),
+        ([0.34, 0.0, -0.01], '["ground", "driving"]', "the second begins 10 mm below the first's end"),
+        ([0.34, 0.005, 0.0], '["ground", "driving"]', "the second is 5 mm aside of the first"),
+        ([0.34, 0.0, 0.0], '["driving", "ground"]', "ground holds the first's end and driving the second's"),
+    ],
+)
+def test_panels_out_of_line_are_said(
+    tmp_path: Path, corner_m: list[float], frames: str, wanted: str | None
+) -> None:
+    second = (
+        f'screen.panels.second={{material="PU", frames={frames}, corner_m={corner_m}, length_m=0.3, '
+        "width_m=0.2, thickness_m=0.004, clamp_m=0.019, tension_m=0.002}"
+    )
+    found = [line for line in warnings(loaded(tmp_path, [second])) if "panels deck and second" in line]
+    assert len(found) == (wanted is not None)
+    assert all(wanted in line for line in found if wanted)
+
+
+def test_a_kink_in_the_deck_is_said(tmp_path: Path) -> None:
+    def kinks(slopes_deg: str) -> list[str]:
+        low = "screen.exits.{}.box_m=[[{}, -0.5, -0.9], [{}, 0.9, -0.6]]"
+        exits = low.format("below", -0.5, 1.05), low.format("behind", 1.05, 2.5)
+        bent = said(tmp_path, f"{DECK}.slopes_deg={slopes_deg}", *exits)
+        return [line for line in bent if "out of line" in line]
+
+    assert kinks("[25.0, 15.0, 5.0]") == []
+    assert "they make an angle of 25 deg (and 1 more such joints)" in kinks("[40.0, 15.0, 40.0]")[0]
+
+
+@pytest.mark.parametrize(
+    ("stroke_m", "ends", "wanted"),
+    [
+        ("[0.003, 0, 0]", '["driving", "ground"]', None),
+        ("[0, 0, 0.003]", '["driving", "ground"]', "is normal to panel deck: 3 mm against 0 mm along it"),
+        ("[0, 0, 0.003]", '["driving", "driving"]', "the driving frame is normal to the level panel deck"),
+        ("[0.003, 0, 0.003]", '["driving", "driving"]', None),
+    ],
+)
+def test_strokes_normal_to_panels_are_said(
+    tmp_path: Path, stroke_m: str, ends: str, wanted: str | None
+) -> None:
+    drive = f"screen.frames.driving.drive={{amplitude_m={stroke_m}, speed_rad_per_s=78.5, run_up_s=0.1}}"
+    sets = ["frames.solver=prescribed", drive, f"screen.panels.deck.frames={ends}", POURED]
+    found = [line for line in warnings(loaded(tmp_path, sets)) if "is normal to" in line]
+    assert len(found) == (wanted is not None)
+    assert all(wanted in line for line in found if wanted)
+
+
+def test_a_mode_near_the_excitation_is_named_by_its_shape(tmp_path: Path) -> None:
+    """A frame of 76 kg and 6 kg m2 between two bushings 0.4 m from its middle, of 40 kN/m upwards."""
+    pitch_Hz = math.sqrt((2 * 4e4 * 0.4**2) / 6.0) / (2 * math.pi)
+    speed = f"{SHAFT}.speed_rad_per_s={2 * math.pi * pitch_Hz}"
+    free = 'screen.panels.deck.frames=["ground", "ground"]'
+    (found,) = [line for line in warnings(loaded(tmp_path, [speed, free])) if "within 15%" in line]
+    assert f"pitch of the driving frame, {pitch_Hz:.3g} Hz" in found
+
+
+def test_defaults_that_decide_about_the_physics_are_named(tmp_path: Path) -> None:
+    bare = load_case(tmp_path, MACHINE.replace("inclination_deg = 15.0", "").replace("tension_m = 0.0", ""))
+    level, neither, sense = taken_defaults(bare.layers.merged)
+    assert level == "screen.inclination_deg = 0: the deck is level"
+    assert neither.startswith("tension_m = 0 of deck: ")
+    assert "axis = [0, 1, 0]: on its upper side the unbalance moves down the deck" in sense
+    given = load_case(tmp_path, MACHINE, [f"{SHAFT}.axis=[0, 1, 0]"])
+    assert list(taken_defaults(given.layers.merged)) == []

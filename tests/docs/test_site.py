@@ -1,0 +1,34 @@
+"""The documentation becomes a site without a warning, and its pages need no network."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LOADED = re.compile(r'<(?:script[^>]*?src|img[^>]*?src|link[^>]*?href)="([^"]+)"')
+
+
+@pytest.mark.process
+@pytest.mark.slow
+def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tools.site", str(tmp_path / "site")]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stdout + done.stderr
+    pages = {str(page.relative_to(tmp_path / "site")): page for page in (tmp_path / "site").rglob("*.html")}
+    assert {"index.html", "docs/gallery.html", "docs/python.html", "docs/theory/coupling.html"} <= set(pages)
+    for name, page in pages.items():
+        text = page.read_text(encoding="utf-8")
+        assert "\\(" not in re.sub(r"<(pre|code|script).*?</\1>", "", text, flags=re.S), (
+            f"{name}: an equation is left"
+        )
+        for target in LOADED.findall(text):
+            assert not re.match(r"(https?:)?//", target), f"{name} loads {target}"
+    assert "<math" in pages["docs/theory/coupling.html"].read_text(encoding="utf-8")
+    reference = pages["docs/python.html"].read_text(encoding="utf-8")
+    for name in ("load", "Case.change", "Run.history", "RunInterrupted"):
+        assert name.split(".")[-1] in reference, f"the reference lacks {name}"

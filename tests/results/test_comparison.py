@@ -1,0 +1,187 @@
+"""``flipflow results`` and ``flipflow compare``: rows, verdicts on differences, the page, and refusals."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.cli.main import app
+from orchestrator.output.records.summary import SUMMARY_FORMAT
+from orchestrator.output.results.comparison import BY_CHANCE, MORE, SAME, UNKNOWN, judge_difference
+from orchestrator.output.results.tidy import Result, single_numbers, tidy_results
+from tests.cases import CASE, case_folder
+from tests.results.synthetic import folder_of
+
+CALL = CliRunner()
+
+
+def estimate(value: float, half_width: float | None) -> dict[str, Any]:
+    return {"value": value, "half_width": half_width, "batches": 10}
+
+
+def run_folder(place: Path, velocity: dict[str, Any], case: str = CASE, **summary: Any) -> Path:
+    """The folder of a run of which only the case and the results are there."""
+    case_folder(place, case)
+    results = {"bed": {"velocity_m_per_s": velocity, "particles": 40.0}, "missing": {}, "failed": {}}
+    results |= {"power": {"lost_W": {"frames.bushing_damping": 3.0}}}
+    table = {"format_version": SUMMARY_FORMAT, "status": "done", "case": "by-hand", "level": "draft"}
+    text = json.dumps(table | {"results": results} | summary)
+    (place / "summary.json").write_text(text)
+    (place / "provenance.json").write_text("{}")
+    return place
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> list[str]:
+    """Three runs; the second is like the first but for chance, and the third is faster."""
+    longer = CASE.replace("duration_s = 0.1", "duration_s = 0.2")
+    first = run_folder(tmp_path / "a", estimate(0.30, 0.03))
+    second = run_folder(tmp_path / "b", estimate(0.34, 0.03))
+    third = run_folder(tmp_path / "c", estimate(0.35, 0.03), longer)
+    return [str(folder) for folder in (first, second, third)]
+
+
+@pytest.mark.parametrize(
+    ("other", "verdict"),
+    [((1.0, 0.1), SAME), ((1.13, 0.1), BY_CHANCE), ((1.15, 0.1), MORE), ((1.13, None), UNKNOWN)],
+)
+def test_the_interval_of_a_difference(other: tuple[float, float | None], verdict: str) -> None:
+    """Half widths of 0.1 make 0.141 for the difference."""
+    one, two = Result("x", 1.0, 0.1, "m"), Result("x", *other, "m")
+    assert judge_difference(one, two) == verdict
+    assert judge_difference(two, one) == verdict
+
+
+def test_what_a_run_does_not_resolve_is_the_same() -> None:
+    one, two = (Result("x", value, None, "m", floor=1e-6) for value in (1e-9, 5e-7))
+    assert judge_difference(one, two) == SAME
+
+
+def test_single_numbers_of_results() -> None:
+    table = {"a": {"b_m": [1.0, 2.0, 3.0]}, "c": estimate(4.0, 0.5), "rows": [{"exit": "one", "d": 5.0}]}
+    assert dict(single_numbers(table | {"text": "no", "curve": [1.0, 2.0]})) == {
+        "a.b_m.x": 1.0,
+        "a.b_m.y": 2.0,
+        "a.b_m.z": 3.0,
+        "c": 4.0,
+        "c.half_width": 0.5,
+        "rows.one.d": 5.0,
+    }
+
+
+def test_three_entries_of_a_series_are_no_vector() -> None:
+    """A run of 18 cycles has three windows, and a feed may have three size classes."""
+    windows = {"along_m": [1.0, 2.0, 3.0], "half_width_m": [0.1, 0.1, 0.1]}
+    course = {"end_s": [0.5, 1.0, 1.5], "relative": {"b-a": windows}, "on_deck_kg": [1.0, 2.0, 3.0]}
+    sizes = {"edges_m": [0.1, 0.2, 0.3, 0.4], "feed_percent": [20.0, 30.0, 50.0]}
+    partition = sizes | {"d50_m": estimate(0.2, None)}
+    assert dict(single_numbers({"course": course, "partition": partition})) == {"partition.d50_m": 0.2}
+
+
+def test_a_vector_has_its_half_widths_by_component() -> None:
+    vector = {"amplitude_m": [1.0, 2.0, 3.0], "phase_rad": [0.1, 0.2, 0.3]}
+    plain = {"a.amplitude_m.x": 1.0, "a.amplitude_m.y": 2.0, "a.amplitude_m.z": 3.0}
+    plain |= {"a.phase_rad.x": 0.1, "a.phase_rad.y": 0.2, "a.phase_rad.z": 0.3}
+    assert dict(single_numbers({"a": vector | {"half_width_m": None}})) == plain
+    found = tidy_results({"results": {"a": vector | {"half_width_m": [0.3, 0.2, 0.1]}}})
+    assert {name: result.value for name, result in found.items()} == plain
+    assert found["a.amplitude_m.x"].half_width == 0.3
+    assert found["a.amplitude_m.z"].half_width == 0.1
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_results_are_written_as_rows(runs: list[str], tmp_path: Path, ending: str) -> None:
+    file = tmp_path / f"results.{ending}"
+    done = CALL.invoke(app, ["results", *runs, "--out", str(file)])
+    assert done.exit_code == 0, done.output
+    table = pd.read_csv(file) if ending == "csv" else pd.read_parquet(file)
+    assert [*table.columns] == [
+        *("run", "case", "level", "status", "result", "kind", "value", "half_width", "unit")
+    ]
+    row = table[(table["result"] == "velocity") & (table["run"] == runs[1])].iloc[0]
+    assert (row["value"], row["half_width"], row["unit"], row["kind"]) == (0.34, 0.03, "m/s", "short name")
+    lost = table[table["result"] == "power.lost_W.frames.bushing_damping"]
+    assert set(lost["unit"]) == {"W"}
+    assert lost["half_width"].isna().all()
+
+
+def test_results_are_printed_as_csv_and_json(runs: list[str], tmp_path: Path) -> None:
+    """The folder of a study stands for the runs in it."""
+    printed = CALL.invoke(app, ["results", str(tmp_path)]).stdout.splitlines()
+    table = json.loads(CALL.invoke(app, ["results", *runs, "--json"]).stdout)
+    assert table["format_version"] == 1
+    assert len(table["results"]) == len(printed) - 1
+    assert {row["run"] for row in table["results"]} == {*runs}
+
+
+def test_a_comparison_tells_keys_and_results_that_differ(runs: list[str]) -> None:
+    done = CALL.invoke(app, ["compare", *runs, "--json"])
+    assert done.exit_code == 0, done.output
+    table = json.loads(done.stdout)
+    assert table["keys"] == {"duration_s": ["0.1", "0.1", "0.2"]}
+    velocity = table["results"]["velocity"]
+    assert velocity["values"] == [0.30, 0.34, 0.35]
+    assert velocity["verdicts"] == [None, BY_CHANCE, MORE]
+    assert table["results"]["bed.particles"]["verdicts"] == [None, SAME, SAME]
+    # each difference counts twice: by its short name and by its path
+    assert (table["compared"], table["more_than_chance"]) == (4, 2)
+    lines = CALL.invoke(app, ["compare", *runs]).stdout
+    assert "0.300 ± 0.030" in lines
+    assert "+13.3 %" in lines
+
+
+def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
+    one = folder_of(tmp_path / "one", cycles=12)
+    two = tmp_path / "two"
+    shutil.copytree(one, two)
+    for folder, speed in ((one, 0.3), (two, 0.4)):
+        summary = json.loads((folder / "summary.json").read_text())
+        results = {"bed": {"velocity_m_per_s": estimate(speed, 0.01)}, "missing": {}, "failed": {}}
+        (folder / "summary.json").write_text(json.dumps(summary | {"results": results}))
+        (folder / "deck.png").write_bytes(b"\x89PNG")
+    page = tmp_path / "page.html"
+    done = CALL.invoke(app, ["compare", str(one), str(two), "--out", str(page)])
+    assert done.exit_code == 0, done.output
+    text = page.read_text()
+    assert "more than chance" in text
+    assert 'alt="orbits of the frames in the last cycle"' in text
+    assert 'alt="The deck at the end of two"' in text
+    assert text.count("src=") == text.count('src="data:')
+
+
+@pytest.mark.parametrize("command", ["compare", "results"])
+def test_runs_that_cannot_be_read_are_all_named_and_nothing_is_written(
+    runs: list[str], tmp_path: Path, command: str
+) -> None:
+    old = run_folder(tmp_path / "old", estimate(0.3, 0.1), format_version=1)
+    empty = run_folder(tmp_path / "empty", estimate(0.3, 0.1), results={"missing": {"everything": "short"}})
+    page = tmp_path / "page.csv"
+    places = [runs[0], str(old), str(empty), str(tmp_path / "nowhere")]
+    done = CALL.invoke(app, [command, *places, "--out", str(page)])
+    assert done.exit_code == 2
+    for said in (
+        "old/summary.json: has format 1",
+        "empty: the run has no results",
+        "nowhere: no such folder",
+    ):
+        assert said in done.stderr
+    assert not page.exists()
+
+
+def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> None:
+    assert "nothing to compare it with" in CALL.invoke(app, ["compare", runs[0]]).stderr
+    assert "named twice" in CALL.invoke(app, ["compare", runs[0], runs[0]]).stderr
+    other = run_folder(tmp_path / "d", {}, results={"wear": {"deepest_m": 1.0}})
+    done = CALL.invoke(app, ["compare", runs[0], str(other), "--out", str(tmp_path / "page.html")])
+    assert done.exit_code == 2
+    assert "has no results in common with" in done.stderr
+    assert not (tmp_path / "page.html").exists()
+    wrong = CALL.invoke(app, ["results", runs[0], "--out", str(tmp_path / "x.txt")])
+    assert wrong.exit_code == 2
+    assert ".csv or .parquet" in wrong.stderr

@@ -1,0 +1,189 @@
+"""The views of a machine: labels apart, the right senses and sizes, pages that open without a network."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+from matplotlib.text import Text
+from PIL import Image
+from typer.testing import CliRunner
+
+from orchestrator.case.deck.openings import smaller_sides_m
+from orchestrator.cli.main import app
+from orchestrator.output.views.drawings import FRONT, SIDE, TOP, View, clipped_middle, convex_hull, draw_view
+from orchestrator.output.views.modes import modes_svg
+from orchestrator.output.views.openings import draw_openings, sizes_m
+from orchestrator.output.views.outline import MachineOutline, face_edges_m, outline
+from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.scene.frame_modes import frame_modes
+from orchestrator.preflight.scene.scene import scene
+from tests.cases import CASE, case_folder
+
+CASES = Path(__file__).parents[2] / "cases"
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def machine(name: str) -> MachineOutline:
+    found = load_judged(CASES / name)
+    return outline(found.case.whole_machine, found.folder)
+
+
+@pytest.mark.parametrize("view", [SIDE, TOP], ids=lambda view: view.name)
+@pytest.mark.parametrize("name", ["quickstart", "ffs0827-slice", "banana"])
+def test_no_label_covers_another(name: str, view: View) -> None:
+    figure = draw_view(machine(name), view)
+    (axes,) = figure.axes
+    figure.canvas.draw()  # The extent of an annotation has its arrow, too; that of its text does not.
+    boxes = {text.get_text(): Text.get_window_extent(text) for text in axes.texts if text.get_text()}
+    assert {"shaft", "centre of mass"} <= {
+        word for word in ("shaft", "centre of mass") if word in " ".join(boxes)
+    }
+    assert len(boxes) > 8
+    covered = [(a, b) for a, b in itertools.combinations(boxes, 2) if boxes[a].overlaps(boxes[b])]
+    assert covered == []
+    frame = figure.bbox
+    assert all(frame.containsx(box.x0) and frame.containsx(box.x1) for box in boxes.values())
+    pyplot.close(figure)
+
+
+def test_a_shaft_along_y_turns_clockwise_from_the_side() -> None:
+    """Seen from the side, x points to the right and z up, so that y points away from the reader."""
+    assert SIDE.toward == pytest.approx([0, -1, 0])
+    assert TOP.toward == pytest.approx([0, 0, 1])
+    assert FRONT.toward == pytest.approx([1, 0, 0])
+    quarter_turn_about_y = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+    top = np.array([0.0, 0.0, 1.0])
+    assert SIDE.of(quarter_turn_about_y @ top) == pytest.approx([1, 0])  # from the top to the right
+
+
+def test_faces_of_a_cube_have_twelve_edges() -> None:
+    import pyvista
+
+    cube = pyvista.Cube().triangulate().clean()
+    edges_m = face_edges_m(np.asarray(cube.points), cube.faces.reshape(-1, 4)[:, 1:])
+    assert edges_m.shape == (12, 2, 3)
+    assert np.linalg.norm(np.diff(edges_m, axis=1)[:, 0], axis=1) == pytest.approx(np.ones(12))
+
+
+def test_polygons_are_clipped_and_points_on_a_line_have_two_ends() -> None:
+    square = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])
+    middle = clipped_middle(square, np.array([2.0, 2.0]), np.array([10.0, 10.0]))
+    assert middle == pytest.approx([3, 3])
+    assert clipped_middle(square, np.array([5.0, 5.0]), np.array([6.0, 6.0])) is None
+    assert convex_hull(np.array([[0.0, 0], [1, 1], [3, 3]])) == pytest.approx(
+        np.array([[3, 3], [0, 0]])[::-1]
+    )
+
+
+def test_each_size_passes_or_stays_as_the_openings_say() -> None:
+    case = load_judged(CASES / "ffs0827-slice").case
+    ((_, figure),) = draw_openings(case)
+    words = [text.get_text() for text in figure.axes[0].texts]
+    limit_m = min(smaller_sides_m(case))
+    for size_m in sizes_m(case):
+        assert f"{1e3 * size_m:.3g} mm, {'passes' if size_m < limit_m else 'stays'}" in words
+    pyplot.close(figure)
+
+
+def test_modes_move_the_panels_between_the_frames() -> None:
+    found = load_judged(CASES / "quickstart")
+    shaken = scene(found.case)
+    modes = frame_modes(shaken)
+    drawn = ElementTree.fromstring(modes_svg(machine("quickstart"), modes, [12.5]))
+    assert len(modes) == 12
+    animated = drawn.findall(f".//{SVG}animate")
+    assert len(animated) == 12 * (2 + 2)  # two frames and two panels
+    for element in animated:
+        places = [row.split() for row in element.get("values", "").split(";")]
+        assert places[0] == places[-1]  # a period ends where it began
+    assert any(len(set(element.get("values", "").split(";"))) > 12 for element in animated)
+    near = modes_svg(machine("quickstart"), modes, [modes[6].frequency_Hz])
+    assert near.count("#c1443c") > modes_svg(machine("quickstart"), modes, [1e3]).count("#c1443c") == 0
+
+
+WRITTEN = ("side.png", "side.svg", "top.png", "top.svg", "modes.svg", "model.html", "machine.html")
+WITHOUT_SOLVERS = """
+import sys
+from orchestrator.cli.main import app
+if __name__ == "__main__":
+    try:
+        app(sys.argv[1:])
+    finally:
+        print("loaded:", *{"exudyn", "dolfinx", "petsc4py", "mpi4py"}.intersection(sys.modules))
+"""
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The folder of ``flipflow show`` for the quickstart, and what the command said."""
+    place = tmp_path_factory.mktemp("show")
+    program = place / "program.py"
+    program.write_text(WITHOUT_SOLVERS)
+    words = ["show", str(CASES / "quickstart"), "--out", str(place / "out")]
+    done = subprocess.run([sys.executable, program, *words], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return place / "out", done.stdout
+
+
+@pytest.mark.process
+def test_show_names_its_files_and_starts_no_solver(shown: tuple[Path, str]) -> None:
+    folder, said = shown
+    assert said.splitlines() == [*(f"written: {folder / name}" for name in WRITTEN), "loaded:"]
+    assert sorted(WRITTEN) == sorted(file.name for file in folder.iterdir())
+    for file in folder.glob("*.svg"):
+        ElementTree.parse(file)
+
+
+@pytest.mark.process
+def test_pages_open_without_a_network(shown: tuple[Path, str], tmp_path: Path) -> None:
+    folder, _ = shown
+    for name in ("model.html", "machine.html"):
+        page = (folder / name).read_text()
+        assert not re.search(r"<(script|link|img|iframe)[^>]+(src|href)=.?https?:", page)
+    picture = tmp_path / "model.png"
+    browser = [
+        "chromium-headless-shell",
+        "--no-sandbox",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+    ]
+    asked = ["--virtual-time-budget=5000", f"--screenshot={picture}", "--window-size=500,350"]
+    subprocess.run([*browser, *asked, (folder / "model.html").as_uri()], capture_output=True, timeout=120)
+    colors = Image.open(picture).convert("RGB").getcolors(1 << 20)
+    assert colors is not None
+    panel = sum(count for count, (red, green, blue) in colors if red > green + 20 > blue + 60)
+    assert panel > 1000  # pixels of the panels' yellow: WebGL has drawn the machine
+
+
+def test_check_writes_a_page_with_its_warnings(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    done = CliRunner().invoke(app, ["check", str(case_folder(tmp_path, CASE)), "--html", str(page)])
+    assert done.exit_code == 0, done.output
+    text = page.read_text()
+    assert "no run-up of exciter" in text
+    assert "cost" in text
+    assert "<svg" in text
+    assert "warning: " not in text
+
+
+def test_a_case_with_problems_is_shown_and_the_problems_named(tmp_path: Path) -> None:
+    folder = case_folder(tmp_path, CASE)
+    outside = "screen.panels.deck.corner_m=[0.8, 0, 0]"
+    words = ["show", str(folder), "--out", str(tmp_path / "out"), "--set"]
+    done = CliRunner().invoke(app, [*words, outside])
+    assert done.exit_code == 0, done.output
+    assert "problem: --set screen.panels.deck.corner_m: panel deck: reaches 0.121 m out" in done.output
+    assert "The case cannot be run." in (tmp_path / "out" / "machine.html").read_text()
+    done = CliRunner().invoke(
+        app, ["show", str(folder), "--out", str(tmp_path / "not"), "--set", "duration_s=-1"]
+    )
+    assert done.exit_code == 2
+    assert not (tmp_path / "not").exists()

@@ -1,0 +1,148 @@
+"""LIGGGHTS alone: a bed on rigid walls that LIGGGHTS itself makes of the surface's triangles.
+
+The walls are LIGGGHTS's ``mesh/surface``, one for each material.  They stand still, or all move to and fro
+as one (``move/mesh wiggle``).  Contact laws, steps, skin and bins are those of the case.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+from adapters.particles._liggghts import Engine
+from adapters.particles.liggghts.engine import contact_distance_factor, create_particles
+from adapters.particles.liggghts.input import (
+    FIRST_EVALUATION,
+    bin_size_m,
+    contact_model,
+    input_text,
+    smallest_box_m,
+    words,
+)
+from orchestrator.case.solver_plans import particles_plan
+from orchestrator.case.tables.case import Case
+from orchestrator.ports import Array, ParticleSnapshot
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import ParticleList, ParticlesPlan
+
+MARGIN_M = 0.1
+"""The distance from surface and bed to the sides of the box."""
+FACET = """\
+facet normal 0 0 0
+outer loop
+vertex {} {} {}
+vertex {} {} {}
+vertex {} {} {}
+endloop
+endfacet
+"""
+
+
+@dataclass(frozen=True)
+class Wiggle:
+    """A harmonic motion of the whole surface, with ``amplitude_m`` (3,)."""
+
+    amplitude_m: Array
+    period_s: float
+
+    @staticmethod
+    def like(velocities_m_per_s: list[Array], period_s: float) -> Wiggle:
+        """Return the motion whose velocity has the root mean square of these, (points, 3) each."""
+        squares = np.concatenate(velocities_m_per_s) ** 2
+        return Wiggle(np.sqrt(2.0 * squares.mean(axis=0)) * period_s / (2.0 * math.pi), period_s)
+
+
+class StockRunner:
+    """LIGGGHTS alone, which advances block by block; without a ``wiggle`` its walls stand still.
+
+    It begins with the particles ``bed`` on the surface ``surface``.  Nothing is fed, and no exit takes
+    particles out.
+    """
+
+    def __init__(
+        self, case: Case, surface: TriangleSurface, bed: ParticleSnapshot, wiggle: Wiggle | None, folder: Path
+    ) -> None:
+        folder.mkdir()
+        rows = {field.name: getattr(bed, field.name) for field in fields(ParticleList)}
+        plan = particles_plan(case, surface)
+        assert plan is not None, "asked of a case without particles"
+        plan = replace(plan, particles=ParticleList(**rows), feed=None, exits=())
+        self._engine = Engine(
+            communicator=MPI.COMM_SELF.py2f(),
+            screen_file=str(folder / "screen.liggghts"),
+            log_file=str(folder / "log.liggghts"),
+            contact_distance_factor=contact_distance_factor(plan),
+        )
+        for line in stock_input(plan, wiggle, folder):
+            self._engine.command(line)
+        create_particles(self._engine, plan.particles, 1)
+        self._engine.command(f"neigh_modify binsize {_bins_m(plan)!r}")
+        self._engine.command(FIRST_EVALUATION)
+        self._steps = Interval(0, plan.sync_interval_s).steps(plan.step_s)
+        self._count = len(plan.particles)
+        self.wall_s, self.particle_steps = 0.0, 0
+        self.blocks_s: list[float] = []  # CPU time of each block
+
+    def block(self, intervals: int) -> None:
+        """Advance by as many steps as that many sync intervals have, and add the times."""
+        started, cpu_s = time.perf_counter(), time.process_time()
+        self._engine.command(f"run {intervals * self._steps} pre no post no")
+        self.blocks_s.append(time.process_time() - cpu_s)
+        self.wall_s += time.perf_counter() - started
+        self.particle_steps += intervals * self._steps * self._count
+
+
+def stock_input(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> Iterator[str]:
+    """Yield the case's own input for LIGGGHTS, line by line, with stock mesh walls in place of ours.
+
+    It writes the meshes to ``folder``.  The box is fixed, since LIGGGHTS fails where a mesh meets a periodic
+    box that shrinks; particles that leave it are gone.
+    """
+    low_m, high_m = smallest_box_m(plan)
+    margin_m = MARGIN_M * np.array([1.0, not plan.periodic_y, 1.0])
+    box = words(np.column_stack([low_m - margin_m, high_m + margin_m]).round(12))
+    for line in input_text(plan).splitlines():
+        match line.split()[:2]:
+            case ["boundary", _]:
+                yield "boundary f p f" if plan.periodic_y else "boundary f f f"
+            case ["region", "box"]:
+                yield f"region box block {box} units box"
+            case ["fix", "surface"]:
+                yield from _stock_walls(plan, wiggle, folder)
+            case ["fix", "exits"]:
+                yield "thermo_modify lost ignore"
+            case _:
+                yield line
+
+
+def _stock_walls(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> Iterator[str]:
+    model, meshes = contact_model(plan), []
+    for number in np.unique(plan.surface.material):
+        name = f"mesh{number}"
+        stl, triangles = folder / f"{name}.stl", plan.surface.triangles[plan.surface.material == number]
+        _write_stl(stl, plan.surface.position_m[triangles])
+        yield f"fix {name} all mesh/surface file {stl} type {number + 1} curvature_tolerant yes"
+        meshes.append(name)
+    yield f"fix surface all wall/gran {model} mesh n_meshes {len(meshes)} meshes {' '.join(meshes)}"
+    if wiggle is not None:
+        amplitude = " ".join(repr(float(value)) for value in wiggle.amplitude_m)
+        motion = f"wiggle amplitude {amplitude} period {wiggle.period_s!r}"
+        yield from (f"fix move_{name} all move/mesh mesh {name} {motion}" for name in meshes)
+
+
+def _write_stl(path: Path, corners_m: Array) -> None:
+    """Write triangles (m, 3, 3) as an STL file, without losing digits."""
+    facets = "".join(FACET.format(*map(repr, row)) for row in corners_m.reshape(-1, 9).tolist())
+    path.write_text(f"solid surface\n{facets}endsolid surface\n", encoding="ascii")
+
+
+def _bins_m(plan: ParticlesPlan) -> float:
+    box_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
+    return bin_size_m(box_m3, plan.largest_diameter_m, len(plan.particles))

@@ -1,0 +1,1 @@
+"""The page docs/materials.md, made from the library of materials."""
