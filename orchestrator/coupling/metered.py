@@ -177,16 +177,17 @@ class TimedPanel(PanelWrapper):
 
     def join(self, panels: Sequence[Panel]) -> JointAdvance | None:
         """Return the call that advances the solvers of panels together; failures have the first one's name
-        and say themselves which panel failed."""
+        and the number of the others, and say themselves which panel failed if a solver knows it."""
         inner = [panel._solver for panel in panels if isinstance(panel, TimedPanel)]
         if len(inner) < len(panels) or not isinstance(self._solver, Joinable):
             return None
         together = self._solver.join(inner)
         if together is None:
             return None
+        name = f"{self._name} and {len(inner) - 1} more" if len(inner) > 1 else self._name
 
         def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
-            with self._stopwatch(self._part), solver_failure_context(self._name, interval):
+            with self._stopwatch(self._part), solver_failure_context(name, interval):
                 return together(interval, clamps, load)
 
         return advance

@@ -40,8 +40,9 @@ MODELS = ("panel-mesh", "panel-model", "frames-model", "particles-model")
 
 @pytest.mark.parametrize("name", ["empty-machine", "quickstart", "panel-cycle"])
 def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> None:
-    """Every model that can be run at once is a right case, or says what is wrong; among panels the
-    prediction grows from a model to a better one."""
+    """Every model that can be run at once is a right case, or says what is wrong; among panels that deform
+    the prediction grows from a model to a better one.  (A rigid panel is not compiled, so it costs about as
+    much as a strip.)"""
     base = load_judged(ROOT / "cases" / name, "default").case
     there = offer(base, MODELS, 3)
     costs = {}
@@ -52,7 +53,7 @@ def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> No
                 loaded = load_judged(ROOT / "cases" / name, "default", setting.sets)
                 found = find_problems(loaded)
                 assert not found or series.variant in ("two-mass", "planar"), found  # drives, turned parts
-                if series.axis == "panel":
+                if series.axis == "panel" and series.variant != "rigid":
                     costs[series.rank, series.settings.index(setting)] = predicted_s(loaded.case, 0)
     best = {rank: cost_s for (rank, place), cost_s in sorted(costs.items())}
     assert list(best.values()) == sorted(best.values())
