@@ -28,6 +28,8 @@ from orchestrator.preflight.judgement.account import Entry, lines_at_end
 from orchestrator.preflight.stability.report import StabilityReport
 from orchestrator.run.progress import Progress
 
+KILLED = "stopped while its results were being made"  # what the summary says until they are
+
 
 @dataclass(frozen=True)
 class Ending:
@@ -66,7 +68,8 @@ class Ending:
             "particle_steps_per_s": rate,
             **progress.figures,
         }
-        summary.write_summary(folder, figures)
+        unfinished = {"status": "interrupted", "reason": KILLED} if status == trust.DONE else {}
+        summary.write_summary(folder, figures | unfinished)
         if figures["sync_intervals"]:
             self._add_results(figures)
         figures["doubts"] = trust.doubts(figures) if status != "failed" else []

@@ -46,6 +46,16 @@ MAIN = "from orchestrator.cli.main import main; main()"
 MOST_VALUES = 1000
 WAIT_S = 0.5  # between two looks at a run of a study that was killed
 PER_RUN_MIB = 1000  # memory of a run: a run with sheets and tens of thousands of particles takes less
+# Dask's workers look around many times a second (4 % of a processor); those that wait for runs need not.
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "10s",
+    "distributed.admin.tick.limit": "1h",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.system-monitor.gil.enabled": False,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.scheduler.active-memory-manager.start": False,
+}
 T = TypeVar("T")
 SAMPLES_PER_S = 2500  # rate of shapes and series: enough for accelerations up to 500 Hz
 
@@ -69,6 +79,7 @@ class Crew:
         if self.workers == 1 and not self.scheduler:
             yield from (piece() for piece in work)
             return
+        import dask
         from distributed import Client, as_completed
 
         logging.getLogger("distributed").setLevel(logging.ERROR)  # its messages are not for users
@@ -82,7 +93,7 @@ class Crew:
                 "dashboard_address": "127.0.0.1:0"
             },  # any free port, reachable from this machine only
         }
-        with Client(self.scheduler) if self.scheduler else Client(**here) as client:
+        with dask.config.set(QUIET), Client(self.scheduler) if self.scheduler else Client(**here) as client:
             waiting, running = iter(work), as_completed()
 
             def fill() -> None:

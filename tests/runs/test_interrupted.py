@@ -14,12 +14,14 @@ from pathlib import Path
 import pytest
 
 from orchestrator.output.checkpoints import find_newest
+from orchestrator.studies.design.runs import has_ended
 from tests.runs.outside import (
     HANG_S,
     QUICK,
     ROOT,
     buffered,
     command,
+    flipflow,
     left_usable,
     run_words,
     started,
@@ -103,6 +105,27 @@ def test_before_the_start_it_waits_for_nothing(tmp_path: Path, name: str) -> Non
     assert f"stopped by {name} before the start" in said
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["status"], summary["sync_intervals"]) == ("interrupted", 0)
+
+
+# is killed after the last interval, before its results are made
+KILLED_AT_ITS_END = """
+import os, signal
+from orchestrator.run import ending
+ending.compute_results = lambda folder: os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_killed_before_its_results_are_made_it_is_not_done(tmp_path: Path) -> None:
+    """A study takes such a run up again (it once counted as done, and told nothing)."""
+    folder, sets = tmp_path / "run", [*QUICK, "duration_s=0.02", "checkpoint.every_s=0.01"]
+    done = flipflow(*run_words("quickstart", folder, sets), before=KILLED_AT_ITS_END)
+    assert done.returncode == -signal.SIGKILL
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["status"] == "interrupted"
+    assert summary["reason"] == "stopped while its results were being made"
+    assert not has_ended(folder)
+    assert flipflow("resume", str(folder)).returncode == 0
+    assert left_usable(folder, "done")["results"]["failed"] == {}
 
 
 def test_nohup_keeps_what_it_promises(tmp_path: Path) -> None:
