@@ -43,6 +43,13 @@ def test_runs_that_tell_no_noise_are_widened_with_the_others() -> None:
     assert variance == pytest.approx(UNLIKELY / 4)
 
 
+def test_replicates_without_noise_of_their_own_are_held_against_that_of_the_others() -> None:
+    x, y = replicates(UNLIKELY)
+    variance, factor = completed_variance(x, y, np.array([np.nan] + [1.0] * 6))
+    assert factor == pytest.approx(np.sqrt(UNLIKELY / 4))
+    assert variance == pytest.approx(UNLIKELY / 4)
+
+
 def test_replicates_at_several_settings_are_put_together() -> None:
     """Two at each of four settings; what differs from setting to setting is no noise."""
     x = np.repeat(np.array([[-1.0], [0.0], [0.5], [1.0]]), 2, axis=0)

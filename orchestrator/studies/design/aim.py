@@ -36,6 +36,11 @@ class Aim:
     limits: tuple[Limit, ...] = ()
     confidence: float = 0.9
 
+    @property
+    def responses(self) -> list[int]:
+        """The numbers of the responses that goals and limits name."""
+        return [goal.response for goal in self.goals] + [limit.response for limit in self.limits]
+
     def gains(self, y: Array) -> Array:
         """Compute the goals, the larger the better, (goals, ...), of responses (m, ...)."""
         return np.array([goal.sign * y[goal.response] for goal in self.goals])

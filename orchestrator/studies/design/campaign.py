@@ -289,7 +289,7 @@ class Campaign:
             settings = self.candidates()
             if not settings:
                 return
-            fitted = self.fit(confirmed=False)
+            fitted = self._fit_before_confirming()
             made = {role: sum(is_of(trial, role, settings) for trial in self._trials) for role in settings}
             wanted = [(role, repeat) for repeat in range(REPEATS[1]) for role in settings]
             for role, repeat in wanted:
@@ -312,8 +312,7 @@ class Campaign:
         for number, (name, aim) in enumerate(self.study.aims.items()):
             if not aim.goals or self.why_no_optimum(aim):
                 continue
-            data = self.data(confirmed=False)
-            fitted = calibrated(self.fit(confirmed=False), data.y, data.variance)
+            data, fitted = self.data(confirmed=False), self._fit_before_confirming()
             possible = self._space_without_failures(self.study.space)
             for optimiser in (own, ExpectedImprovement()):
                 rng = np.random.default_rng([self.study.file.seed, CONFIRMING, number])
@@ -328,6 +327,11 @@ class Campaign:
         if chosen and self._trials:
             chosen[CENTRE] = np.array(self._trials[0].setting)
         return chosen
+
+    def _fit_before_confirming(self) -> Fitted:
+        """Fit the runs before the confirming ones, with deviations that agree with leave-one-out errors."""
+        data = self.data(confirmed=False)
+        return calibrated(self.fit(confirmed=False), data.y, data.variance)
 
     def why_no_optimum(self, aim: Aim) -> str:
         """Say why the data support no optimum, and what it would take; empty where they do.

@@ -66,13 +66,13 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
     """
     known = np.isfinite(y)
     _, group = np.unique(x.round(9), axis=0, return_inverse=True)
-    squares, freedom, expected = 0.0, 0, 0.0
-    for number in range(group.max(initial=-1) + 1):
-        members = known & (group == number)
-        if members.sum() > 1:
-            squares += float(((y[members] - y[members].mean()) ** 2).sum())
-            freedom += int(members.sum()) - 1
-            expected += float((members.sum() - 1) * np.mean(variance[members]))
+    replicates = [
+        members
+        for number in range(group.max(initial=-1) + 1)
+        if (members := known & (group == number)).sum() > 1
+    ]
+    squares = float(sum(((y[members] - y[members].mean()) ** 2).sum() for members in replicates))
+    freedom = int(sum(members.sum() - 1 for members in replicates))
     own = variance[known & np.isfinite(variance)]
     if len(own):
         fallback = float(np.median(own))
@@ -82,7 +82,8 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
     else:
         fallback = 1e-3 * float(np.var(y[known])) if known.any() else 0.0
     complete = np.where(np.isfinite(variance), variance, fallback)
-    if freedom and np.isfinite(expected) and expected > 0:
+    expected = float(sum((members.sum() - 1) * complete[members].mean() for members in replicates))
+    if freedom and len(own) and expected > 0:
         ratio = squares / expected
         if stats.chi2.sf(freedom * ratio, freedom) < UNLIKELY:
             return complete * ratio, float(np.sqrt(ratio))

@@ -198,22 +198,19 @@ class Findings:
         unknown = (np.nan, np.nan)  # of a response that was added to the study later
         expected = np.array([mine[0].trial.predicted.get(name, unknown) for name in self.responses])
         predicted = self._intervals(expected[:, 0], HALF_WIDTH * expected[:, 1])
-        why = [
-            f"{name} was measured as {measured[name]} and predicted as {predicted[name]}"
-            for i, name in enumerate(self.responses)
-            if abs(mean[i] - expected[i, 0]) > HALF_WIDTH * (error[i] + expected[i, 1])
-        ]
         aims = self.campaign.study.aims
         aim = next(
             (a for name, a in aims.items() if role in (role_of(BEST, name), role_of(SIMPLER, name))), None
         )
+        judged = sorted({i for each in ([aim] if aim else aims.values()) for i in each.responses})
+        why = [
+            f"{self.responses[i]} was measured as {measured[self.responses[i]]} and predicted as "
+            f"{predicted[self.responses[i]]}"
+            for i in judged
+            if abs(mean[i] - expected[i, 0]) > HALF_WIDTH * (error[i] + expected[i, 1])
+        ]
         if aim is not None:
-            wanted = [goal.response for goal in aim.goals] + [limit.response for limit in aim.limits]
-            why += [
-                f"{self.responses[i]} was not measured"
-                for i in sorted(set(wanted))
-                if not np.isfinite(mean[i])
-            ]
+            why += [f"{self.responses[i]} was not measured" for i in judged if not np.isfinite(mean[i])]
             z = float(stats.norm.ppf(aim.confidence))
             for limit in aim.limits:
                 if limit.sign * (mean[limit.response] - limit.value) < -z * error[limit.response]:

@@ -129,24 +129,33 @@ class Runs:
         if state != trust.DONE:
             why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or state)
             return Outcome(trial, state, why, **cost)
-        responses = {}
+        responses, unsteady = {}, not _is_steady(summary)
         for name, table in self._study.file.responses.items():
+            if table.steady and unsteady:
+                continue
             if (result := value_at(summary, table.result or name)) is not None:
                 own = result.half_width / HALF_WIDTH if result.half_width else result.counting
                 responses[name] = Measured(result.value, own or table.noise)
-        missing = [name for name in self._study.file.responses if name not in responses]
-        why = (
-            f"the run does not tell {', '.join(missing)}"
-            if len(missing) == len(self._study.file.responses)
-            else ""
-        )
+        why = "" if responses else self._why_nothing(unsteady)
         return Outcome(trial, state, why, responses, **cost)
+
+    def _why_nothing(self, unsteady: bool) -> str:
+        """Say why a run tells none of the responses."""
+        if unsteady and any(table.steady for table in self._study.file.responses.values()):
+            return "the run did not become steady"
+        return f"the run does not tell {', '.join(self._study.file.responses)}"
 
     def _named(self, corner: Array) -> str:
         values = self._study.space.actual(corner)
         return ", ".join(
             f"{name} = {value:g}" for name, value in zip(self._study.file.factors, values, strict=True)
         )
+
+
+def _is_steady(summary: dict[str, Any]) -> bool:
+    """Return whether the material of a run became steady."""
+    steady = (summary.get("results") or {}).get("steady") or {}
+    return bool(steady.get("is_steady"))
 
 
 def _cost(summary: dict[str, Any]) -> dict[str, Any]:

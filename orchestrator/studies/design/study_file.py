@@ -65,6 +65,9 @@ class ResponseTable(Table):
     prediction lies beyond 0 and 100; positive numbers that span decades are seen by their logarithm."""
     noise: Positive | None = None
     """Standard deviation of one run's value, where the run itself gives no interval."""
+    steady: bool = False
+    """Whether only a run that became steady tells the response; a deck that still fills screens better than
+    it will."""
 
 
 class PlanTable(Table):
