@@ -71,6 +71,15 @@ class Crew:
     workers: int = 1
     scheduler: str = ""
 
+    def size(self) -> int:
+        """Return the number of workers, here or those that the scheduler has now."""
+        if not self.scheduler:
+            return self.workers
+        from distributed import Client
+
+        with Client(self.scheduler) as client:
+            return max(1, sum(map(int, client.nthreads().values())))
+
     def each(self, work: Iterable[Callable[[], T]]) -> Iterator[T]:
         """Yield the result of each piece of work, in the order in which they end.
 

@@ -180,6 +180,16 @@ def test_a_search_that_is_made_longer_goes_on_and_measures_its_new_best(tmp_path
     assert measured[0].runs >= 2
 
 
+def test_time_in_which_workers_have_nothing_to_do_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Runs of a minute, of which one is begun in 150 s: 24 of them fit into an hour, not 60."""
+    now_s = iter(range(0, 10**9, 150))
+    monkeypatch.setattr("orchestrator.studies.design.campaign.time.monotonic", lambda: float(next(now_s)))
+    whole = run_all(belt(tmp_path, **{"hours": 1.0, "search/runs": None}), tmp_path)
+    assert 20 <= len(whole.outcomes) <= 24
+
+
 @pytest.mark.parametrize("hours", [0.2, 0.35, 0.6, 1.0])
 @pytest.mark.parametrize("spread", [0.0, 0.5])
 def test_the_hours_are_kept_within_one_run(hours: float, spread: float, tmp_path: Path) -> None:

@@ -115,6 +115,22 @@ def test_a_response_that_was_added_later_has_no_prediction_but_is_measured(
     assert "power" in best_of(findings).measured
 
 
+def test_a_response_that_is_neither_goal_nor_limit_refuses_nothing(whole: Campaign, tmp_path: Path) -> None:
+    """What runs cost was predicted far too surely, but nobody asked for it."""
+    more = [
+        replace(
+            each,
+            trial=replace(each.trial, predicted={**each.trial.predicted, "power": (0.0, 1e-9)}),
+            responses={**each.responses, "power": Measured(5.0, 1e-9)},
+        )
+        for each in whole.outcomes
+    ]
+    for limits, confirmed in ((["share >= 60"], True), (["share >= 60", "power >= 4"], False)):
+        asked = belt(tmp_path, **{"responses/power": {"result": "results.power"}, "limits": limits})
+        findings = Findings(Campaign(asked, whole.evaluator, whole.journal, more, whole.read_trials()))
+        assert findings.is_confirmed() == confirmed
+
+
 def test_noise_that_was_widened_is_told(whole: Campaign) -> None:
     whole.outcomes = [
         replace(

@@ -43,6 +43,7 @@ def command(
 def _foretell(design: DesignStudy) -> StudyOutput:
     """Check the corners, list the planned settings, and predict their processor time."""
     design.check()
+    design.load_finished()
     campaign, file = design.campaign, design.study.file
     settings = planned_settings(design.study)
     rows = [
@@ -55,8 +56,9 @@ def _foretell(design: DesignStudy) -> StudyOutput:
     each_s = campaign.mean_wall_s() or predicted_s(case, particles_at_start(case))
     count = 1 + len(settings) + file.plan.centres - 1
     sides = design.runs.side_by_side
+    source = f"the mean of {len(campaign.outcomes)}" if campaign.outcomes else "predicted from the case"
     yield (
-        f"{count} runs of {in_words(each_s)} each, predicted from the case, on {sides} workers: "
+        f"{count} runs of {in_words(each_s)} each, {source}, on {sides} workers: "
         f"{in_words(count * each_s / sides)}"
     )
     if file.hours is not None:

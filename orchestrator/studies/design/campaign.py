@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import statistics
+import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -44,6 +45,8 @@ class Campaign:
     outcomes: list[Outcome] = field(default_factory=list)
     _trials: list[Trial] = field(default_factory=list)
     _fits: dict[tuple[str, bool, int], Fitted] = field(default_factory=dict)
+    _stored: int = 0
+    _began_s: float = field(default_factory=time.monotonic)
 
     def read_trials(self) -> list[Trial]:
         """Read the stored trials; those that were made with other ranges are coded for the present ones.
@@ -78,6 +81,7 @@ class Campaign:
         FolderUnusable : the stored trials are of other factors.
         """
         self.read_trials()
+        self._stored, self._began_s = len(self._trials), time.monotonic()
         for stage in (
             self._centre,
             self._cheap,
@@ -164,10 +168,16 @@ class Campaign:
         return statistics.fmean(wall_s) if wall_s else 0.0
 
     def spent_s(self) -> float:
-        """Compute the wall time that all runs so far took, with those that run side by side."""
+        """Compute the time that the study took so far.
+
+        It is that of all runs, shared by those that run side by side; or, if that is more because workers
+        had nothing to do, the time since the study was called plus that of the runs before.
+        """
         running = len(self._trials) - len(self.outcomes)
         sum_s = sum(outcome.wall_s for outcome in self.outcomes) + max(running, 0) * self.mean_wall_s()
-        return sum_s / self.evaluator.side_by_side
+        before_s = sum(each.wall_s for each in self.outcomes if each.trial.number <= self._stored)
+        elapsed_s = time.monotonic() - self._began_s
+        return max(sum_s / self.evaluator.side_by_side, before_s / self.evaluator.side_by_side + elapsed_s)
 
     def _can_afford(self, share: float) -> bool:
         """Tell whether one more run would end within a share of the hours."""
@@ -224,6 +234,8 @@ class Campaign:
 
         def new(stored: int) -> Iterator[Trial]:
             for setting in settings[stored:]:
+                if not self._can_afford(1.0 - FOR_CONFIRMING):
+                    return
                 yield self._trial("cheap", setting)
 
         return self._stage("cheap", new)

@@ -161,10 +161,12 @@ def published_in_words(findings: Findings) -> Iterator[str]:
         mine = [row for row in errors if (row["source"], row["response"]) == (source, response)]
         implied = [float(row["standard error implied"] or 0.0) for row in mine]
         own = float(mine[0]["standard error of the fit"] or 0.0)
-        verdict = "follows" if max(implied) < ROUNDING * min(implied) else "does not follow"
+        agree = max([*implied, own]) < ROUNDING * min([*implied, own])
+        verdict = "follows" if agree else "does not follow"
         yield (
             f"{source}, {response}: every printed p implies a standard error of one run, and all must "
-            f"agree. They imply {min(implied):.3g} to {max(implied):.3g}; the surface has {own:.3g}. "
+            f"agree with each other and with the surface's. They imply {min(implied):.3g} to "
+            f"{max(implied):.3g}; the surface has {own:.3g}. "
             f"The table {verdict} from the data."
         )
     for source, response in dict.fromkeys((row["source"], row["response"]) for row in formulas):

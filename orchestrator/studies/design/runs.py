@@ -35,7 +35,11 @@ class Runs:
 
     def __init__(self, study: Study, runs: CaseStudy) -> None:
         self._study, self._runs = study, runs
-        self.side_by_side = runs.crew.workers
+
+    @cached_property
+    def side_by_side(self) -> int:
+        """The number of runs at a time."""
+        return self._runs.crew.size()
 
     @cached_property
     def centre(self) -> JudgedCase:

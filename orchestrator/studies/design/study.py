@@ -120,7 +120,7 @@ class DesignStudy:
             raise FolderUnusable(self._why_no_data())
         yield from write_tables(findings, self.folder)
         if self.study.file.case:
-            yield from write_recommended(findings, self._case.check(), self.folder)
+            yield from write_recommended(findings, self.runs.centre, self.folder)
         pictures = draw_all(findings, self.folder)
         yield from pictures.values()
         yield write_study_page(findings, pictures, self.folder)

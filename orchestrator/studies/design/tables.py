@@ -26,8 +26,14 @@ Row = dict[str, Cell]
 
 
 def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
-    """Write all tables that follow from the outcomes, and yield their files."""
+    """Write all tables that follow from the outcomes, and yield their files.
+
+    Tables and levels of an earlier call are removed: what follows no more from the outcomes must not stay.
+    """
     folder.mkdir(parents=True, exist_ok=True)
+    for pattern in ("front.csv", "best.csv", "effects.csv", "published_*.csv", "recommended*.toml"):
+        for old in folder.glob(pattern):
+            old.unlink()
     file, study = folder / "study.toml", findings.campaign.study
     if study.folder != folder.resolve():  # there, the file with its comments is the user's own
         write_text(file, tomli_w.dumps(study.table_for(folder)))
@@ -199,7 +205,7 @@ def effect_rows(findings: Findings) -> list[Row]:
 
     An effect is the change from the lower to the upper end of the factor in the quadratic surface.  A
     published effect has the same sign, the opposite sign, or is chance: one of the two intervals has zero in
-    it.
+    it.  The verdict says, too, if the two effects differ beyond chance.
     """
     study = findings.campaign.study
     rows: list[Row] = []
@@ -217,7 +223,8 @@ def effect_rows(findings: Findings) -> list[Row]:
                 chance = abs(own[0]) < own[1] or abs(theirs[0]) < theirs[1]
                 row |= {f"{source}": theirs[0], f"{source} half width": theirs[1]}
                 sign = "same sign" if own[0] * theirs[0] > 0 else "opposite sign"
-                row[f"{source} verdict"] = "chance" if chance else sign
+                differ = abs(own[0] - theirs[0]) > np.hypot(own[1], theirs[1])
+                row[f"{source} verdict"] = f"{'chance' if chance else sign}{', of another size' * differ}"
             rows.append(row)
     return rows
 

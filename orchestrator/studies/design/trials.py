@@ -74,8 +74,10 @@ class Outcome:
 class Evaluator(Protocol):
     """What makes trials: runs of a case, or, in tests, a function with noise."""
 
-    side_by_side: int
-    """The number of trials that are made at a time."""
+    @property
+    def side_by_side(self) -> int:
+        """The number of trials that are made at a time."""
+        ...
 
     def outcomes(self, wanted: Iterable[Trial]) -> Iterator[Outcome]:
         """Make trials, and yield what came of each in the order in which they end.

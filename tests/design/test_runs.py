@@ -1,0 +1,46 @@
+"""What a study takes from the run of a trial, and what it does not take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from orchestrator.studies.design import runs as design_runs
+from orchestrator.studies.design.runs import Runs
+from orchestrator.studies.design.study_file import read_study
+from orchestrator.studies.design.trials import Trial
+from orchestrator.studies.points import CaseStudy, Crew
+from tests.design.plates import CASE, write_plates
+
+
+def outcome_of(folder: Path, monkeypatch: pytest.MonkeyPatch, replaced: str, summary: dict[str, Any]) -> Any:
+    """Return the outcome of a trial of the plates whose run has a summary."""
+    study = read_study(write_plates(folder, ('unit = "m/s"', replaced)))
+    monkeypatch.setattr(design_runs, "summary_of", lambda run: {"status": "done", **summary})
+    runs = Runs(study, CaseStudy(CASE, None, (), folder / "runs", Crew()))
+    return next(
+        iter(runs.finished([Trial(1, "plan", (0.0, 0.0), 0, values={"amplitude": 8.0, "rate": 70.0})]))
+    )
+
+
+PROBES = {"probes": {"plate": {"peak_speed_m_per_s": 0.5, "half_range_m": [0.008, 0.0, 0.0]}}}
+
+
+@pytest.mark.parametrize("is_steady", [True, False])
+def test_a_response_of_steady_runs_is_not_taken_from_another(
+    is_steady: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    summary = PROBES | {"results": {"steady": {"is_steady": is_steady}}}
+    asked = 'unit = "m/s"\nsteady = true'
+    outcome = outcome_of(tmp_path, monkeypatch, asked, summary)
+    assert set(outcome.responses) == ({"speed", "way"} if is_steady else {"way"})
+    assert outcome.is_data
+
+
+def test_a_run_without_any_response_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"\nsteady = true', {"results": {"steady": None}})
+    assert (outcome.is_data, outcome.why) == (False, "the run did not become steady")
+    outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"', {})
+    assert outcome.why == "the run does not tell speed, way"
