@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 
 Ints = npt.NDArray[np.int32]
 
@@ -145,6 +145,7 @@ class Engine:
     def surface_energy_J(self) -> dict[str, float]:
         """Return elastic_J and (negative) adhesion_J in contacts with the surface."""
 
+    def contact_numbers(self) -> Indices: ...
     def pair_energy_J(self) -> dict[str, float]:
         """Return the same between particles; a contact with another rank's particle counts half."""
 

@@ -14,12 +14,15 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.ports import Account, Array, Frames, Known, Load, Motion, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.frames import find_driven_points, find_element_forces_N
 
 Shared = TypeVar("Shared")
+FIRST = Interval(0, 1e-6)
+"""An interval to ask which points are driven; its length does not matter."""
 _LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
 
 
@@ -78,23 +81,32 @@ class FramesOnFirstRank:
         self._world = world
         self._frames = open_frames() if world.rank == 0 else None
         self._points = 0
+        self._driven: npt.NDArray[np.bool_] | None = None
 
     def initial(self) -> Motion:
         motion = self._broadcast(lambda frames: frames.initial())
         self._points = len(motion)
+        first = self._broadcast(lambda frames: find_driven_points(frames, FIRST))
+        self._driven = None if first is None else first.which
         return motion
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        """Return the motion, which goes to the other ranks as plain numbers."""
+        return self._send(lambda frames: frames.advance(interval, reaction))
+
+    def ahead(self, interval: Interval) -> Known | None:
+        """Return the motion of the driven points, which are always the same."""
+        if self._driven is None:
+            return None
+        return Known(self._send(lambda frames: _driven_motion(frames, interval)), self._driven)
+
+    def _send(self, move: Callable[[Frames], Motion]) -> Motion:
+        """Return the motion of all points, which goes to the other ranks as plain numbers."""
         numbers = np.empty((2, self._points, 3))
         if self._frames is not None:
-            motion = self._frames.advance(interval, reaction)
+            motion = move(self._frames)
             numbers[:] = motion.position_m, motion.velocity_m_per_s
         self._world.Bcast(numbers)
         return Motion(*numbers)
-
-    def ahead(self, interval: Interval) -> Known | None:
-        return self._broadcast(lambda frames: find_driven_points(frames, interval))
 
     def element_forces_N(self) -> Array | None:
         """Return the forces on rank 0, which records them; None on other ranks."""
@@ -118,3 +130,10 @@ class FramesOnFirstRank:
     def _broadcast(self, ask: Callable[[Frames], Shared]) -> Shared:
         answer = ask(self._frames) if self._frames is not None else None
         return cast(Shared, self._world.bcast(answer))
+
+
+def _driven_motion(frames: Frames, interval: Interval) -> Motion:
+    """Return the motion of all points at the interval's end, of which that of the driven ones is known."""
+    known = find_driven_points(frames, interval)
+    assert known is not None, "asked of frames without drives"
+    return known.motion

@@ -118,8 +118,8 @@ class Scheduled(Protocol):
         Returns
         -------
         Known or None
-            The exact motion of the driven points; None where nothing is driven, since what stands
-            still needs no schedule.
+            The exact motion of the driven points, which are the same at all times; None where nothing is
+            driven, since what stands still needs no schedule.
         """
         ...
 

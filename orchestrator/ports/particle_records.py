@@ -33,6 +33,8 @@ class ParticleSnapshot:
     force_N
         (n, 3) the sum of all forces on each particle, gravity included, in the last evaluation of the forces;
         None if the solver does not tell it.
+    contacts
+        (n,) the number of other particles that each one touches; None if the solver does not tell it.
     """
 
     id: Indices
@@ -43,6 +45,7 @@ class ParticleSnapshot:
     density_kg_per_m3: Array
     material: Indices
     force_N: Array | None = None
+    contacts: Indices | None = None
 
     def part(self, rows: Any) -> ParticleSnapshot:
         """Return the particles of some rows, in their order."""

@@ -248,3 +248,17 @@ def test_particles_are_pushed_out_of_surfaces_and_apart() -> None:
 def test_particles_that_fit_stay_where_they_are() -> None:
     settled = column(np.array([0.02, 0.02]), np.array([0.0098, 0.0295]))
     np.testing.assert_array_equal(push_out(settled, FLOOR, UP).position_m, settled.position_m)
+
+
+def test_pairs_of_very_different_sizes_are_all_found() -> None:
+    """Five hundred fine grains around ten coarse ones of ten times their size, against brute force."""
+    rng = np.random.default_rng(3)
+    diameter_m = np.concatenate([rng.uniform(1e-3, 2e-3, 500), np.full(10, 0.015), np.full(5, 0.004)])
+    place_m = rng.uniform(0.0, 0.03, (len(diameter_m), 3))
+    apart_m = np.linalg.norm(place_m[:, None] - place_m, axis=2)
+    overlap_m = (diameter_m[:, None] + diameter_m) / 2 - apart_m
+    wanted = {(i, j) for i, j in np.argwhere(np.triu(overlap_m, 1) > 0).tolist()}
+    one, two, found_m = overlapping_pairs(place_m, diameter_m)
+    assert {(min(pair), max(pair)) for pair in zip(one.tolist(), two.tolist(), strict=True)} == wanted
+    assert len(one) == len(wanted) > 200
+    np.testing.assert_allclose(found_m, overlap_m[one, two], rtol=1e-9)

@@ -177,6 +177,9 @@ class OneRank:
     def allgather(self, value: object) -> list[object]:
         return [value]
 
+    def Bcast(self, numbers: object) -> None:
+        """Leave the numbers as they are."""
+
 
 def frames_around(inner: Frames) -> list[Frames]:
     return [MeteredFrames(inner, "frames", Stopwatch()), FramesOnFirstRank(OneRank(), lambda: inner)]
@@ -185,10 +188,13 @@ def frames_around(inner: Frames) -> list[Frames]:
 @pytest.mark.parametrize("which", range(2))
 def test_what_stands_around_frames_passes_on_what_is_known(which: int) -> None:
     interval = Interval(3, LENGTH_S)
-    known = find_driven_points(frames_around(DrivenFrame(1.0))[which], interval)
+    driven, free = (frames_around(inner)[which] for inner in (DrivenFrame(1.0), FreeFrame(1.0)))
+    driven.initial()
+    free.initial()
+    known = find_driven_points(driven, interval)
     assert known is not None
     assert known.motion.position_m[0, 0] == np.sin(0.4)
-    assert find_driven_points(frames_around(FreeFrame(1.0))[which], interval) is None
+    assert find_driven_points(free, interval) is None
 
 
 @every_scheme

@@ -130,6 +130,7 @@ def main() -> None:
             "angular": [] if turned is None else turned.momentum_kg_m2_per_s.tolist(),
             "given": [] if turned is None else turned.received_N_m_s["surface"].tolist(),
             "ids": snapshot.id.tolist(),
+            "contacts": snapshot.contacts.tolist(),
             "owned": owned,
             "cuts": solver._engine.cuts()[0],
         }

@@ -41,6 +41,18 @@ def test_momentum_is_kept_to_rounding(changes):
     assert np.abs(defect(before, after, impulse)).max() < 1e-12 * carried
 
 
+def test_a_snapshot_tells_how_many_others_each_particle_touches():
+    """A dry bed: as many as overlap it by their places and diameters."""
+    with closing(liggghts.build(bed_plan())) as solver:
+        travel(solver, wave, range(100))
+        snapshot = solver.snapshot()
+    apart_m = np.linalg.norm(snapshot.position_m[:, None] - snapshot.position_m, axis=2)
+    touching_m = (snapshot.diameter_m[:, None] + snapshot.diameter_m) / 2
+    wanted = (apart_m < touching_m).sum(axis=1) - 1  # each one touches itself
+    assert wanted.max() >= 3
+    assert snapshot.contacts.tolist() == wanted.tolist()
+
+
 def test_elastic_particles_lose_no_energy_on_a_moving_sheet():
     # what the ledger calls dissipation is what remains of the balance: for elastic, smooth
     # particles it is the integrator's error, here with t_contact / 60
@@ -177,6 +189,7 @@ def test_four_ranks_whose_parts_are_cut_anew_give_the_same_as_one():
 def compare(one, several):
     assert several["ids"] == one["ids"]
     assert several["crossings"] == one["crossings"]
+    assert several["contacts"] == one["contacts"]
     sums = ("impulse", "momentum", "angular", "given", "stored", "work", "supplied", "removed")
     for name in (*sums, "worn", "overlaps"):
         np.testing.assert_allclose(several[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)

@@ -144,3 +144,9 @@ def test_two_ranks_give_the_same_as_one_across_periodic_sides():
     assert two["ids"] == one["ids"]
     for name in ("impulse", "momentum", "stored", "work"):
         np.testing.assert_allclose(two[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)
+
+
+def test_particles_touch_each_other_across_the_boundary():
+    places = [[0.0, 1e-3, 3e-3], [0.0, PERIOD_M - 3.9e-3, 3e-3], [0.01, 0.02, 3e-3]]
+    with closing(liggghts.build(plan_of(flat, 0.0, spheres(places)))) as solver:
+        assert solver.snapshot().contacts.tolist() == [1, 1, 0]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.records.snapshots import contact_numbers
 from orchestrator.output.records.surface_fields import SurfaceFields
 from orchestrator.ports import Array, Load, Motion
 
@@ -45,11 +44,3 @@ def test_a_surface_at_rest_has_no_stretch() -> None:
     np.testing.assert_allclose(
         SurfaceFields(FLAT, TRIANGLES, 1e-3).stretch_percent(moved(FLAT)), 0, atol=1e-12
     )
-
-
-def test_contacts_are_counted_on_both_sides() -> None:
-    """A large sphere touches two small ones, which do not touch each other."""
-    place_m = np.array([[0, 0, 0], [0.019, 0, 0], [0, 0.019, 0], [0.5, 0, 0]])
-    diameter_m = np.array([0.02, 0.02, 0.02, 0.5])
-    np.testing.assert_array_equal(contact_numbers(place_m, diameter_m), [2, 1, 1, 0])
-    assert not len(contact_numbers(place_m[:0], diameter_m[:0]))

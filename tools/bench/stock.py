@@ -19,6 +19,7 @@ from adapters.particles._liggghts import Engine
 from adapters.particles.liggghts.engine import contact_distance_factor, create_particles
 from adapters.particles.liggghts.input import (
     FIRST_EVALUATION,
+    bin_commands,
     bin_size_m,
     contact_model,
     input_text,
@@ -83,7 +84,8 @@ class StockRunner:
         for line in stock_input(plan, wiggle, folder):
             self._engine.command(line)
         create_particles(self._engine, plan.particles, 1)
-        self._engine.command(f"neigh_modify binsize {_bins_m(plan)!r}")
+        for line in bin_commands(_bins_m(plan)):
+            self._engine.command(line)
         self._engine.command(FIRST_EVALUATION)
         self._steps = Interval(0, plan.sync_interval_s).steps(plan.step_s)
         self._count = len(plan.particles)

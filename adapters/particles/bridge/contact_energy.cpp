@@ -23,6 +23,26 @@ double sjkr_volume_m3(double ri, double rj, double overlap) {
          ((apart + 2.0 * sum) / 3.0 - difference * difference / apart);
 }
 
+// Calls visit(i, j, overlap_m, history) for each pair of particles that touch, once.  One with a particle of
+// another rank, or across a periodic side, has j behind the own particles, and comes once for each of both.
+template <typename Visit>
+void each_touching(LAMMPS &lmp, const ContactLaws &laws, Visit visit) {
+  const Atom &atom = *lmp.atom;
+  auto *pair = static_cast<PairGran *>(lmp.force->pair);
+  const NeighList *list = pair->list, *histories = list->listgranhistory;
+  const int values = pair->dnum_pair();
+  for (int k = 0; k < list->inum; ++k) {
+    const int i = list->ilist[k];
+    for (int n = 0; n < list->numneigh[i]; ++n) {
+      const int j = list->firstneigh[i][n] & NEIGHMASK;
+      const double overlap_m =
+          atom.radius[i] + atom.radius[j] - norm(from(atom.x[i]) - from(atom.x[j]));
+      const double *history = values ? histories->firstdouble[i] + n * values : nullptr;
+      if (laws.touching(overlap_m, history)) visit(i, j, overlap_m, history);
+    }
+  }
+}
+
 }  // namespace
 
 ContactEnergy ContactLaws::stored(int type_i, int type_j, double radius_i_m, double radius_j_m,
@@ -45,24 +65,22 @@ ContactEnergy ContactLaws::stored(int type_i, int type_j, double radius_i_m, dou
 
 ContactEnergy pair_energy(LAMMPS &lmp, const ContactLaws &laws) {
   const Atom &atom = *lmp.atom;
-  auto *pair = static_cast<PairGran *>(lmp.force->pair);
-  const NeighList *list = pair->list, *histories = list->listgranhistory;
-  const int values = pair->dnum_pair();
   ContactEnergy energy;
-  for (int k = 0; k < list->inum; ++k) {
-    const int i = list->ilist[k];
-    for (int n = 0; n < list->numneigh[i]; ++n) {
-      const int j = list->firstneigh[i][n] & NEIGHMASK;
-      const double overlap =
-          atom.radius[i] + atom.radius[j] - norm(from(atom.x[i]) - from(atom.x[j]));
-      const double *history = values ? histories->firstdouble[i] + n * values : nullptr;
-      if (!laws.touching(overlap, history)) continue;
-      energy.add(laws.stored(atom.type[i], atom.type[j], atom.radius[i], atom.radius[j], overlap,
-                             history),
-                 j < atom.nlocal ? 1.0 : 0.5);
-    }
-  }
+  each_touching(lmp, laws, [&](int i, int j, double overlap_m, const double *history) {
+    energy.add(laws.stored(atom.type[i], atom.type[j], atom.radius[i], atom.radius[j], overlap_m,
+                           history),
+               j < atom.nlocal ? 1.0 : 0.5);
+  });
   return energy;
+}
+
+std::vector<std::int64_t> contact_numbers(LAMMPS &lmp, const ContactLaws &laws) {
+  std::vector<std::int64_t> numbers(lmp.atom->nlocal, 0);
+  each_touching(lmp, laws, [&](int i, int j, double, const double *) {
+    ++numbers[i];
+    if (j < lmp.atom->nlocal) ++numbers[j];
+  });
+  return numbers;
 }
 
 }  // namespace flipflow

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "jkr.h"
@@ -57,5 +58,8 @@ struct ContactLaws {
 
 // Of the particle-particle contacts of this rank; one with a particle of another rank counts half.
 ContactEnergy pair_energy(LAMMPS_NS::LAMMPS &lmp, const ContactLaws &laws);
+
+// The number of other particles that each particle of this rank touches.
+std::vector<std::int64_t> contact_numbers(LAMMPS_NS::LAMMPS &lmp, const ContactLaws &laws);
 
 }  // namespace flipflow

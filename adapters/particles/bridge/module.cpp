@@ -354,6 +354,11 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("surface_energy_J", [](Engine &e) { return by_name(e.surface().energy()); })
       .def("take_deepest_overlaps", &take_deepest_overlaps)
       .def("take_crossings", &take_crossings)
+      .def("contact_numbers",
+           [](Engine &e) {
+             const auto numbers = flipflow::contact_numbers(e.lammps(), e.laws());
+             return array_of(numbers, {static_cast<py::ssize_t>(numbers.size())});
+           })
       .def("pair_energy_J",
            [](Engine &e) { return by_name(flipflow::pair_energy(e.lammps(), e.laws())); });
 }

@@ -41,7 +41,7 @@ try:
     from mpi4py import MPI
 
     from adapters.particles.liggghts.engine import begin_path, create_particles, floats, parts, start_engine
-    from adapters.particles.liggghts.input import bin_size_m, cutoff_m, smallest_box_m
+    from adapters.particles.liggghts.input import bin_commands, bin_size_m, cutoff_m, smallest_box_m
 except ImportError as missing:
     raise SolverMissing(
         "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
@@ -50,8 +50,6 @@ except ImportError as missing:
 
 BALANCED_EVERY = 100
 """Number of sync intervals after which the ranks compare their numbers of particles."""
-SORTED_EVERY = 1000
-"""Number of steps after which LIGGGHTS sorts particles in memory by their bins; its own default."""
 FEW = 500
 """Number of particles per rank below which it does not matter who has them."""
 
@@ -122,12 +120,16 @@ class Liggghts:
 
     def snapshot(self) -> ParticleSnapshot:
         """Return all particles in the order of their ids, on the first rank; none on the others."""
-        mine = self._engine.particles()
+        self._prepare()
         names = ("tag", "x", "v", "omega", "radius", "density", "type", "f")
-        ranks = self._comm.gather([np.array(mine[name]) for name in names])
+        of_all = self._engine.particles()
+        mine = [*(np.array(of_all[name]) for name in names), self._engine.contact_numbers()]
+        ranks = self._comm.gather(mine)
         if self._comm.rank != 0:
-            ranks = [[np.array(mine[name][:0]) for name in names]]
-        tag, x, v, omega, radius, density, kind, force = map(np.concatenate, zip(*ranks, strict=True))
+            ranks = [[values[:0] for values in mine]]
+        tag, x, v, omega, radius, density, kind, force, contacts = map(
+            np.concatenate, zip(*ranks, strict=True)
+        )
         order = np.argsort(tag)
         return ParticleSnapshot(
             id=tag[order].astype(np.int64),
@@ -138,6 +140,7 @@ class Liggghts:
             density_kg_per_m3=density[order],
             material=kind[order].astype(np.int64) - 1,
             force_N=force[order],
+            contacts=contacts[order],
         )
 
     def removed(self) -> Removed:
@@ -205,8 +208,8 @@ class Liggghts:
         """Set the size of the bins in which LIGGGHTS lists neighbours and sorts particles, from the next list
         on; 0 stands for LIGGGHTS's own."""
         if size_m != self._bin_m:
-            self._engine.command(f"neigh_modify binsize {size_m!r}")
-            self._engine.command(f"atom_modify sort {SORTED_EVERY} {size_m!r}")
+            for line in bin_commands(size_m):
+                self._engine.command(line)
             self._bin_m = size_m
 
     def _summed(self, by_point: Array) -> Array:

@@ -80,10 +80,25 @@ def _directions(vectors: Array, up: Array) -> Array:
 
 
 def overlapping_pairs(place_m: Array, diameter_m: Array) -> tuple[Indices, Indices, Array]:
-    """Return the numbers of both particles of each pair that overlaps, and the overlaps in m."""
+    """Return the numbers of both particles of each pair that overlaps, and the overlaps in m.
+
+    Neighbours are searched by classes of sizes that differ by a factor of two: within the diameter of the
+    largest particle, a fine one can have thousands of others.
+    """
     from scipy.spatial import cKDTree
 
-    one, two = cKDTree(place_m).query_pairs(diameter_m.max(), output_type="ndarray").T
+    octave = np.floor(np.log2(diameter_m / diameter_m.min()))
+    groups = [np.flatnonzero(octave == number) for number in np.unique(octave)]
+    trees = [cKDTree(place_m[group]) for group in groups]
+    largest_m = [diameter_m[group].max() for group in groups]
+    pairs = []
+    for k, group in enumerate(groups):
+        pairs.append(group[trees[k].query_pairs(largest_m[k], output_type="ndarray")])
+        for finer in range(k):
+            reach_m = (largest_m[k] + largest_m[finer]) / 2
+            near = trees[k].sparse_distance_matrix(trees[finer], reach_m, output_type="ndarray")
+            pairs.append(np.column_stack([group[near["i"]], groups[finer][near["j"]]]))
+    one, two = np.concatenate(pairs).T
     distance_m = np.linalg.norm(place_m[one] - place_m[two], axis=1)
     overlap_m = (diameter_m[one] + diameter_m[two]) / 2 - distance_m
     touching = overlap_m > 0

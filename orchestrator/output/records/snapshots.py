@@ -14,7 +14,6 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.push_out import overlapping_pairs
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 
@@ -113,11 +112,10 @@ def surface_mesh(
 def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
     """Return a mesh with a vertex for each particle, with its id, diameter, motion, density and material.
 
-    It has the number of other particles that each particle touches, too, and the force on it where the solver
-    tells it.
+    It has the force on it, and the number of other particles that it touches, where the solver tells them.
     """
     count = len(particles.id)
-    forces = {} if particles.force_N is None else {"force_N": particles.force_N}
+    told = {"force_N": particles.force_N, "contacts": particles.contacts}
     return meshio.Mesh(
         particles.position_m.reshape(count, 3),
         [("vertex", np.arange(count).reshape(count, 1))],
@@ -129,15 +127,6 @@ def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
             "spin_rad_per_s": particles.spin_rad_per_s,
             "density_kg_per_m3": particles.density_kg_per_m3,
             "material": particles.material,
-            "contacts": contact_numbers(particles.position_m, particles.diameter_m),
-            **forces,
+            **{name: values for name, values in told.items() if values is not None},
         },
     )
-
-
-def contact_numbers(position_m: Array, diameter_m: Array) -> Indices:
-    """Return for each of the spheres the number of other spheres that it overlaps, (n,)."""
-    if not len(diameter_m):
-        return np.empty(0, dtype=np.int64)
-    one, two, _ = overlapping_pairs(position_m, diameter_m)
-    return np.bincount(np.concatenate([one, two]), minlength=len(diameter_m))
