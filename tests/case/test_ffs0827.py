@@ -7,7 +7,9 @@ from typing import Any
 
 import pytest
 
+from orchestrator.case.file.deck_layout import beams
 from orchestrator.case.file.layers import read_toml
+from orchestrator.case.tables.deck import Deck
 
 CASES = Path(__file__).parents[2] / "cases"
 LOADED = ("ffs0827-slice", "ffs0827", "ffs0827-panelpair", "ffs0827-effects", "banana")
@@ -33,6 +35,19 @@ def test_the_machine_is_the_empty_one(case: str) -> None:
 def test_the_second_reading_is_the_same_with_and_without_material() -> None:
     empty, under_coal = tables("ffs0827-twelve-springs"), tables("ffs0827-flowing-twelve-springs")
     assert under_coal["screen"] == empty["screen"]
+
+
+@pytest.mark.parametrize("case", ["ffs0827-slice", "ffs0827", "ffs0827-effects", "banana"])
+def test_undersize_is_collected_as_far_as_the_deck_reaches(case: str) -> None:
+    screen = tables(case)["screen"]
+    deck = Deck.model_validate(screen["decks"]["deck"])
+    end_m = float(beams(deck, screen["inclination_deg"])[-1][0])
+    for name, row in screen["exits"].items():
+        low, high = row["box_m"]
+        if row["product"] == "undersize":
+            assert high[0] <= end_m + 1e-3, name
+        else:
+            assert low[0] == pytest.approx(end_m, abs=1e-3), name
 
 
 def test_two_panels_have_a_quarter_of_the_machine() -> None:
