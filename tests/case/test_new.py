@@ -189,6 +189,25 @@ def test_the_inertia_of_long_and_wide_frames_is_that_of_a_body(length: str, widt
 
 
 @pytest.mark.solver
+@pytest.mark.parametrize(
+    ("panels", "length", "near"), [("1", "0.25 m", "+3%"), ("1", "0.2 m", "-11%"), ("2", "0.3 m", "+15%")]
+)
+def test_a_machine_near_resonance_is_called_doubtful(
+    panels: str, length: str, near: str, tmp_path: Path
+) -> None:
+    """On a short deck the bushings stand close together, and the frames pitch at the working speed."""
+    proposal = propose(read_wishes("flip-flow", {"panels": panels, "length": length}), "mine")
+    new.write_files(proposal.files, tmp_path / "mine")
+    doubts = [line for line in proposal.remarks if line.startswith("doubtful: ")]
+    assert any(f"{near}  pitch of the driven frame against the driving frame" in r for r in proposal.remarks)
+    assert any("a mode of the frames: pitch of the driven frame" in line for line in doubts)
+    assert not any("no mode of the frames is nearer" in line for line in proposal.remarks)
+    for complaint in complaints(load_judged(tmp_path / "mine", "draft")):
+        assert f"doubtful: {complaint}" in doubts
+        assert complaint in proposal.files["README.md"]
+
+
+@pytest.mark.solver
 def test_a_deck_of_long_panels_is_meshed_and_called_doubtful() -> None:
     proposal = propose(read_wishes("flip-flow", {"length": "6 m", "panels": "2"}), "mine")
     assert "doubtful: panels are seldom longer" in proposal.remarks[-1]

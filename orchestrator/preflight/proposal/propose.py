@@ -17,7 +17,7 @@ from typing import Any
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.materials.library import slug
-from orchestrator.preflight.check import find_problems
+from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.cost import THIN, in_words, particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.proposal import levels, limits
@@ -92,7 +92,9 @@ def propose(wishes: Wishes, name: str) -> Proposal:
         run_s = {level: predicted_s(row.case, particles_at_start(row.case)) for level, row in judged.items()}
         moved = scene(judged["draft"].case.whole_machine)
         proposal = Proposal(wishes, layout, machine, moved, draft, run_s)
-        proposal = replace(proposal, remarks=tuple(remarks(proposal)))
+        stability = stability_report(judged["draft"].case)
+        warned = [*warnings(judged["draft"]), *stability.warnings()]
+        proposal = replace(proposal, remarks=tuple(remarks(proposal, warned)))
         case.values |= {
             "remarks": proposal.remarks,
             "draft_time": in_words(run_s["draft"]),

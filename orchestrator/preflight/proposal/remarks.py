@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
+from orchestrator.preflight.checks.motion import NEAR
 from orchestrator.preflight.proposal.limits import PACKED
 from orchestrator.preflight.proposal.machine import round_to
 from orchestrator.preflight.scene.frame_modes import frame_modes
@@ -20,9 +21,13 @@ LONGEST_PANEL_M = 0.8
 DEEP_BED = 4.0  # openings; deeper beds hinder the fines on their way down: a rule of thumb of screen makers
 
 
-def remarks(proposal: Proposal) -> list[str]:
-    """Return sentences about a proposal, the doubtful ones last."""
-    return sorted(_remarks(proposal), key=lambda sentence: sentence.startswith("doubtful"))
+def remarks(proposal: Proposal, warnings: Sequence[str]) -> list[str]:
+    """Return sentences about a proposal, the doubtful ones last.
+
+    Each of the ``warnings``, which are those of ``flipflow check``, is a doubtful one.
+    """
+    sentences = [*_remarks(proposal), *(f"doubtful: {warning}" for warning in warnings)]
+    return sorted(sentences, key=lambda sentence: sentence.startswith("doubtful"))
 
 
 def _remarks(proposal: Proposal) -> Iterator[str]:
@@ -79,10 +84,8 @@ def resonances(proposal: Proposal) -> Iterator[str]:
     working_Hz = shaking.speed_rad_per_s / (2 * math.pi)
     modes = frame_modes(proposal.scene)
     nearest = min(abs(mode.frequency_Hz / working_Hz - 1) for mode in modes)
-    yield (
-        f"resonance: no mode of the frames is nearer than {nearest:.0%} to the working speed of "
-        f"{working_Hz:.3g} Hz:"
-    )
+    which = "no mode of the frames is nearer than" if nearest > NEAR else "a mode of the frames is as near as"
+    yield f"resonance: {which} {nearest:.0%} to the working speed of {working_Hz:.3g} Hz:"
     for mode in modes:
         yield f"  {mode.frequency_Hz / working_Hz - 1:+5.0%}  {mode.in_words}"
 
