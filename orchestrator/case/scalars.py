@@ -24,13 +24,15 @@ Summary = Mapping[str, Any]
 class Value:
     """A number with its uncertainty, where the run gives it.
 
-    ``half_width`` is half the width of the 95 % confidence interval over time; ``counting`` is the standard
-    deviation of a share from the number of its particles alone.
+    ``half_width`` is half the width of the 95 % confidence interval over time, and ``standard_error`` the
+    standard deviation behind it; ``counting`` is the standard deviation of a share from the number of its
+    particles alone.
     """
 
     value: float
     half_width: float | None = None
     counting: float | None = None
+    standard_error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -62,13 +64,12 @@ def _inner(table: Any, path: str) -> Any:
 
 def _number(entry: Any) -> Value | None:
     """Return the value of a number or of an estimate, {"value", "half_width", ...}; else None."""
-    half_width = counting = None
+    told: Mapping[str, float | None] = {}
     if isinstance(entry, Mapping) and "value" in entry:
-        half_width, counting = entry.get("half_width"), entry.get("counting")
-        entry = entry["value"]
+        told, entry = entry, entry["value"]
     if isinstance(entry, bool) or not isinstance(entry, int | float) or not math.isfinite(entry):
         return None
-    return Value(float(entry), half_width, counting)
+    return Value(float(entry), told.get("half_width"), told.get("counting"), told.get("standard_error"))
 
 
 def _at(path: str) -> Callable[[Summary], Value | None]:

@@ -44,3 +44,23 @@ def test_a_run_without_any_response_says_why(tmp_path: Path, monkeypatch: pytest
     assert (outcome.is_data, outcome.why) == (False, "the run did not become steady")
     outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"', {})
     assert outcome.why == "the run does not tell speed, way"
+
+
+@pytest.mark.parametrize(
+    ("told", "deviation"),
+    [
+        (
+            {"half_width": 12.7, "standard_error": 1.0, "counting": 3.0},
+            1.0,
+        ),  # Student's quantile of 2 batches
+        ({"half_width": 1.96}, 1.0),
+        ({"half_width": None, "counting": 3.0}, 3.0),
+        ({"half_width": None}, None),
+    ],
+)
+def test_the_noise_of_a_run_is_its_standard_error(
+    told: dict[str, float], deviation: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    summary = {"probes": {"plate": {"peak_speed_m_per_s": {"value": 0.5, **told}}}}
+    outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"', summary)
+    assert outcome.responses["speed"].deviation == deviation

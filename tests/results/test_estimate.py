@@ -33,6 +33,7 @@ def test_of_independent_batches_it_is_students() -> None:
     assert found.value == pytest.approx(3.0, rel=1e-14)
     assert found.batches == 10
     assert found.half_width == pytest.approx(2.262157 * np.sqrt(20 / 9 / 10), rel=1e-6)
+    assert found.standard_error == pytest.approx(np.sqrt(20 / 9 / 10), rel=1e-12)
 
 
 def test_a_ratio_has_the_interval_of_its_linearisation() -> None:

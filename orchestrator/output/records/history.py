@@ -270,8 +270,8 @@ def _put(group: Any, table: Mapping[str, Any]) -> None:
             dataset = _number(group, key, value["value"])
             dataset.attrs["half_width"] = np.array(value["half_width"], float)
             dataset.attrs["batches"] = value["batches"]
-            if "counting" in value:
-                dataset.attrs["counting"] = value["counting"]
+            for told in {"counting", "standard_error"} & set(value):
+                dataset.attrs[told] = value[told]
         elif isinstance(value, Mapping):
             _put(group.create_group(key), value)
         elif isinstance(value, list) and value and isinstance(value[0], Mapping):

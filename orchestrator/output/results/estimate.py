@@ -27,7 +27,8 @@ class Estimate:
     """A value with the half width of its 95 % confidence interval.
 
     ``value`` is None if it is not defined.  ``half_width`` is None if it is unknown, because there are too
-    few batches or no steady state.  ``counting`` is the standard deviation of a share that its number of
+    few batches or no steady state, and so is ``standard_error``, the standard deviation of the value: half
+    the width over Student's quantile.  ``counting`` is the standard deviation of a share that its number of
     particles alone explains; it is None for what is no share.
     """
 
@@ -35,11 +36,13 @@ class Estimate:
     half_width: float | None = None
     batches: int = 0
     counting: float | None = None
+    standard_error: float | None = None
 
     def table(self) -> dict[str, float | int | None]:
         """Return the estimate as a table of the results."""
         table = {"value": self.value, "half_width": self.half_width, "batches": self.batches}
-        return table if self.counting is None else table | {"counting": self.counting}
+        told = {"counting": self.counting, "standard_error": self.standard_error}
+        return table | {name: value for name, value in told.items() if value is not None}
 
 
 def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
@@ -70,7 +73,8 @@ def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
     without = np.array([statistic(total - batch) for batch in batches])
     if not np.isfinite(without).all():
         return Estimate(float(whole), None, n)
-    return Estimate(float(whole), half_width(n * whole - (n - 1) * without), n)
+    error, quantile = standard_error(n * whole - (n - 1) * without)
+    return Estimate(float(whole), quantile * error, n, standard_error=error)
 
 
 def mean(values: Array) -> Estimate:
@@ -120,7 +124,13 @@ def counting_deviation(part: float, mass_kg: Array) -> float:
 
 
 def half_width(values: Array) -> float:
-    """Return the half width of the confidence interval of the mean of n batches.
+    """Return the half width of Student's confidence interval of the mean of n batches."""
+    error, quantile = standard_error(values)
+    return quantile * error
+
+
+def standard_error(values: Array) -> tuple[float, float]:
+    """Return the standard error of the mean of n batches, and Student's quantile for its interval.
 
     It is Student's interval for the number of independent batches.  With the correlation r between
     neighbours, n values have the weight of n (1 - r) / (1 + r) independent values (first-order
@@ -131,9 +141,9 @@ def half_width(values: Array) -> float:
     spread = values - values.mean()
     variance = float(spread @ spread) / (n - 1)
     if variance == 0.0:
-        return 0.0
+        return 0.0, 0.0
     r = float(spread[1:] @ spread[:-1]) / float(spread @ spread)
     r = min(max((n * r + 1) / (n - 3), 0.0), 0.8)
     independent = max(n * (1 - r) / (1 + r), 2.0)
     quantile = float(stdtrit(independent - 1, (1 + CONFIDENCE) / 2))  # of Student's distribution
-    return quantile * float(np.sqrt(variance / independent))
+    return float(np.sqrt(variance / independent)), quantile

@@ -12,7 +12,7 @@ import numpy as np
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.load import read_tables
-from orchestrator.case.scalars import value_at
+from orchestrator.case.scalars import Value, value_at
 from orchestrator.output.records import trust
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
@@ -138,8 +138,7 @@ class Runs:
             if table.steady and unsteady:
                 continue
             if (result := value_at(summary, table.result or name)) is not None:
-                own = result.half_width / HALF_WIDTH if result.half_width else result.counting
-                responses[name] = Measured(result.value, own or table.noise)
+                responses[name] = Measured(result.value, _deviation(result) or table.noise)
         why = "" if responses else self._why_nothing(unsteady)
         return Outcome(trial, state, why, responses, **cost)
 
@@ -154,6 +153,16 @@ class Runs:
         return ", ".join(
             f"{name} = {value:g}" for name, value in zip(self._study.file.factors, values, strict=True)
         )
+
+
+def _deviation(result: Value) -> float | None:
+    """Return the standard deviation of a run's value; None if the run tells nothing of it.
+
+    A result without a standard error has the width of its interval alone, by which it is rather too large.
+    """
+    if result.standard_error or not result.half_width:
+        return result.standard_error or result.counting
+    return result.half_width / HALF_WIDTH
 
 
 def _is_steady(summary: dict[str, Any]) -> bool:
