@@ -153,7 +153,7 @@ class Point:
 
     ``value`` is its name, ``loaded`` its case and ``folder`` its folder.  The command ``words`` makes the
     run, and a second command ``then``, if there is one, continues in the same folder.  ``ended`` says whether
-    nothing is left to be run in a folder.
+    nothing is left to be run in a folder.  A finished run may differ from the case in the keys ``free``.
     """
 
     value: str
@@ -162,6 +162,7 @@ class Point:
     folder: Path
     then: tuple[str, ...] = ()
     ended: Callable[[Path], bool] = came_to_its_end
+    free: tuple[str, ...] = ()
 
     def done(self) -> bool:
         """Return whether the point has been run to its end.
@@ -186,8 +187,8 @@ class Point:
             stored = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
             return ", ".join(".".join(map(str, problem.key)) for problem in error.problems[:3])
-        keys = list(find_changes(stored, resolved_case(self.loaded)))
-        return ", ".join(".".join(key) for key in keys[:3])
+        changes = map(".".join, find_changes(stored, resolved_case(self.loaded)))
+        return ", ".join([key for key in changes if key not in self.free][:3])
 
     def status(self) -> str:
         """Return the state of the run, as in its summary; "missing" without one."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import pytest
+import tomli_w
 
+from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
+from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.studies.design import runs as design_runs
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import read_study
@@ -64,3 +68,26 @@ def test_the_noise_of_a_run_is_its_standard_error(
     summary = {"probes": {"plate": {"peak_speed_m_per_s": {"value": 0.5, **told}}}}
     outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"', summary)
     assert outcome.responses["speed"].deviation == deviation
+
+
+@pytest.mark.parametrize("is_steady", [True, False])
+def test_a_run_of_another_duration_is_data_where_only_steady_runs_are(
+    is_steady: bool, tmp_path: Path
+) -> None:
+    """It has another duration, and nothing else that differs."""
+    text = 'unit = "{}"' + "\nsteady = true" * is_steady
+    changes = [(f'unit = "{unit}"\n', text.format(unit) + "\n") for unit in ("m/s", "m")]
+    study = read_study(write_plates(tmp_path, *changes, ("duration_s=0.3", "duration_s=0.9")))
+    runs = Runs(study, CaseStudy(CASE, None, (), tmp_path / "runs", Crew()))
+    trial = Trial(1, "plan", (0.0, 0.0), 0, values={"amplitude": 8.0, "rate": 70.0})
+    shorter = read_study(write_plates(tmp_path, ("duration_s=0.3", "duration_s=0.6")))
+    stored = Runs(shorter, CaseStudy(CASE, None, (), tmp_path / "runs", Crew()))._point(trial)
+    stored.folder.mkdir(parents=True)
+    (stored.folder / "case.toml").write_text(tomli_w.dumps(resolved_case(stored.loaded)))
+    summary = {"format_version": SUMMARY_FORMAT, "status": "done"}
+    (stored.folder / "summary.json").write_text(json.dumps(summary))
+    if is_steady:
+        assert [each.status for each in runs.finished([trial])] == ["done"]
+    else:
+        with pytest.raises(FolderUnusable, match="differs in duration_s"):
+            runs.finished([trial])

@@ -124,7 +124,9 @@ class Runs:
         if trial.stage == "cheap" and cheap is not None:
             runs, overlays = replace(runs, level=cheap.level), [*overlays, *cheap.overrides]
         seeds = seed_sets(self.centre.case, trial.seed)
-        return replace(runs.point(trial.name, [*overlays, *seeds]), ended=has_ended)
+        steady = all(table.steady for table in self._study.file.responses.values())
+        free = ("duration_s",) if steady else ()  # short and long runs tell the same, each with its noise
+        return replace(runs.point(trial.name, [*overlays, *seeds]), ended=has_ended, free=free)
 
     def _outcome(self, trial: Trial, point: Point) -> Outcome:
         summary = summary_of(point.folder)
