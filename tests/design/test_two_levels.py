@@ -62,3 +62,14 @@ def test_left_out_points_know_the_cheap_level() -> None:
     )
     assert mean == pytest.approx(dear(x), abs=0.3)
     assert (deviation > 0).all()
+
+
+def test_left_out_points_are_as_uncertain_as_the_cheap_level() -> None:
+    """A cheap level with noise, and dear runs that are exactly half of it and a plane."""
+    x, cheap_x = SPACE.sample(12, 1), SPACE.sample(30, 2)
+    noisy = bent(cheap_x) + 0.3 * np.random.default_rng(1).standard_normal((30, 1))
+    cheap = GaussianProcess().fit(cheap_x, noisy, np.full((30, 1), 0.09), 1)
+    fitted = TwoLevels(cheap, GaussianProcess()).fit(x, dear(x), np.full((12, 1), SMALL), 1)
+    assert fitted.factor[0] > 0.2
+    least = fitted.factor * np.sqrt(np.diagonal(cheap.predict(x)[1][0]))[:, None]
+    assert (fitted.left_out()[1] >= least).all()

@@ -38,9 +38,8 @@ class TwoLevels:
         factor = np.array([_factor(mean[:, i], y[:, i], variance[:, i]) for i in range(y.shape[1])])
         errors = [self._errors(x, y - rho * mean, variance, seed) for rho in (np.zeros_like(factor), factor)]
         factor = np.where(errors[1] < errors[0], factor, 0.0)
-        return FittedLevels(
-            self.cheap, self.correction.fit(x, y - factor * mean, variance, seed), factor, mean
-        )
+        correction = self.correction.fit(x, y - factor * mean, variance, seed)
+        return FittedLevels(self.cheap, correction, factor, x)
 
     def _errors(self, x: Array, rest: Array, variance: Array, seed: int) -> Array:
         """Compute the mean square error, (m,), of predicting each run from the others."""
@@ -60,13 +59,13 @@ def _factor(mean: Array, y: Array, variance: Array) -> float:
 
 @dataclass(frozen=True)
 class FittedLevels:
-    """The fitted levels; ``factor`` (m,) is rho of each response, ``mean`` (n, m) the cheap level at the
+    """The fitted levels; ``factor`` (m,) is rho of each response, ``x`` (n, f) are the settings of the
     data."""
 
     cheap: Fitted
     correction: Fitted
     factor: Array
-    mean: Array
+    x: Array
 
     def predict(self, x: Array) -> tuple[Array, Array]:
         """Predict means, (m, p), and covariances, (m, p, p), of the dear responses at settings, (p, f)."""
@@ -77,6 +76,9 @@ class FittedLevels:
         )
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each dear response, (n, m), from the other dear runs and all cheap ones."""
+        """Predict each dear response, (n, m), from the other dear runs, all cheap ones, and the factor of all
+        runs."""
         mean, deviation = self.correction.left_out()
-        return mean + self.factor * self.mean, deviation
+        cheap_mean, covariance = self.cheap.predict(self.x)
+        cheap_variance = np.diagonal(covariance, axis1=1, axis2=2).T
+        return mean + self.factor * cheap_mean.T, np.sqrt(deviation**2 + self.factor**2 * cheap_variance)
