@@ -81,3 +81,13 @@ def test_noise_is_not_taken_for_knowledge() -> None:
 def test_one_setting_alone_has_a_covariance_too() -> None:
     mean, cov = fit(whole_numbers()).predict(np.zeros((1, 2)))
     assert (mean.shape, cov.shape) == ((1, 1), (1, 1, 1))
+
+
+def test_what_members_explain_is_told_one_by_one() -> None:
+    """Nearly all of what can be learnt, and less than nothing of noise; each has points of its own."""
+    shares = fit(whole_numbers(), Network()).explained_by_members()
+    assert shares.shape == (20, 1)
+    assert np.median(shares) > 0.9
+    noise = fit(np.random.default_rng(2).standard_normal(POINTS), Network()).explained_by_members()
+    assert np.median(noise) < 0.3
+    assert len(np.unique(noise)) == 20

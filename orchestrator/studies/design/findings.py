@@ -18,7 +18,7 @@ from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.quadratic import Quadratic, Surface
 from orchestrator.studies.design.sensitivity import sobol_indices
-from orchestrator.studies.design.surrogates import Fitted, TooFewPoints, calibrated
+from orchestrator.studies.design.surrogates import Ensemble, Fitted, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Outcome
 
 EXACT = 1e-9  # of a value: half widths below it are rounding
@@ -31,7 +31,8 @@ DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optim
 class Judged:
     """A surrogate and how well it predicts each response that it has not seen (leave-one-out).
 
-    ``explained`` is Q2, the share of the variance; ``coverage`` the share of runs within the 95 % interval.
+    ``explained`` is Q2, the share of the variance; ``coverage`` the share of runs within the 95 % interval;
+    ``members``, (members, m), is what each member explains, if the surrogate has members.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Judged:
     why_not: str = ""
     explained: Array = field(default_factory=lambda: np.empty(0))
     coverage: Array = field(default_factory=lambda: np.empty(0))
+    members: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,8 @@ class Findings:
         inside = np.abs(y - mean) <= HALF_WIDTH * np.sqrt(deviation**2 + variance)
         known = np.isfinite(y) & np.isfinite(mean)
         share = (inside & known).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
-        return Judged(name, fitted, "", np.array(q2), share)
+        members = fitted.explained_by_members() if isinstance(fitted, Ensemble) else None
+        return Judged(name, fitted, "", np.array(q2), share, members)
 
     @cached_property
     def fitted(self) -> Fitted | None:

@@ -110,3 +110,8 @@ class FittedNetwork:
         error = np.nanmean((self.tested - self.outputs) ** 2, axis=(0, 1))
         deviation[self.known] = self.scale * np.sqrt(spread + error)
         return mean, deviation
+
+    def explained_by_members(self) -> Array:
+        """Compute the share of each response's variance, (members, m), that a member explains in its test
+        part."""
+        return np.asarray(1.0 - np.nanmean((self.tested - self.outputs) ** 2, axis=1))

@@ -154,6 +154,19 @@ def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
         yield {"response": name, "words": words, "rows": rows}
 
 
+def members_in_words(findings: Findings) -> Iterator[str]:
+    """Yield a sentence for each response about the spread of a surrogate that has several members."""
+    for judged in findings.surrogates:
+        if judged.members is not None:
+            for name, shares in zip(findings.responses, judged.members.T, strict=True):
+                low, middle, high = np.quantile(shares, (0.0, 0.5, 1.0))
+                yield (
+                    f"{judged.name}: {len(shares)} members, each with a split and start of its own, explain "
+                    f"{middle:.2f} of the variance of {name} in runs that they have not seen (median; "
+                    f"{low:.2f} to {high:.2f})."
+                )
+
+
 def published_in_words(findings: Findings) -> Iterator[str]:
     """Yield in sentences what of the printed results follows from the data and what does not."""
     errors, formulas = published_rows(findings)
@@ -216,6 +229,7 @@ def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path
             }
             for each in findings.surrogates
         ],
+        members=list(members_in_words(findings)),
         noise=list(noise_in_words(findings)),
         anova=list(anova_tables(findings)),
         effects=align_rows(effect_rows(findings)),

@@ -7,7 +7,7 @@ its errors, at others.  Each one is a class of its own file, chosen by its name 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -34,6 +34,16 @@ class Fitted(Protocol):
         means, (n, m), and standard deviations of the errors without the noise of the run, (n, m);
         not a number where a response is missing.
         """
+        ...
+
+
+@runtime_checkable
+class Ensemble(Protocol):
+    """A fitted surrogate of several members, each fitted to other parts of the data."""
+
+    def explained_by_members(self) -> Array:
+        """Compute the share of each response's variance, (members, m), that a member explains among the
+        points that it has not seen."""
         ...
 
 

@@ -109,6 +109,7 @@ def fit_table(findings: Findings) -> dict[str, Any]:
         if judged.fitted is None
         else {
             name: {"explained": float(judged.explained[i]), "coverage_95": float(judged.coverage[i])}
+            | ({} if judged.members is None else {"explained_by_members": judged.members[:, i].tolist()})
             for i, name in enumerate(responses)
         }
         for judged in findings.surrogates
