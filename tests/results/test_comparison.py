@@ -120,6 +120,16 @@ def test_results_are_printed_as_csv_and_json(runs: list[str], tmp_path: Path) ->
     assert {row["run"] for row in table["results"]} == {*runs}
 
 
+def test_the_folder_of_a_design_study_stands_for_its_runs(runs: list[str], tmp_path: Path) -> None:
+    """A run that was killed and repeated is put aside by the study, and is no run of it."""
+    study = tmp_path / "study"
+    moved = [shutil.move(run, study / "runs" / str(number)) for number, run in enumerate(runs)]
+    run_folder(study / "runs" / "1-unfinished-1", estimate(0.3, 0.1), results={"missing": {}})
+    done = CALL.invoke(app, ["results", str(study), "--json"])
+    assert done.exit_code == 0, done.output
+    assert {row["run"] for row in json.loads(done.stdout)["results"]} == {*map(str, moved)}
+
+
 def test_a_comparison_tells_keys_and_results_that_differ(runs: list[str]) -> None:
     done = CALL.invoke(app, ["compare", *runs, "--json"])
     assert done.exit_code == 0, done.output

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,8 @@ from orchestrator.output.results.run_reader import RunReader
 
 AXES = ("x", "y", "z")
 HALF_WIDTH = ".half_width"
+PUT_ASIDE = re.compile(r"-unfinished-\d+$")
+"""The end of the name of a run that a study put aside (studies/points.py)."""
 RUNS_OVER = ("along_m", "edges_m", "end_s", "time_s")
 """Keys of the places, sizes and times over which the lists of a table run."""
 VECTOR, ITS_WIDTHS = "amplitude_m", "half_width_m"
@@ -125,7 +128,7 @@ def _unit(name: str) -> str:
 
 
 def read_results(folders: Sequence[Path]) -> list[RunResults]:
-    """Return the results of the runs in some folders, or in the subfolders of a study's folder.
+    """Return the results of the runs in some folders, which may be folders of studies.
 
     Raises FolderUnusable with every folder that is no run, that has no results, or that another version of
     flipflow wrote.
@@ -145,10 +148,15 @@ def read_results(folders: Sequence[Path]) -> list[RunResults]:
 
 
 def find_runs(folder: Path) -> list[Path]:
-    """Return the folder itself, or the folders of the ended runs in it if it is the folder of a study."""
+    """Return the folder itself, or the folders of the ended runs in it if it is the folder of a study.
+
+    A sweep has its runs in its folder, a design study in ``runs/``.  Runs that a study put aside, because
+    they did not end and were repeated, are left out.
+    """
     if (folder / "case.toml").is_file() or (folder / SUMMARY).is_file():
         return [folder]
-    return sorted(file.parent for file in folder.glob(f"*/{SUMMARY}")) or [folder]
+    ended = {file.parent for depth in ("*", "runs/*") for file in folder.glob(f"{depth}/{SUMMARY}")}
+    return sorted(run for run in ended if not PUT_ASIDE.search(run.name)) or [folder]
 
 
 def _read(folder: Path) -> RunResults:
