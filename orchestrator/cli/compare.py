@@ -56,6 +56,6 @@ def _result_lines(comparison: Comparison, number: int) -> Iterator[list[str]]:
     """Yield the cells of the results in which run ``number`` is compared with the first run."""
     for row in comparison.results:
         verdict = row.verdicts[number]
-        if verdict is not None and (row.is_short or verdict == MORE):
+        if verdict is not None and (row.is_short or (verdict == MORE and row in comparison.distinct)):
             first, other = (interval(row.results[run]) for run in (0, number))
             yield [row.name, row.unit, first, other, change(row.changes()[number]), verdict]

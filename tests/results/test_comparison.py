@@ -7,10 +7,14 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.case.bed import saved_bed
+from orchestrator.case.bed.saved_bed import BED
+from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.cli.main import app
 from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.output.results.comparison import BY_CHANCE, MORE, SAME, UNKNOWN, judge_difference
@@ -139,11 +143,49 @@ def test_a_comparison_tells_keys_and_results_that_differ(runs: list[str]) -> Non
     assert velocity["values"] == [0.30, 0.34, 0.35]
     assert velocity["verdicts"] == [None, BY_CHANCE, MORE]
     assert table["results"]["bed.particles"]["verdicts"] == [None, SAME, SAME]
-    # each difference counts twice: by its short name and by its path
-    assert (table["compared"], table["more_than_chance"]) == (4, 2)
+    # the velocity has a short name and a path, and counts once
+    assert (table["compared"], table["more_than_chance"]) == (2, 1)
     lines = CALL.invoke(app, ["compare", *runs]).stdout
+    assert "bed.velocity_m_per_s" not in lines
     assert "0.300 ± 0.030" in lines
     assert "+13.3 %" in lines
+
+
+def test_files_of_one_name_differ_by_their_contents(tmp_path: Path) -> None:
+    """Every run keeps the bed with which it began as bed.h5, and its surfaces under the same names."""
+    case = CASE.replace('title = "a test"', 'title = "a test"\nbed.table = "bed.h5"')
+    case += '[screen.surfaces.wall]\nstl = "wall.stl"\n'
+    folders = [run_folder(tmp_path / name, estimate(0.3, 0.03), case) for name in ("a", "b", "c")]
+    for folder, height_m in zip(folders, (0.1, 0.1, 0.2), strict=True):
+        saved_bed.write(folder / BED, bed_of_one_grain(height_m))
+        (folder / "wall.stl").write_text("solid")
+    (folders[2] / "provenance.json").write_text('{"bed": {"file": "else/bed.h5", "time_s": 1.5}}')
+    done = CALL.invoke(app, ["compare", *map(str, folders[:2])])
+    assert "the cases are the same" in done.stdout, done.output
+    keys = json.loads(CALL.invoke(app, ["compare", *map(str, folders), "--json"]).stdout)["keys"]
+    assert [*keys] == ["bed.table"]
+    first, second, third = keys["bed.table"]
+    assert first == second != third
+    assert third.endswith(" from else/bed.h5 at t = 1.5 s")
+    (folders[1] / "wall.stl").write_text("another")
+    keys = json.loads(CALL.invoke(app, ["compare", *map(str, folders[:2]), "--json"]).stdout)["keys"]
+    assert [*keys] == ["screen.surfaces.wall.stl"]
+
+
+def bed_of_one_grain(height_m: float) -> CarriedBed:
+    """A grain at rest."""
+    return CarriedBed(
+        materials=("coal",),
+        material=np.zeros(1, dtype=np.int64),
+        position_m=np.array([[0.0, 0.0, height_m]]),
+        velocity_m_per_s=np.zeros((1, 3)),
+        spin_rad_per_s=np.zeros((1, 3)),
+        diameter_m=np.array([0.01]),
+        density_kg_per_m3=np.array([1430.0]),
+        time_s=1.5,
+        coarse_graining=1.0,
+        source="",
+    )
 
 
 def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:

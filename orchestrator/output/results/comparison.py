@@ -7,6 +7,7 @@ difference for independent runs.  By chance alone, this is true for one result i
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError, show_value
 from orchestrator.case.file.layers import find_changes, read_toml
+from orchestrator.case.provenance import read_provenance
 from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.output.results.tidy import Result, RunResults, read_results
 
@@ -79,15 +81,23 @@ class Comparison:
     keys: tuple[DifferingKey, ...]
     results: tuple[ComparedResult, ...]
 
+    @cached_property
+    def distinct(self) -> tuple[ComparedResult, ...]:
+        """The results without those that have the numbers of another, as a path has those of a short name."""
+        rows: dict[Any, ComparedResult] = {}
+        for row in self.results:
+            rows.setdefault(tuple(each and (each.value, each.half_width) for each in row.results), row)
+        return tuple(rows.values())
+
     @property
     def compared(self) -> int:
         """The number of comparisons by intervals."""
-        return sum(verdict in (BY_CHANCE, MORE) for row in self.results for verdict in row.verdicts)
+        return sum(verdict in (BY_CHANCE, MORE) for row in self.distinct for verdict in row.verdicts)
 
     @property
     def more_than_chance(self) -> int:
         """The number of comparisons by intervals that show a difference."""
-        return sum(verdict == MORE for row in self.results for verdict in row.verdicts)
+        return sum(verdict == MORE for row in self.distinct for verdict in row.verdicts)
 
     def as_json(self) -> dict[str, Any]:
         """Return the comparison as a table of lists, with an entry for each run in each list."""
@@ -154,23 +164,51 @@ def _compare_results(runs: Sequence[RunResults]) -> list[ComparedResult]:
 
 
 def _compare_keys(runs: Sequence[RunResults]) -> list[DifferingKey]:
-    """Return the keys in which the resolved cases of the runs differ."""
+    """Return the keys in which the resolved cases of the runs differ; files differ by their contents."""
     try:
-        tables = [read_toml(run.folder / "case.toml") for run in runs]
+        tables = [_with_checksums(read_toml(run.folder / "case.toml"), run.folder) for run in runs]
     except CaseError as error:
         raise FolderUnusable(str(error)) from None
+    places = [*zip(tables, (run.folder for run in runs), strict=True)]
     keys = dict.fromkeys(key for table in tables[1:] for key in find_changes(tables[0], table))
     return [
-        DifferingKey(".".join(key), tuple(_value_at(table, key) for table in tables))
+        DifferingKey(".".join(key), tuple(_value_at(*place, key) for place in places))
         for key in keys
         if key[0] not in UNIMPORTANT
     ]
 
 
-def _value_at(table: Any, key: Sequence[str]) -> str:
+def _with_checksums(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Return a resolved case with the beginning of its checksum beside the name of each file.
+
+    The folder of a run has copies of all files of the case under names that are always the same.
+    """
+    surfaces = table.get("screen", {}).get("surfaces", {}).values()
+    places = [(table.get("bed", {}), "table"), (table.get("panel", {}), "recording")]
+    for row, key in (*places, *((surface, "stl") for surface in surfaces)):
+        if key in row and (file := folder / row[key]).is_file():
+            with file.open("rb") as content:
+                row[key] += f" (sha256 {hashlib.file_digest(content, 'sha256').hexdigest()[:12]})"
+    return table
+
+
+def _value_at(table: Any, folder: Path, key: Sequence[str]) -> str:
     for word in key:
         table = table.get(word) if isinstance(table, dict) else None
-    return MISSING if table is None else show_value(table)
+    if table is None:
+        return MISSING
+    return show_value(table) + (_origin_of_bed(folder) if key == ("bed", "table") else "")
+
+
+def _origin_of_bed(folder: Path) -> str:
+    """Return where the particles come from with which a run began, as words after the name of their file."""
+    if not (folder / "provenance.json").is_file():
+        return ""
+    origin = read_provenance(folder).get("bed", {})
+    if "file" not in origin:
+        return ""
+    time_s = origin.get("time_s")
+    return f" from {origin['file']}" + ("" if time_s is None else f" at t = {time_s:g} s")
 
 
 def _short_names(runs: Sequence[RunResults]) -> list[str]:
