@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from orchestrator.case.provenance import read_provenance
 from orchestrator.case.scalars import SCALARS, Value, scalar, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import FolderUnusable
@@ -156,11 +157,13 @@ class Run:
     ) -> Run:
         """Continue the run from its last checkpoint in its folder, and return it when it has ended.
 
+        It has as many processes as before, because the result is the same on the same number alone.
         ``settings`` are overlays as ``flipflow resume --set`` takes them, such as ``duration_s=2``.  Raises
         RunFailed and RunInterrupted.
         """
         sets = [word for line in settings for word in ("--set", line)]
-        return _wait(["resume", str(self.folder), *sets], self.folder, progress, 1)
+        ranks = read_provenance(self.folder)["ranks"]
+        return _wait(["resume", str(self.folder), *sets], self.folder, progress, ranks)
 
     def __repr__(self) -> str:
         return f"Run({self.folder.name!r}, {self.status})"

@@ -160,6 +160,18 @@ def test_a_refused_run_does_not_hand_out_the_run_that_was_there(
     assert refused.value.run is None
 
 
+def test_a_run_is_resumed_on_as_many_processes_as_it_had(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_summary(tmp_path, {"status": "interrupted"})
+    (tmp_path / "provenance.json").write_text('{"ranks": 4}')
+    asked: list[int] = []
+    monkeypatch.setattr(flipflow.run, "_launcher", lambda ranks: asked.append(ranks) or [])
+    say(monkeypatch, "sys.exit(0)")
+    flipflow.open_run(tmp_path).resume()
+    assert asked == [4]
+
+
 @pytest.mark.parametrize(("name", "kind"), [("SIGSEGV", "RunFailed"), ("SIGTERM", "RunInterrupted")])
 def test_a_crash_is_no_interruption(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, kind: str
