@@ -6,7 +6,7 @@ import re
 import shlex
 import shutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from orchestrator.case.file.errors import CaseProblem
     from orchestrator.preflight.proposal.proposal import Proposal
 
+OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)")
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
 
 
@@ -73,11 +74,13 @@ def new(
         problems = [*_wrong_folder(folder), *find_wrong_answers(template, answers)]
         if can_ask() and not yes and not problems:
             template, answers = _ask(template, answers)
+            while refusals := find_refusals(template, answers):
+                answers = _ask_again(template, answers, refusals)
             CONSOLE.print(f"the same without questions: {_command(folder, template, answers)}")
         template = template or "flip-flow"
         if problems := [*_wrong_folder(folder), *find_refusals(template, answers)]:
             raise ImpossibleWishes(problems)
-        proposal = propose(read_wishes(template, answers), folder.name)
+        proposal = propose(read_wishes(template, answers), str(folder))
         try:
             write_files(proposal.files, folder)
         except OSError as error:
@@ -104,10 +107,26 @@ def can_ask() -> bool:
     return sys.stdin.isatty()
 
 
-def _ask(template: str | None, given: Mapping[str, str]) -> tuple[str, dict[str, str]]:
+def _ask_again(template: str, answers: Mapping[str, str], refusals: Sequence[CaseProblem]) -> dict[str, str]:
+    """Print why answers describe no possible machine, ask again for those that are named; return all answers.
+
+    A refusal names its own option first and then those that may help.
+    """
+    named = set()
+    for refusal in refusals:
+        CONSOLE.print(str(refusal), markup=False)
+        named |= set(OPTION.findall(str(refusal)))
+    kept = {name: text for name, text in answers.items() if name not in named}
+    return _ask(template, kept, offered=answers)[1]
+
+
+def _ask(
+    template: str | None, given: Mapping[str, str], offered: Mapping[str, str] | None = None
+) -> tuple[str, dict[str, str]]:
     """Ask in the terminal for the template and for each wish that is not given; return all answers.
 
-    A wrong answer is explained, and the question is asked again.
+    The answers ``offered`` go before the template's defaults.  A wrong answer is explained, and the question
+    is asked again.
     """
     from orchestrator.case.file.errors import CaseError
     from orchestrator.preflight.proposal.wishes import (
@@ -142,7 +161,7 @@ def _ask(template: str | None, given: Mapping[str, str]) -> tuple[str, dict[str,
                 raise typer.BadParameter("; ".join(row.what_helps for row in error.problems)) from None
             return text
 
-        default = default_answer(template, name)
+        default = (offered or {}).get(name) or default_answer(template, name)
         answers[name] = typer.prompt(
             QUESTIONS[name].sentence, default=default, show_default=bool(default), value_proc=checked
         )
@@ -177,5 +196,6 @@ def _report(proposal: Proposal, folder: Path) -> None:
     for line in proposal.remarks:
         CONSOLE.print(f"  {line}")
     CONSOLE.print(f"written: {folder} with {', '.join(proposal.files)}")
-    CONSOLE.print(f"next:  flipflow check {folder}")
-    CONSOLE.print(f"       flipflow run {folder}    # level draft, about {in_words(proposal.run_s['draft'])}")
+    path = shlex.quote(str(folder))
+    CONSOLE.print(f"next:  flipflow check {path}")
+    CONSOLE.print(f"       flipflow run {path}    # level draft, about {in_words(proposal.run_s['draft'])}")

@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 from orchestrator.cli import new
 from orchestrator.cli.main import app
 from orchestrator.preflight.check import find_problems, warnings
-from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.proposal import machine, two_mass
+from orchestrator.preflight.proposal import levels, machine, two_mass
 from orchestrator.preflight.proposal.layout import lay_out
 from orchestrator.preflight.proposal.proposal import Proposal, mean_stroke_m
 from orchestrator.preflight.proposal.propose import find_refusals, propose
@@ -276,6 +276,34 @@ def test_a_terminal_is_asked_and_a_wrong_answer_is_asked_again(
     assert CALL.invoke(app, words).exit_code == 0
     texts = [(tmp_path / name / "case.toml").read_text(encoding="utf-8") for name in ("mine", "again")]
     assert texts[0] == texts[1]
+
+
+@pytest.mark.solver
+def test_an_impossible_answer_in_a_terminal_is_asked_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three openings of 150 mm find no room on a rig of 0.4 m; all other answers are kept."""
+    monkeypatch.setattr(new, "can_ask", lambda: True)
+    words = ["new", str(tmp_path / "rigs" / "mine"), "--template", "test-rig", "--opening-length", "12 mm"]
+    done = CALL.invoke(app, words, input="0.4 m\n\n150 mm\n\n\n10 mm\n")
+    assert done.exit_code == 0, done.output
+    assert "--opening: 150 mm: only 1 opening finds room" in done.output
+    (panel,) = load_judged(tmp_path / "rigs" / "mine").case.screen.panels.values()
+    assert panel.apertures is not None
+    assert (panel.width_m, panel.apertures.width_m) == (0.4, 0.01)
+    readme = (tmp_path / "rigs" / "mine" / "README.md").read_text()
+    assert f"flipflow check {tmp_path}/rigs/mine " in readme
+
+
+@pytest.mark.solver
+def test_a_draft_that_takes_too_long_is_called_doubtful() -> None:
+    """Openings of half a millimetre want so many particles that no draft is cheap."""
+    answers = {"opening": "0.5 mm", "throughput": "50 t/h"}
+    proposal = propose(read_wishes("flip-flow", answers), "mine")
+    assert proposal.run_s["draft"] > levels.DRAFT_S
+    (draft,) = (line for line in proposal.remarks if line.startswith("draft: "))
+    assert f"about {in_words(proposal.run_s['draft'])} of one processor" in draft
+    assert any("even the coarsest draft takes more than" in line for line in proposal.remarks)
 
 
 @pytest.mark.solver

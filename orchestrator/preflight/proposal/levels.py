@@ -1,4 +1,4 @@
-"""The levels of a proposed case: a draft that takes minutes, and a study.
+"""The levels of a proposed case: a cheap draft, and a study.
 
 The draft computes a slice of the width with strips.  If its predicted cost is too high, it leaves out the
 finest particles and then feeds less, and says so.
@@ -81,7 +81,7 @@ def cells(layout: Layout, kind: tuple[int, float]) -> int:
 def drafts(layout: Layout) -> Iterator[Level]:
     """Yield drafts, from the best to the cheapest."""
     for finest, share, lasting in COARSER:
-        about = "minutes: strips, frames that do not turn, a slice of the width, without the finest particles"
+        about = "strips, frames that do not turn, a slice of the width, without the finest particles"
         if share < 1:
             about += f", {share:.0%} of the throughput"
         if lasting < 1:

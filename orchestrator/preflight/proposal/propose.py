@@ -8,6 +8,7 @@ machine, and a few rounds correct its unbalance and its bushings.
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -71,8 +72,8 @@ def find_refusals(template: str, answers: Mapping[str, str]) -> list[CaseProblem
         return list(error.problems)
 
 
-def propose(wishes: Wishes, name: str) -> Proposal:
-    """Return the proposal of a case called ``name``.
+def propose(wishes: Wishes, folder: str) -> Proposal:
+    """Return the proposal of a case for a new ``folder``, whose path stands in the commands of its README.
 
     Raises ImpossibleWishes with every reason why no such machine can be, and CaseError if the proposed
     case has problems that the wishes did not reveal.
@@ -82,6 +83,7 @@ def propose(wishes: Wishes, name: str) -> Proposal:
         raise ImpossibleWishes(problems)
     layout = lay_out(wishes)
     with TemporaryDirectory() as temporary:
+        name = Path(folder).name
         case = _Draft(Path(temporary) / name, layout, _first_values(layout, name))
         machine = _tune(case) if template.is_free else None
         draft = _choose_draft(case)
@@ -96,6 +98,7 @@ def propose(wishes: Wishes, name: str) -> Proposal:
         warned = [*warnings(judged["draft"]), *stability.warnings()]
         proposal = replace(proposal, remarks=tuple(remarks(proposal, warned)))
         case.values |= {
+            "folder": shlex.quote(folder),
             "remarks": proposal.remarks,
             "draft_time": in_words(run_s["draft"]),
             "study_time": in_words(run_s["study"]),

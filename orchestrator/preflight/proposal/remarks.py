@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.checks.motion import NEAR
+from orchestrator.preflight.cost import in_words
+from orchestrator.preflight.proposal.levels import DRAFT_S
 from orchestrator.preflight.proposal.limits import PACKED
 from orchestrator.preflight.proposal.machine import round_to
 from orchestrator.preflight.scene.frame_modes import frame_modes
@@ -97,7 +99,13 @@ def _material(proposal: Proposal) -> Iterator[str]:
         f"feed: {3.6 * wishes.throughput_kg_per_s:.4g} t/h of {wishes.material}, {1e3 * layout.finest_m:.3g} "
         f"to {1e3 * layout.largest_m:.3g} mm, two fifths of it finer than the openings"
     )
-    yield f"draft: {proposal.draft.about}"
+    draft_s = proposal.run_s["draft"]
+    yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"
+    if draft_s > DRAFT_S:
+        yield (
+            f"doubtful: even the coarsest draft takes more than {in_words(DRAFT_S)}, as predicted; larger "
+            "openings and a shorter deck have fewer particles"
+        )
     per_m2 = wishes.throughput_kg_per_s / (wishes.width_m * TRANSPORT_M_PER_S)
     depth_m = per_m2 / (PACKED * wishes.density_kg_per_m3)
     if depth_m > DEEP_BED * wishes.smaller_m:
