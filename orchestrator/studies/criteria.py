@@ -39,7 +39,7 @@ from orchestrator.studies.quantities import (
 FILE = "criteria.toml"
 FORMER = ("paper.toml", "expected.toml", "answers.toml")
 """The names of the file in earlier versions."""
-UNITS = {name: 1.0 for name in ("1", "m", "m/s", "rad/s", "N", "J", "kg", "kg/s", "s", "W")}
+UNITS = {name: 1.0 for name in ("1", "m", "m/s", "rad/s", "N", "J", "kg", "kg/m2", "kg/s", "s", "W")}
 UNITS |= {"mm": 1e-3, "%": 0.01}
 Band = tuple[Number | None, Number | None]
 
@@ -328,11 +328,7 @@ def half_width(row: Criterion, runs: Mapping[str, Runs]) -> float | None:
     asked = _asked(row, runs)
     numbers = np.array([number_of(*each) for each in asked])
     if row.scatter:
-        repeated = [number_of(row, point.folder) for point in runs[row.scatter].points]
-        if len(repeated) < 2:
-            return None
-        width = student_t.ppf(0.975, len(repeated) - 1) * np.std(repeated, ddof=1)
-        widths: list[float | None] = [float(width)] * len(asked)
+        widths = [_scatter(question, runs[row.scatter]) for question, _ in asked]
     else:
         widths = [half_width_of(*each) for each in asked]
     known = [width for width in widths if width is not None]
@@ -346,6 +342,17 @@ def half_width(row: Criterion, runs: Mapping[str, Runs]) -> float | None:
         moved[number] += width_of_one
         changes.append(_combine(row, runs, moved) - whole)
     return float(np.linalg.norm(changes))
+
+
+def _scatter(question: Criterion, runs: Runs) -> float | None:
+    """Return half the width of the 95 % interval of one run's number, by the scatter of repeated runs.
+
+    A single run shows none.  Raises Unknown.
+    """
+    repeated = [number_of(question, point.folder) for point in runs.points]
+    if len(repeated) < 2:
+        return None
+    return float(student_t.ppf(0.975, len(repeated) - 1) * np.std(repeated, ddof=1))
 
 
 def _asked(row: Criterion, runs: Mapping[str, Runs]) -> list[tuple[Criterion, Path]]:

@@ -168,6 +168,37 @@ def _rise(question: Question, run: Path) -> float:
     return float(np.diff(values).max())
 
 
+def _deck_load(question: Question, run: Path) -> float:
+    mass_kg, _ = _on_deck(question, run)
+    along_m = read_dataset(run, "profile/along_m")[0]
+    length_m = len(along_m) * (along_m[1] - along_m[0])
+    with RunReader(run) as reader:
+        width_m = np.mean([panel.rectangle.width_m for panel in single_panels(reader.case)])
+    return float(mass_kg.sum(axis=1).mean() / (length_m * width_m))
+
+
+def _deck_velocity(question: Question, run: Path) -> float:
+    mass_kg, momentum = _on_deck(question, run)
+    if not mass_kg.any():
+        raise Unknown(f"{run.name}: nothing is on the deck")
+    return float(momentum.sum() / mass_kg.sum())
+
+
+def _on_deck(question: Question, run: Path) -> tuple[Array, Array]:
+    """Return the mass (rows, bins) along the deck and its momentum, at the output times ``between_s``.
+
+    Raises Unknown.
+    """
+    time_s = read_dataset(run, "profile/time_s")
+    low, high = question.between_s or (-np.inf, np.inf)
+    inside = (low <= time_s) & (time_s <= high)
+    if not inside.any():
+        raise Unknown(f"{run.name}: no output time between {low:g} and {high:g} s")
+    names = ("profile/mass_kg", "profile/velocity_m_per_s")
+    mass_kg, velocity_m_per_s = (np.nan_to_num(read_dataset(run, name)[inside]) for name in names)
+    return mass_kg, np.asarray(mass_kg * velocity_m_per_s, dtype=float)
+
+
 def read_dataset(run: Path, name: str) -> Array:
     """Return a dataset of ``history.h5``.  Raises Unknown where there is none."""
     try:
@@ -433,6 +464,9 @@ MEASURES: dict[str, Callable[[Question, Path], float]] = {
     # the largest distance, in m, of a panel's middle line from the straight line between its ends, on
     # either side, in the cycles that end in the run's second half
     "arch": _arch,
+    # the mean mass on the deck per area of the deck, in kg/m2, and its mean velocity along the deck by mass
+    "deck_load": _deck_load,
+    "deck_velocity": _deck_velocity,
     # the largest rise from one entry of a list of results to the next (* stands for the entry's number
     # in the keys); it is negative if all entries fall
     "rise": _rise,

@@ -17,13 +17,14 @@ from orchestrator.studies.criteria import (
     Runs,
     answer_error,
     evaluate,
+    half_width,
     known_answers,
     read_criteria,
 )
 from orchestrator.studies.points import Point
 from orchestrator.studies.quantities import Unknown, outcome
 from orchestrator.studies.verdicts import CriterionResult, judge, verdict_markdown
-from tests.results.synthetic import CYCLE_S, folder_of
+from tests.results.synthetic import BIN_KG, CYCLE_S, VELOCITY_M_S, folder_of
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"
 HEAD = 'number = 1\nhappens = "a"\nexpected = "b"\n[runs.one]\n[runs.two]\n'
@@ -237,3 +238,38 @@ def test_an_amplitude_is_that_of_the_cycles_it_is_asked_for(tmp_path: Path) -> N
     assert evaluate(criterion(**stroke, **late_over_early), runs) == pytest.approx(0.5)
     with pytest.raises(Unknown, match="shorter than a cycle"):
         evaluate(criterion(**stroke, between_s=(0.0, 0.5 * CYCLE_S)), runs)
+
+
+def test_the_load_and_the_velocity_on_the_deck_are_those_of_the_time_they_are_asked_for(
+    tmp_path: Path,
+) -> None:
+    """A deck of 638 by 200 mm; in the second half of the run its upper half is empty and the rest fast."""
+    folder = folder_of(tmp_path / "run")
+    half_s = 30 * CYCLE_S
+    with h5py.File(folder / "history.h5", "r+") as file:
+        late = file["profile/time_s"][:][:, None] > half_s
+        upper = np.arange(8) < 4
+        for name, then in (("mass_kg", 0.0), ("velocity_m_per_s", np.nan)):
+            values = file[f"profile/{name}"]
+            values[:] = np.where(late & upper, then, np.where(late & ~upper, 2 * values[:], values[:]))
+    write_summary(folder, DONE | {"format_version": SUMMARY_FORMAT})
+    runs = {"one": run_in(folder)}
+    load = {"measure": "deck_load", "unit": "kg/m2", "band": None}
+    velocity = {"measure": "deck_velocity", "unit": "m/s", "band": None}
+    all_along = 8 * BIN_KG / (0.638 * 0.2)
+    assert evaluate(criterion(**load), runs) == pytest.approx(all_along)
+    early, then = (0.0, half_s), (half_s + 0.01, 2 * half_s)
+    assert evaluate(criterion(**velocity, between_s=early), runs) == pytest.approx(VELOCITY_M_S)
+    assert evaluate(criterion(**load, between_s=then), runs) == pytest.approx(all_along)
+    assert evaluate(criterion(**velocity, between_s=then), runs) == pytest.approx(2 * VELOCITY_M_S)
+    with pytest.raises(Unknown, match="no output time"):
+        evaluate(criterion(**load, between_s=(2 * half_s + 1, 2 * half_s + 2)), runs)
+
+
+def test_each_part_of_a_series_has_the_scatter_of_its_own_time(runs: dict[str, Runs]) -> None:
+    """Over the runs, x scatters by a row's number: not at all in the first row, but in the last one."""
+    seeds = {"seeds": Runs((*runs["one"].points, *runs["two"].points))}
+    given = {"of": "probes/p/position_m", "axis": "x", "scatter": "seeds", "compare": "difference"}
+    row = criterion(**given, between_s=(4.0, 4.0), earlier_s=(0.0, 0.0))
+    width = 12.706 * np.std([4.0, 8.0], ddof=1)  # Student, one degree of freedom
+    assert half_width(row, runs | seeds) == pytest.approx(width, rel=1e-4)
