@@ -24,7 +24,10 @@ all is well."""
 
 CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
 Level = Annotated[
-    str | None, typer.Option("--level", help="one of the case's levels [default: the case's default_level]")
+    str | None,
+    typer.Option(
+        "--level", help="one of the case's levels, or a level's file [default: the case's default_level]"
+    ),
 ]
 Overrides = Annotated[
     list[str] | None,

@@ -1,0 +1,1 @@
+"""The page docs/commands.md, made from the commands of the program."""
