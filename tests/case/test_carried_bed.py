@@ -18,6 +18,7 @@ from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.output.records.run_folder import create_run_folder
 from orchestrator.output.records.snapshots import Series, particle_mesh
+from orchestrator.output.views.openings import sizes_m
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.ports.geometry import overlap_m
 from orchestrator.ports.plans import ParticleList
@@ -62,6 +63,7 @@ def test_a_table_replaces_the_particles_that_the_case_describes(tmp_path: Path, 
     assert not particles.spin_rad_per_s.any()
     assert set(particles.density_kg_per_m3) == {1430.0}
     assert largest_diameter_m(found.case) == 0.02
+    assert sizes_m(found.case.whole_machine) == [0.01, 0.02]  # beside the drawing of the openings
     assert impact_speed_m_per_s(found.case) == 2.0
     mass_kg = 1430 * np.pi / 6 * (ROWS["diameter_m"] ** 3).sum()
     assert bed_kg(found.case) == pytest.approx(mass_kg, rel=1e-6)

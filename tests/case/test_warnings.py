@@ -173,6 +173,26 @@ def test_one_mistake_gives_its_own_warning(
     assert len(found) == lines  # one for each side where both sides have the mistake
 
 
+@pytest.mark.parametrize(
+    ("override", "wanted"),
+    [
+        (f"{PLATES}.gap_m=0.008", "a gap of 8 mm between panel deck-1 and 2 more and the wall along"),
+        ("screen.surfaces.back.edges_m=[[0, 0.4, 0], [0, 0, 0.029]]", "no back wall at the upper end"),
+        (ELSEWHERE.format("behind", "oversize"), "no exit behind the lower end, panel deck-3"),
+        (ELSEWHERE.format("below", "undersize"), "no exit below the openings of panel deck-1 and"),
+        (f"{OPENINGS}.width_m=0.005", "smaller than all particles: 5 mm against at least 6 mm"),
+    ],
+)
+def test_a_bed_that_is_taken_over_is_material_on_the_deck(tmp_path: Path, override: str, wanted: str) -> None:
+    """Two grains lie on the first panel of a machine without a feed."""
+    rows = ["x_m,y_m,z_m,diameter_m,material", "0.12,0.02,0.05,0.006,gravel", "0.12,0.38,0.05,0.02,gravel"]
+    (tmp_path / "bed.csv").write_text("\n".join(rows))
+    head, _, feed = MACHINE.partition("[bed.feeds.gravel]")
+    carried = head + feed[feed.index("[panel]") :]
+    assert said(tmp_path, "bed.table=bed.csv", case=carried) == []
+    assert wanted in said(tmp_path, "bed.table=bed.csv", override, case=carried)[0]
+
+
 def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
     case = MACHINE.replace('cross_beams = { material = "PU" }\n', "").replace(
         "pitch_m = 0.338", "pitch_m = 0.36"

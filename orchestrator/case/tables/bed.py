@@ -151,6 +151,11 @@ class Bed(Table):
         return bed
 
     @property
+    def has_material(self) -> bool:
+        """True if there is more than single particles: blocks, feeds, or particles that were taken over."""
+        return bool(self.sources or self.carried)
+
+    @property
     def sources(self) -> tuple[Block | Feed, ...]:
         """All blocks, then all feeds."""
         return (*self.blocks.values(), *self.feeds.values())

@@ -28,7 +28,7 @@ def draw_openings(case: Case) -> Iterator[tuple[str, Any]]:
 
 
 def sizes_m(case: Case) -> list[float]:
-    """Return the limits of all size classes of blocks and feeds, and single diameters, from the smallest up.
+    """Return single diameters and the limits of all size classes and of carried particles, in order of size.
 
     At most ``LARGEST_ROWS`` of them are left, among them the smallest and the largest.
     """
@@ -38,6 +38,8 @@ def sizes_m(case: Case) -> list[float]:
     for source in case.bed.sources:
         for size in classes(source):
             limits |= {size.smallest_m, size.largest_m}
+    if (carried := case.bed.carried) is not None and len(carried):
+        limits |= {float(carried.diameter_m.min()), float(carried.diameter_m.max())}
     ordered = sorted(limits)
     if len(ordered) <= LARGEST_ROWS:
         return ordered

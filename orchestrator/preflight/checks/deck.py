@@ -29,7 +29,7 @@ def panels_out_of_line(case: Case) -> Iterator[str]:
 
 def openings_and_particles(case: Case) -> Iterator[str]:
     """Yield a warning for openings that all particles pass, and for openings that none can pass."""
-    if not has_particles(case) or not case.bed.sources:
+    if not has_particles(case) or not case.bed.has_material:
         return
     smallest_m, largest_m = min(smallest_diameters_m(case).values()), max(largest_diameters_m(case).values())
     for panel, *others in perforated_panels(case):

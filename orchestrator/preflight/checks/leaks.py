@@ -1,8 +1,8 @@
 """The warnings about places where material leaves the deck that nobody meant as an exit.
 
 The checks follow straight rays and free flights among flat panels and rigid surfaces at t = 0, in deck
-axes (scene/flight.py).  They consider the material of blocks and feeds: single particles are trials,
-which may fall where they like.  The sides of a periodic slice are closed.
+axes (scene/flight.py).  They consider the material of blocks and feeds, and a bed that is taken over: single
+particles are trials, which may fall where they like.  The sides of a periodic slice are closed.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def leaks(case: Case, folder: Path) -> Iterator[str]:
     The ways are gaps between panels, gaps beside them, open sides, an open upper end, ends and openings
     below which no exit is, and feeds and blocks that miss the deck.
     """
-    if not has_particles(case) or not case.bed.sources or not case.screen.panels:
+    if not has_particles(case) or not case.bed.has_material or not case.screen.panels:
         return
     scene = _Deck(case, folder)
     yield from scene.gaps_between_panels()
@@ -245,8 +245,11 @@ class _Deck:
 
 
 def _source_boxes_m(case: Case) -> list[Array]:
-    """Return bounds (2, 3) in deck axes of the boxes of all blocks and feeds."""
+    """Return bounds (2, 3) in deck axes of all blocks and feeds, and of the particles that are taken over."""
     boxes = [corners_m for corners_m, _ in _source_flights(case).values()]
+    if (carried := case.bed.carried) is not None and len(carried):
+        places_m, radius_m = carried.position_m @ axes(case), carried.diameter_m[:, None] / 2
+        boxes.append(np.vstack([places_m - radius_m, places_m + radius_m]))
     return [np.array([corners_m.min(axis=0), corners_m.max(axis=0)]) for corners_m in boxes]
 
 
