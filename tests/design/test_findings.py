@@ -11,7 +11,7 @@ import pytest
 
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import Confirmed, Findings, Interval
-from orchestrator.studies.design.page import answers, noise_in_words, rivals
+from orchestrator.studies.design.page import answers, borders, noise_in_words, rivals
 from orchestrator.studies.design.trials import Measured, Outcome
 from tests.design.campaigns import belt, run_all
 
@@ -113,6 +113,18 @@ def test_a_response_that_was_added_later_has_no_prediction_but_is_measured(
     findings = Findings(Campaign(later, whole.evaluator, whole.journal, more, whole.read_trials()))
     assert findings.is_confirmed()
     assert "power" in best_of(findings).measured
+
+
+@pytest.mark.parametrize(("limit", "binds"), [(60, True), (10, False)])
+def test_the_ends_of_ranges_and_limits_that_do_not_bind_are_told(
+    limit: int, binds: bool, tmp_path: Path
+) -> None:
+    """Fastest where it is steepest and strongest; a limit of 10 % rules nothing out."""
+    lines = list(borders(Findings(run_all(belt(tmp_path, limits=[f"share >= {limit}"]), tmp_path))))
+    assert any("do not bind" in line for line in lines) is not binds
+    if not binds:
+        assert "slope at the upper end, stroke at the upper end" in lines[0]
+        assert "wider ranges may have more" in lines[0]
 
 
 def test_a_response_that_is_neither_goal_nor_limit_refuses_nothing(whole: Campaign, tmp_path: Path) -> None:

@@ -11,9 +11,11 @@ import numpy as np
 from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, role_of
 from orchestrator.studies.design.findings import Confirmed, Findings, Interval
+from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
 from orchestrator.studies.report import align_rows, write_page
 
+AT_THE_END = 0.95  # coded: from there on a setting is at the end of a range
 WIDENED = 1.05  # factor on the noise from which on it is mentioned
 ROUNDING = 1.1  # ratio of implied standard errors that printed digits explain
 NEARLY_FITTED = 0.01  # of R2, below that of the best coefficients
@@ -78,6 +80,27 @@ def answers(findings: Findings) -> Iterator[str]:
                 said = responses_in_words(findings, each.measured)
                 verdict = "as predicted" if not each.why_not else f"NOT as predicted: {each.why_not}"
                 yield f"{asked} take {setting}: measured {said} in {each.runs} runs, {verdict}."
+
+
+def borders(findings: Findings) -> Iterator[str]:
+    """Yield which best settings lie at the ends of ranges, and which limits rule nothing out."""
+    study = findings.campaign.study
+    for name, setting in findings.best.items():
+        of_limit = f" for {name}" if name else ""
+        at_end = [
+            f"{factor} at the {'upper' if coded > 0 else 'lower'} end"
+            for factor, coded in zip(study.file.factors, setting, strict=True)
+            if abs(coded) > AT_THE_END
+        ]
+        if at_end:
+            yield (
+                f"The best setting{of_limit} lies at the border of what was searched "
+                f"({', '.join(at_end)}): wider ranges may have more."
+            )
+        if study.aims[name].limits and findings.fitted is not None:
+            mean, _ = predict_each(findings.fitted, findings.random_settings)
+            if study.aims[name].kept(mean).all():
+                yield f"The limits{of_limit} do not bind: all settings are expected to keep them."
 
 
 def rivals(findings: Findings) -> Iterator[str]:
@@ -198,10 +221,10 @@ def scope(findings: Findings) -> str:
     if file.table:
         return f"All of it rests on the table {file.table}; nothing was run."
     level = f"level {file.level}" if file.level else "its default level"
+    case = findings.campaign.study.path(file.case).resolve().name
     return (
-        f"All of it holds for the case {file.case} at {level}: a computation with the effects "
-        "and meshes of that "
-        "level, not a measurement on a machine."
+        f"All of it holds for the case {case} at {level}: a "
+        "computation with the effects and meshes of that level, not a measurement on a machine."
     )
 
 
@@ -214,6 +237,7 @@ def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path
         folder / "design.html",
         title=study.file.title or f"Design study of {study.file.case or study.file.table}",
         answers=list(answers(findings)),
+        borders=list(borders(findings)),
         scope=scope(findings),
         factors=list(study.file.factors),
         responses=findings.responses,

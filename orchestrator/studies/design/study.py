@@ -12,7 +12,7 @@ from orchestrator.output.records.run_folder import FolderUnusable, study_folder
 from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import Findings
-from orchestrator.studies.design.page import answers, published_in_words, write_study_page
+from orchestrator.studies.design.page import answers, borders, published_in_words, write_study_page
 from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import Study
@@ -127,6 +127,7 @@ class DesignStudy:
         yield from fit_tables(findings)
         yield from published_in_words(findings)
         yield from answers(findings)
+        yield from borders(findings)
 
 
 def fit_tables(findings: Findings) -> Iterator[str | Table]:
