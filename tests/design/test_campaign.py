@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.tables import write_tables
-from orchestrator.studies.design.trials import Outcome, Trial
+from orchestrator.studies.design.trials import Measured, Outcome, Trial
 from tests.design.campaigns import Killed, NoisyFunction, belt, belt_truth, campaign, run_all
 
 TABLES = ("points.csv", "costs.csv", "fit.json", "front.csv", "best.csv", "effects.csv")
@@ -279,6 +280,17 @@ def test_a_goal_that_nothing_changes_has_no_optimum(deviation: float | None, tmp
     whole = run_all(belt(tmp_path), tmp_path, truth=lambda x: belt_truth(x) | {"speed": 5.0}, **constant)
     assert "confirm" not in stages(whole)
     assert "support no optimum" in the_answer(whole)
+
+
+def test_a_run_that_keeps_a_limit_by_luck_is_no_proof(tmp_path: Path) -> None:
+    """94 % can be reached at most; one run with a noise of 30 points says 130."""
+    whole = run_all(belt(tmp_path), tmp_path)
+    number = next(i for i, each in enumerate(whole.outcomes) if each.trial.stage == "plan")
+    lucky = {**whole.outcomes[number].responses, "share": Measured(130.0, 30.0)}
+    whole.outcomes[number] = replace(whole.outcomes[number], responses=lucky)
+    study = belt(tmp_path, **{"limits": ["share >= 120"], "search/surrogate": "gaussian-process"})
+    asked = Campaign(study, whole.evaluator, whole.journal, whole.outcomes)
+    assert "no setting is expected to keep all limits" in asked.why_no_optimum(asked.study.aim)
 
 
 def test_a_limit_that_is_kept_nowhere_is_named_with_the_nearest_run(tmp_path: Path) -> None:

@@ -40,7 +40,8 @@ def test_a_mistake_in_the_file_ends_each_command_before_anything_is_written(
     write_study(tmp_path, **{"plan/run": 7, "hours": -1.0})
     done = study(command)
     assert done.exit_code == 2
-    assert "2 problems" in done.output
+    assert "3 problems" in done.output
+    assert "amplitude = 8, rate = 70: -0.25 is out of" in done.output  # the centre
     assert 'study.toml plan.run: unknown key (its value: 7); did you mean "runs"?' in done.output
     assert contents(tmp_path) == {"study.toml"}
 

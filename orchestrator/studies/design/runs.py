@@ -54,7 +54,7 @@ class Runs:
         CaseError : with the settings that no case can have, and why.
         """
         problems: list[CaseProblem] = []
-        corners = list(self._study.corners())
+        corners = [np.zeros(self._study.space.factors), *self._study.corners()]
         for corner in corners:
             named = self._named(corner)
             try:
