@@ -16,6 +16,7 @@ from orchestrator.preflight.proposal.layout import Layout
 
 DRAFT_S = 220.0  # processor time that a draft may take as predicted
 CROSSING_M_PER_S = 0.8  # speed along the deck at which a draft's duration is planned
+BALANCED_TURNS = 30  # of the shaft, over which what leaves a draft's deck balances its feed
 LONGEST_INTERVAL_S = 2e-4
 DRAFT_PA, STUDY_PA = 2e7, 5e7  # In softer contacts, stones press grains half way into each other.
 WITHIN = 0.97  # of the longest interval that is stable and accurate
@@ -89,7 +90,7 @@ def drafts(layout: Layout) -> Iterator[Level]:
         yield _level(
             layout,
             about=about,
-            duration_s=lasting * steady_s(layout),
+            duration_s=lasting * (steady_s(layout) + BALANCED_TURNS * cycle_s(layout)),
             youngs_modulus_Pa=DRAFT_PA,
             sizes_m=_without_fines(layout, finest * layout.wishes.smaller_m),
             rate_share=share,
@@ -111,6 +112,11 @@ def study(layout: Layout) -> Level:
     )
 
 
+def cycle_s(layout: Layout) -> float:
+    """Return the time of a turn of the shaft."""
+    return 2 * math.pi / layout.wishes.speed_rad_per_s
+
+
 def steady_s(layout: Layout) -> float:
     """Return the time in which the feed crosses the deck, with a second for the start and the fall."""
     return (layout.length_m + layout.chute_length_m) / CROSSING_M_PER_S + 1.0
@@ -118,13 +124,13 @@ def steady_s(layout: Layout) -> float:
 
 def _level(layout: Layout, duration_s: float, **settings: Any) -> Level:
     """Return a level that lasts ten turns longer than ``duration_s``, with outputs at four phases."""
-    cycle_s = 2 * math.pi / layout.wishes.speed_rad_per_s
+    turn_s = cycle_s(layout)
     level = Level(
-        duration_s=(math.ceil(duration_s / cycle_s) + 10) * cycle_s,
+        duration_s=(math.ceil(duration_s / turn_s) + 10) * turn_s,
         slice_m=_slice_m(layout),
         interval_s=LONGEST_INTERVAL_S,
-        cycle_s=cycle_s,
-        output_s=0.75 * cycle_s,
+        cycle_s=turn_s,
+        output_s=0.75 * turn_s,
         **settings,
     )
     return level.with_interval(LONGEST_INTERVAL_S)
