@@ -275,16 +275,18 @@ def draw_course(course: dict[str, Any], share_of_width: float) -> Any:
     """Draw the amplitude of the frames against each other and the mass on the full deck, over time."""
     fig, axes = figure(1, 1, WIDE, 3.2)
     ax, end_s = axes[0, 0], np.asarray(course["end_s"])
+    highest_mm = 0.0
     for name, pair in course["relative"].items():
         width_mm = [1e3 * (width or 0.0) for width in pair["half_width_m"]]
         along_mm = 1e3 * np.asarray(pair["along_m"])
         ax.errorbar(end_s, along_mm, width_mm, marker="o", ms=3, lw=1, capsize=2, label=name)
+        highest_mm = max(highest_mm, float(along_mm.max()))
     ax.set(
         xlabel="time / s",
         ylabel="amplitude along / mm",
         title="frames against each other, windows of six cycles",
     )
-    ax.set_ylim(bottom=0)
+    ax.set_ylim(0, 1.25 * highest_mm)  # where the machine runs up, intervals are far wider
     ax.legend(loc="lower left")
     if "on_deck_kg" in course:
         on_deck_kg = np.array(course["on_deck_kg"], float) / share_of_width
