@@ -35,7 +35,20 @@ def share_left_out(source: Filling) -> float:
 def finer_share(source: Filling) -> float:
     """Return the share of the mass that is finer than ``smallest_fed_m``."""
     limit_m = source.smallest_fed_m or 0.0
-    return sum(row.mass_fraction * (1.0 - _coarser_share(row, limit_m)) for row in given_classes(source))
+    return sum(row.mass_fraction * (1.0 - coarser_share(row, limit_m)) for row in given_classes(source))
+
+
+def coarser_share(row: SizeClass, limit_m: float) -> float:
+    """Return the share of a class's mass that is as large as a limit.
+
+    Its diameters are evenly spread by number.
+    """
+    if limit_m <= row.smallest_m:
+        return 1.0
+    if limit_m >= row.largest_m:
+        return 0.0
+    powers = row.largest_m**4 - np.array([limit_m, row.smallest_m]) ** 4
+    return float(powers[0] / powers[1])
 
 
 def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
@@ -117,23 +130,13 @@ def _computed_classes(source: Filling) -> list[SizeClass]:
     rows = [
         size_class(max(row.smallest_m, limit_m), row.largest_m, row.mass_fraction * coarser)
         for row in given_classes(source)
-        if (coarser := _coarser_share(row, limit_m)) > 0
+        if (coarser := coarser_share(row, limit_m)) > 0
     ]
     if source.finer == "next-class" and rows:
         first = min(range(len(rows)), key=lambda k: rows[k].smallest_m)
         more = rows[first].mass_fraction + finer_share(source)
         rows[first] = rows[first].model_copy(update={"mass_fraction": more})
     return rows
-
-
-def _coarser_share(row: SizeClass, limit_m: float) -> float:
-    """Return the share of a class's mass above a limit; its diameters are evenly spread by number."""
-    if limit_m <= row.smallest_m:
-        return 1.0
-    if limit_m >= row.largest_m:
-        return 0.0
-    powers = row.largest_m**4 - np.array([limit_m, row.smallest_m]) ** 4
-    return float(powers[0] / powers[1])
 
 
 def shares(sizes: Sequence[SizeClass]) -> Array:
@@ -185,7 +188,7 @@ def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
     limits_m = sorted({limit_m for row in sizes for limit_m in (row.smallest_m, row.largest_m)})
     quartic_m4, finer = [], []
     for limit_m in limits_m:
-        below = sum(row.mass_fraction * (1.0 - _coarser_share(row, limit_m)) for row in sizes)
+        below = sum(row.mass_fraction * (1.0 - coarser_share(row, limit_m)) for row in sizes)
         equal = sum(row.mass_fraction for row in sizes if row.smallest_m == row.largest_m == limit_m)
         quartic_m4 += [limit_m**4, limit_m**4]
         finer += [below, below + equal]

@@ -58,6 +58,11 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
             left = f"{screening[kind.replace(' ', '_')]} {kind} that left, " if kind else ""
             scale = whole if unit == "kg/s" else 1.0
             yield _tile(name, screening[key], unit, left + lasting, unsteady, scale)
+    if whole_feed := screening.get("whole_feed"):
+        over = (
+            f"{whole_feed['left_out_percent']:.3g} % of the feed by the continued partition curve, {lasting}"
+        )
+        yield _tile("efficiency of the whole feed", whole_feed["efficiency_percent"], "%", over, unsteady)
     if bed:
         over = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, {lasting}"
         yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", over, unsteady)

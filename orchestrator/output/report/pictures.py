@@ -206,6 +206,9 @@ def draw_partition(screening: dict[str, Any]) -> Any:
     axes.bar(edges[:-1], share, np.diff(edges), align="edge", color="#dfe3e8", label="feed's mass")
     there = np.isfinite(number)
     axes.plot(1e3 * mean[there], number[there], "o-", color=HELD, ms=4, label="to the oversize")
+    if (whole := screening.get("whole_feed")) and (curve := whole["curve"]):
+        sizes = 1e3 * np.array(curve["diameter_m"])
+        axes.plot(sizes, curve["oversize_percent"], ":", color=HELD, label="continued to finer sizes")
     if screening["cut_size_m"]:
         axes.axvline(1e3 * screening["cut_size_m"], color=OVER, ls="--", label="cut size")
     if table["d50_m"]["value"] is not None:

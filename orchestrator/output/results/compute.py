@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.deck.openings import openings_m
+from orchestrator.case.deck.openings import openings_m, smaller_sides_m
 from orchestrator.case.file.slice import share
 from orchestrator.case.tables.case import has_particles
 from orchestrator.output.results import machine
@@ -23,7 +23,9 @@ from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
 from orchestrator.output.results.screening import screening
 from orchestrator.output.results.wear import wear_metrics
+from orchestrator.output.results.whole_feed import feed_fines, whole_feed
 
+FEWEST_FINES = 100
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
 NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
@@ -109,8 +111,25 @@ def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any])
         table["transport"] = transport(events, run.deck)
         if cut_m is None:
             missing["efficiency"] = NO_CUT
+        else:
+            _add_whole_feed(run, events, cut_m, table)
         if not table["screening"]["particles"]:
             missing["products"] = "no particle left through an exit"
+
+
+def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[str, Any]) -> None:
+    """Add the separation of the whole feed where ``smallest_fed_m`` leaves out its finest sizes."""
+    feeds, opening_m = tuple(run.case.bed.feeds.values()), max(smaller_sides_m(run.case), default=None)
+    fines = feed_fines(feeds, cut_m) if feeds and opening_m is not None else None
+    if fines is None or opening_m is None or not fines.left_out:
+        return
+    number = table["screening"]["fine_particles"]
+    if number < FEWEST_FINES:
+        table["missing"]["whole feed"] = f"{number} fine particles left; its curve needs {FEWEST_FINES}"
+        return
+    coarse = table["screening"]["coarse_placement_percent"].value
+    held = 1.0 if coarse is None else coarse / 100.0
+    table["screening"]["whole_feed"] = whole_feed(events, fines, cut_m, opening_m, held)
 
 
 def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
