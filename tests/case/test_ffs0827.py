@@ -20,6 +20,19 @@ def tables(case: str) -> dict[str, Any]:
     return read_toml(CASES / case / "case.toml")
 
 
+def resolved(case: str) -> dict[str, Any]:
+    """Return the tables of a case over those of the case that it names as its base."""
+    own = tables(case)
+    return merge(resolved(own.pop("base").removeprefix("../")), own) if "base" in own else own
+
+
+def merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    nested = {
+        key: merge(below[key], row) for key, row in above.items() if isinstance(row, dict) and key in below
+    }
+    return below | above | nested
+
+
 @pytest.mark.parametrize("case", ["ffs0827-slice", "ffs0827"])
 def test_the_machine_is_the_empty_one(case: str) -> None:
     empty, under_coal = tables("ffs0827-empty"), tables(case)
@@ -50,9 +63,16 @@ def test_undersize_is_collected_as_far_as_the_deck_reaches(case: str) -> None:
             assert low[0] == pytest.approx(end_m, abs=1e-3), name
 
 
-def test_two_panels_have_a_quarter_of_the_machine() -> None:
+@pytest.mark.parametrize(
+    ("machine", "of_two_panels"),
+    [("ffs0827-empty", "ffs0827-panelpair"), ("ffs0827-twelve-springs", "ffs0827-panelpair-twelve-springs")],
+)
+def test_two_panels_have_a_quarter_of_the_machine(machine: str, of_two_panels: str) -> None:
     """Masses, exciter and the sums of stiffness and damping over the bushings."""
-    whole, pair = tables("ffs0827-empty")["screen"], tables("ffs0827-panelpair")["screen"]
+    whole, pair = (resolved(case)["screen"] for case in (machine, of_two_panels))
+    for key in ("thickness_m", "length_m", "pitch_m", "apertures"):
+        assert pair["decks"]["deck"][key] == whole["decks"]["deck"][key], key
+    assert pair["exciters"]["shaft"]["speed_rad_per_s"] == whole["exciters"]["shaft"]["speed_rad_per_s"]
     assert pair["decks"]["deck"]["panels"] == whole["decks"]["deck"]["panels"] / 4
     for name, frame in whole["frames"].items():
         assert pair["frames"][name]["mass_kg"] == pytest.approx(frame["mass_kg"] / 4)
