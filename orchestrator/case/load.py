@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from orchestrator.case.bed.carry import carry_bed, leave_out_outside
-from orchestrator.case.bed.work_of_adhesion import resolve_works_of_adhesion
+from orchestrator.case.bed.work_of_adhesion import resolve_works_of_adhesion, typical_diameters_m
 from orchestrator.case.file.base import CASE_FILE, lay_chain, level_names, read_chain, read_level
 from orchestrator.case.file.bushing_curve import fit_bushing_curves, read_curve_files
 from orchestrator.case.file.coarse import coarsen
@@ -163,7 +163,9 @@ def read_tables(merged: Mapping[str, Any], folder: Path) -> Case:
     Raises pydantic's ValidationError for tables that are no case, and CaseError for particles that cannot be
     taken over, and for contacts that give their adhesion twice.
     """
-    return resolve_works_of_adhesion(carry_bed(Case.model_validate(fill_in_materials(merged)), folder))
+    described = Case.model_validate(fill_in_materials(merged))
+    carried = carry_bed(described, folder)
+    return resolve_works_of_adhesion(carried, typical_diameters_m(described, carried))
 
 
 def complete(bare: Case) -> Case:

@@ -105,6 +105,19 @@ def _mean(table: str, key: str) -> Callable[[Summary], Value | None]:
     return mean
 
 
+def _of_the_whole_width(take: Callable[[Summary], Value | None]) -> Callable[[Summary], Value | None]:
+    """Return a function that scales a number of a slice to the whole width, as the report does."""
+
+    def scaled(summary: Summary) -> Value | None:
+        value, share = take(summary), _inner(summary, "results.share_of_width")
+        if value is None or not share:
+            return value
+        sizes = (value.half_width, value.counting, value.standard_error)
+        return Value(value.value / share, *(size and size / share for size in sizes))
+
+    return scaled
+
+
 def _stroke(summary: Summary) -> Value | None:
     """Return the stroke of two frames against each other; for a single frame, its own amplitude."""
     relative = _largest("results.motion.relative", "along_m")(summary)
@@ -128,7 +141,11 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             1e-6,
             _largest(_FRAMES, "major_m"),
         ),
-        "power": ("mean power of the drives / W", 1e-3, _at("results.power.drives_W")),
+        "power": (
+            "mean power of the drives, of the whole width / W",
+            1e-3,
+            _of_the_whole_width(_at("results.power.drives_W")),
+        ),
         "work_per_feed": (
             "work of the drives over the mass fed / (J/kg)",
             1e-3,
@@ -143,11 +160,15 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             1e-2,
             _mean(_POINTS, "cycle_peak_g"),
         ),
-        "tension": ("mean pull of the panels on their clamps / N", 1e-2, _mean(_PANELS, "tension_mean_N")),
+        "tension": (
+            "mean pull of the panels on their clamps, of the whole width / N",
+            1e-2,
+            _of_the_whole_width(_mean(_PANELS, "tension_mean_N")),
+        ),
         "peak_tension": (
-            "largest pull of a panel on its clamps / N",
+            "largest pull of a panel on its clamps, of the whole width / N",
             1e-1,
-            _largest(_PANELS, "tension_largest_N"),
+            _of_the_whole_width(_largest(_PANELS, "tension_largest_N")),
         ),
         "wear": (
             "largest depth worn off a panel / (m/h)",
@@ -163,10 +184,22 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             0.1,
             _at("results.screening.recovered_percent"),
         ),
-        "undersize": ("undersize / (kg/s)", 1e-6, _at("results.screening.undersize_kg_per_s")),
-        "oversize": ("oversize / (kg/s)", 1e-6, _at("results.screening.oversize_kg_per_s")),
+        "undersize": (
+            "undersize of the whole width / (kg/s)",
+            1e-6,
+            _of_the_whole_width(_at("results.screening.undersize_kg_per_s")),
+        ),
+        "oversize": (
+            "oversize of the whole width / (kg/s)",
+            1e-6,
+            _of_the_whole_width(_at("results.screening.oversize_kg_per_s")),
+        ),
         "velocity": ("speed of the bed along the deck / (m/s)", 1e-3, _at("results.bed.velocity_m_per_s")),
-        "on_deck": ("mass on the deck / kg", 1e-6, _at("results.bed.on_deck_kg")),
+        "on_deck": (
+            "mass on the deck, of the whole width / kg",
+            1e-6,
+            _of_the_whole_width(_at("results.bed.on_deck_kg")),
+        ),
         "depth": ("largest depth of the bed / m", 1e-4, _at("results.bed.largest_depth_m")),
     },
 }

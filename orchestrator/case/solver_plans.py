@@ -25,6 +25,7 @@ from orchestrator.case.deck.panels import (
     unit_vector,
 )
 from orchestrator.case.file.bushing_curve import elements_of
+from orchestrator.case.file.slice import period_m
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
 from orchestrator.ports import Array
@@ -285,7 +286,7 @@ def particles_plan(
     numbers = material_numbers(case)
     particles = initial_particles(case, numbers)
     if case.bed.carried is not None and case.bed.push_out:
-        particles = _make_room(particles, surface, np.array(case.gravity_m_per_s2))
+        particles = _make_room(particles, surface, case)
     cap = case.particles.largest_youngs_modulus_Pa
     return ParticlesPlan(
         surface=surface,
@@ -305,17 +306,18 @@ def particles_plan(
         sync_interval_s=case.coupling.sync_interval_s,
         feed=combine_feeds(case, numbers, particles),
         exits=exits(case),
-        periodic_y=case.slice is not None and case.slice.sides == "periodic",
+        periodic_y=period_m(case) > 0,
         communicator=communicator,
         folder=folder,
     )
 
 
-def _make_room(particles: ParticleList, surface: TriangleSurface, gravity_m_per_s2: Array) -> ParticleList:
+def _make_room(particles: ParticleList, surface: TriangleSurface, case: Case) -> ParticleList:
     """Return the particles after they were pushed out of the surface, and log how many were moved how far."""
+    gravity_m_per_s2 = np.array(case.gravity_m_per_s2)
     size = float(np.linalg.norm(gravity_m_per_s2))
     up = -gravity_m_per_s2 / size if size else np.array([0.0, 0.0, 1.0])
-    pushed = push_out(particles, surface.position_m[surface.triangles], up)
+    pushed = push_out(particles, surface.position_m[surface.triangles], up, period_m(case))
     moved_m = np.linalg.norm(pushed.position_m - particles.position_m, axis=1)
     if moved_m.any():
         count, mean_m = int((moved_m > 0).sum()), moved_m[moved_m > 0].mean()

@@ -20,6 +20,7 @@ from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverMissing
 from orchestrator.preflight.check import warnings
+from orchestrator.preflight.checks.bed import fines
 from orchestrator.preflight.checks.defaults import taken_defaults
 from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
@@ -140,6 +141,8 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
     feeds = "".join(f", {feed.rate_kg_per_s:g} kg/s fed" for feed in case.bed.feeds.values())
     step_s = particle_step_s(case)
     yield f"  particles  {count} at the start{feeds} ({case.particles.solver})"
+    for line in fines(case, "next-class"):
+        yield f"  sizes      {line}"
     if (carried := case.bed.carried) is not None:
         at = "" if math.isnan(carried.time_s) else f", at t = {carried.time_s:g} s"
         yield f"  bed        from {carried.source}{at}"

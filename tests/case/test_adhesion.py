@@ -218,6 +218,16 @@ def test_default_grain_of_particles_that_the_case_takes_over(tmp_path: Path) -> 
     assert coarse.contacts[1].work_of_adhesion_J_per_m2 == pytest.approx(pair / 4, rel=1e-12)
 
 
+def test_a_bed_that_is_taken_over_does_not_change_the_grain_of_blocks(tmp_path: Path) -> None:
+    """What is left on a deck is coarser than what the case describes; the contacts stay those of the case."""
+    block = 'bed.blocks.coal={material="coal", box_m=[[0.05, 0.05, 0.05], [0.2, 0.15, 0.2]], count=40, sizes='
+    block += "[{smallest_m=0.004, largest_m=0.004, mass_fraction=1.0}]}"
+    (tmp_path / "grains.csv").write_text("x_m,y_m,z_m,diameter_m,material\n0.1,0.1,0.1,0.008,coal\n")
+    described = works(tmp_path, BOND_COAL, block)[1]
+    assert works(tmp_path, BOND_COAL, block, "bed.table=grains.csv")[1] == pytest.approx(described, rel=1e-12)
+    assert described == pytest.approx(4 / 9 * 5 * 1430.0 * G_M_PER_S2 * 0.004**2, rel=1e-12)
+
+
 def test_median_diameter_by_mass() -> None:
     """Diameters of a class are even by number, so that the mass below d is (d^4 - a^4) / (b^4 - a^4)."""
     whole = [size_class(0.002, 0.004, 1.0)]

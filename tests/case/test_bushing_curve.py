@@ -121,12 +121,30 @@ def test_a_slice_has_its_share(tmp_path: Path) -> None:
         ),
         (
             f"{{points=[{rows([(1e-3, 10, 1.5e4, 0.1), (6e-3, 10, 2.5e4, 0.1)])}]}}",
-            "no spring with friction and Maxwell elements meets it: off by",
+            "no spring with friction and Maxwell elements meets it: stiffness off by",
+        ),
+        (
+            f"{{points=[{rows([(1e-3, f, 2e4, 0.3 if f == 10 else 0.05) for f in (5, 10, 20)])}]}}",
+            "loss factor by",
+        ),
+        (
+            f"{{elastic_N_per_m=2e4, points=[{rows(measured())}]}}",
+            "its elements do not meet its points: stiffness off by",
         ),
     ],
 )
 def test_a_wrong_curve_is_refused(tmp_path: Path, curve: str, said: str) -> None:
     assert any(said in line for line in complaints(tmp_path, f"screen.bushings.isolation.curves=[{curve}]"))
+
+
+def test_new_points_take_fitted_elements_away(tmp_path: Path) -> None:
+    """A resolved case has the points and the elements; new points by --set are fitted anew."""
+    resolved = resolved_case(load_case(tmp_path, CASE, [CURVE, PLANAR]))
+    stiffer = [(a, f, 1.5 * k, loss) for a, f, k, loss in measured()]
+    new = f"screen.bushings.isolation.curves.0.points=[{rows(stiffer)}]"
+    again = load_case(tmp_path / "again", resolved, [new])
+    curve = again.case.screen.bushings["isolation"].curves[0]
+    assert curve.elastic_N_per_m == pytest.approx(1.5 * KNOWN.elastic_N_per_m, rel=0.02)
 
 
 def test_all_mistakes_in_a_file_are_told(tmp_path: Path) -> None:

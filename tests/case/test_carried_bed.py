@@ -24,7 +24,7 @@ from orchestrator.ports.geometry import overlap_m
 from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.scene.scene import bed_kg
-from tests.cases import CASE, case_folder, contact, grains, load_case, loaded, only_complaint
+from tests.cases import CASE, case_folder, complaints, contact, grains, load_case, loaded, only_complaint
 
 FLOOR = np.array([[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], dtype=float)
 UP = np.array([0.0, 0.0, 1.0])
@@ -229,7 +229,11 @@ def test_a_state_after_the_end_and_other_coarse_particles_are_refused(tmp_path: 
 def column(diameter_m: Array, height_m: Array) -> ParticleList:
     """Particles above each other, with a small offset along x."""
     count = len(diameter_m)
-    place_m = np.column_stack([1e-4 * np.arange(count), np.zeros(count), height_m])
+    return at_rest(np.column_stack([1e-4 * np.arange(count), np.zeros(count), height_m]), diameter_m)
+
+
+def at_rest(place_m: Array, diameter_m: Array) -> ParticleList:
+    count = len(diameter_m)
     still, ones = np.zeros((count, 3)), np.ones(count)
     return ParticleList(place_m, still, still, diameter_m, 1430 * ones, np.zeros(count, dtype=np.int64))
 
@@ -264,3 +268,28 @@ def test_pairs_of_very_different_sizes_are_all_found() -> None:
     assert {(min(pair), max(pair)) for pair in zip(one.tolist(), two.tolist(), strict=True)} == wanted
     assert len(one) == len(wanted) > 200
     np.testing.assert_allclose(found_m, overlap_m[one, two], rtol=1e-9)
+
+
+def test_overlaps_across_periodic_sides_are_found_and_pushed_apart(tmp_path: Path) -> None:
+    """Grains of 6 mm at both sides of a slice of 100 mm, half a millimetre inside, are neighbours."""
+    diameter_m = np.full(2, 0.006)
+    place_m = np.array([[0.1, 0.0505, 0.05], [0.1, 0.1495, 0.0502]])
+    assert len(overlapping_pairs(place_m, diameter_m)[0]) == 0
+    one, two, depth_m = overlapping_pairs(place_m, diameter_m, 0.1)
+    assert sorted([*one, *two]) == [0, 1]
+    assert depth_m[0] == pytest.approx(0.006 - np.hypot(0.001, 0.0002), rel=1e-9)
+    pushed = push_out(at_rest(place_m, diameter_m), FLOOR, UP, 0.1)
+    assert overlapping_pairs(pushed.position_m, diameter_m, 0.1)[2].max(initial=0.0) <= SETTLED * 0.006
+    rows = pd.DataFrame(dict(zip(("x_m", "y_m", "z_m"), place_m.T, strict=True)))
+    rows = rows.assign(diameter_m=diameter_m, material="coal")
+    sets = [write_table(tmp_path, rows), "slice.width_m=0.1"]
+    assert any("overlaps" in line for line in complaints(tmp_path, *sets))
+
+
+def test_a_bed_on_a_part_of_the_width_is_warned_of(tmp_path: Path) -> None:
+    """Sixty grains in a strip of 60 mm on a panel of 200 mm, as those of a slice are."""
+    number = np.arange(60)
+    rows = pd.DataFrame({"x_m": 0.02 + 0.01 * (number % 20), "y_m": 0.07 + 0.03 * (number // 20)})
+    rows = rows.assign(z_m=0.02, diameter_m=0.008, material="coal")
+    warned = warnings(load_case(tmp_path, CASE, [write_table(tmp_path, rows)]))
+    assert any("lies on 68 of 200 mm of the width" in line for line in warned)

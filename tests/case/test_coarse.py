@@ -75,3 +75,6 @@ def test_refused_across_openings(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="openings of 0"):
         of(tmp_path, FEED, SLOTTED, COARSE)
     assert of(tmp_path, LUMPS, SLOTTED, COARSE).case.bed.blocks["coal"].count == 8
+    (tmp_path / "grains.csv").write_text("x_m,y_m,z_m,diameter_m,material\n0.1,0.1,0.1,0.016,coal\n")
+    with pytest.raises(CaseError, match=r"the bed from .*grains\.csv has particles of 0\.008 m"):
+        of(tmp_path, "bed.table=grains.csv", SLOTTED, COARSE)

@@ -12,7 +12,7 @@ from orchestrator.cli.overview import overview
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports import Array
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
-from tests.cases import complaints, loaded, only_complaint
+from tests.cases import complaints, load_case, loaded, only_complaint
 
 FREQUENCIES_HZ = np.geomspace(10.0, 300.0, 12)
 KNOWN: Branches = ((0.1, 1e-2), (0.1, 2e-3), (0.1, 4e-4), (0.1, 8e-5))
@@ -88,9 +88,33 @@ def test_the_resolved_case_holds_the_branches_and_check_compares_them(tmp_path: 
 
 
 def test_given_branches_are_not_fitted_again(tmp_path: Path) -> None:
-    maxwell = "materials.PU.hyperelastic.maxwell=[{ratio=0.3, relaxation_s=0.004}]"
-    case = loaded(tmp_path, [CONSTANT, maxwell])
-    assert "PU: loss factor of 1 branches" in "\n".join(overview(case))
+    """Three branches that meet the curve to a few per cent stay; the case's own fit has others."""
+    fit = fit_of(np.full(12, 0.12))
+    given = ", ".join(f"{{ratio={1.02 * g!r}, relaxation_s={tau!r}}}" for g, tau in fit.branches)
+    case = loaded(tmp_path, [CONSTANT, f"materials.PU.hyperelastic.maxwell=[{given}]"])
+    law = case.case.materials["PU"].hyperelastic
+    assert law is not None
+    assert [row.ratio for row in law.maxwell] == [1.02 * g for g, _ in fit.branches]
+    assert "PU: loss factor of 3 branches" in "\n".join(overview(case))
+
+
+def test_branches_that_do_not_meet_the_curve_are_refused(tmp_path: Path) -> None:
+    """As those of an earlier fit beside a new curve in a resolved case."""
+    said = only_complaint(
+        tmp_path, CONSTANT, "materials.PU.hyperelastic.maxwell=[{ratio=0.3, relaxation_s=0.004}]"
+    )
+    assert "its Maxwell branches do not meet it: off by" in said
+    assert "leave out maxwell, which is then fitted anew" in said
+
+
+def test_a_new_curve_takes_fitted_branches_away(tmp_path: Path) -> None:
+    """A resolved case has the curve and its branches; a new curve by --set is fitted anew."""
+    resolved = resolved_case(loaded(tmp_path, [CONSTANT]))
+    again = load_case(tmp_path / "again", resolved, [CONSTANT.replace("0.12", "0.30")])
+    law = again.case.materials["PU"].hyperelastic
+    assert law is not None
+    _, loss = moduli(tuple((row.ratio, row.relaxation_s) for row in law.maxwell), 2 * np.pi * FREQUENCIES_HZ)
+    assert loss == pytest.approx(0.30, rel=0.1)
 
 
 def test_damping_left_out_takes_the_curve_away(tmp_path: Path) -> None:

@@ -237,3 +237,24 @@ def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> 
     wrong = CALL.invoke(app, ["results", runs[0], "--out", str(tmp_path / "x.txt")])
     assert wrong.exit_code == 2
     assert ".csv or .parquet" in wrong.stderr
+
+
+def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
+    """Short names are of the whole width, so that a slice and the whole machine have the same power."""
+    whole, sliced = tmp_path / "whole", tmp_path / "sliced"
+    reason = "in less out is +8.0 % of the feed over the last 30 cycles; up to 2 % counts as steady"
+    for place, share, steady in ((whole, 1.0, ""), (sliced, 0.25, reason)):
+        power = {"drives_W": estimate(400.0 * share, 8.0 * share)}
+        tables = {
+            "power": power,
+            "share_of_width": share,
+            "steady": {"is_steady": not steady, "reason": steady},
+        }
+        tables |= {"bed": {"velocity_m_per_s": estimate(0.5, 0.1)}, "missing": {}, "failed": {}}
+        run_folder(place, {}, results=tables)
+    done = CALL.invoke(app, ["compare", str(whole), str(sliced), "--json"])
+    told = json.loads(done.stdout)["results"]["power"]
+    assert told["values"] == pytest.approx([400.0, 400.0])
+    assert told["half_widths"] == pytest.approx([8.0, 8.0])
+    assert f"{sliced}: not steady: {reason}" in " ".join(done.stderr.split())
+    assert "slices of different shares of the width (whole 1, sliced 0.25)" in " ".join(done.stderr.split())

@@ -7,6 +7,7 @@ import pytest
 
 from orchestrator.output.results.estimate import (
     Estimate,
+    batch_count,
     batch_sums,
     counting_deviation,
     estimate,
@@ -49,8 +50,18 @@ def test_a_ratio_has_the_interval_of_its_linearisation() -> None:
 
 
 def test_batches_leave_out_the_front() -> None:
-    sums = batch_sums(np.arange(7.0)[:, None], batches=3)
-    assert sums.tolist() == [[1.0 + 2.0], [3.0 + 4.0], [5.0 + 6.0]]
+    """Of 43 cycles, fourteen batches of three leave one over, and ten of four would leave three."""
+    sums = batch_sums(np.arange(43.0)[:, None])
+    assert sums.ravel().tolist() == [float(3 * first + 3) for first in range(1, 43, 3)]
+
+
+@pytest.mark.parametrize(
+    ("cycles", "batches"), [(7, 7), (20, 20), (21, 20), (39, 13), (40, 20), (43, 14), (59, 19), (1000, 20)]
+)
+def test_few_cycles_are_left_over(cycles: int, batches: int) -> None:
+    """Batches of equal length use nearly all cycles: at most one in twenty is left over."""
+    assert batch_count(cycles) == batches
+    assert cycles % batches <= max(1, cycles // 20)
 
 
 def test_what_cannot_be_said_is_not_said() -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.results.bed import passing_kg_per_s_m, residence_s
-from orchestrator.output.results.events import LOST, EventTable, per_cycle
+from orchestrator.output.results.bed import passing_kg_per_s_m, residence_s, transport
+from orchestrator.output.results.events import LOST, Events, EventTable, Exits, per_cycle
+from orchestrator.output.results.screening import screening
 
 
 def removed(ids: list[int], time_s: list[float]) -> EventTable:
@@ -35,3 +36,45 @@ def test_sums_over_cycles_lose_nothing() -> None:
     group = np.array([0, 1, 0, 0, LOST, 0])
     table = per_cycle(time, np.arange(1.0, 7.0), np.array([0.0, 0.1, 0.2, 0.3]), group, 2)
     assert table.tolist() == [[1.0, 2.0], [3.0 + 4.0, 0.0], [0.0, 0.0]]
+
+
+def carried_bed(recovered: float, stay_s: tuple[float, float], end_s: float = 60.0) -> Events:
+    """A steady deck that a run begins with: grains come at equal times and stay for random times.
+
+    A share ``recovered`` of the fines, half of all grains, leaves with the undersize.  Grains on the deck at
+    t = 0 have come before, and nobody knows when.
+    """
+    generator = np.random.default_rng(3)
+    time_s = np.arange(-20.0, end_s, 0.005)
+    left_s = time_s + generator.uniform(*stay_s, len(time_s))
+    fine = generator.uniform(size=len(time_s)) < 0.5
+    under = fine & (generator.uniform(size=len(time_s)) < recovered)
+    there = left_s > 0
+    diameter_m = np.where(fine, 0.002, 0.005)
+    mass_kg = np.ones(len(time_s))
+    ids = np.arange(len(time_s))
+    fed = EventTable(ids[there], np.maximum(time_s, 0.0)[there], diameter_m[there], mass_kg[there])
+    gone = there & (left_s < end_s)
+    order = np.flatnonzero(gone)[np.argsort(left_s[gone])]
+    removed = EventTable(
+        ids[order],
+        left_s[order],
+        diameter_m[order],
+        mass_kg[order],
+        np.zeros((len(order), 3)),
+        np.where(under[order], 0, 1),
+    )
+    exits = Exits(("under", "over"), ("undersize", "oversize"))
+    return Events(fed, removed, exits, np.arange(0.0, end_s + 0.1, 0.5))
+
+
+def test_a_steady_run_that_begins_with_a_bed_knows_recovery_and_residence() -> None:
+    """The bed of t = 0 did not come in the window, and nobody knows how long it has been there."""
+    events = carried_bed(0.7, (1.0, 3.0))
+    assert not events.steady.reason
+    recovered = screening(events, 0.003)["recovered_percent"]
+    assert abs(recovered.value - 70.0) < 4 * recovered.standard_error
+    assert recovered.standard_error < 1.0
+    residence = transport(events, None)["residence_s"]
+    assert abs(residence.value - 2.0) < 4 * residence.standard_error
+    assert residence.standard_error < 0.02

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -100,17 +102,55 @@ def test_the_whole_feed_is_completed(limit_m: float) -> None:
     """
     seen = events(LAW, limit_m)
     fines = feed_fines([feed(limit_m)], OPENING_M)
-    table = whole_feed(seen, fines, OPENING_M, OPENING_M, 0.98)
+    table = whole_feed(seen, fines, OPENING_M, True)
     placement = table["fine_placement_percent"]
     assert placement.standard_error < 2.0
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
-    assert table["efficiency_percent"].value == pytest.approx(placement.value - 2.0, rel=1e-12)
+    assert table["efficiency_percent"].value == pytest.approx(placement.value, rel=1e-12)
     one, two = table["sections"]
     half = PartitionCurve(LAW.rate / 2, LAW.exponent, OPENING_M)
     error = one["cumulative_efficiency_percent"].standard_error
     assert abs(one["cumulative_efficiency_percent"].value - 100 * mean_passed(half)) < 4 * error
     whole_yield = one["yield_percent"].value + two["yield_percent"].value
     assert whole_yield == pytest.approx(fines.total * placement.value, rel=1e-9)
+
+
+def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
+    """With "next-class", the finest computed class is heavier than in the feed, and passes most easily.
+
+    The particles of the same law are weighed as in the feed; unweighed, more of them seem to pass.
+    """
+    limit_m = 0.001
+    table = feed(limit_m).model_dump() | {"finer": "next-class"}
+    fines = feed_fines([Feed.model_validate(table)], OPENING_M)
+    seen = events(LAW, limit_m)
+    finest = 0.00113  # end of the finest class of the curve that is computed
+    heavier = float(fines.weights(np.array([limit_m, finest]))[0])
+    assert heavier < 0.6
+    more = np.where(seen.removed.diameter_m < finest, 1.0 / heavier, 1.0)
+    rows = (replace(row, mass_kg=row.mass_kg * more) for row in (seen.fed, seen.removed))
+    fed_more = Events(*rows, seen.exits, seen.edges_s)
+    placement = whole_feed(fed_more, fines, OPENING_M, True)["fine_placement_percent"]
+    assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
+    unweighed = whole_feed(fed_more, feed_fines([feed(limit_m)], OPENING_M), OPENING_M, True)
+    assert unweighed["fine_placement_percent"].value > placement.value + 1.0
+
+
+def test_coarse_grains_that_pass_lower_the_efficiency() -> None:
+    """Particles above a cut size of 2 mm pass openings of 3 mm, and their share counts against the screen."""
+    seen, fines = events(LAW, 0.001), feed_fines([feed(0.001)], 0.002)
+    table = whole_feed(seen, fines, OPENING_M, True)
+    coarse = seen.removed.diameter_m >= 0.002
+    passed = seen.removed.mass_kg[coarse & (seen.removed.exit < 2)].sum() / seen.removed.mass_kg[coarse].sum()
+    lower = table["fine_placement_percent"].value - table["efficiency_percent"].value
+    assert lower == pytest.approx(100 * passed, rel=5e-3)
+    assert table["efficiency_percent"].half_width > table["fine_placement_percent"].half_width
+
+
+def test_sections_are_left_out_where_openings_differ() -> None:
+    table = whole_feed(events(LAW, 0.001), feed_fines([feed(0.001)], OPENING_M), OPENING_M, False)
+    assert table["sections"] == []
+    assert table["efficiency_percent"].value is not None
 
 
 def test_a_run_that_computes_all_sizes_has_none(tmp_path_factory: pytest.TempPathFactory) -> None:

@@ -25,16 +25,17 @@ ROUNDS = 1000
 LEVEL = 0.3  # Pairs whose direction rises by less are beside each other, and both are moved.
 
 
-def push_out(particles: ParticleList, corners_m: Array, up: Array) -> ParticleList:
+def push_out(particles: ParticleList, corners_m: Array, up: Array, period_m: float = 0.0) -> ParticleList:
     """Return the particles with places at which none overlaps another or a triangle by more than ``SETTLED``.
 
     ``corners_m`` (m, 3, 3) are the surface's triangles, and ``up`` (3,) is the unit vector against gravity.
+    Particles repeat themselves after ``period_m`` along y, unless it is 0.
     Where there is no room, overlaps remain after ``ROUNDS`` rounds; the checks of places report them.
     """
     place_m, diameter_m = particles.position_m.copy(), particles.diameter_m
     for _ in range(ROUNDS):
         moved_m = _out_of_surface(place_m, diameter_m, corners_m, up)
-        moved_m += _apart(place_m, diameter_m, up)
+        moved_m += _apart(place_m, diameter_m, up, period_m)
         if not moved_m.any():
             break
         place_m += moved_m
@@ -54,13 +55,13 @@ def _out_of_surface(place_m: Array, diameter_m: Array, corners_m: Array, up: Arr
     return moved_m
 
 
-def _apart(place_m: Array, diameter_m: Array, up: Array) -> Array:
+def _apart(place_m: Array, diameter_m: Array, up: Array, period_m: float) -> Array:
     """Return the mean displacement (n, 3) of each particle away from those that it overlaps too much."""
-    one, two, overlap_m = overlapping_pairs(place_m, diameter_m)
+    one, two, overlap_m = overlapping_pairs(place_m, diameter_m, period_m)
     smaller_m = np.minimum(diameter_m[one], diameter_m[two])
     deep = overlap_m > SETTLED * smaller_m
     one, two, overlap_m, smaller_m = one[deep], two[deep], overlap_m[deep], smaller_m[deep]
-    between_m = place_m[two] - place_m[one]
+    between_m = _nearest(place_m[two] - place_m[one], period_m)
     direction = _directions(between_m, up)
     rise = direction @ up
     share_of_two = np.where(rise > LEVEL, 1.0, np.where(rise < -LEVEL, 0.0, 0.5))
@@ -79,17 +80,30 @@ def _directions(vectors: Array, up: Array) -> Array:
     return np.where(length > 0, vectors / np.maximum(length, 1e-300), up)
 
 
-def overlapping_pairs(place_m: Array, diameter_m: Array) -> tuple[Indices, Indices, Array]:
+def _nearest(vectors_m: Array, period_m: float) -> Array:
+    """Return vectors (n, 3) between particles to the nearest image, where y repeats itself."""
+    if period_m > 0:
+        vectors_m[:, 1] -= period_m * np.round(vectors_m[:, 1] / period_m)
+    return vectors_m
+
+
+def overlapping_pairs(
+    place_m: Array, diameter_m: Array, period_m: float = 0.0
+) -> tuple[Indices, Indices, Array]:
     """Return the numbers of both particles of each pair that overlaps, and the overlaps in m.
 
     Neighbours are searched by classes of sizes that differ by a factor of two: within the diameter of the
-    largest particle, a fine one can have thousands of others.
+    largest particle, a fine one can have thousands of others.  Particles repeat themselves after ``period_m``
+    along y, unless it is 0.
     """
     from scipy.spatial import cKDTree
 
     octave = np.floor(np.log2(diameter_m / diameter_m.min()))
     groups = [np.flatnonzero(octave == number) for number in np.unique(octave)]
-    trees = [cKDTree(place_m[group]) for group in groups]
+    inside_m = place_m.copy()
+    if period_m > 0:
+        inside_m[:, 1] %= period_m
+    trees = [cKDTree(inside_m[group], boxsize=(0.0, period_m, 0.0)) for group in groups]
     largest_m = [diameter_m[group].max() for group in groups]
     pairs = []
     for k, group in enumerate(groups):
@@ -99,7 +113,7 @@ def overlapping_pairs(place_m: Array, diameter_m: Array) -> tuple[Indices, Indic
             near = trees[k].sparse_distance_matrix(trees[finer], reach_m, output_type="ndarray")
             pairs.append(np.column_stack([group[near["i"]], groups[finer][near["j"]]]))
     one, two = np.concatenate(pairs).T
-    distance_m = np.linalg.norm(place_m[one] - place_m[two], axis=1)
+    distance_m = np.linalg.norm(_nearest(place_m[one] - place_m[two], period_m), axis=1)
     overlap_m = (diameter_m[one] + diameter_m[two]) / 2 - distance_m
     touching = overlap_m > 0
     return one[touching], two[touching], overlap_m[touching]

@@ -44,8 +44,10 @@ MOISTURES_J_PER_M2 = {
 """Work of adhesion of each class of moisture."""
 
 
-def resolve_works_of_adhesion(case: Case) -> Case:
+def resolve_works_of_adhesion(case: Case, grains_m: Mapping[str, float]) -> Case:
     """Return the case with a work of adhesion in place of each Bond number and each class of moisture.
+
+    ``grains_m`` has the typical diameter of each material of particles.
 
     A Bond number stays as it is if no particle has a material of the pair, or if later checks refuse
     the pair's materials or sizes.  Raises CaseError with every contact that gives its adhesion in two
@@ -55,7 +57,6 @@ def resolve_works_of_adhesion(case: Case) -> Case:
         return case
     if problems := [*_contradictions(case)] or [*wrong_sizes(case)]:
         raise CaseError(problems)
-    grains_m = _typical_diameters_m(case)
     contacts = tuple(_resolve(row, case, grains_m) for row in case.contacts)
     return case.model_copy(update={"contacts": contacts})
 
@@ -126,41 +127,47 @@ def _work_of_bond_number(row: Contact, case: Case, grains_m: Mapping[str, float]
     return row.bond_number * weight_N / (1.5 * math.pi * reduced_m)
 
 
-def _typical_diameters_m(case: Case) -> dict[str, float]:
+def typical_diameters_m(described: Case, case: Case) -> dict[str, float]:
     """Return the median diameter by mass of the grains of each material, by name.
 
-    Materials that do not exist, and those whose sizes are not valid, are left out.
+    Feeds and blocks are those of the case as it is ``described``; where a material has none, its grains are
+    the particles with which the ``case`` really begins, of its own or taken over.  Materials that do not exist,
+    and those whose sizes are not valid, are left out.
     """
     diameters_m = {}
     for name in case.materials:
         with suppress(ValueError):  # the check of sizes reports these classes
-            if sizes := _grains(case, name):
+            if sizes := _source_grains(described, name) or _first_grains(case, name):
                 diameters_m[name] = median_diameter_m(sizes)
     return diameters_m
 
 
-def _grains(case: Case, name: str) -> list[SizeClass]:
-    """Return the size classes of a material's grains: of its feeds, else its blocks, else single particles.
+def _source_grains(case: Case, name: str) -> list[SizeClass]:
+    """Return the size classes of a material's feeds, weighted by their rates, else of its blocks.
 
-    Feeds are weighted by their rates, blocks and particles by their masses.  Particles too fine to be
-    computed (``smallest_fed_m``) count, so that the result is the same at every level.
+    Particles too fine to be computed (``smallest_fed_m``) count, so that the result is the same at every level.
     """
-    density_kg_per_m3 = case.materials[name].density_kg_per_m3
-    sources = [row for row in case.bed.sources if row.material == name]
-    if any(True for row in sources for _ in faults(row)):
+    if any(True for row in case.bed.sources if row.material == name for _ in faults(row)):
         return []
     parts: list[tuple[list[SizeClass], float]]
     if feeds := [row for row in case.bed.feeds.values() if row.material == name]:
         parts = [(given_classes(row), row.rate_kg_per_s) for row in feeds]
-    elif blocks := [row for row in case.bed.blocks.values() if row.material == name]:
+    else:
+        density_kg_per_m3 = case.materials[name].density_kg_per_m3
+        blocks = [row for row in case.bed.blocks.values() if row.material == name]
         parts = [
             (sizes := given_classes(row), row.count * mean_mass_kg(sizes, density_kg_per_m3))
             for row in blocks
         ]
-    else:
-        diameters_m = [row.diameter_m for row in case.bed.particles.values() if row.material == name]
-        parts = [([size_class(d, d, 1.0)], sphere_mass_kg(d, density_kg_per_m3)) for d in diameters_m]
-        if case.bed.carried is not None and name in case.bed.carried.materials:
-            real_m = case.bed.carried.diameters_m(name) / case.particles.coarse_graining
-            parts.append(([*classes_of_diameters(real_m)], 1.0))
     return [size.times(mass, "mass_fraction") for sizes, mass in parts for size in sizes]
+
+
+def _first_grains(case: Case, name: str) -> list[SizeClass]:
+    """Return the sizes, by mass, of the particles of a material with which a case begins."""
+    density_kg_per_m3 = case.materials[name].density_kg_per_m3
+    diameters_m = [row.diameter_m for row in case.bed.particles.values() if row.material == name]
+    sizes = [size_class(d, d, sphere_mass_kg(d, density_kg_per_m3)) for d in diameters_m]
+    if case.bed.carried is not None and name in case.bed.carried.materials:
+        real_m = case.bed.carried.diameters_m(name) / case.particles.coarse_graining
+        sizes += classes_of_diameters(real_m)
+    return sizes

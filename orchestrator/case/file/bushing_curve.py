@@ -45,6 +45,8 @@ BETTER = 0.9
 """A fit with more elements must have an error smaller by this factor."""
 WORST = 0.15
 """Relative error of the stiffness above which a fit does not meet the curve."""
+WORST_LOSS = 0.5
+"""Relative error of the loss factor above which a fit does not meet the curve."""
 LOSS_WEIGHT = 0.3
 """Weight of errors of k'' against those of k': measured losses scatter more."""
 LEAST_LOSS = 0.01
@@ -127,7 +129,7 @@ def fit_bushing_curves(case: Case) -> Case:
         if not faults:
             curves = [_fitted(curve) for curve in bushing.curves]
             rows[name] = bushing.model_copy(update={"curves": tuple(curves)})
-            faults = [*_misfits(name, rows[name])]
+            faults = [*_misfits(name, bushing.curves, curves)]
         problems += faults
     if problems:
         raise CaseError(problems)
@@ -284,15 +286,25 @@ def _faults(name: str, bushing: Bushing) -> Iterator[CaseProblem]:
                 yield CaseProblem(("screen", "bushings", name, "stiffness_N_per_m"), what, hint)
 
 
-def _misfits(name: str, bushing: Bushing) -> Iterator[CaseProblem]:
-    """Yield a problem for every curve whose best elements do not meet its points."""
-    for number, curve in enumerate(bushing.curves):
+def _misfits(
+    name: str, given: Sequence[BushingCurve], fitted: Sequence[BushingCurve]
+) -> Iterator[CaseProblem]:
+    """Yield a problem for every curve whose elements, given or the best ones, do not meet its points."""
+    for number, (before, curve) in enumerate(zip(given, fitted, strict=True)):
         if curve.elastic_N_per_m is None:
             what = "falls to nothing at large amplitudes and low frequencies, where a bushing has a spring"
             yield CaseProblem(_key(name, number), what, "measure there, or give elastic_N_per_m")
-        elif (off := compare_with_points(curve)).stiffness_error > WORST:
-            what = f"no spring with friction and Maxwell elements meets it: off by {off.stiffness_error:.0%}"
-            hint = "its stiffness falls with the amplitude and rises with the frequency; smooth the points"
+        elif (off := compare_with_points(curve)).stiffness_error > WORST or off.loss_error > WORST_LOSS:
+            errors = f"stiffness off by {off.stiffness_error:.0%}, loss factor by {off.loss_error:.0%}"
+            if before.elastic_N_per_m is not None:
+                what = f"its elements do not meet its points: {errors}"
+                hint = "leave out elastic_N_per_m, friction and maxwell, which are then fitted anew"
+            else:
+                what = f"no spring with friction and Maxwell elements meets it: {errors}"
+                hint = (
+                    "such a spring's stiffness falls with the amplitude and rises with the frequency; smooth "
+                    "the points"
+                )
             yield CaseProblem(_key(name, number), what, hint)
 
 

@@ -50,7 +50,10 @@ def _single_particles(case: Case) -> list[CaseProblem]:
 
 
 def _across_openings(case: Case) -> list[CaseProblem]:
-    """Return a problem for each block or feed with particles that are not far larger than the openings."""
+    """Return a problem for each source of particles that are not far larger than the openings.
+
+    Particles that are taken over have coarse diameters already.
+    """
     openings_m = [
         min(panel.apertures.length_m, panel.apertures.width_m)
         for panel in case.screen.panels.values()
@@ -64,13 +67,21 @@ def _across_openings(case: Case) -> list[CaseProblem]:
         for name, row in rows.items():
             smallest_m = _smallest_m(row)
             if smallest_m < limit_m:
-                what = (
-                    f"bed.{kind}.{name} has particles of {smallest_m:g} m: coarse ones do not meet "
-                    f"openings of {max(openings_m):g} m as they do"
-                )
-                hint = f"take 1; only beds of {limit_m:g} m and more may be coarse here"
-                problems.append(CaseProblem(KEY, what, hint))
+                problems.append(_too_fine(f"bed.{kind}.{name}", smallest_m, limit_m))
+    if case.bed.carried is not None:
+        smallest_m = float(case.bed.carried.diameter_m.min()) / case.particles.coarse_graining
+        if smallest_m < limit_m:
+            problems.append(_too_fine(f"the bed from {case.bed.carried.source}", smallest_m, limit_m))
     return problems
+
+
+def _too_fine(source: str, smallest_m: float, limit_m: float) -> CaseProblem:
+    """Return the problem of a source whose smallest real particles are not far larger than the openings."""
+    what = (
+        f"{source} has particles of {smallest_m:.4g} m: coarse ones do not meet openings of "
+        f"{limit_m / FAR_LARGER:g} m as they do"
+    )
+    return CaseProblem(KEY, what, f"take 1; only beds of {limit_m:g} m and more may be coarse here")
 
 
 def _smallest_m(row: Filling) -> float:

@@ -71,8 +71,13 @@ REPLACED_BY = {
     "work_of_adhesion_J_per_m2": ("bond_number", "bond_diameter_m", "moisture"),
     "bond_number": ("work_of_adhesion_J_per_m2", "moisture"),
     "moisture": ("work_of_adhesion_J_per_m2", "bond_number", "bond_diameter_m"),
+    "loss_curve": ("maxwell",),
+    "points": ("file", "elastic_N_per_m", "friction", "maxwell"),
+    "file": ("points", "elastic_N_per_m", "friction", "maxwell"),
 }
-"""Keys that a key of a later layer replaces, because it gives the same quantity in another way."""
+"""Keys that a key of a later layer replaces, because it gives the same quantity in another way.
+
+Elements that were fitted to a measured curve go when a later layer gives another curve."""
 
 
 class Layers:

@@ -61,15 +61,18 @@ def moduli(branches: Branches, speed_rad_per_s: Array) -> tuple[Array, Array]:
 def fit_loss_curves(case: Case) -> Case:
     """Return the case with branches for all materials that have a ``loss_curve`` but no branches.
 
-    Raises CaseError for curves that no branches meet and for frequencies that do not rise.
+    Raises CaseError for curves that no branches, or not the given ones, meet, and for frequencies that do not
+    rise.
     """
     materials, problems = dict(case.materials), []
     for name, material in case.materials.items():
         law = material.hyperelastic
-        if law is None or law.maxwell or not law.loss_curve:
+        if law is None or not law.loss_curve:
             continue
         faults = [*_faults(name, law)]
-        if not faults:
+        if not faults and law.maxwell:
+            faults = [*_stale_branches(name, law)]
+        elif not faults:
             fit = fit_branches(curve_points(law))
             faults = [*_misfits(name, fit)]
             maxwell = tuple(MaxwellBranch(ratio=g, relaxation_s=tau) for g, tau in fit.branches)
@@ -165,6 +168,14 @@ def _faults(name: str, law: Hyperelastic) -> Iterator[CaseProblem]:
     frequencies = [point.frequency_Hz for point in law.loss_curve]
     if frequencies != sorted(set(frequencies)):
         yield CaseProblem(_key(name), "frequencies must rise from row to row")
+
+
+def _stale_branches(name: str, law: Hyperelastic) -> Iterator[CaseProblem]:
+    """Yield a problem if the branches that a material gives do not meet its loss curve."""
+    off = compare_with_curve(tuple((row.ratio, row.relaxation_s) for row in law.maxwell), curve_points(law))
+    if off.error > WORST:
+        what = f"its Maxwell branches do not meet it: off by {off.error:.0%} at {off.at_Hz:g} Hz"
+        yield CaseProblem(_key(name), what, "leave out maxwell, which is then fitted anew")
 
 
 def _misfits(name: str, fit: Fit) -> Iterator[CaseProblem]:

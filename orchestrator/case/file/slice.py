@@ -56,6 +56,11 @@ def bounds_m(case: Case) -> tuple[float, float]:
     return middle_m - case.slice.width_m / 2.0, middle_m + case.slice.width_m / 2.0
 
 
+def period_m(case: Case) -> float:
+    """Return the distance after which a slice with periodic sides repeats itself along y; 0 without them."""
+    return case.slice.width_m if case.slice is not None and case.slice.sides == "periodic" else 0.0
+
+
 def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Array, Indices]:
     """Cut a rigid surface, points (n, 3) and triangles (m, 3), to the slice of a case.
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
+from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.cycles import cycle_numbers, within
 from orchestrator.output.records.deck_record import bins_m
 from orchestrator.output.results.estimate import mean_by_cycles, ratio_by_cycles, share
@@ -19,7 +20,8 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
     """Return the bed's metrics over the output times from ``start_s`` to ``end_s`` (at least one).
 
     All metrics are means over time.  A bin or a deck without particles counts with no mass and a depth of
-    0.  Velocities are means by mass.  Only a steady bed has confidence intervals.
+    0.  ``mean_depth_m`` is the mean along the deck, ``largest_depth_m`` the largest along it at each time.
+    Velocities are means by mass.  Only a steady bed has confidence intervals.
     """
     time_s = run.read("profile/time_s")
     window = within(time_s, start_s, end_s, run.cycle_s)
@@ -36,7 +38,9 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
         "output_times": int(window.sum()),
         "particles": float(run.read_between("bed", "particles", start_s, end_s).mean()),
         "on_deck_kg": mean_by_cycles(on_deck_kg, cycle, is_steady),
+        "load_kg_per_m2": mean_by_cycles(on_deck_kg / deck_area_m2(run), cycle, is_steady),
         "velocity_m_per_s": ratio_by_cycles(momentum.sum(axis=1), on_deck_kg, cycle, is_steady),
+        "mean_depth_m": mean_by_cycles(depth_m.mean(axis=1), cycle, is_steady),
         "largest_depth_m": mean_by_cycles(depth_m.max(axis=1), cycle, is_steady),
         "profile": {
             "along_m": along_m,
@@ -45,6 +49,17 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
             "depth_m": depth_m.mean(axis=0),
         },
     }
+
+
+def deck_area_m2(run: RunReader) -> float:
+    """Return the area of the deck, cross beams included: its length times the mean width of the panels.
+
+    Raises KeyError if the panels form no deck.
+    """
+    along_m = run.read("profile/along_m")[0]
+    length_m = len(along_m) * (along_m[1] - along_m[0])
+    width_m = np.mean([panel.rectangle.width_m for panel in single_panels(run.case)])
+    return float(length_m * width_m)
 
 
 def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
@@ -77,10 +92,17 @@ def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s
 
 
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
-    """Return the residence time of the oversize, and the passing rate of the undersize along the deck."""
+    """Return the residence time of the oversize, and the passing rate of the undersize along the deck.
+
+    In a steady run that begins with a bed, nobody knows when its particles entered.  The residence time then
+    begins when the last of them has left, since those that stay briefly leave first.
+    """
     removed, counted = events.removed, events.left_in_window
     stay_s = residence_s(events.fed, removed)
     over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE)) & np.isfinite(stay_s)
+    if not events.steady.reason:
+        at_start = over & np.isin(removed.id, events.fed.id[events.fed.time_s <= 0])
+        over &= removed.time_s > removed.time_s[at_start].max(initial=0.0)
     sums = np.hstack(
         [
             per_cycle(removed.time_s[over], weight[over], events.edges_s)

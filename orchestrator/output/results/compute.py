@@ -43,7 +43,13 @@ def compute_results(folder: Path) -> dict[str, Any]:
 
 
 def _gather(run: RunReader) -> dict[str, Any]:
-    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(run.case.whole_machine)}
+    whole = run.case.whole_machine
+    table: dict[str, Any] = {
+        "missing": {},
+        "failed": {},
+        "share_of_width": share(whole),
+        "slice_width_m": None if whole.slice is None else whole.slice.width_m,
+    }
     if len(run.edges_s) < 2:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table
@@ -119,17 +125,18 @@ def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any])
 
 def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[str, Any]) -> None:
     """Add the separation of the whole feed where ``smallest_fed_m`` leaves out its finest sizes."""
-    feeds, opening_m = tuple(run.case.bed.feeds.values()), max(smaller_sides_m(run.case), default=None)
-    fines = feed_fines(feeds, cut_m) if feeds and opening_m is not None else None
-    if fines is None or opening_m is None or not fines.left_out:
+    feeds, openings_m = tuple(run.case.bed.feeds.values()), [*smaller_sides_m(run.case)]
+    if not feeds or not openings_m:
+        return
+    fines = feed_fines(feeds, cut_m)
+    if not fines.left_out:
         return
     number = table["screening"]["fine_particles"]
     if number < FEWEST_FINES:
         table["missing"]["whole feed"] = f"{number} fine particles left; its curve needs {FEWEST_FINES}"
         return
-    coarse = table["screening"]["coarse_placement_percent"].value
-    held = 1.0 if coarse is None else coarse / 100.0
-    table["screening"]["whole_feed"] = whole_feed(events, fines, cut_m, opening_m, held)
+    is_uniform = min(openings_m) == max(openings_m)
+    table["screening"]["whole_feed"] = whole_feed(events, fines, max(openings_m), is_uniform)
 
 
 def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:

@@ -17,7 +17,7 @@ from scipy.special import stdtrit
 
 from orchestrator.ports import Array, Indices
 
-BATCHES = 20  # Schmeiser advises 10 to 30; more batches would be shorter and less independent
+BATCHES = (10, 20)  # Schmeiser advises 10 to 30; more batches would be shorter and less independent
 FEWEST_BATCHES = 5
 CONFIDENCE = 0.95
 
@@ -45,13 +45,22 @@ class Estimate:
         return table | {name: value for name, value in told.items() if value is not None}
 
 
-def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
+def batch_count(cycles: int) -> int:
+    """Return the number of batches into which cycles are divided.
+
+    It is the number within ``BATCHES`` that leaves the fewest cycles over, the larger one of two.  With few
+    cycles, each cycle is a batch.
+    """
+    fewest, most = BATCHES
+    return min(range(most, fewest - 1, -1), key=lambda count: cycles % count) if cycles > most else cycles
+
+
+def batch_sums(per_cycle: Array) -> Array:
     """Return the sums (batches, ...) of values (cycles, ...) over equal batches of whole cycles.
 
-    Cycles that are left over are the first ones, next to the start-up.  With fewer cycles than
-    ``batches``, each cycle is a batch.
+    Cycles that are left over are the first ones, next to the start-up.
     """
-    count = min(batches, len(per_cycle))
+    count = batch_count(len(per_cycle))
     length = len(per_cycle) // count
     batched = per_cycle[len(per_cycle) - count * length :]
     return np.asarray(batched.reshape(count, length, *per_cycle.shape[1:]).sum(axis=1))

@@ -22,6 +22,7 @@ from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_mass_kg
 
 LOST = -1
+BATCH = "nothing is fed: a batch is never steady"
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
 FEWEST_CYCLES = 20
 LARGEST_IMBALANCE = 0.02
@@ -109,7 +110,7 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     cycles = len(fed_kg)
     feeding = np.flatnonzero(fed_kg)
     if not len(feeding):
-        return SteadyState(0, cycles, "nothing is fed: a batch is never steady")
+        return SteadyState(0, cycles, BATCH)
     last = int(feeding[-1]) + 1
     if cycles - last > 1:
         end = f"the feed stops after cycle {last}"

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.output.cycles import count_whole_cycles, within
-from orchestrator.output.results.estimate import BATCHES, FEWEST_BATCHES, Estimate, half_width
+from orchestrator.output.results.estimate import FEWEST_BATCHES, Estimate, batch_count, half_width
 from orchestrator.ports import Array
 
 Phasors = npt.NDArray[Any]  # complex
@@ -95,7 +95,7 @@ def first_harmonic(
     speed_rad_per_s = 2 * np.pi / cycle_s
     wave = np.real(phasor * np.exp(1j * speed_rad_per_s * time_s)[:, None])
     other = np.ptp(values - slow - wave, axis=0) / 2
-    batches = min(BATCHES, cycles)
+    batches = batch_count(cycles)
     width = None
     if batches >= FEWEST_BATCHES:
         width = _half_width(time_s, values - slow, phasor, end_s, cycle_s, cycles // batches, batches)

@@ -178,10 +178,12 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
 def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
     """Return the fines passed over the fines that came in.
 
-    Other than in the fine placement, fines that stay on the deck count as not recovered.
+    Other than in the fine placement, fines that stay on the deck count as not recovered.  In a steady run,
+    those that are present at t = 0 did not come, as in the balance.
     """
     fed = events.fed
-    came = np.where(fine_or_coarse(fed.diameter_m, cut_m) == FINE, 0, -1)
+    is_fine = fine_or_coarse(fed.diameter_m, cut_m) == FINE
+    came = np.where(is_fine & ((fed.time_s > 0) | bool(events.steady.reason)), 0, -1)
     came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came)[:, 0]
     passed_kg = out_kg[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
     pairs = np.column_stack([passed_kg, came_kg])

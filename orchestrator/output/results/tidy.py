@@ -14,6 +14,7 @@ from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable
+from orchestrator.output.results.events import BATCH
 from orchestrator.output.results.run_reader import RunReader
 
 AXES = ("x", "y", "z")
@@ -45,13 +46,19 @@ class Result:
 
 @dataclass(frozen=True)
 class RunResults:
-    """All results of a run, by name, with the summary and the resolved case from which they come."""
+    """All results of a run, by name.
+
+    ``share_of_width`` is the slice's share of the machine's width, 1 for the whole width.  ``unsteady`` says
+    why a run that is fed is not steady; it is empty for the others.
+    """
 
     folder: Path
     case: str
     level: str
     status: str
     results: dict[str, Result]
+    share_of_width: float = 1.0
+    unsteady: str = ""
 
     def rows(self) -> list[dict[str, str | float | None]]:
         """Return a row of a tidy table for each result."""
@@ -172,9 +179,32 @@ def _read(folder: Path) -> RunResults:
         why = json.dumps((summary.get("results") or {}).get("missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
     level = str(summary.get("level") or "")
-    return RunResults(folder, str(summary.get("case", folder.name)), level, status, results)
+    tables = summary.get("results") or {}
+    return RunResults(
+        folder=folder,
+        case=str(summary.get("case", folder.name)),
+        level=level,
+        status=status,
+        results=results,
+        share_of_width=float(tables.get("share_of_width", 1.0)),
+        unsteady=_why_unsteady(tables.get("steady") or {}),
+    )
+
+
+def _why_unsteady(steady: dict[str, Any]) -> str:
+    """Return why a run is not steady; empty if it is, or if it never could be: nothing was fed."""
+    reason = str(steady.get("reason") or "")
+    return "" if reason == BATCH else reason
 
 
 def doubtful(runs: Sequence[RunResults]) -> list[str]:
-    """Return a line for each run that is not to be trusted."""
-    return [f"{run.folder}: the run is {run.status}" for run in runs if not trust.is_trusted(run.status)]
+    """Return a line for each run that is not to be trusted or not steady, and one if widths differ."""
+    lines = [f"{run.folder}: the run is {run.status}" for run in runs if not trust.is_trusted(run.status)]
+    lines += [f"{run.folder}: not steady: {run.unsteady}" for run in runs if run.unsteady]
+    if len({run.share_of_width for run in runs}) > 1:
+        shares = ", ".join(f"{run.folder.name} {run.share_of_width:.3g}" for run in runs)
+        lines.append(
+            f"the runs are slices of different shares of the width ({shares}): short names are of the whole "
+            "width, and masses, rates, forces and powers by their paths are of the slice"
+        )
+    return lines

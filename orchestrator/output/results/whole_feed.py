@@ -16,15 +16,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import roots_legendre
 
-from orchestrator.case.bed.size_distribution import coarser_share, given_classes
-from orchestrator.case.tables.bed import Feed
-from orchestrator.output.results.estimate import Estimate, share
+from orchestrator.case.bed.size_distribution import classes, coarser_share, given_classes, share_left_out
+from orchestrator.case.tables.bed import Feed, SizeClass
+from orchestrator.output.results.estimate import share
 from orchestrator.output.results.events import LOST, UNDERSIZE, Events, per_cycle
 from orchestrator.ports import Array
 
@@ -72,126 +74,152 @@ def fit_partition(diameter_m: Array, under: Array, over: Array, opening_m: float
 
 @dataclass(frozen=True)
 class FeedFines:
-    """The fines that feeds list, as shares of the feeds' mass.
+    """The fines of feeds, below ``cut_m``, as shares of the feeds' mass.
 
-    ``computed`` is the share of the fines that are computed.  The others have the diameters ``diameter_m``
-    (n,) and the shares ``share`` (n,).
+    ``given`` has the classes that the feeds list and ``fed`` those that are computed, each with its share of
+    the mass.  The fines that are not computed have the diameters ``diameter_m`` (n,) and the shares ``share``
+    (n,).
     """
 
-    computed: float
+    cut_m: float
+    given: tuple[tuple[SizeClass, float], ...]
+    fed: tuple[tuple[SizeClass, float], ...]
     diameter_m: Array
     share: Array
 
     @property
     def left_out(self) -> float:
-        """The share of the mass that is not computed."""
+        """The share of the mass that is finer than what is computed."""
         return float(self.share.sum())
 
     @property
     def total(self) -> float:
         """The share of the mass that is fine."""
-        return self.computed + self.left_out
+        return _share_between(self.given, 0.0, self.cut_m)
+
+    def weights(self, edges_m: Array) -> Array:
+        """Return the share of the feed's mass over that of the computed feed, between edges (bins,).
+
+        It is 1 unless a class that is computed has taken over the mass of finer ones.
+        """
+        pairs = [
+            [_share_between(rows, low, high) for rows in (self.given, self.fed)]
+            for low, high in pairwise(edges_m)
+        ]
+        given, fed = np.array(pairs).T
+        return np.divide(given, fed, out=np.ones(len(given)), where=fed > 0)
 
     def passed(self, computed: float, curve: PartitionCurve) -> float:
-        """Return the share of all fines that pass, if ``computed`` of the computed ones do."""
+        """Return the share of all fines that pass, if ``computed`` of those do whose sizes are computed."""
         finer = float(self.share @ curve.passed(self.diameter_m))
-        return (self.computed * computed + finer) / self.total
+        return ((self.total - self.left_out) * computed + finer) / self.total
 
 
 def feed_fines(feeds: Sequence[Feed], cut_m: float) -> FeedFines:
     """Return the fines, below ``cut_m``, of feeds that are mixed by their rates."""
     nodes, weights = roots_legendre(NODES)
-    computed, diameter_m, shares = 0.0, [np.empty(0)], [np.empty(0)]
+    given, fed, diameter_m, shares = [], [], [np.empty(0)], [np.empty(0)]
     total = sum(feed.rate_kg_per_s for feed in feeds)
     for feed in feeds:
-        limit_m = min(feed.smallest_fed_m or 0.0, cut_m)
+        part, limit_m = feed.rate_kg_per_s / total, min(feed.smallest_fed_m or 0.0, cut_m)
+        given += [(row, part * row.mass_fraction) for row in given_classes(feed)]
+        fed += [(row, part * row.mass_fraction * (1.0 - share_left_out(feed))) for row in classes(feed)]
         for row in given_classes(feed):
-            part = row.mass_fraction * feed.rate_kg_per_s / total
-            coarser = coarser_share(row, limit_m)
-            computed += part * (coarser - coarser_share(row, cut_m))
-            if coarser < 1.0:
+            if (coarser := coarser_share(row, limit_m)) < 1.0:
                 low, high = row.smallest_m, min(row.largest_m, limit_m)
                 sizes = (low + high) / 2 + nodes * (high - low) / 2
                 mass = weights * sizes**3
                 diameter_m.append(sizes)
-                shares.append(part * (1.0 - coarser) * mass / mass.sum())
-    return FeedFines(computed, np.concatenate(diameter_m), np.concatenate(shares))
+                shares.append(part * row.mass_fraction * (1.0 - coarser) * mass / mass.sum())
+    return FeedFines(cut_m, tuple(given), tuple(fed), np.concatenate(diameter_m), np.concatenate(shares))
 
 
-def whole_feed(
-    events: Events, fines: FeedFines, cut_m: float, opening_m: float, coarse_placement: float
-) -> dict[str, Any]:
+def _share_between(rows: Sequence[tuple[SizeClass, float]], low_m: float, high_m: float) -> float:
+    """Return the share of the mass of classes with their shares that lies between two diameters."""
+    return sum(part * (coarser_share(row, low_m) - coarser_share(row, high_m)) for row, part in rows)
+
+
+def whole_feed(events: Events, fines: FeedFines, opening_m: float, is_uniform: bool) -> dict[str, Any]:
     """Return the separation of the whole feed, and the curve by which its fines are completed.
 
-    ``opening_m`` is the smaller side of the largest openings, and ``coarse_placement`` the share of the
-    computed coarse particles that stay above.  A figure is an estimate without a value where the particles
-    that left do not determine the curve.
+    ``opening_m`` is the smaller side of the largest openings; without ``is_uniform`` others are smaller, and
+    the sections, to which it does not apply, are left out.  A figure is an estimate without a value where the
+    particles that left do not determine the curve.
     """
-    sections = events.exits.of(UNDERSIZE)
-    mean_m, sums = _numbers_and_masses(events, cut_m)
+    undersize = events.exits.of(UNDERSIZE)
+    mean_m, sums = _numbers_and_masses(events, fines)
 
     def up_to(count: int, left: Array) -> tuple[PartitionCurve | None, float]:
         """Return the curve of the first sections, and the share of the computed fines that pass there."""
-        under, whole = left[:, sections[:count]].sum(axis=1), left.sum(axis=1)
+        fine = left[:BINS]
+        under, whole = fine[:, undersize[:count]].sum(axis=1), fine.sum(axis=1)
         curve = fit_partition(mean_m, under[:, NUMBER], (whole - under)[:, NUMBER], opening_m)
         return curve, share(under[:, MASS].sum(), whole[:, MASS].sum())
 
     def placement(count: int, left: Array) -> float:
         curve, computed = up_to(count, left)
-        return float("nan") if curve is None else fines.passed(computed, curve)
+        return float("nan") if curve is None else 100.0 * fines.passed(computed, curve)
 
-    def estimate(count: int, before: int = -1, scale: float = 100.0, less: float = 0.0) -> Estimate:
-        def statistic(left: Array) -> float:
-            earlier = placement(before, left) if before > 0 else 0.0
-            return scale * (placement(count, left) - earlier) - less
+    def efficiency(left: Array) -> float:
+        coarse_kg = left[BINS, :, MASS]
+        passed = float(coarse_kg[undersize].sum() / coarse_kg.sum()) if coarse_kg.any() else 0.0
+        return placement(last, left) - 100.0 * passed
 
-        return events.figure(statistic, sums)
+    def section_yield(place: int, left: Array) -> float:
+        before = placement(place, left) if place else 0.0
+        return fines.total * (placement(place + 1, left) - before)
 
-    last = len(sections)
+    last = len(undersize)
+    sections = [
+        {
+            "exit": events.exits.names[number],
+            "cumulative_efficiency_percent": events.figure(partial(placement, place + 1), sums),
+            "yield_percent": events.figure(partial(section_yield, place), sums),
+        }
+        for place, number in enumerate(undersize if is_uniform else ())
+    ]
     curve, _ = up_to(last, sums[events.window].sum(axis=0))
-    smallest_m = min(float(fines.diameter_m.min()), float(mean_m.min()))
-    diameter_m = np.linspace(smallest_m, opening_m, 41)
     return {
         "left_out_percent": 100.0 * fines.left_out,
         "fines_percent": 100.0 * fines.total,
-        "fine_placement_percent": estimate(last),
-        "efficiency_percent": estimate(last, less=100.0 * (1.0 - coarse_placement)),
-        "sections": [
-            {
-                "exit": events.exits.names[number],
-                "cumulative_efficiency_percent": estimate(place + 1),
-                "yield_percent": estimate(place + 1, place, 100.0 * fines.total),
-            }
-            for place, number in enumerate(sections)
-        ],
-        "curve": None
-        if curve is None
-        else {
-            "rate": curve.rate,
-            "exponent": curve.exponent,
-            "opening_m": opening_m,
-            "diameter_m": diameter_m,
-            "oversize_percent": 100.0 * (1.0 - curve.passed(diameter_m)),
-        },
+        "fine_placement_percent": events.figure(partial(placement, last), sums),
+        "efficiency_percent": events.figure(efficiency, sums),
+        "sections": sections,
+        "curve": None if curve is None else _course(curve, min(*fines.diameter_m, *mean_m)),
     }
 
 
-def _numbers_and_masses(events: Events, limit_m: float) -> tuple[Array, Array]:
-    """Return the mean diameter (bins,) of particles finer than a limit, and what left in each cycle.
+def _course(curve: PartitionCurve, smallest_m: float) -> dict[str, Any]:
+    """Return the curve's numbers, and its course from a diameter to the openings' width."""
+    diameter_m = np.linspace(smallest_m, curve.opening_m, 41)
+    return {
+        "rate": curve.rate,
+        "exponent": curve.exponent,
+        "opening_m": curve.opening_m,
+        "diameter_m": diameter_m,
+        "oversize_percent": 100.0 * (1.0 - curve.passed(diameter_m)),
+    }
 
-    The latter are numbers and masses, (cycles, bins, exits, 2).
+
+def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]:
+    """Return the mean diameter (bins,) of fine particles, and what left in each cycle by size and exit.
+
+    The latter are numbers and masses, (cycles, bins + 1, exits, 2); the last size is all that is coarse.
+    Masses are those of the feed as it is listed.
     """
     removed, exits = events.removed, len(events.exits.names)
-    fine = (removed.diameter_m < limit_m) & (removed.exit != LOST)
+    left = removed.exit != LOST
+    fine = left & (removed.diameter_m < fines.cut_m)
     diameter_m = removed.diameter_m[fine]
-    edges_m = np.geomspace(diameter_m.min(), limit_m, BINS + 1)
-    size = np.clip(np.searchsorted(edges_m, removed.diameter_m, side="right") - 1, 0, BINS - 1)
+    edges_m = np.geomspace(diameter_m.min(), fines.cut_m, BINS + 1)
+    size = np.where(fine, np.searchsorted(edges_m[1:-1], removed.diameter_m, side="right"), BINS)
     number = np.bincount(size[fine], minlength=BINS)
     summed_m = np.bincount(size[fine], diameter_m, BINS)
     mean_m = np.divide(summed_m, number, out=np.sqrt(edges_m[1:] * edges_m[:-1]), where=number > 0)
-    group = np.where(fine, exits * size + removed.exit, -1)
+    weight = np.append(fines.weights(edges_m), 1.0)
+    group = np.where(left, exits * size + removed.exit, -1)
     tables = [
-        per_cycle(removed.time_s, each, events.edges_s, group, BINS * exits)
-        for each in (np.ones(len(group)), removed.mass_kg)
+        per_cycle(removed.time_s, each, events.edges_s, group, (BINS + 1) * exits)
+        for each in (np.ones(len(group)), removed.mass_kg * weight[size])
     ]
-    return mean_m, np.stack(tables, axis=-1).reshape(-1, BINS, exits, 2)
+    return mean_m, np.stack(tables, axis=-1).reshape(-1, BINS + 1, exits, 2)

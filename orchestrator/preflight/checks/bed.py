@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import combinations, combinations_with_replacement, product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from orchestrator.case.bed.size_distribution import classes, faults, finer_share
 from orchestrator.case.bed.sources import batch_s, inlets, largest_diameter_m
 from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
+from orchestrator.case.file.layers import Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case, has_particles
@@ -26,7 +28,7 @@ from orchestrator.preflight.checks.names import rows
 from orchestrator.preflight.scene.contacts import compute_softness
 from orchestrator.preflight.scene.scene import scene
 
-SOURCES = ("bed.blocks", "bed.feeds")
+SOURCES, RATE = ("bed.blocks", "bed.feeds"), "rate_kg_per_s"
 LOWEST_FIRST = "give the lowest corner, then the highest"
 
 
@@ -100,15 +102,46 @@ def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem(key, what, LOWEST_FIRST)
 
 
-def fines(case: Case) -> Iterator[str]:
-    """Yield a warning with numbers for each source without its fines."""
+def fines(case: Case, fate: str) -> Iterator[str]:
+    """Yield a line with numbers for each source whose fines have this fate, "leave-out" or "next-class"."""
     for key, source in (row for path in SOURCES for row in rows(case, path)):
-        if source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
-            fate = {"leave-out": "left out", "next-class": "made of the next class"}[source.finer]
+        if source.finer == fate and source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
+            done = {"leave-out": "left out", "next-class": "made of the next class"}[fate]
             yield (
                 f"{key[-1]}: {finer:.1%} of the mass is finer than smallest_fed_m = "
-                f"{source.smallest_fed_m:g} m and {fate}"
+                f"{source.smallest_fed_m:g} m and {done}"
             )
+
+
+def reduced_feeds(given: Mapping[str, Any], layers: Layers) -> Iterator[str]:
+    """Yield a warning for each feed that the level reduces below that of ``given``, the case's own tables."""
+    rates = {name: feed.get(RATE) for name, feed in given.get("bed", {}).get("feeds", {}).items()}
+    for name, feed in layers.merged.get("bed", {}).get("feeds", {}).items():
+        case_kg_per_s, kg_per_s = rates.get(name), feed.get(RATE)
+        by = layers.source(("bed", "feeds", name, RATE))
+        if case_kg_per_s and kg_per_s and kg_per_s < case_kg_per_s and by.startswith("levels/"):
+            yield (
+                f"{name}: {by} feeds {kg_per_s / case_kg_per_s:.0%} of the case's throughput, "
+                f"{3.6 * kg_per_s:.3g} of {3.6 * case_kg_per_s:.3g} t/h: a thinner bed moves faster and "
+                "separates otherwise"
+            )
+
+
+NARROW, ENOUGH_GRAINS = 0.75, 50
+
+
+def narrow_beds(case: Case) -> Iterator[str]:
+    """Yield a warning for carried particles that lie on a part of the width only, as those of a slice do."""
+    carried, panels = case.bed.carried, single_panels(case)
+    if carried is None or len(carried) < ENOUGH_GRAINS or not panels:
+        return
+    width_m = case.slice.width_m if case.slice is not None else panels[0].rectangle.width_m
+    extent_m = float(np.ptp(carried.position_m[:, 1]) + carried.diameter_m.mean())
+    if extent_m < NARROW * width_m:
+        yield (
+            f"the bed from {carried.source} lies on {1e3 * extent_m:.4g} of {1e3 * width_m:.4g} mm of the "
+            "width, like that of a slice: the load is a strip in its middle"
+        )
 
 
 SAME_DENSITY = 1e-6  # relative

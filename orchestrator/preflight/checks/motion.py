@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+import numpy as np
+
+from orchestrator.case.deck.panels import axes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.preflight.scene.clamp_motion import has_moved_by_forces
@@ -15,6 +18,7 @@ from orchestrator.preflight.scene.scene import Scene
 NEAR = 0.15  # A mode this close to an excitation, as a share of it, is resonant or soon may be.
 UNDAMPED = 0.002  # Share of the critical damping below which a mode rings for more than 80 cycles.
 CYCLES = 4  # of a usual run-up
+BEYOND = 2.0  # factor by which a bushing may work beyond its measured amplitudes and frequencies
 SHEARED = 1.5  # Motion normal to a panel over that along it; a circular motion has 1.
 LEVEL = 0.09  # Sine of 5 degrees.
 UPRIGHT = 0.27  # Tangent of 15 degrees: a stroke that leans less against the normal carries nothing.
@@ -56,6 +60,31 @@ def missing_damping(case: Case, scene: Scene) -> Iterator[str]:
                 f"no damping in panels of {name}: their vibrations do not die out; give the material maxwell "
                 "branches or a loss_curve (polyurethane has a loss factor of some 0.1)"
             )
+
+
+def bushings_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
+    """Yield a warning for each bushing that moves much farther, or faster, than its curves were measured."""
+    to_deck, shaken = axes(case).T, scene.shaken
+    speeds_Hz = [shaking.speed_rad_per_s / (2 * math.pi) for shaking in shaken]
+    for name, bushing in case.screen.bushings.items():
+        moved = [s.relative_m(bushing.between) for s in shaken if set(bushing.between) <= set(s.amplitude_m)]
+        for curve in bushing.curves:
+            along = ["xyz".index(axis) for axis in curve.axes]
+            sizes_mm = [1e3 * float(np.linalg.norm((to_deck @ vector)[along])) for vector in moved]
+            measured_mm = [1e3 * point.amplitude_m for point in curve.points]
+            measured_Hz = [point.frequency_Hz for point in curve.points]
+            for what in (
+                *_beyond("an amplitude", "mm", sizes_mm, measured_mm),
+                *_beyond("a frequency", "Hz", speeds_Hz, measured_Hz),
+            ):
+                yield f"bushing {name} along {curve.axes} works at {what}: there the law is a guess"
+
+
+def _beyond(what: str, unit: str, works: Sequence[float], measured: Sequence[float]) -> Iterator[str]:
+    """Yield a text if the largest of these numbers is far outside of the measured ones."""
+    if works and measured and not min(measured) / BEYOND <= max(works) <= BEYOND * max(measured):
+        span = f"{min(measured):.3g} to {max(measured):.3g} {unit}"
+        yield f"{what} of {max(works):.3g} {unit}, and its curve was measured from {span}"
 
 
 def sudden_exciters(case: Case) -> Iterator[str]:

@@ -14,6 +14,7 @@ from orchestrator.case.deck import stl
 from orchestrator.case.deck.panels import plate_corners_m, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.case.file.errors import CaseProblem, Key
+from orchestrator.case.file.slice import period_m
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
@@ -218,7 +219,7 @@ def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
 
 def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
     """Check that no two particles overlap by more than ``allowed_overlap``."""
-    one, two, depth_m = overlapping_pairs(particles.position_m, particles.diameter_m)
+    one, two, depth_m = overlapping_pairs(particles.position_m, particles.diameter_m, period_m(case))
     smaller_m = np.minimum(particles.diameter_m[one], particles.diameter_m[two])
     pairs = np.flatnonzero(depth_m > allowed_overlap(case) * smaller_m)
     if len(pairs):

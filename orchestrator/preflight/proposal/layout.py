@@ -21,7 +21,7 @@ from orchestrator.preflight.proposal.wishes import Wishes
 from orchestrator.preflight.scene.moved_panel import sine_arch_m
 
 USUAL_STRAIN = 0.02  # of a panel at full stroke; published screens stretch theirs by 0.02 to 0.025
-SHORTEST_PANEL_M = 0.30  # as on the published screen FFS0827
+USUAL_PANELS_M = (0.30, 0.45)  # of panels whose length is not given; FFS0827 has the first
 CLAMP_M, BEAM_GAP_M, THICKNESS_M = 0.018, 0.002, 0.005
 AROUND_M = 2 * CLAMP_M + BEAM_GAP_M  # from panel to panel
 LAND = 0.4  # of an opening's width, between neighbouring openings
@@ -30,7 +30,8 @@ SIZES = ((0.5, 0.8, 0.25), (0.8, 0.95, 0.15), (1.1, 1.5, 0.25), (1.5, 2.5, 0.35)
 """The feed: smallest and largest diameter over the smaller side of the openings, and share of the mass.
 There is fine, near-mesh and coarse material, and two fifths of the mass can pass."""
 CHUTE_SLOPE_DEG = 45.0
-FLIGHT_M = 4.0  # distance that oversize may fly beyond the deck's end
+FALL_M, FLIGHT_M, THROW_M = 0.5, 3.5, 2.5
+"""What is so far beyond the deck's end has left it at any height; the box ends so far behind and above it."""
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,10 @@ class Layout:
 
     @property
     def exits(self) -> tuple[Exit, ...]:
-        """A section of the undersize below each panel, and the oversize behind the end."""
+        """A section of the undersize below each panel, and the oversize behind the end.
+
+        A grain that is thrown far beyond the end is oversize at once, wherever it would come down.
+        """
         sections = []
         outside_m = (self.corner_m[0] - 1.0, -0.5, self.wishes.width_m + 0.5)
         for number, (start_m, end_m) in enumerate(pairwise(self.beams_m)):
@@ -181,8 +185,13 @@ class Layout:
             sections.append(Exit(f"section-{number + 1}", "undersize", (_floats(low), _floats(high))))
         x_m, _, z_m = self.end_m
         low = (x_m + 0.001, outside_m[1], z_m - self.clearance_m - 0.6)
-        high = (x_m + FLIGHT_M, outside_m[2], z_m - 0.04)
-        return (*sections, Exit("discharge", "oversize", (_floats(low), _floats(high))))
+        high = (x_m + FALL_M, outside_m[2], z_m - 0.04)
+        beyond = (x_m + FALL_M, *low[1:]), (x_m + FLIGHT_M, outside_m[2], z_m + THROW_M)
+        return (
+            *sections,
+            Exit("discharge", "oversize", (_floats(low), _floats(high))),
+            Exit("discharge-thrown", "oversize", (_floats(beyond[0]), _floats(beyond[1]))),
+        )
 
     @property
     def domain_m(self) -> Box:
@@ -207,7 +216,8 @@ class Layout:
 def panel_length_m(wishes: Wishes) -> float:
     """Return the free length of a panel, which is not positive if the deck is too short for its clamps."""
     if wishes.length_m is None:
-        return max(SHORTEST_PANEL_M, round_up(wishes.stroke_m / USUAL_STRAIN, 0.01))
+        shortest_m, longest_m = USUAL_PANELS_M
+        return min(max(shortest_m, round_up(wishes.stroke_m / USUAL_STRAIN, 0.01)), longest_m)
     return wishes.length_m / wishes.panels - AROUND_M
 
 

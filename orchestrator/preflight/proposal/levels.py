@@ -1,7 +1,8 @@
 """The levels of a proposed case: a cheap draft, and a study.
 
-The draft computes a slice of the width with strips.  If its predicted cost is too high, it leaves out the
-finest particles and then feeds less, and says so.
+The draft computes a slice of the width with strips, without the finest particles, whose separation the
+results complete (results.screening.whole_feed).  If its predicted cost is too high, it is shorter and leaves
+out more of the fines; only then does it feed less than the throughput, and says so.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ DRAFT_PA, STUDY_PA = 2e7, 5e7  # In softer contacts, stones press grains half wa
 WITHIN = 0.97  # of the longest interval that is stable and accurate
 COARSER = (
     (0.7, 1.0, 1.0),
-    (0.7, 0.5, 1.0),
-    (0.7, 0.5, 0.7),
-    (0.7, 0.25, 0.7),
-    (0.7, 0.25, 0.5),
-    (0.7, 0.1, 0.5),
-    (0.7, 0.1, 0.35),
+    (0.7, 1.0, 0.7),
+    (0.8, 1.0, 0.7),
+    (0.8, 1.0, 0.5),
+    (0.8, 0.5, 0.5),
+    (0.8, 0.25, 0.5),
+    (0.8, 0.1, 0.5),
 )
 """Finest diameter over the smaller side of the openings, share of the throughput, and share of the time
 that a steady state takes, from the best draft down."""
@@ -39,16 +40,18 @@ COARSE_CELLS, FINE_CELLS = (
 
 @dataclass(frozen=True)
 class Level:
-    """The settings of a level; ``slice_m`` is None if the whole width is computed."""
+    """The settings of a level.
+
+    ``slice_m`` is None if the whole width is computed, and ``smallest_fed_m`` if all sizes are.
+    """
 
     about: str
     duration_s: float
     slice_m: float | None
     interval_s: float
     youngs_modulus_Pa: float
-    sizes_m: tuple[tuple[float, float, float], ...]
+    smallest_fed_m: float | None
     rate_share: float
-    is_coarser: bool
     cycle_s: float
     output_s: float
 
@@ -60,7 +63,7 @@ class Level:
     @property
     def changes_feed(self) -> bool:
         """Whether the level feeds less or coarser material than the case."""
-        return self.rate_share < 1 or self.is_coarser
+        return self.rate_share < 1 or self.smallest_fed_m is not None
 
     @property
     def feed_interval_s(self) -> float:
@@ -82,9 +85,10 @@ def cells(layout: Layout, kind: tuple[int, float]) -> int:
 def drafts(layout: Layout) -> Iterator[Level]:
     """Yield drafts, from the best to the cheapest."""
     for finest, share, lasting in COARSER:
-        about = "strips, frames that do not turn, a slice of the width, without the finest particles"
+        turning = "frames that do not turn" if layout.wishes.is_free else "prescribed frames"
+        about = f"strips, {turning}, a slice of the width, without particles below {finest:g} of the openings"
         if share < 1:
-            about += f", {share:.0%} of the throughput"
+            about = f"{share:.0%} of the throughput, {about}"
         if lasting < 1:
             about += ", too short for a steady state"
         yield _level(
@@ -92,23 +96,22 @@ def drafts(layout: Layout) -> Iterator[Level]:
             about=about,
             duration_s=lasting * (steady_s(layout) + BALANCED_TURNS * cycle_s(layout)),
             youngs_modulus_Pa=DRAFT_PA,
-            sizes_m=_without_fines(layout, finest * layout.wishes.smaller_m),
+            smallest_fed_m=round(finest * layout.wishes.smaller_m, 9),
             rate_share=share,
-            is_coarser=True,
         )
 
 
 def study(layout: Layout) -> Level:
     """Return the level with finite elements, frames that turn and the whole feed."""
-    about = "sheets of finite elements, frames that turn, the whole feed on a slice of the width"
+    turning = "frames that turn" if layout.wishes.is_free else "prescribed frames"
+    about = f"sheets of finite elements, {turning}, the whole feed on a slice of the width"
     return _level(
         layout,
         about=about,
         duration_s=3 * steady_s(layout),
         youngs_modulus_Pa=STUDY_PA,
-        sizes_m=layout.sizes_m,
+        smallest_fed_m=None,
         rate_share=1.0,
-        is_coarser=False,
     )
 
 
@@ -145,11 +148,3 @@ def _slice_m(layout: Layout) -> float | None:
     pitches = math.ceil(ENOUGH_DIAMETERS * layout.largest_m / openings.pitch_across_m + 1e-9)
     slice_m = pitches * openings.pitch_across_m
     return round(slice_m, 9) if slice_m < width_m - 2 * openings.margin_across_m else None
-
-
-def _without_fines(layout: Layout, finest_m: float) -> tuple[tuple[float, float, float], ...]:
-    """Return the size classes from ``finest_m`` up; the finest class that remains keeps all finer mass."""
-    remaining = [(max(low, finest_m), high, share) for low, high, share in layout.sizes_m if high > finest_m]
-    lost = 1.0 - sum(share for *_, share in remaining)
-    (low, high, share), *others = remaining
-    return (low, high, round(share + lost, 9)), *others

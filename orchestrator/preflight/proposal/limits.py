@@ -71,14 +71,14 @@ def _openings(wishes: Wishes, panel_m: float) -> Iterator[CaseProblem]:
 
 
 def _shaking(wishes: Wishes) -> Iterator[CaseProblem]:
-    """Yield a problem for a stroke at which the driven frame would break."""
+    """Yield a problem for a stroke at which the driven frame would break; a crank gives it half of that."""
     if wishes.template == "test-rig":
         return
-    ratio = machine.RATIO
-    largest_m = LARGEST_SHAKE_G * STANDARD_GRAVITY_M_PER_S2 / wishes.speed_rad_per_s**2 * (ratio - 1) / ratio
+    is_free = TEMPLATES[wishes.template].is_free
+    share = two_mass.amplitudes_m(1.0, machine.RATIO)[1] if is_free else 0.5
+    largest_m = LARGEST_SHAKE_G * STANDARD_GRAVITY_M_PER_S2 / wishes.speed_rad_per_s**2 / share
     if wishes.stroke_m > largest_m:
-        _, driven_m = two_mass.amplitudes_m(wishes.stroke_m, ratio)
-        shake_g = driven_m * wishes.speed_rad_per_s**2 / STANDARD_GRAVITY_M_PER_S2
+        shake_g = LARGEST_SHAKE_G * wishes.stroke_m / largest_m
         what = f"{1e3 * wishes.stroke_m:.3g} mm at this speed shake the driven frame with {shake_g:.2g} g"
         yield problem("stroke", what, f"up to {down(1e3 * largest_m):g} mm, or take a lower --speed")
 
@@ -86,7 +86,7 @@ def _shaking(wishes: Wishes) -> Iterator[CaseProblem]:
 def too_stiff_panels(layout: Layout, panels_N_per_m: float) -> Iterator[CaseProblem]:
     """Yield a problem if the panels alone are so stiff that no usual driven frame comes near resonance."""
     wishes = layout.wishes
-    usual_kg = machine.DRIVEN_KG_PER_M2 * layout.length_m * wishes.width_m
+    usual_kg = machine.usual_driven_kg(layout)
     needed_kg = machine.least_driven_kg(layout, panels_N_per_m)
     if needed_kg > machine.HEAVIEST * usual_kg:
         factor = math.sqrt(needed_kg / (machine.HEAVIEST * usual_kg))

@@ -1,8 +1,8 @@
 """The proposed frames, bushings and exciter for a wanted stroke and speed.
 
 Masses per area of the deck, the ratio of both frames' amplitudes and the bushings' places are those of the
-published screen FFS0827 (cases/ffs0827-empty).  The rest follows from the closed form of two masses
-(two_mass.py) with the panels as springs.
+published screen FFS0827 (cases/ffs0827-empty); where panels are stiff for the speed, masses are larger.  The
+rest follows from the closed form of two masses (two_mass.py) with the panels as springs.
 """
 
 from __future__ import annotations
@@ -59,6 +59,12 @@ class Machine:
     shear: Bushings
     mass_moment_kg_m: float
     run_up_s: float
+    usual_driven_kg: float
+
+    @property
+    def is_heavy(self) -> bool:
+        """Whether stiff panels made the frames heavier than usual."""
+        return self.driven.mass_kg > 1.02 * self.usual_driven_kg
 
     @property
     def resonance_rad_per_s(self) -> float:
@@ -75,8 +81,7 @@ def propose_machine(layout: Layout, panels_N_per_m: float, panels_kg: float, cor
     """
     wishes = layout.wishes
     speed_rad_per_s = wishes.speed_rad_per_s
-    area_m2 = layout.length_m * wishes.width_m
-    driven_kg = round_to(max(DRIVEN_KG_PER_M2 * area_m2, least_driven_kg(layout, panels_N_per_m)), 3)
+    driven_kg = round_to(max(usual_driven_kg(layout), least_driven_kg(layout, panels_N_per_m)), 3)
     driving_kg = round_to(DRIVING_KG_PER_M2 / DRIVEN_KG_PER_M2 * driven_kg, 3)
     center_m = (layout.length_m / 2, wishes.width_m / 2, 0.0)
     inertial_N_per_m = (driven_kg + panels_kg / 2) * speed_rad_per_s**2
@@ -103,7 +108,13 @@ def propose_machine(layout: Layout, panels_N_per_m: float, panels_kg: float, cor
         shear=shear,
         mass_moment_kg_m=round_to(correction * moment_kg_m, 4),
         run_up_s=round_to(RUN_UP_CYCLES * 2 * math.pi / speed_rad_per_s, 3),
+        usual_driven_kg=usual_driven_kg(layout),
     )
+
+
+def usual_driven_kg(layout: Layout) -> float:
+    """Return the mass of a driven frame as heavy for its deck as that of the published screen."""
+    return DRIVEN_KG_PER_M2 * layout.length_m * layout.wishes.width_m
 
 
 def least_driven_kg(layout: Layout, panels_N_per_m: float) -> float:

@@ -50,6 +50,11 @@ class Proposal:
         return np.asarray(axes(self.scene.case)[:, 0])
 
     @property
+    def normal(self) -> Array:
+        """The direction normal to the deck in the world (3,), upwards."""
+        return np.asarray(axes(self.scene.case)[:, 2])
+
+    @property
     def panels_N_per_m(self) -> float:
         """The stiffness of all panels along the deck, as springs."""
         return panels_N_per_m(self.scene)

@@ -122,6 +122,7 @@ def _first_values(layout: Layout, name: str) -> dict[str, Any]:
         "title": title(wishes),
         "words": ", ".join(f"{name} {text}" for name, text in wishes.answers.items()),
         "machine": None,
+        "is_heavy": False,
         "study": levels.study(layout),
         "coarse_cells": levels.cells(layout, levels.COARSE_CELLS),
         "fine_cells": levels.cells(layout, levels.FINE_CELLS),
@@ -153,7 +154,7 @@ def _tune(case: _Draft) -> Machine:
         if problems := [*limits.too_stiff_panels(layout, held_N_per_m)]:
             raise ImpossibleWishes(problems)
         machine = propose_machine(layout, held_N_per_m, panels_kg, correction)
-        case.values |= {"machine": machine, "panels_N_per_m": held_N_per_m}
+        case.values |= {"machine": machine, "is_heavy": machine.is_heavy, "panels_N_per_m": held_N_per_m}
         case.write("case.toml", "levels/draft.toml")
         moved = scene(case.judge("draft").case.whole_machine)
         stroke_m = mean_stroke_m(moved)

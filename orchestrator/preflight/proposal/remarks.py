@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
@@ -16,9 +17,12 @@ from orchestrator.preflight.proposal.machine import round_to
 from orchestrator.preflight.scene.frame_modes import frame_modes
 
 if TYPE_CHECKING:
+    from orchestrator.preflight.proposal.layout import Layout
     from orchestrator.preflight.proposal.proposal import Proposal
+    from orchestrator.preflight.proposal.wishes import Wishes
 
-USUAL_STRAIN, USUAL_SHAKE_G = 0.03, 6.0
+USUAL_STRAINS, USUAL_SHAKE_G = (0.005, 0.03), 6.0
+USUAL_SLOPES_DEG = (5.0, 35.0)
 LONGEST_PANEL_M = 0.8
 DEEP_BED = 4.0  # openings; deeper beds hinder the fines on their way down: a rule of thumb of screen makers
 
@@ -40,6 +44,9 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
         f"deck: {layout.length_m:.3g} m long, {panels} of {1e3 * layout.panel_m:.4g} mm free length, "
         f"openings of {1e3 * wishes.opening_m:.4g} x {1e3 * wishes.opening_length_m:.4g} mm"
     )
+    if layout.slopes_deg:
+        parts = zip(layout.slopes_deg, layout.panels_per_slope, strict=True)
+        yield "slopes: " + ", ".join(f"{slope_deg:g} degrees on {count} panels" for slope_deg, count in parts)
     yield (
         f"stroke: {1e3 * wishes.stroke_m:.3g} mm (half of the whole travel), which stretches the panels by "
         f"{wishes.stroke_m / layout.panel_m:.1%}"
@@ -48,10 +55,26 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
         yield from _machine(proposal)
     if proposal.template.has_material:
         yield from _material(proposal)
-    if wishes.stroke_m > USUAL_STRAIN * layout.panel_m:
-        yield f"doubtful: panels are seldom stretched by more than {USUAL_STRAIN:.0%}; a longer deck helps"
+    yield from _doubts_about_the_deck(wishes, layout)
+
+
+def _doubts_about_the_deck(wishes: Wishes, layout: Layout) -> Iterator[str]:
+    """Yield doubts about the panels' stretch and length and about the slopes."""
+    least, most = USUAL_STRAINS
+    if wishes.stroke_m > most * layout.panel_m:
+        yield f"doubtful: panels are seldom stretched by more than {most:.0%}; longer panels help (--length)"
+    if wishes.stroke_m < least * layout.panel_m:
+        yield f"doubtful: panels stretched by less than {least:.1%} hardly throw; a larger stroke helps"
     if wishes.length_m is not None and layout.panel_m > LONGEST_PANEL_M:
         yield f"doubtful: panels are seldom longer than {1e3 * LONGEST_PANEL_M:g} mm; more panels help"
+    if wishes.template == "test-rig":
+        return
+    flattest_deg, steepest_deg = USUAL_SLOPES_DEG
+    if not all(flattest_deg <= slope_deg <= steepest_deg for slope_deg in wishes.slopes_deg):
+        usual = f"{flattest_deg:g} to {steepest_deg:g} degrees are usual"
+        yield f"doubtful: {usual}; on a flatter deck little moves along, on a steeper one little passes"
+    if any(lower > upper for upper, lower in pairwise(wishes.slopes_deg)):
+        yield "doubtful: the deck becomes steeper towards its lower end; slopes usually fall"
 
 
 def _machine(proposal: Proposal) -> Iterator[str]:
@@ -59,12 +82,25 @@ def _machine(proposal: Proposal) -> Iterator[str]:
     machine = proposal.machine
     assert machine is not None, "only free frames have a machine"
     (shaking,) = proposal.scene.shaken
-    amplitudes_m = {name: abs(shaking.amplitude_m[name] @ proposal.along) for name in ("driving", "driven")}
-    moved = " and ".join(f"the {name} frame by {1e3 * size:.2g} mm" for name, size in amplitudes_m.items())
+    sizes_m = {
+        name: [abs(shaking.amplitude_m[name] @ axis) for axis in (proposal.along, proposal.normal)]
+        for name in ("driving", "driven")
+    }
+    amplitudes_m = {name: along_m for name, (along_m, _) in sizes_m.items()}
+    moved = " and ".join(
+        f"the {name} frame by {1e3 * along_m:.2g} mm along the deck and {1e3 * normal_m:.2g} mm normal to it"
+        for name, (along_m, normal_m) in sizes_m.items()
+    )
     yield (
         f"frames: {machine.driving.mass_kg:g} kg (driving) and {machine.driven.mass_kg:g} kg (driven), "
-        f"unbalance {machine.mass_moment_kg_m:g} kg m; along the deck {moved}"
+        f"unbalance {machine.mass_moment_kg_m:g} kg m; it moves {moved}"
     )
+    if machine.is_heavy:
+        yield (
+            f"doubtful: frames heavier than usual, {machine.driven.mass_kg:g} instead of "
+            f"{round_to(machine.usual_driven_kg, 3):g} kg (driven): the panels are so stiff for this speed "
+            "that lighter frames would need no bushings; longer or thinner panels, or a higher speed, help"
+        )
     total_N_per_m = machine.shear.total_N_per_m[0] + proposal.panels_N_per_m
     yield (
         f"springs: {len(machine.shear.positions_m)} shear bushings of "
@@ -102,10 +138,7 @@ def _material(proposal: Proposal) -> Iterator[str]:
     draft_s = proposal.run_s["draft"]
     yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"
     if draft_s > DRAFT_S:
-        yield (
-            f"doubtful: even the coarsest draft takes more than {in_words(DRAFT_S)}, as predicted; larger "
-            "openings and a shorter deck have fewer particles"
-        )
+        yield f"doubtful: even the coarsest draft takes more than {in_words(DRAFT_S)}, as predicted"
     per_m2 = wishes.throughput_kg_per_s / (wishes.width_m * TRANSPORT_M_PER_S)
     depth_m = per_m2 / (PACKED * wishes.density_kg_per_m3)
     if depth_m > DEEP_BED * wishes.smaller_m:

@@ -6,12 +6,13 @@ Each question has the name of its option on the command line.  All numbers are i
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
 from orchestrator.case.file.units import parse_quantity, split_quantity
-from orchestrator.case.materials.library import NamedMaterial, UnknownMaterial, find, materials, suggest
+from orchestrator.case.materials.library import NamedMaterial, UnknownMaterial, find, materials
 from orchestrator.case.tables.quantities import unit_of
 
 
@@ -36,6 +37,7 @@ class Template:
         return "material" in self.asks
 
 
+RANGE = " to "  # between the first and the last of several slopes
 _DECK = ("width", "panels", "length", "slope", "opening", "opening-length")
 _MATERIAL = ("material", "throughput")
 _MOTION = ("speed", "stroke")
@@ -65,7 +67,7 @@ TEMPLATES = {
     ),
     "test-rig": Template(
         "A test rig",
-        "one panel without material between a fixed clamp and a driven clamp",
+        "one panel without material between a fixed and a driven clamp (with material: crank-link, 1 panel)",
         ("width", "length", "opening", "opening-length", *_MOTION),
         "test-rig",
         False,
@@ -81,12 +83,14 @@ class Question:
     ``sentence`` is the question as it is asked, and ``default`` the answer that is offered, as text with
     its unit; "" leaves the choice to the proposal.  ``key`` is the name of the number and ends with its unit;
     without a unit, it is a whole number.  ``limits`` are the smallest and the largest possible value.
+    ``unit`` is the unit that people usually give; a number without any unit is then refused.
     """
 
     sentence: str
     default: str
     key: str
     limits: tuple[float, float] = (0.0, 0.0)
+    unit: str = ""
 
     def range(self, unit: str) -> str:
         """Return the limits as text in a unit of the question's kind; "" stands for the key's own unit."""
@@ -114,36 +118,48 @@ def _cut(value: float, digits: int, whole: Callable[[float], int]) -> float:
 
 
 QUESTIONS = {
-    "width": Question("How wide is the deck?", "2 m", "width_m", (0.1, 6.0)),
+    "width": Question("How wide is the deck?", "2 m", "width_m", (0.1, 6.0), "m"),
     "panels": Question("How many panels follow one another along the deck?", "4", "panels", (1, 40)),
     "length": Question(
         "How long is the whole deck (nothing: as long as panels for this stroke are)?",
         "",
         "length_m",
         (0.15, 15.0),
+        "m",
     ),
     "slope": Question(
-        "How steeply does the deck slope down (several slopes, separated by commas, from the upper end)?",
+        "How steeply does the deck slope down (several slopes from the upper end, separated by commas, "
+        'or "30 to 12 deg")?',
         "20 deg",
         "slope_deg",
         (0.0, 45.0),
     ),
-    "opening": Question("How wide are the openings across the deck?", "12 mm", "opening_m", (5e-4, 0.2)),
+    "opening": Question(
+        'How wide are the openings across the deck (or width x length, such as "8 x 20 mm")?',
+        "12 mm",
+        "opening_m",
+        (5e-4, 0.2),
+        "mm",
+    ),
     "opening-length": Question(
         "How long are the openings along the deck (nothing: as long as wide)?",
         "",
         "opening_length_m",
         (5e-4, 0.5),
+        "mm",
     ),
     "material": Question("Which material is screened?", "limestone", "material"),
-    "throughput": Question("How much material is fed?", "50 t/h", "throughput_kg_per_s", (0.003, 2000.0)),
-    "speed": Question("How fast does the shaft turn?", "750 rpm", "speed_rad_per_s", (5.0, 200.0)),
+    "throughput": Question(
+        "How much material is fed?", "50 t/h", "throughput_kg_per_s", (0.003, 2000.0), "t/h"
+    ),
+    "speed": Question("How fast does the shaft turn?", "750 rpm", "speed_rad_per_s", (5.0, 200.0), "rpm"),
     "stroke": Question(
         "How large shall the stroke be, the amplitude of one frame against the other along the deck "
         "(half of the whole travel)?",
         "6 mm",
         "stroke_m",
         (2e-4, 0.05),
+        "mm",
     ),
 }
 
@@ -168,6 +184,11 @@ class Wishes:
     throughput_kg_per_s: float
     speed_rad_per_s: float
     stroke_m: float
+
+    @property
+    def is_free(self) -> bool:
+        """Whether forces move the frames."""
+        return TEMPLATES[self.template].is_free
 
     @property
     def smaller_m(self) -> float:
@@ -206,7 +227,15 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
         raise ImpossibleWishes(problems)
     texts = {name: answers.get(name, "").strip() or default_answer(template, name) for name in QUESTIONS}
     numbers = {name: read_answer(name, text) for name, text in texts.items()}
-    if (slopes := len(numbers["slope"])) > max(1, *numbers["panels"]):
+    panels = int(_given(numbers["panels"][0]))
+    if RANGE in texts["slope"]:
+        numbers["slope"] = _spread(numbers["slope"], panels)
+    if len(numbers["opening"]) > 1:
+        if numbers["opening-length"]:
+            what = f"contradicts --opening {show_value(texts['opening'])}, which has a length"
+            problems.append(problem("opening-length", what, "leave one of them out"))
+        numbers["opening"], numbers["opening-length"] = numbers["opening"][:1], numbers["opening"][1:]
+    if (slopes := len(numbers["slope"])) > panels:
         what, hint = f"{slopes} slopes want {slopes} panels or more", "take fewer, or more --panels"
         problems.append(problem("slope", what, hint))
     if problems:
@@ -216,7 +245,7 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
         template=template,
         answers={name: texts[name] for name in TEMPLATES[template].asks if texts[name]},
         width_m=_given(first["width"]),
-        panels=int(_given(first["panels"])),
+        panels=panels,
         length_m=first["length"],
         slopes_deg=numbers["slope"],
         opening_m=_given(first["opening"]),
@@ -242,7 +271,10 @@ def find_wrong_answers(template: str | None, answers: Mapping[str, str]) -> list
             problems += error.problems
     for name, text in answers.items():
         if name not in asks:
-            problems.append(problem(name, f"the template {template} does not ask for it", "leave it out"))
+            hint = "leave it out"
+            if name in _MATERIAL:
+                hint += ", or take --template crank-link --panels 1 for one panel under material"
+            problems.append(problem(name, f"the template {template} does not ask for it", hint))
         try:
             if text.strip():
                 read_answer(name, text)
@@ -267,14 +299,15 @@ def _given(number: float | None) -> float:
 def read_answer(name: str, text: str) -> tuple[float, ...]:
     """Return the numbers of an answer in SI units; empty for a material, and for an answer that is left open.
 
-    Raises ImpossibleWishes with every reason why the answer is wrong.
+    A range of slopes has its two ends, and an opening may have its width and its length.  Raises
+    ImpossibleWishes with every reason why the answer is wrong.
     """
     question = QUESTIONS[name]
     if name == "material":
         find_grains(text)
         return ()
     numbers, problems = [], []
-    for part in text.split(",") if name == "slope" else [text] if text.strip() else []:
+    for part in _parts(name, text):
         try:
             numbers.append(_read_number(part.strip(), question))
         except ValueError as error:
@@ -284,41 +317,53 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
     return tuple(numbers)
 
 
+def _parts(name: str, text: str) -> list[str]:
+    """Return the texts of the numbers in an answer, each with its unit."""
+    separator = {"slope": RANGE if RANGE in text else ",", "opening": " x "}.get(name)
+    parts = text.split(separator) if separator and text.strip() else [text] if text.strip() else []
+    unit = re.sub(r"^[\s0-9.eE+-]+", "", parts[-1]) if len(parts) > 1 else ""
+    return [part if re.search(r"[A-Za-z]", part) else f"{part} {unit}" for part in parts] if unit else parts
+
+
+def _spread(ends_deg: tuple[float, ...], panels: int) -> tuple[float, ...]:
+    """Return slopes at equal steps between two ends, one for two panels, at least two and at most as many
+    as there are panels."""
+    first, *_, last = ends_deg
+    count = min(panels, max(2, math.ceil(panels / 2)))
+    steps = [number / max(1, count - 1) for number in range(count)]
+    return tuple(round(first + (last - first) * share, 1) for share in steps)
+
+
 def find_grains(name: str) -> NamedMaterial:
     """Return the material of the library that a name denotes.
 
     Raises ImpossibleWishes for a name that the library does not have, and for a material that is no grains.
     """
+    grains = [row.name for row in materials().values() if row.kind == "grains"]
     try:
         named = find(name)
-    except UnknownMaterial:
-        raise ImpossibleWishes(
-            [problem("material", f"no material {show_value(name)}", suggest(name))]
-        ) from None
+    except UnknownMaterial as error:
+        hint = str(error) or did_you_mean(name, grains, say="materials")
+        raise ImpossibleWishes([problem("material", f"no material {show_value(name)}", hint)]) from None
     if named.material.kind != "grains":
-        grains = ", ".join(row.name for row in materials().values() if row.kind == "grains")
         what = f"{show_value(name)} is not screened"
-        raise ImpossibleWishes([problem("material", what, f"take one of {grains}")])
+        raise ImpossibleWishes([problem("material", what, f"take one of {', '.join(grains)}")])
     return named
 
 
 def _read_number(text: str, question: Question) -> float:
     """Return a number in SI units.  Raises ValueError, whose message says what is wrong."""
+    own, (_, unit) = unit_of(question.key, ""), split_quantity(text)
     try:
-        number = float(text)
-    except ValueError:
-        if not unit_of(question.key, ""):
-            raise ValueError(f"{show_value(text)} is no number") from None
-        try:
-            number = parse_quantity(text, question.key)
-        except ValueError as error:
-            raise ValueError(f"{show_value(text)} {str(error) or 'is no number with a unit'}") from None
+        number = parse_quantity(text, question.key) if unit and own else float(text)
+    except ValueError as error:
+        nothing = "is no number with a unit" if own else "is no number"
+        raise ValueError(f"{show_value(text)} {(own and unit and str(error)) or nothing}") from None
+    if question.unit and not unit:
+        raise ValueError(f"{show_value(text)} has no unit; is {show_value(f'{text} {question.unit}')} meant?")
     low, high = question.limits
-    own = unit_of(question.key, "")
     if not low <= number <= high:
-        unit = split_quantity(text)[1]
-        hint = f"; a number without a unit is in {own}" if own and not unit else ""
-        raise ValueError(f"{show_value(text)} is out of the range {question.range(unit)}{hint}")
+        raise ValueError(f"{show_value(text)} is out of the range {question.range(unit)}")
     if not own and number != int(number):
         raise ValueError(f"{show_value(text)} is no whole number")
     return number
