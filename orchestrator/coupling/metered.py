@@ -240,6 +240,13 @@ class MeteredPanel(TimedPanel):
         self.last = clamps, load, state
         return state
 
+    def trial(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        """Return the state to which a load would lead; neither the panel nor its books change."""
+        before = super().save()
+        state = super().advance(interval, clamps, load)
+        super().restore(before)
+        return state
+
     def save(self) -> Saved:
         return save_attributes(self, *self.BOOKS) | {"inner": super().save()}
 

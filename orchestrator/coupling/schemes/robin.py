@@ -28,12 +28,14 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator, cg
 
+from orchestrator.coupling.metered import MeteredPanel
 from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, finish_interval, forecast
 from orchestrator.coupling.schemes.staggered import particles_first
 from orchestrator.ports import (
     Array,
     ContactTangent,
     HermitePath,
+    Indices,
     Inertia,
     Load,
     Motion,
@@ -51,29 +53,90 @@ LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True)
+class TouchedPoints:
+    """The points of the surface that particles touch, of the contact tangent: of thousands only some hundred.
+
+    ``number`` (n,) are their numbers, ``impedance_N_s_per_m`` (n, 3, 3) is what resists their motion.
+    """
+
+    number: Indices
+    impedance_N_s_per_m: Array
+
+    @staticmethod
+    def of(tangent: ContactTangent) -> TouchedPoints:
+        """Return the points at which a tangent resists."""
+        Z = tangent.impedance_N_s_per_m
+        number = np.flatnonzero(Z[:, 0, 0] + Z[:, 1, 1] + Z[:, 2, 2])
+        return TouchedPoints(number, Z[number])
+
+    def resisting_N(self, velocity_m_per_s: Array) -> Array:
+        """Return the force (n, 3) that the particles' push loses because these points move at (n, 3)."""
+        return np.asarray(np.einsum("pij,pj->pi", self.impedance_N_s_per_m, velocity_m_per_s))
+
+
+@dataclass(frozen=True)
+class Entries:
+    """The entries of some rows of a sparse matrix (points, masses): the row, column and size of each.
+
+    ``rows`` and ``columns`` are the numbers of both.
+    """
+
+    row: Indices
+    column: Indices
+    size: Array
+    rows: int
+    columns: int
+
+    @staticmethod
+    def of(matrix: csr_array, rows: Indices) -> Entries:
+        """Return the entries of these rows, which are numbered from 0."""
+        start, count = matrix.indptr[rows], np.diff(matrix.indptr)[rows]
+        row = np.repeat(np.arange(len(rows)), count)
+        within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+        place = np.repeat(start, count) + within
+        return Entries(row, matrix.indices[place], matrix.data[place], len(rows), matrix.shape[1])
+
+    def times(self, values: Array) -> Array:
+        """Return the rows times ``values`` (columns, 3)."""
+        return _sums(self.row, self.size[:, None] * values[self.column], self.rows)
+
+    def transposed_times(self, values: Array) -> Array:
+        """Return the transposed rows times ``values`` (rows, 3)."""
+        return _sums(self.column, self.size[:, None] * values[self.row], self.columns)
+
+    def spread(self, values: Array) -> Array:
+        """Return ``values`` (rows,) spread over the columns, by the entries' sizes times their row's sum."""
+        size = np.abs(self.size)
+        row_sum = np.bincount(self.row, size, self.rows)
+        return np.asarray(np.bincount(self.column, size * (row_sum * values)[self.row], self.columns), float)
+
+
+def _sums(place: Indices, values: Array, count: int) -> Array:
+    """Return the sums (count, 3) of ``values`` (n, 3) that have the same place."""
+    return np.stack([np.bincount(place, values[:, axis], count) for axis in range(3)], axis=1)
+
+
+@dataclass(frozen=True)
 class SurfaceCompliance:
     """The yielding of the masses behind a surface to a constant load, while the particles answer.
 
-    ``transposed``: the inertia's shapes, transposed; ``spread``: the sizes of their entries, each times its
-    row's sum, transposed; ``known`` (points,): whether anything is known of a point's mass.
+    ``transposed``: the inertia's shapes, transposed; ``known`` (points,): whether anything is known of a
+    point's mass.
     """
 
     inertia: Inertia
     transposed: csr_array
-    spread: csr_array
     known: npt.NDArray[np.bool_]
 
     @staticmethod
     def of(panel: Panel) -> SurfaceCompliance:
         """Return the compliance of a panel's surface."""
         inertia = surface_inertia(panel)
-        shapes, sizes = inertia.shapes, abs(inertia.shapes)
-        spread = sizes.multiply(np.asarray(sizes.sum(axis=1))[:, None])
-        known = np.diff(shapes.indptr) > 0
-        return SurfaceCompliance(inertia, csr_array(shapes.T), csr_array(spread.T), known)
+        known = np.diff(inertia.shapes.indptr) > 0
+        return SurfaceCompliance(inertia, csr_array(inertia.shapes.T), known)
 
     def yielding_velocity_m_per_s(
-        self, excess_N: Array, response: ContactTangent, length_s: float, share: Array
+        self, excess_N: Array, touched: TouchedPoints, length_s: float, share: Array
     ) -> Array:
         """Return the mean velocity (points, 3) at which the points yield over an interval to ``excess_N``
         (points, 3).
@@ -87,16 +150,13 @@ class SurfaceCompliance:
         """
         shapes, right_side = self.inertia.shapes, self._on_masses(excess_N)
         free = 2 / length_s * self.inertia.mass_kg[:, None] / share
-        impedance = np.einsum("pii->p", response.impedance_N_s_per_m)
-        lumped = free + (self.spread @ impedance)[:, None]
-        touched = np.flatnonzero(impedance)
-        Z, under = response.impedance_N_s_per_m[touched], shapes[touched]
-        onto = csr_array(under.T)
+        under = Entries.of(shapes, touched.number)
+        lumped = free + under.spread(np.einsum("pii->p", touched.impedance_N_s_per_m))[:, None]
 
         def product(u: Array) -> Array:
             u = u.reshape(right_side.shape)
-            resisting_N = (Z @ (under @ u)[:, :, None])[:, :, 0]
-            return np.ravel(free * u + self.inertia.yielding(onto @ resisting_N))
+            resisting_N = under.transposed_times(touched.resisting_N(under.times(u)))
+            return np.ravel(free * u + self.inertia.yielding(resisting_N))
 
         square = (right_side.size, right_side.size)
         u, _ = cg(
@@ -119,18 +179,14 @@ class SurfaceCompliance:
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
         share = before.copy()
-        real = (more.force_N * gave_m_per_s)[self.known].sum(axis=0)
+        loaded = np.flatnonzero(self.known & more.force_N.any(axis=1))
+        real = (more.force_N[loaded] * gave_m_per_s[loaded]).sum(axis=0)
         np.divide(real, free, out=share, where=free > 0)
         return np.clip(share, LEAST_SHARE, 1.0)
 
     def _on_masses(self, points_N: Array) -> Array:
         """Return the part of the points' load to which the masses yield."""
         return self.inertia.yielding(self.transposed @ points_N)
-
-
-def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
-    """Return the force (points, 3) that the particles' push loses because the surface moves."""
-    return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
 
 
 class Robin:
@@ -178,8 +234,10 @@ class Robin:
             start_m = np.where(known, self._seen_m, start_m)
         trial_m_per_s = (trial.position_m - start_m) / length_s
         velocity_m_per_s = np.where(known, trial_m_per_s, surface.velocity_m_per_s)
-        excess_N = tangent.push_N - resisting_force(tangent, velocity_m_per_s) - now.load.force_N
-        velocity_m_per_s += compliance.yielding_velocity_m_per_s(excess_N, tangent, length_s, self._share)
+        touched = TouchedPoints.of(tangent)
+        excess_N = tangent.push_N - now.load.force_N
+        excess_N[touched.number] -= touched.resisting_N(velocity_m_per_s[touched.number])
+        velocity_m_per_s += compliance.yielding_velocity_m_per_s(excess_N, touched, length_s, self._share)
         end_m = start_m + length_s * velocity_m_per_s
         return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
@@ -199,7 +257,9 @@ class Robin:
 def trial_surface(solvers: Solvers, interval: Interval, now: State, known: Forecast) -> Motion:
     """Return the surface at the interval's end under the last load; the panel is restored."""
     panel = solvers.panel
+    if isinstance(panel, MeteredPanel):
+        return panel.trial(interval, known.clamps, now.load).surface
     before = panel.save()
-    moved = solvers.panel.advance(interval, known.clamps, now.load)
+    moved = panel.advance(interval, known.clamps, now.load)
     panel.restore(before)
     return moved.surface
