@@ -24,6 +24,7 @@ from orchestrator.coupling.ledger import share_created
 from orchestrator.output.cycles import cycle_numbers, cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.results import machine
+from orchestrator.output.results.bed import deck_area_m2
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import acceleration_m_per_s2
 from orchestrator.output.results.run_reader import RunReader
@@ -170,11 +171,8 @@ def _rise(question: Question, run: Path) -> float:
 
 def _deck_load(question: Question, run: Path) -> float:
     mass_kg, _ = _on_deck(question, run)
-    along_m = read_dataset(run, "profile/along_m")[0]
-    length_m = len(along_m) * (along_m[1] - along_m[0])
     with RunReader(run) as reader:
-        width_m = np.mean([panel.rectangle.width_m for panel in single_panels(reader.case)])
-    return float(mass_kg.sum(axis=1).mean() / (length_m * width_m))
+        return float(mass_kg.sum(axis=1).mean() / deck_area_m2(reader))
 
 
 def _deck_velocity(question: Question, run: Path) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 
 from orchestrator.output.records.history import write_results
 from orchestrator.output.results.compute import compute_results
+from orchestrator.studies.quantities import Question, number_of
 from tests.results.synthetic import (
     BIN_KG,
     CYCLE_S,
@@ -59,6 +61,7 @@ def test_it_is_steady_once_the_deck_is_full(found: dict[str, Any]) -> None:
 
 def test_the_manual_knows_every_key(found: dict[str, Any]) -> None:
     assert set(found["screening"]) == documented("### `results.screening`")
+    assert set(found["bed"]) - {"profile"} <= documented("### `results`", 2)
     assert set(found) == documented("### `results`")
 
 
@@ -132,8 +135,27 @@ def test_bed(found: dict[str, Any]) -> None:
     assert value(bed["on_deck_kg"]) == pytest.approx(8 * BIN_KG)
     assert value(bed["velocity_m_per_s"]) == pytest.approx(VELOCITY_M_S)
     assert value(bed["largest_depth_m"]) == pytest.approx(DEPTH_M)
+    assert value(bed["mean_depth_m"]) == pytest.approx(np.mean(bed["profile"]["depth_m"]))
     assert bed["profile"]["depth_m"] == pytest.approx(DEPTH_M - 0.005 * np.arange(8))
     assert value(found["held"]["stickers"]) == 7.0
+
+
+def test_the_load_of_the_deck_is_that_of_the_criteria(folder: Path, found: dict[str, Any]) -> None:
+    state = found["steady"]
+    asked = Question(measure="deck_load", between_s=(state["start_s"] + 1e-6, state["end_s"] + 1e-6))
+    assert value(found["bed"]["load_kg_per_m2"]) == pytest.approx(number_of(asked, folder), rel=1e-12)
+
+
+def test_the_results_name_the_width_of_a_slice(folder: Path, found: dict[str, Any], tmp_path: Path) -> None:
+    assert found["slice_width_m"] is None
+    copy = Path(shutil.copytree(folder, tmp_path / "run"))
+    case = copy / "case.toml"
+    case.write_text(case.read_text() + "\n[slice]\nwidth_m = 0.1\n")
+    part = compute_results(copy)
+    assert part["failed"] == {}
+    assert (part["slice_width_m"], part["share_of_width"]) == (0.1, pytest.approx(0.5))
+    load = found["bed"]["load_kg_per_m2"]["value"]
+    assert part["bed"]["load_kg_per_m2"]["value"] == pytest.approx(2 * load)  # the same mass on half the area
 
 
 def test_motion(found: dict[str, Any]) -> None:
@@ -156,7 +178,7 @@ def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
         group = history["results"]
         efficiency = group["screening/efficiency_percent"]
         assert efficiency[()] == found["screening"]["efficiency_percent"]["value"]
-        assert (efficiency.attrs["unit"], efficiency.attrs["batches"]) == ("%", 20)
+        assert (efficiency.attrs["unit"], efficiency.attrs["batches"]) == ("%", 16)  # 3 of 49 cycles each
         assert group["transport/passing/rate_kg_per_s_m"].attrs["unit"] == "kg/(s m)"
         assert group["screening/sections/2/exit"].asstr()[()] == "two"
         depth = group["bed/profile/depth_m"]
@@ -307,6 +329,32 @@ def test_wear(found: dict[str, Any]) -> None:
     deepest = int(np.argmax(profile["mean_m_per_h"]))
     assert deepest == WORN_ROW
     assert profile["mean_m_per_h"][8 + WORN_ROW] == pytest.approx(4e-6, rel=1e-6)
+
+
+def test_the_profile_of_wear_has_each_panel_in_its_place(
+    folder: Path, found: dict[str, Any], tmp_path: Path
+) -> None:
+    """Whatever the panels are called: the second of the case comes first among the names."""
+    copy = Path(shutil.copytree(folder, tmp_path / "run"))
+    case, names = copy / "case.toml", {"deck-1": "upper", "deck-2": "lower"}
+    before, block, after = re.split(
+        r"(\[screen\.panels\.deck\]\n.*?(?=\[screen\.surfaces))", case.read_text(), flags=re.S
+    )
+    block = re.sub(r"count = 2\npitch_m = .*\n", "", block)
+    upper, lower = (block.replace("panels.deck", f"panels.{name}") for name in names.values())
+    lower = lower.replace("corner_m = [\n    0.0,", "corner_m = [\n    0.338,")
+    lower = lower.replace('"driving",\n    "driven",', '"driven",\n    "driving",')
+    text = before + upper + lower + after
+    for old, new in names.items():
+        text = text.replace(f'"{old}"', f'"{new}"')
+    case.write_text(text)
+    with h5py.File(copy / "history.h5", "a") as history:
+        for group in ("panels", "wear", "forces", "panel_cycles"):
+            for old, new in names.items():
+                history.move(f"{group}/{old}", f"{group}/{new}")
+    wear = compute_results(copy)["wear"]
+    assert list(wear["panels"]) == ["upper", "lower"]
+    assert wear["profile"] == found["wear"]["profile"]
 
 
 def test_the_course_has_the_stroke_and_the_load_of_each_window(found: dict[str, Any]) -> None:

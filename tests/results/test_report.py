@@ -7,9 +7,12 @@ import os
 import re
 import shutil
 import signal
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import matplotlib.image
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -18,6 +21,7 @@ from orchestrator.output.records.run_folder import RUN_LOCK, FolderUnusable, loc
 from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.report.page import Film, page, report
+from orchestrator.output.report.pictures import draw_sections, draw_wear
 from orchestrator.output.results.compute import compute_results
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
@@ -78,6 +82,37 @@ def test_a_picture_without_a_place_of_its_own_is_on_the_page(
     text = page(run, compute_results(run), lambda *_: Film(b"", reason="left out by the test"))
     assert text.count('alt="new_picture"') == 1
     assert text.count('alt="energy ledger"') == 1
+
+
+def labels_below(fig: Any) -> list[Any]:
+    """Draw the figure and return the boxes of the labels below its first axes, from left to right."""
+    fig.draw_without_rendering()
+    return [label.get_window_extent() for label in fig.axes[0].get_xticklabels()]
+
+
+@pytest.mark.parametrize("count", [2, 8, 16])
+def test_names_of_many_sections_and_panels_do_not_overlap(count: int) -> None:
+    share = {"value": 50.0, "half_width": 5.0}
+    figures = ("yield", "local_efficiency", "cumulative_efficiency")
+    rows = [{"exit": f"section-{n}"} | {f"{name}_percent": share for name in figures} for n in range(count)]
+    worn = {"panels": {f"upper-deck-{n}": {"depth_m_per_h": np.ones((8, 4))} for n in range(count)}}
+    for fig in (draw_sections({"sections": rows}), draw_wear(worn)):
+        boxes = labels_below(fig)
+        assert len(boxes) == count
+        assert all(left.x1 < right.x0 for left, right in pairwise(boxes))
+        for legend in fig.legends:
+            assert legend.get_window_extent().y1 < min(box.y0 for box in boxes)
+        if count == 2:
+            assert {label.get_rotation() for label in fig.axes[0].get_xticklabels()} == {0.0}
+        plt.close(fig)
+
+
+def test_the_page_of_a_slice_says_how_wide_it_is_and_what_is_scaled(tmp_path: Path) -> None:
+    run = folder_of(tmp_path / "run", cycles=15)
+    found = compute_results(run) | {"share_of_width": 0.25, "slice_width_m": 0.05}
+    text = re.sub(r"\s+", " ", page(run, found, lambda *_: Film(b"", reason="left out by the test")))
+    assert "Computed is a slice of 50.0 mm, 25.0 % of the width" in text
+    assert ">feed, of the whole width<" in text
 
 
 @pytest.mark.process

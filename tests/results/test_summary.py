@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
-from orchestrator.output.records.summary import iteration_lines, monitor_lines
+from orchestrator.output.records.summary import closing_lines, iteration_lines, monitor_lines
 from tests.cases import loaded
 
 
@@ -78,6 +78,38 @@ def test_intervals_run_in_parts_are_warned_of(intervals: int) -> None:
     }
     said = ["the monitor ran 12 sync intervals (12 %) in parts, down to 2.5e-05 s"]
     assert [line[9:].split(";")[0] for line in monitor_lines(watch)] == said[: bool(intervals)]
+
+
+@pytest.mark.parametrize(
+    ("share", "results", "where"),
+    [
+        (1.0, {"slice_width_m": None}, ""),
+        (0.0525, {"slice_width_m": 0.126}, " in the slice of 126 mm"),
+        (0.0525, {}, " in the slice of 5.25 % of the width"),
+        (0.0525, None, " in the slice of 5.25 % of the width"),
+    ],
+)
+def test_the_balance_of_particles_names_the_slice(
+    share: float, results: dict[str, Any] | None, where: str
+) -> None:
+    """Its masses are not scaled, as those of the headline are.  Results may be missing, or have no width."""
+    some: dict[str, Any] = {"number": 3, "mass_kg": 0.25}
+    none: dict[str, Any] = {"number": 0, "mass_kg": 0.0}
+    material = {"fed": some, "on_deck": some, "lost": none, "escaped": none, "exits": {}, "crossings": none}
+    material["deepest_overlaps"] = {"surface_per_diameter": 0.01, "between_per_diameter": 0.02}
+    summary = {
+        "simulated_s": 1.0,
+        "sync_intervals": 10,
+        "particles": 0,
+        "momentum_residual_relative": 1e-13,
+        "energy_ledger_J": {"created.particles-panel": 0.0},
+        "energy_exchanged_J": {"particles-panel": 1.0},
+        "share_of_width": share,
+        "material": material,
+        "results": results,
+    }
+    (balance,) = [line for line in closing_lines(summary) if line.startswith("particles")]
+    assert balance == f"particles{where}: came 0.25 kg (3) = on deck 0.25 kg (3) + lost 0 kg (0)"
 
 
 def test_the_cycle_is_that_of_the_slowest_that_moves(tmp_path: Path) -> None:

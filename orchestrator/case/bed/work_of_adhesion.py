@@ -131,8 +131,8 @@ def typical_diameters_m(described: Case, case: Case) -> dict[str, float]:
     """Return the median diameter by mass of the grains of each material, by name.
 
     Feeds and blocks are those of the case as it is ``described``; where a material has none, its grains are
-    the particles with which the ``case`` really begins, of its own or taken over.  Materials that do not exist,
-    and those whose sizes are not valid, are left out.
+    the particles with which the ``case`` really begins, of its own or taken over.  Materials that do not
+    exist, and those whose sizes are not valid, are left out.
     """
     diameters_m = {}
     for name in case.materials:
@@ -145,7 +145,8 @@ def typical_diameters_m(described: Case, case: Case) -> dict[str, float]:
 def _source_grains(case: Case, name: str) -> list[SizeClass]:
     """Return the size classes of a material's feeds, weighted by their rates, else of its blocks.
 
-    Particles too fine to be computed (``smallest_fed_m``) count, so that the result is the same at every level.
+    Particles too fine to be computed (``smallest_fed_m``) count, so that the result is the same at every
+    level.
     """
     if any(True for row in case.bed.sources if row.material == name for _ in faults(row)):
         return []

@@ -54,14 +54,26 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"energy created by the coupling {created_J:+.3g} J "
         f"({share_created(summary):+.1e} of the energy exchanged and lost, at the worse interface)",
     ]
-    for part, describe in (
-        ("iterations", iteration_lines),
-        ("material", material_lines),
-        ("monitor", monitor_lines),
-    ):
-        if table := summary.get(part):
-            lines += describe(table)
+    if iterations := summary.get("iterations"):
+        lines += iteration_lines(iterations)
+    if material := summary.get("material"):
+        lines += material_lines(material, slice_in_words(summary))
+    if monitor := summary.get("monitor"):
+        lines += monitor_lines(monitor)
     return lines
+
+
+def slice_in_words(summary: dict[str, Any]) -> str:
+    """Return the slice that was run, such as "in the slice of 126 mm"; empty for the whole width.
+
+    Results of less than a cycle, and older ones, lack the width; its share of the machine's stands for it.
+    """
+    if summary["share_of_width"] == 1.0:
+        return ""
+    width_m = (summary.get("results") or {}).get("slice_width_m")
+    if width_m is None:
+        return f"in the slice of {100 * summary['share_of_width']:.3g} % of the width"
+    return f"in the slice of {1e3 * width_m:.4g} mm"
 
 
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
@@ -75,11 +87,12 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
     return lines
 
 
-def material_lines(material: dict[str, Any]) -> Iterator[str]:
+def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
     """Yield lines about the whereabouts of the particles and the depth of contacts.
 
-    A warning names particles that were lost, came out with the undersize although they fit through no
-    opening, or went through the surface.
+    ``where`` names the slice to which the masses belong; it is empty for the whole width.  A warning names
+    particles that were lost, came out with the undersize although they fit through no opening, or went
+    through the surface.
     """
 
     def part(what: str, amount: dict[str, Any]) -> str:
@@ -87,7 +100,8 @@ def material_lines(material: dict[str, Any]) -> Iterator[str]:
 
     exits = [part(f"through {name}", amount) for name, amount in material["exits"].items()]
     there = [part("on deck", material["on_deck"]), *exits, part("lost", material["lost"])]
-    yield f"{part('particles: came', material['fed'])} = " + " + ".join(there)
+    whose = f"particles {where}".rstrip()
+    yield f"{part(f'{whose}: came', material['fed'])} = " + " + ".join(there)
     if material["lost"]["number"]:
         yield (
             f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "

@@ -26,7 +26,7 @@ BESIDE = {
     "Energy": "energy.png",
 }
 """Pictures in the folders of runs that are shown side by side, by their titles on the page."""
-ACROSS = {"along_m": "distance along the deck / m", "depth_m": "bed depth / mm"}
+ACROSS = {"along_m": "distance along the deck / m", "depth_m": "95 % lies below / mm"}
 
 
 def write_comparison(comparison: Comparison, file: Path) -> Path:
@@ -168,7 +168,7 @@ def _draw_profile(runs: Sequence[tuple[int, str, RunReader]]) -> Any:
         profile = run.results["bed"]["profile"]
         depth_mm = 1e3 * np.array(profile["depth_m"], float)
         axes.plot(profile["along_m"], depth_mm, "o-", ms=3, color=_colour(number), label=label)
-    axes.set(xlabel=ACROSS["along_m"], ylabel=ACROSS["depth_m"], title="depth of the bed along the deck")
+    axes.set(xlabel=ACROSS["along_m"], ylabel=ACROSS["depth_m"], title="height of the bed along the deck")
     axes.set_ylim(bottom=0)
     axes.legend(fontsize=8)
     return fig

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from orchestrator.output.report.formatting import NONE, interval, number
 
 NOT_STEADY = "not steady yet"
+HEIGHT = "height below which 95 % of the material lies, mean along the deck"
+RECOVERY = "fine_placement_percent"
+SAME_POINTS = 0.05  # of per cent: a recovery of undersize this near to the efficiency is the same figure
+T_PER_H = 3.6  # in 1 kg/s
 SCREENING = {  # name, unit, and the kind of particles that are counted
     "efficiency_percent": ("screening efficiency η", "%", "particles"),
     "fine_placement_percent": ("undersize recovery", "%", "fine particles"),
     "recovered_percent": ("fines recovered, of what came in", "%", "fine particles"),
     "oversize_yield_percent": ("oversize yield", "%", "particles"),
-    "feed_kg_per_s": ("feed", "kg/s", ""),
 }
 
 
@@ -23,7 +26,8 @@ class Tile:
     """A figure with its unit.
 
     ``interval`` is the half width of its confidence interval, or empty.  ``over`` names the particles, cycles
-    and seconds behind the figure; ``unsteady`` is True if it comes from a transient.
+    and seconds behind the figure; ``unsteady`` is True if it comes from a transient.  ``also`` is the value
+    in another unit, or empty.
     """
 
     name: str
@@ -32,13 +36,15 @@ class Tile:
     unit: str
     over: str
     unsteady: bool
+    also: str = ""
 
     @property
     def line(self) -> str:
         """The figure in one line, for a terminal."""
         width = f" ± {self.interval}" if self.interval else ""
         basis = f"over {self.over}" + (f"; {NOT_STEADY}" if self.unsteady else "")
-        return f"{self.name}: {self.value}{width} {self.unit} ({basis})"
+        also = f" = {self.also}" if self.also else ""
+        return f"{self.name}: {self.value}{width} {self.unit}{also} ({basis})"
 
 
 def headline(results: dict[str, Any]) -> list[Tile]:
@@ -49,15 +55,17 @@ def headline(results: dict[str, Any]) -> list[Tile]:
 
 def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     """Yield the figures of screening and bed; masses are scaled to the full width of the deck."""
-    whole, state = 1.0 / float(results["share_of_width"]), results.get("steady")
+    (whole, of_width), state = _scale_to_width(results), results.get("steady")
     lasting = _describe_window(state) if state else "the whole run"
     unsteady = not (state and state["is_steady"])
     screening, bed = results.get("screening", {}), results.get("bed")
     for key, (name, unit, kind) in SCREENING.items():
-        if key in screening:
-            left = f"{screening[kind.replace(' ', '_')]} {kind} that left, " if kind else ""
-            scale = whole if unit == "kg/s" else 1.0
-            yield _tile(name, screening[key], unit, left + lasting, unsteady, scale)
+        if key in screening and not (key == RECOVERY and _is_efficiency(screening)):
+            left = f"{screening[kind.replace(' ', '_')]} {kind} that left, "
+            yield _tile(name, screening[key], unit, left + lasting, unsteady)
+    if feed := screening.get("feed_kg_per_s"):
+        tile = _tile(f"feed{of_width}", feed, "t/h", lasting, unsteady, T_PER_H * whole)
+        yield replace(tile, also=f"{number(feed['value'], whole)} kg/s")
     if whole_feed := screening.get("whole_feed"):
         over = (
             f"{whole_feed['left_out_percent']:.3g} % of the feed by the continued partition curve, {lasting}"
@@ -66,24 +74,46 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     if bed:
         over = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, {lasting}"
         yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", over, unsteady)
-        yield _tile("mass on the deck", bed["on_deck_kg"], "kg", over, unsteady, whole)
-        yield _tile("largest bed depth", bed["largest_depth_m"], "mm", over, unsteady, 1e3)
+        yield _tile(f"mass on the deck{of_width}", bed["on_deck_kg"], "kg", over, unsteady, whole)
+        yield _tile("load per area of the deck", bed["load_kg_per_m2"], "kg/m²", over, unsteady)
+        yield _tile(HEIGHT, bed["mean_depth_m"], "mm", over, unsteady, 1e3)
+
+
+def _scale_to_width(results: dict[str, Any]) -> tuple[float, str]:
+    """Return the full width over that of the slice, and words for what is scaled by it.
+
+    The words are empty without a slice.
+    """
+    share = float(results["share_of_width"])
+    return 1.0 / share, ", of the whole width" if share < 1.0 else ""
+
+
+def _is_efficiency(screening: dict[str, Any]) -> bool:
+    """Return whether the undersize recovery is the efficiency, as it is where no coarse particle passes."""
+    recovery, efficiency = (screening[key]["value"] for key in (RECOVERY, "efficiency_percent"))
+    return None not in (recovery, efficiency) and abs(recovery - efficiency) <= SAME_POINTS
 
 
 def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
+    """Yield the figures of frames, panels and drives; the power is scaled to the full width of the deck."""
     motion = results.get("motion")
     if motion is None:
         return
     over, unsteady = _describe_window(motion), not motion["is_settled"]
     for name, orbit in motion["relative"].items():
         yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
-    largest = (
-        ("peak panel acceleration", "panel_points", "peak_g", "g"),
-        ("largest panel stretch", "panels", "stretch_largest_percent", "%"),
-    )
-    for name, table, key, unit in largest:
-        value = max((entry[key] for entry in motion[table].values()), default=None)
-        yield Tile(name, number(value), "", unit, over, unsteady)
+    if points := motion["panel_points"]:
+        name = max(points, key=lambda name: points[name]["cycle_peak_g"]["value"] or 0.0)
+        part = "cycle" if motion["cycles"] else "fiftieth of the run"
+        for what, key in ((f"mean peak of a {part}", "cycle_peak_g"), ("RMS", "rms_g")):
+            yield _tile(f"panel acceleration at {name}, {what}", points[name][key], "g", over, unsteady)
+    stretched = [panel["stretch_largest_percent"] for panel in motion["panels"].values()]
+    yield Tile("largest panel stretch", number(max(stretched, default=None)), "", "%", over, unsteady)
+    if power := results.get("power"):
+        (whole, of_width), state = _scale_to_width(results), results.get("steady")
+        filling = state is not None and not state["is_steady"]
+        name = f"power of the drives{of_width}"
+        yield _tile(name, power["drives_W"], "kW", over, unsteady or filling, 1e-3 * whole)
 
 
 def _describe_window(window: dict[str, Any]) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ FEWEST_PROBES = 3  # on a panel or on frames, for a picture of their motion
 MM_IN_1000_H = 1e6  # 1 m/h
 MOST_POINTS = 4000  # of a line
 FEWEST_SECTIONS = 3  # least width of the axes in sections, so that bars do not become too wide
+LABEL_GAP = 4  # pixels: least distance of labels side by side
 SMALLEST_SHARE = 1e-3  # of the largest term of a picture: smaller ones are left out
 
 
@@ -239,8 +241,17 @@ def draw_sections(screening: dict[str, Any]) -> Any:
     axes.set(title="sections", ylabel="%", ylim=(0, 105), xlabel="section (exit)")
     axes.set_xlim(-0.6, max(len(rows), FEWEST_SECTIONS) - 0.4)
     axes.grid(axis="x", visible=False)
-    axes.legend(loc="upper left", ncols=3, bbox_to_anchor=(-0.05, -0.18), columnspacing=1.0)
+    fig.legend(loc="outside lower left", ncols=3, columnspacing=1.0)
+    _raise_crowded_labels(axes)
     return fig
+
+
+def _raise_crowded_labels(axes: Any) -> None:
+    """Turn the labels below the axes upright if some of them would overlap side by side."""
+    axes.figure.draw_without_rendering()
+    labels = [label.get_window_extent() for label in axes.get_xticklabels()]
+    if any(label.x1 + LABEL_GAP > following.x0 for label, following in pairwise(labels)):
+        axes.tick_params(axis="x", labelrotation=90)
 
 
 def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
@@ -249,10 +260,13 @@ def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
 
 
 def draw_along_deck(results: dict[str, Any]) -> Any:
-    """Draw bed depth, velocity, bed mass and, if it was counted, the passing rate along the deck."""
+    """Draw the bed's height, velocity, mass and, if it was counted, the passing rate along the deck.
+
+    95 % of the mass lies below the height.
+    """
     profile, whole = results["bed"]["profile"], 1.0 / results["share_of_width"]
     series = [
-        ("depth_m", 1e3, "bed depth / mm", HELD),
+        ("depth_m", 1e3, "95 % lies below / mm", HELD),
         ("velocity_m_per_s", 1.0, "velocity / (m/s)", OVER),
         ("mass_kg_per_m", whole, "bed mass / (kg/m)", FEED),
     ]
@@ -314,6 +328,7 @@ def draw_wear(wear: dict[str, Any]) -> Any:
     axes.set_xticks(np.arange(len(maps)) + 0.5, list(maps))
     axes.set(ylabel="share of the width", title="wear, each panel from its first clamp")
     axes.grid(visible=False)
+    _raise_crowded_labels(axes)
     return fig
 
 

@@ -44,15 +44,11 @@ def compute_results(folder: Path) -> dict[str, Any]:
 
 def _gather(run: RunReader) -> dict[str, Any]:
     whole = run.case.whole_machine
-    table: dict[str, Any] = {
-        "missing": {},
-        "failed": {},
-        "share_of_width": share(whole),
-        "slice_width_m": None if whole.slice is None else whole.slice.width_m,
-    }
+    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(whole)}
     if len(run.edges_s) < 2:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table
+    table["slice_width_m"] = None if whole.slice is None else whole.slice.width_m
     events: Events | None = None
     with _record_failure(table, "steady"):
         events = _add_steady(run, table)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -125,8 +126,11 @@ class RunReader:
         return path in self.history
 
     def names(self, group: str) -> list[str]:
-        """Return the names in a group in alphabetical order; empty if the group is missing."""
-        return list(self.history.get(group, {}))
+        """Return the names in a group in natural order, in which deck-2 stands before deck-10.
+
+        Return none if the group is missing.
+        """
+        return sorted(self.history.get(group, {}), key=_words_and_numbers)
 
     def read(self, path: str) -> Array:
         """Return a whole dataset.  Raises KeyError if it is missing."""
@@ -150,6 +154,11 @@ class RunReader:
             for name in self.names(kind):
                 return self.read(f"{kind}/{name}/time_s")
         return np.empty(0)
+
+
+def _words_and_numbers(name: str) -> list[str | int]:
+    """Return the words and the numbers of a name in turn, by which names are put into natural order."""
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", name)]
 
 
 def cut_size_m(case: Case) -> float | None:

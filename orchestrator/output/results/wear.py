@@ -39,8 +39,9 @@ def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) 
             **_deepest(depth_m_per_h, panel.table.thickness_m),
             "depth_m_per_h": depth_m_per_h,
         }
-    rates = [panel["depth_m_per_h"] for panel in table.values()]
-    profile = _profile(run, list(panels), rates, run.deck) if run.deck else None
+    names = run.names("panels")  # as the deck's line counts them
+    rates = [table[name]["depth_m_per_h"] for name in names]
+    profile = _profile(run, names, rates, run.deck) if run.deck else None
     return {"start_s": time_s[0], "end_s": time_s[-1], "panels": table, "profile": profile}
 
 
