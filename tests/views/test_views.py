@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from matplotlib.collections import EllipseCollection
 from matplotlib.text import Text
 from PIL import Image
 from typer.testing import CliRunner
@@ -51,6 +52,20 @@ def test_no_label_covers_another(name: str, view: View) -> None:
     assert covered == []
     frame = figure.bbox
     assert all(frame.containsx(box.x0) and frame.containsx(box.x1) for box in boxes.values())
+    pyplot.close(figure)
+
+
+def test_a_bed_that_is_taken_over_is_drawn_to_scale(tmp_path: Path) -> None:
+    """A circle of its own diameter stands at each particle's place, seen from the side."""
+    rows = ["x_m,y_m,z_m,diameter_m,material", "0.1,0.1,0.02,0.02,coal", "0.2,0.1,0.01,0.01,coal"]
+    folder = case_folder(tmp_path, CASE)
+    (folder / "grains.csv").write_text("\n".join(rows))
+    found = load_judged(folder, None, ["bed.table=grains.csv"])
+    figure = draw_view(outline(found.case.whole_machine, folder), SIDE)
+    (axes,) = figure.axes
+    (bed,) = (part for part in axes.collections if isinstance(part, EllipseCollection))
+    assert bed.get_offsets().ravel().tolist() == pytest.approx([0.1, 0.02, 0.2, 0.01])
+    assert any("2 particles taken over" in text.get_text() for text in axes.texts)
     pyplot.close(figure)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
 from matplotlib.patches import Arc, Circle, Polygon, Wedge
 
 from orchestrator.case.deck.panels import to_world
@@ -21,7 +21,7 @@ from orchestrator.ports import Array
 
 PANEL_COLORS = ("#c79a1e", "#8f6a0f")  # Neighbouring panels differ.
 WALL, FEED, EXIT, BLOCK, DIMENSION = "#7d8b99", "#2e7d32", "#c1443c", "#6b7f1f", "#444444"
-SPRING = "#7a5195"
+SPRING, BED = "#7a5195", "#8a7f72"
 WIDTH_IN, TALLEST_IN = 12.0, 9.0
 EXIT_DEPTH = 0.16  # of the drawing's width: exits are shown so far below the machine
 
@@ -65,6 +65,7 @@ def draw_view(machine: MachineOutline, view: View) -> Any:
     drawing.bushings()
     drawing.centers()
     drawing.exciters()
+    drawing.carried_bed()
     drawing.particles()
     drawing.dimensions()
     drawing.label()
@@ -284,6 +285,21 @@ class _Drawing:
             "mutation_scale": 14,
         }
         self._axes.annotate("", tip + 1.6 * step, xytext=tip - 0.2 * step, arrowprops=props, zorder=13)
+
+    def carried_bed(self) -> None:
+        """Draw the particles that are taken over from a run or a table, to scale."""
+        bed = self._machine.case.bed.carried
+        if bed is None:
+            return
+        places = self._view.of(bed.position_m)
+        size_m, turned = bed.diameter_m, np.zeros(len(bed))
+        style = {"fc": BED, "ec": "none", "alpha": 0.6, "zorder": 4}
+        circles = EllipseCollection(
+            size_m, size_m, turned, units="xy", offsets=places, transOffset=self._axes.transData, **style
+        )
+        self._axes.add_collection(circles)
+        text = f"{len(bed)} particles taken over"
+        self._wanted.append((text, np.median(places, axis=0), BED, 60.0))
 
     def particles(self) -> None:
         """Draw the single particles to scale."""

@@ -225,7 +225,8 @@ def _box_edges(corners_m: Array) -> Any:
 def _particles(machine: MachineOutline) -> Any:
     """Return the particles at the start as spheres, a sample of them if there are many; None without any."""
     case = machine.case
-    if not has_particles(case) or not (case.bed.particles or case.bed.blocks):
+    bed = case.bed
+    if not has_particles(case) or not (bed.particles or bed.blocks or bed.carried):
         return None
     start = initial_particles(case, material_numbers(case))
     shown = np.unique(np.linspace(0, len(start) - 1, min(len(start), MOST_PARTICLES)).astype(int))
