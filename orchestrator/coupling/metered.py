@@ -82,7 +82,7 @@ class TimedPart:
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
     """Return the impulse (3,) that a mean load hands over in the interval."""
-    return np.asarray(interval.length_s * (np.ones(len(load)) @ load.force_N))  # quicker than sum(axis=0)
+    return np.asarray(interval.length_s * load.force_N[load.loaded].sum(axis=0))
 
 
 def size_N_s(load: Load, interval: Interval) -> float:
@@ -90,7 +90,7 @@ def size_N_s(load: Load, interval: Interval) -> float:
 
     Loads that cancel each other count here.
     """
-    return float(interval.length_s * np.abs(load.force_N).sum())
+    return float(interval.length_s * np.abs(load.force_N[load.loaded]).sum())
 
 
 def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> Array:
@@ -98,9 +98,10 @@ def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> 
 
     The points move smoothly (cubic Hermite) from ``start`` to ``end``; the load acts at their mean places.
     """
-    mean_m = (start.position_m + end.position_m) / 2.0
-    mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s - end.velocity_m_per_s)
-    return interval.length_s * sum_of_cross_products(mean_m, load.force_N)
+    at = load.loaded
+    mean_m = (start.position_m[at] + end.position_m[at]) / 2.0
+    mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s[at] - end.velocity_m_per_s[at])
+    return interval.length_s * sum_of_cross_products(mean_m, load.force_N[at])
 
 
 def sum_of_cross_products(one: Array, other: Array) -> Array:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,11 @@ def _checked(record: str, field_name: str, value: Array) -> None:
     if not np.isfinite(value).all():
         point = int(np.flatnonzero(~np.isfinite(value).all(axis=1))[0])
         raise BrokenRecord(f"{record}.{field_name}: point {point} is {value[point].tolist()}")
+
+
+def loaded_points(force_N: Array) -> Indices:
+    """Return the numbers (n,) of the rows of forces (points, 3) that are not zero, ascending."""
+    return np.asarray(np.unique(np.flatnonzero(force_N) // 3))
 
 
 @dataclass(frozen=True)
@@ -139,6 +145,11 @@ class Load:
 
     def __post_init__(self) -> None:
         _checked("Load", "force_N", self.force_N)
+
+    @cached_property
+    def loaded(self) -> Indices:
+        """The numbers (n,) of the points with a force, ascending: of a surface's thousands some hundred."""
+        return loaded_points(self.force_N)
 
     def __len__(self) -> int:
         return len(self.force_N)
