@@ -30,12 +30,10 @@ IMPORT_S = 1.2
 """Time to start Python, and to read and check the case."""
 MESHED_S = 1e-4
 """Time to mesh a triangle that particles may touch."""
-INTERVAL_S = {"rest": 3e-5, "monitor": 3.5e-5, "coupling": 6e-5, "mapping": 6e-5}
-"""Time per sync interval of each part; particles double it except for the mapping."""
-TRIANGLE_S = {"monitor": 1e-8, "coupling": 3e-8, "mapping": 5e-8}
-"""Time per sync interval and triangle that particles may touch."""
-MAPPED_PANEL_S = 4.5e-5
-"""Time per sync interval to map the loads of a panel."""
+INTERVAL_S = {"rest": 3e-5, "monitor": 3.5e-5, "coupling": 6e-5, "mapping": 7e-5}
+"""Time per sync interval of each part; particles double it."""
+TRIANGLE_S = {"monitor": 1e-8, "coupling": 3e-8, "mapping": 1.2e-8}
+"""Time per sync interval and triangle that particles may touch; for the mapping, in each try."""
 TRIED_S = 1.5e-4
 """Time to save, take back and decide about an interval that a scheme tries."""
 STOPPED_PANEL_S = 2.5e-4
@@ -97,7 +95,7 @@ class Tries(NamedTuple):
 TRIES = {
     "particles-first": Tries(),
     "serial-staggered": Tries(),
-    "robin": Tries(1.0, 2.0, 1.1e-6),
+    "robin": Tries(1.0, 2.0, 1e-7),
     "aitken": Tries(2.0, 3.0),
     "quasi-newton": Tries(2.0, 3.0),
 }
@@ -146,9 +144,8 @@ def predicted_parts_s(
     parts_s = {"start": IMPORT_S + MESHED_S * triangles, "particles": 0.0}
     parts_s |= {part: cost.stepping_s for part, cost in costs.items()}
     for part, each_s in INTERVAL_S.items():
-        parts_s[part] = intervals * ((1 + particles) * each_s + TRIANGLE_S.get(part, 0.0) * triangles)
-    mapped_s = INTERVAL_S["mapping"] + MAPPED_PANEL_S * len(panels) + TRIANGLE_S["mapping"] * triangles
-    parts_s["mapping"] = tries.panel * intervals * mapped_s
+        times = tries.panel if part == "mapping" else 1.0
+        parts_s[part] = intervals * ((1 + particles) * each_s + times * TRIANGLE_S.get(part, 0.0) * triangles)
     searched_s = tries.point_s * triangles / 2  # there are half as many points
     parts_s["coupling"] += (TRIED_S * (tries.panel - 1) + searched_s) * intervals
     stopped = sum(bool(panel.table.stops) for panel in panels)

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from orchestrator.cli import new
 from orchestrator.cli.main import app
 from orchestrator.preflight.check import find_problems, warnings
-from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
+from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.proposal import levels, machine, two_mass
 from orchestrator.preflight.proposal.layout import lay_out, panel_length_m
@@ -95,10 +95,11 @@ def test_another_machine_has_its_own_stroke_and_a_draft_that_says_what_it_leaves
     assert f"{proposal.draft.rate_share:.0%} of the throughput" in proposal.files["levels/draft.toml"]
     new.write_files(proposal.files, tmp_path / "mine")
     judged = load_judged(tmp_path / "mine", "draft")
-    assert complaints(judged) == []
+    (warned,) = complaints(judged)
+    assert f"feeds {proposal.draft.rate_share:.0%} of the case's throughput" in warned
+    assert f"doubtful: {warned}" in proposal.remarks
     assert judged.case.bed.feeds["iron-ore"].rate_kg_per_s < 100 / 3.6 * proposal.draft.rate_share
-    cost_s = predicted_s(judged.case, particles_at_start(judged.case))
-    assert cost_s == pytest.approx(proposal.run_s["draft"])
+    assert levels.predicted_s(judged.case) == pytest.approx(proposal.run_s["draft"])
 
 
 IMPOSSIBLE: dict[str, tuple[str, dict[str, str], list[str]]] = {

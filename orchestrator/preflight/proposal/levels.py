@@ -13,10 +13,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.cost import particles_at_start, predicted_parts_s
 from orchestrator.preflight.proposal.layout import Layout
 
-DRAFT_S = 220.0  # processor time that a draft may take as predicted
-CROSSING_M_PER_S = 0.8  # speed along the deck at which a draft's duration is planned
+DRAFT_S = 300.0  # processor time that a draft may take as predicted
+CROSSING_M_PER_S = (
+    0.8  # speed along the deck for which durations and times are planned, thrown beds are faster
+)
 BALANCED_TURNS = 30  # of the shaft, over which what leaves a draft's deck balances its feed
 LONGEST_INTERVAL_S = 2e-4
 DRAFT_PA, STUDY_PA = 2e7, 5e7  # In softer contacts, stones press grains half way into each other.
@@ -74,6 +78,14 @@ class Level:
     def series_s(self) -> float:
         """The time between two rows of the time series, a whole number of sync intervals."""
         return max(1, int(4e-4 / self.interval_s + 1e-6)) * self.interval_s
+
+
+def predicted_s(case: Case) -> float:
+    """Return the processor time of a run of a proposed case whose bed moves as planned.
+
+    ``flipflow check`` gives the range from a thin bed to a thick one.
+    """
+    return sum(predicted_parts_s(case, particles_at_start(case), CROSSING_M_PER_S).values())
 
 
 def cells(layout: Layout, kind: tuple[int, float]) -> int:

@@ -19,7 +19,7 @@ from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.materials.library import slug
 from orchestrator.preflight.check import find_problems, warnings
-from orchestrator.preflight.cost import THIN, in_words, particles_at_start, predicted_s
+from orchestrator.preflight.cost import THIN, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.proposal import levels, limits
 from orchestrator.preflight.proposal.case_files import fill_templates, toml_answer
@@ -91,7 +91,7 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
         judged = {level: case.judge(level) for level in LEVELS}
         if problems := [problem for loaded in judged.values() for problem in find_problems(loaded)]:
             raise CaseError(problems)
-        run_s = {level: predicted_s(row.case, particles_at_start(row.case)) for level, row in judged.items()}
+        run_s = {level: levels.predicted_s(row.case) for level, row in judged.items()}
         moved = scene(judged["draft"].case.whole_machine)
         proposal = Proposal(wishes, layout, machine, moved, draft, run_s)
         stability = stability_report(judged["draft"].case)
@@ -170,8 +170,7 @@ def _choose_draft(case: _Draft) -> levels.Level:
     """Return the best draft whose predicted time is short enough, or the cheapest."""
     for draft in levels.drafts(case.layout):
         safe = _with_safe_interval(case, "draft", draft)
-        judged = case.judge("draft")
-        if predicted_s(judged.case, particles_at_start(judged.case)) < levels.DRAFT_S:
+        if levels.predicted_s(case.judge("draft").case) < levels.DRAFT_S:
             break
     return safe
 
