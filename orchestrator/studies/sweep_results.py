@@ -26,6 +26,11 @@ class Measured:
     status: str
     results: Mapping[str, Value]
 
+    def text(self, key: str) -> str:
+        """Return the value of a key for people, a number with up to six digits."""
+        number = self.number(key)
+        return self.setting[key] if math.isnan(number) else f"{number:.6g}"
+
     def number(self, key: str) -> float:
         """Return the value of a key; NaN for a value that is no number."""
         try:
@@ -45,7 +50,7 @@ def results_table(keys: Sequence[str], rows: Sequence[Measured], wanted: Sequenc
     """Return a table for the terminal with a row for each setting."""
 
     def cells(row: Measured) -> Iterator[str]:
-        yield from (row.setting[key] for key in keys)
+        yield from (row.text(key) for key in keys)
         for name in wanted:
             value = row.results.get(name)
             yield interval(None if value is None else vars(value))
@@ -81,7 +86,7 @@ def _lines(keys: Sequence[str], rows: Sequence[Measured]) -> dict[str, list[Meas
     """Return the runs with equal other keys, by these; {} where no line would join two of them."""
     lines: dict[str, list[Measured]] = {}
     for row in rows:
-        others = ", ".join(f"{key.rpartition('.')[2]} = {row.setting[key]}" for key in keys[1:])
+        others = ", ".join(f"{key.rpartition('.')[2]} = {row.text(key)}" for key in keys[1:])
         lines.setdefault(others, []).append(row)
     return lines if max(map(len, lines.values())) > 1 else {}
 

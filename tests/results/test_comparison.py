@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.case.tables.quantities import unit_along
 from orchestrator.cli.main import app
 from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.output.results.comparison import BY_CHANCE, MORE, SAME, UNKNOWN, judge_difference
@@ -258,3 +259,26 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
     assert told["half_widths"] == pytest.approx([8.0, 8.0])
     assert f"{sliced}: not steady: {reason}" in " ".join(done.stderr.split())
     assert "slices of different shares of the width (whole 1, sliced 0.25)" in " ".join(done.stderr.split())
+
+
+def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: Path) -> None:
+    """Across the deck a machine in its plane moves by 1e-17 m, in one run five times as far as in another."""
+    one, other = tmp_path / "one", tmp_path / "other"
+    for place, across_m, reason in (
+        (one, 1.9e-17, ""),
+        (other, 1.1e-16, "range of driving changes by 6.4 %"),
+    ):
+        frame = {"amplitude_m": [0.002, across_m, 0.003], "half_width_m": [1e-5, 1e-18, 1e-5]}
+        motion = {"frames": {"driving": frame}, "is_settled": not reason, "reason": reason}
+        run_folder(place, {}, results={"motion": motion, "missing": {}, "failed": {}})
+    done = CALL.invoke(app, ["compare", str(one), str(other), "--json"])
+    told = json.loads(done.stdout)["results"]["motion.frames.driving.amplitude_m.y"]
+    assert told["verdicts"] == [None, SAME]
+    assert f"{other}: the machine has not settled: range of driving" in " ".join(done.stderr.split())
+    assert f"{one}: the machine" not in done.stderr
+
+
+def test_units_are_those_of_the_nearest_key() -> None:
+    assert unit_along(["results", "power", "lost_W", "frames.bushing_damping"]) == "W"
+    assert unit_along(["results", "bed", "velocity_m_per_s"]) == "m/s"
+    assert unit_along(["results", "screening", "particles"]) == "1"

@@ -8,6 +8,7 @@ ends in its unit; tests/case/test_tables.py checks this for all tables.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, Any, Self
 
 from annotated_types import Ge, Gt, Le, Len, Lt
@@ -74,3 +75,9 @@ def unit_of(name: str, without: str = "1") -> str:
     if below is None:
         return unit
     return f"{unit}/({below.replace('_', ' ')})" if "_" in below else f"{unit}/{below}"
+
+
+def unit_along(words: Sequence[str]) -> str:
+    """Return the unit of a number by its keys, from the outermost in: of the last that has one, else 1."""
+    units = (unit_of(word, "") for word in reversed(words))
+    return next((unit for unit in units if unit), "1")

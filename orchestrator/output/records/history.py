@@ -22,7 +22,7 @@ from typing import Any, Literal
 import h5py
 import numpy as np
 
-from orchestrator.case.tables.quantities import unit_of
+from orchestrator.case.tables.quantities import unit_along, unit_of
 from orchestrator.ports import Array, Indices
 
 RESERVE_BYTES = 16 * 1024**2  # room for the rows in memory, the file's tables and a summary
@@ -286,5 +286,5 @@ def _put(group: Any, table: Mapping[str, Any]) -> None:
 def _number(group: Any, key: str, value: Any) -> Any:
     """Write a number, or a list or table of numbers, and return its dataset; None becomes NaN."""
     group[key] = np.array(value, dtype=float)
-    group[key].attrs["unit"] = unit_of(key)
+    group[key].attrs["unit"] = unit_along([*group.name.split("/"), key])
     return group[key]

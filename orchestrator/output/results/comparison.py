@@ -197,7 +197,8 @@ def _value_at(table: Any, folder: Path, key: Sequence[str]) -> str:
         table = table.get(word) if isinstance(table, dict) else None
     if table is None:
         return MISSING
-    return show_value(table) + (_origin_of_bed(folder) if key == ("bed", "table") else "")
+    text = f"{table:.10g}" if isinstance(table, float) else show_value(table)
+    return text + (_origin_of_bed(folder) if key == ("bed", "table") else "")
 
 
 def _origin_of_bed(folder: Path) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.scalars import SCALARS
-from orchestrator.case.tables.quantities import unit_of
+from orchestrator.case.tables.quantities import unit_along
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable
 from orchestrator.output.results.events import BATCH
@@ -23,6 +23,8 @@ PUT_ASIDE = re.compile(r"-unfinished-\d+$")
 """The end of the name of a run that a study put aside (studies/points.py)."""
 RUNS_OVER = ("along_m", "edges_m", "end_s", "time_s")
 """Keys of the places, sizes and times over which the lists of a table run."""
+ROUNDING = {"m": 1e-9, "m/s": 1e-9, "rad": 1e-9, "N": 1e-6, "W": 1e-9}
+"""Differences by unit that are rounding: of a motion across the deck of a machine that has none."""
 VECTOR, ITS_WIDTHS = "amplitude_m", "half_width_m"
 """Keys of a vector of estimates, and of their half widths beside it."""
 
@@ -49,7 +51,8 @@ class RunResults:
     """All results of a run, by name.
 
     ``share_of_width`` is the slice's share of the machine's width, 1 for the whole width.  ``unsteady`` says
-    why a run that is fed is not steady; it is empty for the others.
+    why a run that is fed is not steady, and ``unsettled`` why the motion of a machine is not; they are empty
+    for the others.
     """
 
     folder: Path
@@ -59,6 +62,7 @@ class RunResults:
     results: dict[str, Result]
     share_of_width: float = 1.0
     unsteady: str = ""
+    unsettled: str = ""
 
     def rows(self) -> list[dict[str, str | float | None]]:
         """Return a row of a tidy table for each result."""
@@ -124,14 +128,10 @@ def tidy_results(summary: dict[str, Any]) -> dict[str, Result]:
     numbers = dict(single_numbers(summary.get("results") or {}))
     for name, number in numbers.items():
         if not name.endswith(HALF_WIDTH) and not isinstance(number, bool):
-            found[name] = Result(name, float(number), numbers.get(name + HALF_WIDTH), _unit(name))
+            unit = unit_along(name.split("."))
+            half_width = numbers.get(name + HALF_WIDTH)
+            found[name] = Result(name, float(number), half_width, unit, floor=ROUNDING.get(unit, 0.0))
     return found
-
-
-def _unit(name: str) -> str:
-    """Return the unit of a result by its path: that of the last word which has one, else 1."""
-    units = (unit_of(word, "") for word in reversed(name.split(".")))
-    return next((unit for unit in units if unit), "1")
 
 
 def read_results(folders: Sequence[Path]) -> list[RunResults]:
@@ -188,6 +188,7 @@ def _read(folder: Path) -> RunResults:
         results=results,
         share_of_width=float(tables.get("share_of_width", 1.0)),
         unsteady=_why_unsteady(tables.get("steady") or {}),
+        unsettled=str((tables.get("motion") or {}).get("reason") or ""),
     )
 
 
@@ -198,9 +199,11 @@ def _why_unsteady(steady: dict[str, Any]) -> str:
 
 
 def doubtful(runs: Sequence[RunResults]) -> list[str]:
-    """Return a line for each run that is not to be trusted or not steady, and one if widths differ."""
+    """Return a line for each run that is not to be trusted, not steady or not settled, and one if widths
+    differ."""
     lines = [f"{run.folder}: the run is {run.status}" for run in runs if not trust.is_trusted(run.status)]
     lines += [f"{run.folder}: not steady: {run.unsteady}" for run in runs if run.unsteady]
+    lines += [f"{run.folder}: the machine has not settled: {run.unsettled}" for run in runs if run.unsettled]
     if len({run.share_of_width for run in runs}) > 1:
         shares = ", ".join(f"{run.folder.name} {run.share_of_width:.3g}" for run in runs)
         lines.append(
