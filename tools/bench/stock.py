@@ -35,6 +35,10 @@ from orchestrator.ports.plans import ParticleList, ParticlesPlan
 
 MARGIN_M = 0.1
 """The distance from surface and bed to the sides of the box."""
+ROOM_M = 1e-6
+"""The least distance of the meshes from periodic sides."""
+LARGEST_M = 0.1
+"""The largest length of a triangle of the meshes."""
 FACET = """\
 facet normal 0 0 0
 outer loop
@@ -74,6 +78,13 @@ class StockRunner:
         rows = {field.name: getattr(bed, field.name) for field in fields(ParticleList)}
         plan = particles_plan(case, surface)
         assert plan is not None, "asked of a case without particles"
+        if (
+            plan.periodic_y
+        ):  # stock meshes end the run where a node lies beyond a periodic side, be it by microns
+            _, (low_m, high_m), _ = np.array(plan.domain_m).T
+            inside_m = surface.position_m.copy()
+            inside_m[:, 1] = inside_m[:, 1].clip(low_m + ROOM_M, high_m - ROOM_M)
+            plan = replace(plan, surface=replace(surface, position_m=inside_m))
         plan = replace(plan, particles=ParticleList(**rows), feed=None, exits=())
         self._engine = Engine(
             communicator=MPI.COMM_SELF.py2f(),
@@ -129,7 +140,7 @@ def _stock_walls(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> It
     for number in np.unique(plan.surface.material):
         name = f"mesh{number}"
         stl, triangles = folder / f"{name}.stl", plan.surface.triangles[plan.surface.material == number]
-        _write_stl(stl, plan.surface.position_m[triangles])
+        _write_stl(stl, _divided(plan.surface.position_m[triangles]))
         yield f"fix {name} all mesh/surface file {stl} type {number + 1} curvature_tolerant yes"
         meshes.append(name)
     yield f"fix surface all wall/gran {model} mesh n_meshes {len(meshes)} meshes {' '.join(meshes)}"
@@ -137,6 +148,21 @@ def _stock_walls(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> It
         amplitude = " ".join(repr(float(value)) for value in wiggle.amplitude_m)
         motion = f"wiggle amplitude {amplitude} period {wiggle.period_s!r}"
         yield from (f"fix move_{name} all move/mesh mesh {name} {motion}" for name in meshes)
+
+
+def _divided(corners_m: Array) -> Array:
+    """Return triangles (m, 3, 3) cut into four until none is longer than ``LARGEST_M``.
+
+    LIGGGHTS fails to find the common corners of a few large triangles.
+    """
+    edges_m = np.linalg.norm(corners_m - np.roll(corners_m, 1, axis=1), axis=2).max(axis=1, initial=0.0)
+    large, small = corners_m[edges_m > LARGEST_M], corners_m[edges_m <= LARGEST_M]
+    if not len(large):
+        return small
+    a, b, c = (large[:, corner] for corner in range(3))
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    four = [np.stack(parts, axis=1) for parts in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
+    return np.concatenate([small, _divided(np.concatenate(four))])
 
 
 def _write_stl(path: Path, corners_m: Array) -> None:
