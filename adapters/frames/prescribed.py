@@ -70,7 +70,7 @@ build = PrescribedFrames
 
 def cost(work: FramesWork) -> Cost:
     """Return the time of a call in each interval, and of each drive."""
-    return Cost(0.01, work.runs * (3.5e-5 + 1.5e-4 * work.driven))
+    return Cost(0.01, work.runs * (1.5e-5 + 7e-5 * work.driven))
 
 
 ADAPTER = FramesAdapter(

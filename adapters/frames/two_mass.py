@@ -122,7 +122,7 @@ build = TwoMassFrames
 
 def cost(work: FramesWork) -> Cost:
     """Return the time of a call in each interval."""
-    return Cost(0.02, work.runs * 2e-4)
+    return Cost(0.01, work.runs * 8.5e-5)
 
 
 ADAPTER = FramesAdapter(

@@ -50,9 +50,9 @@ def cost(work: PanelsWork) -> Cost:
     if work.integrator == "implicit":
         interval_s = 3.5e-3 + 1.5e-4 * cells
     else:
-        interval_s = 7.5e-5 + 6e-4 * cells * work.cells[0] * work.interval_s
-    opening_s = 0.1 + RESTING_CELL_S * cells**1.3
-    return Cost(DOLFINX_S + opening_s * work.panels, work.panels * work.runs * interval_s)
+        interval_s = 3e-5 + 2.5e-4 * cells * work.cells[0] * work.interval_s
+    opening_s = 0.03 * work.panels + RESTING_CELL_S * cells**1.3  # equal panels share one resting shape
+    return Cost(DOLFINX_S + opening_s, work.panels * work.runs * interval_s)
 
 
 ADAPTER = PanelAdapter(

@@ -13,7 +13,7 @@ import numpy as np
 from orchestrator.ports import Array
 from orchestrator.ports.plans import PanelPlan
 
-DOLFINX_S = 0.5
+DOLFINX_S = 0.3
 """The time in which DOLFINx is imported, in s."""
 
 

@@ -45,9 +45,9 @@ def cost(work: PanelsWork) -> Cost:
 
     The resting shape of many cells is the longer part: 7 s for 200, 70 s for 400.
     """
-    steps_s = 0.1 * work.interval_s * (work.cells[0] / 22) ** 2
-    opening_s = 0.05 + 1.1e-6 * work.cells[0] ** 3
-    return Cost(opening_s * work.panels, work.panels * work.runs * (1.0e-5 + steps_s))
+    steps_s = 0.05 * work.interval_s * (work.cells[0] / 22) ** 2
+    opening_s = 0.01 + 1.1e-6 * work.cells[0] ** 3
+    return Cost(opening_s * work.panels, work.panels * work.runs * (4e-6 + steps_s))
 
 
 ADAPTER = PanelAdapter(

@@ -26,10 +26,10 @@ def cost(work: ParticlesWork) -> Cost:
     adhesion, and from the thrown layers of its level dry and of cases/ffs0827-effects; the interval and the
     step come from a few balls.
     """
-    a_particle_s = 6e-7 if work.sticky else 5e-8 if work.thrown else 2.8e-7
-    step_s = 1.5e-5 + 4e-9 * work.triangles
-    stepping_s = 1.4e-4 * work.runs + step_s * work.steps + a_particle_s * work.particle_steps
-    return Cost(0.1 + 1e-5 * work.triangles, stepping_s)
+    a_particle_s = 3e-7 if work.sticky else 2e-8 if work.thrown else 1.3e-7
+    step_s = 6e-6 + 1.6e-9 * work.triangles
+    stepping_s = 4e-5 * work.runs + step_s * work.steps + a_particle_s * work.particle_steps
+    return Cost(0.05 + 5e-6 * work.triangles, stepping_s)
 
 
 ADAPTER = ParticlesAdapter(
