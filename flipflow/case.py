@@ -39,8 +39,9 @@ class Case:
     def change(self, settings: Mapping[str, Setting]) -> Case:
         """Return the case with other values, by their keys with dots: ``{"particles.step_s": 1e-5}``.
 
-        The units are those of the keys.  Nothing is judged here; ``check`` finds unknown keys and wrong
-        values.
+        A number is in the unit of its key, or a text with a unit of its own:
+        ``{"screen.panels.deck.thickness_m": "4 mm"}``.  Nothing is judged here; ``check`` finds unknown keys
+        and wrong values.
         """
         added = tuple(line for key, value in settings.items() for line in _as_overrides(key, value))
         return replace(self, overrides=self.overrides + added)

@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.table import Table
 
-from orchestrator.case.bed.work_of_adhesion import MOISTURES_J_PER_M2
+from orchestrator.case.bed.work_of_adhesion import BASES, MOISTURES_J_PER_M2, UNSURE
 from orchestrator.case.materials.library import (
     LibraryMaterial,
     NamedMaterial,
@@ -18,6 +18,7 @@ from orchestrator.case.materials.library import (
     pairs,
     suggest,
 )
+from orchestrator.case.tables.case import WORK_OF_ADHESION
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.cli.console import refuse
 
@@ -67,6 +68,7 @@ def material_form(named: NamedMaterial) -> dict[str, Any]:
         "about": material.about,
         "kind": material.kind,
         "moisture": named.moisture or None,
+        "adhesion": _as_row(adhesion) if (adhesion := adhesion_of(named.moisture)) else None,
         "hardness": f"{named.hardness[0]:g} Shore {named.hardness[1]}" if named.hardness else None,
         "case": named.keys() if is_complete else None,
         "quantities": [_as_row(quantity) for quantity in material.quantities.values()],
@@ -87,12 +89,23 @@ def explanation(named: NamedMaterial) -> Iterator[str | Table]:
     elif named.hardness is not None:
         law = named.keys()["hyperelastic"]
         yield "in a case: " + ", ".join(f"{key} = {law[key]:.4g}" for key in law if key != "loss_curve")
-    if named.moisture:
-        work_J_per_m2 = MOISTURES_J_PER_M2[named.moisture]
-        yield f"{named.moisture}: all its contacts have a work of adhesion of {work_J_per_m2:.3g} J/m2"
+    if adhesion := adhesion_of(named.moisture):
+        limits = f"range {adhesion.low:.3g} to {adhesion.high:.3g}"
+        yield (
+            f"{named.moisture}: all its contacts have a work of adhesion of {adhesion.value:.3g} J/m2 "
+            f"({limits}; {adhesion.note}; {adhesion.source})"
+        )
     if rows := [(f"with {other}", each) for other, every in contacts_of(material) for each in every]:
         yield _table("contact", rows)
     yield SOFTENED
+
+
+def adhesion_of(moisture: str) -> Quantity | None:
+    """Return the work of adhesion that a class of moisture stands for; None for ""."""
+    if not moisture:
+        return None
+    value, (source, note) = MOISTURES_J_PER_M2[moisture], BASES[moisture]
+    return Quantity(WORK_OF_ADHESION, value, value / UNSURE, value * UNSURE, source, "", note)
 
 
 def contacts_of(material: LibraryMaterial) -> Iterator[tuple[str, tuple[Quantity, ...]]]:

@@ -7,12 +7,13 @@ import shlex
 import shutil
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.cli.console import CONSOLE, reported_errors
+from orchestrator.cli.console import CONSOLE, ERRORS, reported_errors
 
 if TYPE_CHECKING:
     from orchestrator.case.file.errors import CaseProblem
@@ -70,13 +71,14 @@ def new(
 
     options = ((name, context.params[name.replace("-", "_")]) for name in QUESTIONS)
     answers = {name: text for name, text in options if text is not None}
-    with reported_errors():
+    with reported_errors(), _said_when_interrupted():
         problems = [*_wrong_folder(folder), *find_wrong_answers(template, answers)]
         if can_ask() and not yes and not problems:
             template, answers = _ask(template, answers)
             while refusals := find_refusals(template, answers):
                 answers = _ask_again(template, answers, refusals)
             CONSOLE.print(f"the same without questions: {_command(folder, template, answers)}")
+        taken = [] if yes or can_ask() else [*_defaults_taken(template, answers)]
         template = template or "flip-flow"
         if problems := [*_wrong_folder(folder), *find_refusals(template, answers)]:
             raise ImpossibleWishes(problems)
@@ -86,7 +88,32 @@ def new(
         except OSError as error:
             what = f"{folder} cannot be written: {error.strerror}"
             raise ImpossibleWishes([CaseProblem((), what, file="NAME")]) from None
+    if taken:
+        CONSOLE.print(f"no terminal to ask in; taken: {shlex.join(taken)}")
     _report(proposal, folder)
+
+
+@contextmanager
+def _said_when_interrupted() -> Iterator[None]:
+    """Say in a line that nothing is written when Ctrl-C, or the end of the input, ends the questions."""
+    try:
+        yield
+    except (KeyboardInterrupt, typer.Abort):
+        ERRORS.print("\ninterrupted: nothing is written")
+        raise KeyboardInterrupt from None
+
+
+def _defaults_taken(template: str | None, answers: Mapping[str, str]) -> Iterator[str]:
+    """Yield the words of the options that are left to their defaults; options without a default are left
+    out."""
+    from orchestrator.preflight.proposal.wishes import TEMPLATES, default_answer
+
+    chosen = template or "flip-flow"
+    if template is None:
+        yield from ("--template", chosen)
+    for name in TEMPLATES[chosen].asks if chosen in TEMPLATES else ():
+        if not answers.get(name, "").strip() and (default := default_answer(chosen, name)):
+            yield from (f"--{name}", default)
 
 
 def _wrong_folder(folder: Path) -> Iterator[CaseProblem]:

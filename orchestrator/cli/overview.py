@@ -81,14 +81,17 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
         f"{f'{drives} of them driven, ' if drives else ''}{bushings} bushings, "
         f"{len(screen.exciters)} exciters, deck inclined by {screen.inclination_deg:g} deg"
     )
-    cells = " x ".join(str(count) for count in case.panel.cells)
-    yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
+    panels, cells = single_panels(case), " x ".join(str(count) for count in case.panel.cells)
+    described = f"{len(panels)} ({case.panel.solver}), {cells} cells each" if panels else "none"
+    yield f"  panels     {described}"
     yield from meshes(case)
     yield from _curves(case)
     yield from _damping(case)
     yield from openings(case)
     rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
-    yield f"  triangles  {_triangles_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
+    of_panels = f"{_triangles_on_panels(case)}, " if panels else ""
+    if panels or rigid:
+        yield f"  triangles  {of_panels}{sum(rigid)} on {len(rigid)} rigid surfaces"
 
 
 def _curves(case: Case) -> Iterator[str]:

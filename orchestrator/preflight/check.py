@@ -7,11 +7,12 @@ shapes at rest are known.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from orchestrator.case.bed.work_of_adhesion import move_to_given_key
 from orchestrator.case.file.deck_layout import move_to_deck
-from orchestrator.case.file.errors import CaseProblem
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.plausible import unusual_sizes
 from orchestrator.preflight.checks import (
     TABLE_RULES,
@@ -96,11 +97,21 @@ def find_problems_at_rest(
 
 
 def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProblem]:
-    """Return the problems with the keys that the user wrote."""
+    """Return the problems with the keys that the user wrote.
+
+    A problem that several panels or surfaces of a deck share is said once, of the first of them.
+    """
     given = loaded.layers.merged
     decks, contacts = given["screen"].get("decks", {}), given.get("contacts", [])
-    moved = [move_to_given_key(move_to_deck(problem, decks), contacts) for problem in problems]
-    return loaded.layers.named(moved)
+    alike: dict[tuple[Key, str, str], list[CaseProblem]] = {}
+    for problem in problems:
+        moved = move_to_given_key(move_to_deck(problem, decks), contacts)
+        alike.setdefault((moved.key, problem.what, problem.hint), []).append(moved)
+    said = [
+        replace(first, what=f"{first.what} ({len(others)} more)") if others else first
+        for first, *others in alike.values()
+    ]
+    return loaded.layers.named(said)
 
 
 def warnings(loaded: JudgedCase) -> list[str]:

@@ -96,6 +96,22 @@ def test_one_message_names_everything_that_does_not_fit(tmp_path: Path) -> None:
     assert "bed.push_out = true makes room" in said
 
 
+def test_one_message_names_places_beside_an_unknown_material(tmp_path: Path) -> None:
+    """Overlaps outside of the domain, or that are to be pushed apart, are none of its lines."""
+    rows = ROWS.assign(z_m=[0.0099, 0.0101, 5.0], x_m=[0.10, 0.105, 0.2], material=["coal", "cool", "coal"])
+    table = write_table(tmp_path, rows)
+    said = complaints(tmp_path, table)
+    assert len(said) == 3
+    assert 'are of "cool", which the case does not have; did you mean "coal"?' in said[0]
+    assert "particle 3 at [0.2, 0.1, 5.0] is outside domain_m; bed.outside" in said[1]
+    assert "overlaps particle" in said[2]
+    assert "by 0.015 m; up to 0.05 of the diameter" in said[2]
+    assert len(complaints(tmp_path, table, "bed.outside=leave-out", "bed.push_out=true")) == 1
+    write_table(tmp_path, rows.assign(z_m=[5.0, 5.0, 0.02]))
+    (_, outside) = complaints(tmp_path, table)
+    assert "particle 1 at [0.1, 0.1, 5.0] is outside domain_m (1 more)" in outside
+
+
 def test_particles_outside_are_left_out_on_request(tmp_path: Path) -> None:
     sets = [write_table(tmp_path, ROWS.assign(z_m=[0.0099, 0.0101, 5.0])), "bed.outside=leave-out"]
     found = load_case(tmp_path, CASE, sets)

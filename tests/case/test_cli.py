@@ -34,6 +34,18 @@ def test_check_says_what_is_in_a_case(tmp_path: Path) -> None:
         assert said in done.output
 
 
+def test_check_describes_no_panels_where_there_are_none(tmp_path: Path) -> None:
+    done = CALL.invoke(app, ["check", str(CASES / "shear-spring")])
+    assert done.exit_code == 0, done.output
+    lines = done.output.splitlines()
+    assert "  panels     none" in lines
+    assert not [line for line in lines if "triangles" in line or "cells each" in line]
+    done = CALL.invoke(app, ["check", str(case_folder(tmp_path))])
+    assert any(
+        line.startswith("  triangles  ") and " on each panel, " in line for line in done.output.splitlines()
+    )
+
+
 @pytest.mark.smoke
 def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
     done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--set", "panel.solver=rigd"])

@@ -200,6 +200,11 @@ def find_nothing(name: str) -> Any:
         ("polyurethane 99 Shore A", "its hardness must be from 30 to 95 Shore A"),
         ("limestone 60 Shore A", "only elastomers are named with a hardness"),
         ("moist steel", "only grains are moist"),
+        ("moist polyurethane 85 Shore A", "only grains are moist, and polyurethane is no grain"),
+        *(
+            (f"polyurethane 85{scale}", 'Shore A or D is wanted, for example "polyurethane 85 Shore A"')
+            for scale in (" Shore B", " IRHD", "")
+        ),
     ],
 )
 def test_unknown_names_are_refused_with_the_nearest(tmp_path: Path, name: str, said: str) -> None:
@@ -210,6 +215,40 @@ def test_unknown_names_are_refused_with_the_nearest(tmp_path: Path, name: str, s
     assert said in complaint
     like = problems(tmp_path, NAMED, f'materials.limestone.like="{name}"')
     assert any("materials.limestone.like" in one and said.rpartition("; ")[2] in one for one in like)
+
+
+def test_an_unknown_material_asks_for_no_contacts(tmp_path: Path) -> None:
+    (said,) = problems(tmp_path, NAMED.replace('"limestone"', '"limston"'))
+    assert 'no material "limston"; did you mean "limestone"?' in said
+
+
+def test_a_material_that_all_panels_of_a_deck_lack_is_said_once(tmp_path: Path) -> None:
+    head, _, rest = NAMED.partition("[screen.panels.deck]")
+    deck = """[screen.decks.deck]
+material = "polyurethane"
+frames = ["driving", "ground"]
+panels = 3
+slopes_deg = []
+corner_m = [0.0, 0.0, 0.0]
+length_m = 0.2
+width_m = 0.2
+thickness_m = 0.004
+clamp_m = 0.019
+tension_m = 0.002
+pitch_m = 0.25
+"""
+    text = head + deck + rest[rest.index("[bed.particles.ball]") : rest.index("[probes")]
+    (said,) = problems(tmp_path, text)
+    assert said == (
+        'case.toml screen.decks.deck.material: deck-1: no material "polyurethane" (2 more); '
+        'give its hardness, for example "polyurethane 85 Shore A"'
+    )
+
+
+def test_particles_of_a_material_that_is_no_grain_are_told_so(tmp_path: Path) -> None:
+    """The library has no contacts of polyurethane with itself; a case may give them."""
+    (said,) = problems(tmp_path, NAMED.replace('"limestone"', '"polyurethane 85 Shore A"'))
+    assert "can meet but have no contact; polyurethane is no grain of the library; give [[contacts]]" in said
 
 
 def test_nonsense_in_place_of_names_is_left_to_the_check_of_the_tables(tmp_path: Path) -> None:
@@ -232,7 +271,12 @@ def test_the_command_lists_and_explains() -> None:
     assert all(name in listed.output for name in materials())
     explained = run("moist", "limestone").output
     assert re.search(r"density_kg_per_m3.*2650.*kg/m3.*2300 to 2750.*typical", explained)
-    assert "0.192 J/m2" in explained
+    adhesion = "a work of adhesion of 0.192 J/m2 (range 0.064 to 0.576; theory of single bridges of water"
+    assert adhesion in explained
+    assert "Fisher, R. A., Journal of Agricultural Science 16, 1926" in explained
+    row = json.loads(run("moist", "limestone", "--json").output)["adhesion"]
+    assert [row["value"], *row["range"]] == pytest.approx([0.192, 0.064, 0.576])
+    assert (row["key"], row["unit"], row["source"][:6]) == ("work_of_adhesion_J_per_m2", "J/m2", "Fisher")
     content = json.loads(run("rubber", "60", "Shore", "A", "--json").output)
     law = content["case"]["hyperelastic"]
     assert 6 * (law["c10_Pa"] + law["c01_Pa"]) == pytest.approx(youngs_modulus_Pa(60, "A"))

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from orchestrator.cli import new
@@ -304,6 +305,39 @@ def test_wrong_options_are_refused_before_anything_is_asked(
     assert done.exit_code == 2
     assert "is a frequency" in done.stderr
     assert "?" not in done.stdout
+
+
+@pytest.mark.parametrize("stop", [typer.Abort, KeyboardInterrupt])
+def test_interrupted_questions_end_with_130_and_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stop: type[BaseException]
+) -> None:
+    """A prompt makes click's Abort of Ctrl-C; elsewhere, Ctrl-C is itself."""
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise stop
+
+    monkeypatch.setattr(new, "can_ask", lambda: True)
+    monkeypatch.setattr(typer, "prompt", interrupted)
+    done = CALL.invoke(app, ["new", str(tmp_path / "mine")])
+    assert (done.exit_code, done.stderr.strip()) == (130, "interrupted: nothing is written")
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.solver
+def test_defaults_are_named_where_nobody_can_be_asked(tmp_path: Path) -> None:
+    words = ["--template", "test-rig", "--width", "0.4 m"]
+    done = CALL.invoke(app, ["new", str(tmp_path / "mine"), *words])
+    assert done.exit_code == 0, done.output
+    first = done.stdout.splitlines()[0]
+    assert first.startswith("no terminal to ask in; taken: --opening '12 mm' --speed ")
+    assert "--template" not in first
+    assert "--width" not in first
+    again = ["new", str(tmp_path / "again"), *words, *shlex.split(first.partition("taken: ")[2]), "--yes"]
+    done = CALL.invoke(app, again)
+    assert done.exit_code == 0, done.output
+    assert "no terminal" not in done.stdout
+    texts = [(tmp_path / name / "case.toml").read_text(encoding="utf-8") for name in ("mine", "again")]
+    assert texts[0] == texts[1]
 
 
 @pytest.mark.solver

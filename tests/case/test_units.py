@@ -134,9 +134,22 @@ def test_a_deck_takes_its_tension_in_millimetres(tmp_path: Path) -> None:
         ),
         ("screen.panels.deck.thickness_m=4 mn", 'has the unknown unit "mn"; did you mean'),
         ("screen.frames.driving.mass_kg=76 kgs", 'did you mean "kg"?'),
-        ("screen.exciters.shaft.speed_rad_per_s=78.5 s-1", "for example rad/s, rpm, Hz"),
+        ("screen.exciters.shaft.speed_rad_per_s=78.5 deg-1", "for example rad/s, rpm, Hz"),
         ("duration_s=0,1 s", "has a decimal comma; write a point"),
-        ("duration_s='0.1'", "'0.1' is wrong, a valid number is wanted"),
+        (
+            "duration_s='0.1'",
+            "'0.1' has no unit; is '0.1 ms' meant? A number without quotation marks is in s",
+        ),
+        ("screen.panels.deck.thickness_m='5'", "'5' has no unit; is '5 mm' meant?"),
+        *(
+            (
+                f"screen.exciters.shaft.speed_rad_per_s=78{unit}",
+                "is ambiguous: 1/s may count turns or radians; give rpm, Hz or rad/s",
+            )
+            for unit in (" 1/s", "/s", " s-1", " s^-1")
+        ),
+        ("screen.exciters.shaft.speed_rad_per_s=750 1/min", "is ambiguous: 1/min may count turns or radians"),
+        ("screen.panels.deck.thickness_m=78 1/s", "is a number per time; a length is wanted"),
         ("duration_s=fast", "'fast' is wrong, a valid number is wanted"),
         ("contacts.0.restitution=3 mm", "'3 mm' is wrong, a valid number is wanted"),
         ("screen.frames.driving.inertia_kg_m2=[2.0, '6 kg', 6.0]", "inertia_kg_m2.1: '6 kg' is a mass"),
@@ -156,6 +169,20 @@ def test_wrong_units_are_said_with_file_key_value_and_the_wanted_kind(
     message = only_complaint(tmp_path, override.replace("'", '"'))
     assert message.startswith("--set ")
     assert said in message
+
+
+def test_a_unit_is_not_guessed_at_where_one_was_given(tmp_path: Path) -> None:
+    """A number without a unit, in a later layer, is guessed at again."""
+    key, said = "screen.panels.deck.thickness_m", "0.5 is out of the range 0.0002 to 0.05"
+    assert only_complaint(tmp_path, f"{key}=500 mm").endswith(f"{key}: {said}")
+    assert "looks like mm" in only_complaint(tmp_path, f"{key}=0.5")
+    assert "looks like mm" in only_complaint(tmp_path, f"{key}=500 mm", f"{key}=0.5")
+    in_list = only_complaint(tmp_path, 'gravity_m_per_s2=["0 m/s2", 0, "-98100 cm/s2"]')
+    assert in_list.endswith("-981 is out of the range up to 100")
+
+
+def test_units_of_keys_that_no_table_has_are_named(tmp_path: Path) -> None:
+    assert any("unknown key (its value: '12 Hz'" in one for one in complaints(tmp_path, "duration_h=12 Hz"))
 
 
 def test_all_wrong_units_come_in_one_message(tmp_path: Path) -> None:

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+import flipflow
+from tools.site import __main__ as site
+
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r'<(?:script[^>]*?src|img[^>]*?src|link[^>]*?href)="([^"]+)"')
 
@@ -30,5 +33,20 @@ def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
             assert not re.match(r"(https?:)?//", target), f"{name} loads {target}"
     assert "<math" in pages["docs/theory/coupling.html"].read_text(encoding="utf-8")
     reference = pages["docs/python.html"].read_text(encoding="utf-8")
-    for name in ("load", "Case.change", "Run.history", "RunInterrupted"):
-        assert name.split(".")[-1] in reference, f"the reference lacks {name}"
+    for name in (*flipflow.__all__, "Case.change", "Run.history"):
+        assert f'id="flipflow.{name}"' in reference, f"the reference lacks {name}"
+
+
+def test_the_command_takes_a_folder_and_explains_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made: list[Path] = []
+    monkeypatch.setattr(site, "build_site", lambda out: made.append(out) or out / "index.html")
+    for words in (["--help"], ["--out", "there"]):
+        with pytest.raises(SystemExit):
+            site.main(words)
+    assert "python -m tools.site" in capsys.readouterr().out
+    assert made == []
+    site.main([])
+    site.main([str(tmp_path)])
+    assert made == [site.OUT, tmp_path]

@@ -19,7 +19,16 @@ from typer.testing import CliRunner
 
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.cli.main import app
-from orchestrator.output.views.drawings import FRONT, SIDE, TOP, View, clipped_middle, convex_hull, draw_view
+from orchestrator.output.views.drawings import (
+    FRONT,
+    SIDE,
+    TOP,
+    View,
+    clipped_middle,
+    convex_hull,
+    draw_view,
+    stiffness_text,
+)
 from orchestrator.output.views.modes import modes_svg
 from orchestrator.output.views.openings import draw_openings, sizes_m
 from orchestrator.output.views.outline import MachineOutline, face_edges_m, outline
@@ -35,6 +44,14 @@ SVG = "{http://www.w3.org/2000/svg}"
 def machine(name: str) -> MachineOutline:
     found = load_judged(CASES / name)
     return outline(found.case.whole_machine, found.folder)
+
+
+def drawn(name: str) -> list[str]:
+    """The labels of a case's side view."""
+    figure = draw_view(machine(name), SIDE)
+    words = [text.get_text() for text in figure.axes[0].texts]
+    pyplot.close(figure)
+    return words
 
 
 @pytest.mark.parametrize("view", [SIDE, TOP], ids=lambda view: view.name)
@@ -67,6 +84,44 @@ def test_a_bed_that_is_taken_over_is_drawn_to_scale(tmp_path: Path) -> None:
     assert bed.get_offsets().ravel().tolist() == pytest.approx([0.1, 0.02, 0.2, 0.01])
     assert any("2 particles taken over" in text.get_text() for text in axes.texts)
     pyplot.close(figure)
+
+
+def test_driven_frames_with_one_arrow_have_one_label(tmp_path: Path) -> None:
+    """Cranks move both frames of this machine along the deck, against each other."""
+    driven = (
+        "[screen.frames.{}.drive]\namplitude_m = [{}, 0.0, 0.0]\nspeed_rad_per_s = 62.832\nrun_up_s = 0.05\n"
+    )
+    head, _, rest = CASE.partition("[screen.frames.driving]")
+    rest = rest[rest.index("[screen.panels.deck]") : rest.index("[bed.particles.ball]")]
+    rest = rest.replace('"ground"]', '"driven"]').replace("corner_m = [0.0,", "corner_m = [0.1,")
+
+    def labels(one_m: float, other_m: float) -> list[str]:
+        frames = (f"[screen.frames.{name}]\n" for name in ("driving", "driven"))
+        drives = (driven.format(*row) for row in (("driving", one_m), ("driven", other_m)))
+        text = head + "".join(f + d for f, d in zip(frames, drives, strict=True)) + rest
+        points = '[screen.panels.other]\nmaterial = "PU"\nframes = ["driven", "driving"]\n'
+        points += "corner_m = [0.1, 0.3, 0.0]\nlength_m = 0.3\nwidth_m = 0.2\nthickness_m = 0.004\n"
+        found = load_judged(case_folder(tmp_path, text + points + "clamp_m = 0.019\ntension_m = 0.002\n"))
+        figure = draw_view(outline(found.case.whole_machine, tmp_path), SIDE)
+        words = [text.get_text() for text in figure.axes[0].texts if "driven" in text.get_text()]
+        pyplot.close(figure)
+        return words
+
+    assert labels(0.003, 0.003) == ["driving and driven, both driven\n3 / 0 / 0 mm at 10 Hz"]
+    (said,) = labels(0.003, 0.004)
+    assert said.splitlines()[1:] == ["driving: 3 / 0 / 0 mm at 10 Hz", "driven: 4 / 0 / 0 mm at 10 Hz"]
+
+
+def test_driven_frames_apart_have_a_label_each() -> None:
+    words = [text for text in drawn("crank-link-panel") if ", driven" in text]
+    assert [text.splitlines()[0] for text in words] == ["outer, driven", "inner, driven"]
+
+
+def test_stiff_bushings_are_labelled_in_meganewtons() -> None:
+    assert stiffness_text((14.3e6, 239e3, 0.0)) == "14.3 / 0.239 / 0 MN/m"
+    assert stiffness_text((9.99e6, 239e3, 20.0)) == "9990 / 239 / 0.02 kN/m"
+    assert stiffness_text((9.99999e6,)) == "10 MN/m"
+    assert not [text for text in drawn("double-deck") if "e+" in text]
 
 
 def test_a_shaft_along_y_turns_clockwise_from_the_side() -> None:

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import argparse
 import logging
-import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from tools.site.build import build_site
 
 OUT = Path("build/site")
 
-if __name__ == "__main__":
+
+def main(words: Sequence[str] | None = None) -> None:
+    """Make the site in the folder that the command names."""
+    parser = argparse.ArgumentParser(
+        "python -m tools.site", description="Make the site of the documentation."
+    )
+    parser.add_argument(
+        "folder", nargs="?", type=Path, default=OUT, help=f"folder of the site, made anew [default: {OUT}]"
+    )
+    given = parser.parse_args(words)
     logging.basicConfig(format="%(levelname)s: %(message)s")
-    index = build_site(Path(sys.argv[1]) if len(sys.argv) > 1 else OUT)
-    print(f"made: {index}")
+    print(f"made: {build_site(given.folder)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -19,6 +19,7 @@ from pydantic import ValidationError
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.bed_table import read_table
+from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.saved_bed import BED, UnreadableBed
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
@@ -63,8 +64,8 @@ def carry_bed(case: Case, folder: Path) -> Case:
         found = _find_particles(bed, folder)
     except UnreadableBed as error:
         raise CaseError([CaseProblem(key, str(error))]) from None
-    if problems := [*_unfit(case, found, key)]:
-        raise CaseError(problems)
+    if problems := [*_unfit(case, found, key)]:  # else the checks of the case name the places that do not fit
+        raise CaseError([*problems, *_misplaced(case, found, key)])
     return case.model_copy(update={"bed": bed.with_carried(_as_wanted(case, found))})
 
 
@@ -169,8 +170,7 @@ def _case_of_run(run: Path) -> Case:
 
 
 def _unfit(case: Case, found: CarriedBed, key: Key) -> Iterator[CaseProblem]:
-    """Yield a problem for each material that the case lacks, and for particles of other coarseness or outside
-    of the domain."""
+    """Yield a problem for each material that the case lacks, and for particles of other coarseness."""
     if not len(found):
         yield CaseProblem(key, f"{found.source} has no particles")
         return
@@ -183,6 +183,31 @@ def _unfit(case: Case, found: CarriedBed, key: Key) -> Iterator[CaseProblem]:
     if not math.isnan(found.coarse_graining) and found.coarse_graining != own:
         what = f"its particles have a coarse graining of {found.coarse_graining:g}, those of the case {own:g}"
         yield CaseProblem(key, what, f"take particles.coarse_graining = {found.coarse_graining:g}")
+
+
+def _misplaced(case: Case, found: CarriedBed, key: Key) -> Iterator[CaseProblem]:
+    """Yield a problem for particles outside of the domain, and one for particles that overlap each other,
+    unless ``[bed]`` mends them.
+
+    Surfaces and periodic sides are not considered, because they are unknown as long as the bed does not fit.
+    """
+    low, high = np.array(case.domain_m)
+    is_outside = ((found.position_m < low) | (found.position_m > high)).any(axis=1)
+    if case.bed.outside == "refuse" and is_outside.any():
+        first, more = int(np.argmax(is_outside)), int(is_outside.sum()) - 1
+        at = np.round(found.position_m[first], 4).tolist()
+        what = f"particle {first + 1} at {at} is outside domain_m{f' ({more} more)' if more else ''}"
+        yield CaseProblem(key, what, 'bed.outside = "leave-out" leaves them out')
+    if case.bed.push_out or not len(found):
+        return
+    one, two, depth_m = overlapping_pairs(found.position_m, found.diameter_m)
+    deep = depth_m > SETTLED * np.minimum(found.diameter_m[one], found.diameter_m[two])
+    deep &= ~(is_outside[one] | is_outside[two])
+    if deep.any():
+        deepest, more = int(np.argmax(np.where(deep, depth_m, 0.0))), int(deep.sum()) - 1
+        what = f"particle {one[deepest] + 1} overlaps particle {two[deepest] + 1} by {depth_m[deepest]:.3g} m"
+        hint = f"up to {SETTLED:g} of the diameter is allowed; bed.push_out = true makes room"
+        yield CaseProblem(key, f"{what}{f' ({more} more)' if more else ''}", hint)
 
 
 def leave_out_outside(case: Case) -> Case:

@@ -42,6 +42,22 @@ MOISTURES_J_PER_M2 = {
     "sticky": 10 * LIQUID_BRIDGE_J_PER_M2,
 }
 """Work of adhesion of each class of moisture."""
+UNSURE = 3.0
+"""The factor, up and down, within which the work of adhesion of a class is uncertain."""
+BASES = {
+    "dry": ("assumption", "nothing sticks"),
+    "moist": (
+        "Fisher, R. A., Journal of Agricultural Science 16, 1926, 492-505",
+        "theory of single bridges of water between smooth grains, an upper bound for such bridges",
+    ),
+    "wet": (
+        "Newitt, D. M., Conway-Jones, J. M., Transactions of the Institution of Chemical Engineers 36, 1958, "
+        "422-442; Mitarai, N., Nori, F., Advances in Physics 55, 2006, 1-45, doi 10.1080/00018730600626065",
+        "three times moist, as the strength of moist granulates rises to the capillary state",
+    ),
+    "sticky": ("assumption, no single source", "ten times moist, for water with clay or fines"),
+}
+"""The source of each class's work of adhesion, and a note; docs/theory/adhesion.md has more."""
 
 
 def resolve_works_of_adhesion(case: Case, grains_m: Mapping[str, float]) -> Case:

@@ -44,13 +44,15 @@ class CaseProblem:
     """A problem at a key of the case; an empty ``key`` stands for the whole file.
 
     ``what`` says what is wrong, and ``hint`` how to correct it.  ``Layers.named`` fills in ``file``,
-    because the layers know which file gave a key.
+    because the layers know which file gave a key.  ``guesses_unit`` says that the hint takes the value for
+    one without a unit; ``Layers.named`` leaves out such a hint where the user gave a unit.
     """
 
     key: Key
     what: str
     hint: str = ""
     file: str = ""
+    guesses_unit: bool = False
 
     def __str__(self) -> str:
         place = " ".join(part for part in (self.file, dotted_key(self.key)) if part)

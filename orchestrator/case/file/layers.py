@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
-from orchestrator.case.file.units import in_own_units
+from orchestrator.case.file.units import in_own_units, keys_with_units
 
 DEEPEST = 20  # So many tables may lie in each other; the case format has 7.
 TOO_DEEP = "is nested too deeply"
@@ -89,12 +89,13 @@ class Layers:
     def __init__(self, given: Mapping[str, Any], source: str) -> None:
         self._first = source
         self._source: dict[tuple[str, ...], str] = {}
+        self._with_units = {*keys_with_units(given)}
         self.merged: dict[str, Any] = in_own_units(given)
 
     def copy(self) -> Layers:
         """Return a copy of these layers, over which others can be laid."""
         twin = Layers(self.merged, self._first)
-        twin._source = dict(self._source)
+        twin._source, twin._with_units = dict(self._source), {*self._with_units}
         return twin
 
     def lay(self, overlay: Mapping[str, Any], source: str) -> None:
@@ -103,6 +104,7 @@ class Layers:
         Raises CaseError if the table addresses an element that a list does not have.
         """
         self.merged = self._over(self.merged, in_own_units(overlay), (), source)
+        self._with_units |= {*keys_with_units(overlay)}
 
     def source(self, key: Key) -> str:
         """Return the file or option that last gave this key or the table that holds it."""
@@ -113,13 +115,19 @@ class Layers:
         return self._first
 
     def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
-        """Return the problems with their files filled in."""
-        return [m if m.file else replace(m, file=self.source(m.key)) for m in problems]
+        """Return the problems with their files filled in, without guesses at units that the user gave."""
+        told = [replace(m, hint="") if m.guesses_unit and self._has_unit(m.key) else m for m in problems]
+        return [m if m.file else replace(m, file=self.source(m.key)) for m in told]
+
+    def _has_unit(self, key: Key) -> bool:
+        """Return whether the last layer that gave this number gave it with a unit."""
+        return tuple(str(part) for part in key) in self._with_units
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
         """Return ``overlay`` merged over ``below`` at ``key``, and change neither of them."""
         if not isinstance(overlay, Mapping):
             self._source[key] = source
+            self._with_units = {other for other in self._with_units if other[: len(key)] != key}
             return overlay
         if isinstance(below, list):
             below = list(below)

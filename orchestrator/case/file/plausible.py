@@ -96,7 +96,8 @@ def wrong_sizes(case: Case) -> Iterator[CaseProblem]:
     """Yield a problem for each value that must be a mistake, with the unit that it looks like."""
     for key, value, limits, hint, refused in _outside(case):
         if refused:
-            yield CaseProblem(key, f"{value:g} is out of the range {_range(limits)}", hint)
+            what = f"{value:g} is out of the range {_range(limits)}"
+            yield CaseProblem(key, what, hint, guesses_unit=bool(hint))
 
 
 def unusual_sizes(case: Case) -> Iterator[str]:

@@ -8,7 +8,7 @@ says why.  units.txt has all units.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from difflib import get_close_matches
 from functools import cache
@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from pint import Unit, UnitRegistry
 
 UNIT = r"[A-Za-zµμ°][A-Za-zµμ°0-9²³ ·*/^().-]{0,39}"
-NUMBER_AND_UNIT = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({UNIT}?)\s*")
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER_AND_UNIT = re.compile(rf"\s*({NUMBER})\s*({UNIT}?)\s*")
+NUMBER_ALONE = re.compile(rf"\s*({NUMBER})\s*")
+OF_TURNS_OR_RADIANS = re.compile(rf"\s*{NUMBER}(?:\s+1)?\s*(?:/\s*(s|min)|(s|min)\s*(?:\^|\*\*)?\s*-\s*1)\s*")
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d")
 OF_HARDNESS = "youngs_modulus_Pa"
 KINDS = {
@@ -61,6 +64,17 @@ def in_own_units(table: Mapping[str, Any], key: str = "") -> dict[str, Any]:
     return {word: _converted(value, key if word.isdecimal() else word) for word, value in table.items()}
 
 
+def keys_with_units(table: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Yield the keys, as tuples of words below ``key``, whose numbers a table gives as texts with units."""
+    if isinstance(table, Mapping | list):
+        for word, value in table.items() if isinstance(table, Mapping) else enumerate(table):
+            yield from keys_with_units(value, (*key, str(word)))
+    elif isinstance(table, str):
+        name = next((word for word in reversed(key) if not word.isdecimal()), "")
+        if not isinstance(_converted(table, name), str):
+            yield key
+
+
 def _converted(value: Any, key: str) -> Any:
     """Return the value of a key in the key's unit."""
     if isinstance(value, Mapping):
@@ -85,9 +99,11 @@ def parse_quantity(text: str, key: str) -> float:
         if not key.endswith(OF_HARDNESS):
             raise ValueError(f"is a hardness, which only {OF_HARDNESS} takes; {_wanted(key)}")
         return hardness.youngs_modulus_Pa(float(match[1]), match[2].upper())
+    if rate := OF_TURNS_OR_RADIANS.fullmatch(text):
+        raise ValueError(_ambiguous(f"1/{rate[1] or rate[2]}", key))
     match = NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
-        raise ValueError("has a decimal comma; write a point" if DECIMAL_COMMA.match(text) else "")
+        raise ValueError(_no_unit(text, key))
     number, own = Decimal(match[1]), _unit(unit_of(key))
     try:
         given = _unit(match[2])
@@ -116,9 +132,30 @@ def why_refused(text: str, path: tuple[str | int, ...]) -> str:
     return ""
 
 
+def _ambiguous(unit: str, key: str) -> str:
+    """Return a message about a number per time, such as "1/s", which may count turns or radians."""
+    if unit_of(key) not in ("rad/s", "Hz"):
+        return f"is a number per time; {_wanted(key)}"
+    return f"is ambiguous: {unit} may count turns or radians; give rpm, Hz or rad/s"
+
+
+def _no_unit(text: str, key: str) -> str:
+    """Return a message about a text that has no unit; "" if it is no number either."""
+    if DECIMAL_COMMA.match(text):
+        return "has a decimal comma; write a point"
+    alone, own = NUMBER_ALONE.fullmatch(text), unit_of(key)
+    if alone is None or own not in KINDS:
+        return ""
+    meant = f"{alone[1]} {split_quantity(KINDS[own][1])[1]}"
+    return f"has no unit; is '{meant}' meant? A number without quotation marks is in {own}"
+
+
 def _wanted(key: str) -> str:
     """Return a message about the kind of quantity that a key wants."""
-    kind, example = KINDS[unit_of(key)]
+    own = unit_of(key)
+    if own not in KINDS:  # that of a key which no table has
+        return f"{own} is wanted"
+    kind, example = KINDS[own]
     return f'{kind} is wanted, such as "{example}"'
 
 

@@ -126,7 +126,12 @@ def find(name: str) -> NamedMaterial:
     moisture, base, number, scale = match.groups("") if match else ("", "", "", "")
     material = materials().get(base)
     if material is None:
+        if elastomer := _named_with_another_hardness(base or ""):
+            what = "a hardness of Shore A or D is wanted"
+            raise UnknownMaterial(f'{what}, for example "{elastomer} 85 Shore A"')
         raise UnknownMaterial
+    if moisture and material.kind != "grains":
+        raise UnknownMaterial(f"only grains are {moisture}, and {base} is no grain")
     if material.kind == "elastomer":
         if not number:
             raise UnknownMaterial(f'give its hardness, for example "{base} 85 Shore A"')
@@ -137,9 +142,22 @@ def find(name: str) -> NamedMaterial:
         return NamedMaterial(material, hardness=hardness)
     if number:
         raise UnknownMaterial(f'only elastomers are named with a hardness; the material is "{base}"')
-    if moisture and material.kind != "grains":
-        raise UnknownMaterial(f'only grains are {moisture}; the material is "{base}"')
     return NamedMaterial(material, moisture)
+
+
+def _named_with_another_hardness(base: str) -> str:
+    """Return the elastomer that a name such as "rubber 60 shore b" begins with; "" if it begins with none."""
+    names = [row.name for row in materials().values() if row.kind == "elastomer"]
+    return next((name for name in names if re.match(rf"{re.escape(name)} \d", base)), "")
+
+
+def no_grains(name: str) -> str | None:
+    """Return the library's own name of a material that is no grains; None for grains and unknown names."""
+    try:
+        material = find(name).material
+    except UnknownMaterial:
+        return None
+    return None if material.kind == "grains" else material.name
 
 
 def suggest(name: str, others: Iterable[str] = ()) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,7 @@ PANEL_COLORS = ("#c79a1e", "#8f6a0f")  # Neighbouring panels differ.
 WALL, FEED, EXIT, BLOCK, DIMENSION = "#7d8b99", "#2e7d32", "#c1443c", "#6b7f1f", "#444444"
 SPRING, BED = "#7a5195", "#8a7f72"
 WIDTH_IN, TALLEST_IN = 12.0, 9.0
+COINCIDING = 0.03  # of the drawing's size: arrows of driven frames whose middles are nearer share a label
 EXIT_DEPTH = 0.16  # of the drawing's width: exits are shown so far below the machine
 
 
@@ -205,11 +206,11 @@ class _Drawing:
             )
             self._axes.plot(*places.T, ls="none", marker="x", ms=5, mec=SPRING, mew=1.0, zorder=10)
             self._symbols.append((places, 7.0))
-            stiffness = " / ".join(f"{1e-3 * value:.4g}" for value in row.table.stiffness_N_per_m)
+            stiffness = stiffness_text(row.table.stiffness_N_per_m)
             curves = " and curves" if row.table.curves else ""
             text = (
                 f"{row.name}, {len(places)} bushing{'s' if len(places) > 1 else ''}\n"
-                f"{stiffness} kN/m{curves}\n"
+                f"{stiffness}{curves}\n"
                 f"{row.table.between[0]} – {row.table.between[1]}"
             )
             self._wanted.append((text, places[np.argmin(places @ [0.3, 1.0])], SPRING, 250.0))
@@ -227,22 +228,36 @@ class _Drawing:
             self._symbols.append((at, 9.0))
             mass_kg = self._machine.case.screen.frames[name].mass_kg
             self._wanted.append((f"{name}, centre of mass\n{mass_kg:.4g} kg", at, color, 320.0))
-        for name, frame in self._machine.case.screen.frames.items():
-            if frame.drive is not None:
-                self._drive(name, frame.drive)
+        self._drives()
 
-    def _drive(self, name: str, drive: Drive) -> None:
+    def _drives(self) -> None:
+        """Draw the stroke of each driven frame as an arrow; arrows about one point share a label."""
+        groups: list[tuple[Array, dict[str, str]]] = []
+        for name, frame in self._machine.case.screen.frames.items():
+            if frame.drive is None:
+                continue
+            at = self._stroke(name, frame.drive)
+            near = [row for place, row in groups if np.linalg.norm(at - place) < COINCIDING * self._size]
+            if not near:
+                near = [{}]
+                groups.append((at, near[0]))
+            sizes = " / ".join(f"{1e3 * value:.3g}" for value in frame.drive.amplitude_m)
+            rate_Hz = frame.drive.speed_rad_per_s / (2 * math.pi)
+            near[0][name] = f"{sizes} mm at {rate_Hz:.3g} Hz"
+        for at, motions in groups:
+            color = frame_color(self._machine, next(iter(motions)))
+            self._wanted.append((motions_text(motions), at, color, 60.0))
+
+    def _stroke(self, name: str, drive: Drive) -> Array:
+        """Draw the arrow of a driven frame, unless it has no stroke in this view; return its middle (2,)."""
         carried = carried_points_m(self._machine, name)
         at = self._view.of(carried.mean(axis=0) if len(carried) else np.array(drive.center_m or (0, 0, 0)))
-        color = frame_color(self._machine, name)
         stroke = self._view.of(to_world(self._machine.case, drive.amplitude_m))
         length = np.linalg.norm(stroke)
-        rate_Hz = drive.speed_rad_per_s / (2 * math.pi)
         if length > 0:
             half = 0.06 * self._size * stroke / length
-            self._arrow(at - half, at + half, color, "<|-|>", 2.0)
-        sizes = " / ".join(f"{1e3 * value:.3g}" for value in drive.amplitude_m)
-        self._wanted.append((f"{name}, driven\n{sizes} mm at {rate_Hz:.3g} Hz", at, color, 60.0))
+            self._arrow(at - half, at + half, frame_color(self._machine, name), "<|-|>", 2.0)
+        return at
 
     def exciters(self) -> None:
         """Draw each exciter as a circle whose arrow shows the turning sense in this view."""
@@ -428,6 +443,21 @@ class _Drawing:
 
 def _xy(at: Array) -> tuple[float, float]:
     return float(at[0]), float(at[1])
+
+
+def stiffness_text(values_N_per_m: Sequence[float]) -> str:
+    """Return stiffnesses with their unit: kN/m, or MN/m if the largest has 10 MN/m or more."""
+    factor, unit = (1e-6, "MN/m") if float(f"{max(values_N_per_m):.4g}") >= 1e7 else (1e-3, "kN/m")
+    return " / ".join(f"{factor * value:.4g}" for value in values_N_per_m) + f" {unit}"
+
+
+def motions_text(motions: Mapping[str, str]) -> str:
+    """Return the label of driven frames by their motions; equal motions are named once."""
+    together = {1: "", 2: "both "}.get(len(motions), "all ")
+    lines = [f"{name}: {motion}" for name, motion in motions.items()]
+    if len({*motions.values()}) == 1:
+        lines = [*motions.values()][:1]
+    return "\n".join([f"{' and '.join(motions)}, {together}driven", *lines])
 
 
 def convex_hull(points: Array) -> Array:

@@ -19,6 +19,7 @@ from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
+from orchestrator.case.materials.library import no_grains
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
@@ -58,7 +59,8 @@ def _grains(case: Case) -> set[str]:
 def complete_contacts(case: Case) -> Iterator[CaseProblem]:
     """Check that every pair of materials that can meet has one contact.
 
-    Check as well that specific wear is given only for contacts of particles with surfaces.
+    Check as well that specific wear is given only for contacts of particles with surfaces.  Materials that do
+    not exist are the matter of another check.
     """
     given: set[frozenset[str]] = set()
     grains, surfaces = _grains(case), surface_materials(case)
@@ -77,8 +79,10 @@ def complete_contacts(case: Case) -> Iterator[CaseProblem]:
         *product(sorted(grains), sorted(surfaces - grains)),
     ]
     for one, two in pairs:
-        if frozenset((one, two)) not in given:
+        if frozenset((one, two)) not in given and {one, two} <= case.materials.keys():
             hint = f'give [[contacts]] with between = ["{one}", "{two}"]'
+            if (name := no_grains(one)) is not None:
+                hint = f"{name} is no grain of the library; {hint}"
             yield CaseProblem(("contacts",), f"{one} and {two} can meet but have no contact", hint)
 
 
