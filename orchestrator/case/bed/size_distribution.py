@@ -186,13 +186,14 @@ def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
     evenly spread by number, so that the mass below d is a straight line over d^4 between two limits.
     """
     limits_m = sorted({limit_m for row in sizes for limit_m in (row.smallest_m, row.largest_m)})
-    quartic_m4, finer = [], []
+    largest_m = limits_m[-1] or 1.0  # the fourth power of a share of it stays within the range of numbers
+    quartic, finer = [], []
     for limit_m in limits_m:
         below = sum(row.mass_fraction * (1.0 - coarser_share(row, limit_m)) for row in sizes)
         equal = sum(row.mass_fraction for row in sizes if row.smallest_m == row.largest_m == limit_m)
-        quartic_m4 += [limit_m**4, limit_m**4]
+        quartic += [(limit_m / largest_m) ** 4] * 2
         finer += [below, below + equal]
-    return float(np.interp(finer[-1] / 2, finer, quartic_m4) ** 0.25)
+    return float(largest_m * np.interp(finer[-1] / 2, finer, quartic) ** 0.25)
 
 
 def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:
