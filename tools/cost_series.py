@@ -1,22 +1,25 @@
-"""The accuracy of the predictions of ``flipflow check``: ``python -m tools.cost_series [CASE ...]``.
+"""The accuracy of the predictions of ``flipflow check``: ``python -m tools.cost_series [NAME ...]``.
 
-The tool runs shipped cases for a short time, and compares their processor time with the predicted time, part
-by part.  Processor time hardly depends on other work of the machine, but it differs between processors.
-Measured figures: docs/measured/cost.md.
+The tool runs shipped cases for a short time, three of them with every model of panels, frames and particles,
+and compares their processor time with the predicted time, part by part.  Processor time hardly depends on
+other work of the machine up to its number of cores, but it differs between processors.  Measured figures:
+docs/measured/cost.md, whose tables the test suite compares with the predictions.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import dataclass
 
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import parts_s
 from orchestrator.studies.accuracy.plan import time_run
 from tests.runs.outside import ROOT
 
-CASES = {
+SHORT_RUNS: dict[str, tuple[str, str, list[str]]] = {
     "quickstart draft": ("quickstart", "draft", ["duration_s=0.2"]),
     "quickstart default": ("quickstart", "default", ["duration_s=0.2"]),
     "ball-on-panel draft": ("ball-on-panel", "draft", []),
@@ -35,6 +38,11 @@ CASES = {
     ),
     "quickstart draft, robin": ("quickstart", "draft", ["duration_s=0.1", "coupling.scheme=robin"]),
 }
+
+DURATIONS_S = {"empty-machine": 0.6, "panel-cycle": 0.4, "quickstart": 0.5}
+"""The cases that are run with every model, and the simulated time of each."""
+
+WITHOUT_PICTURES = ("output.pictures=false",)
 
 IN_THE_SUITE = ("quickstart draft", "ball-on-panel draft", "panel-cycle default")
 """Three cases whose runs take seconds, for the test suite."""
@@ -62,26 +70,73 @@ class CostComparison:
             f"{name} {self.thick_s.get(name, 0.0):.2f}/{measured_s:.2f}"
             for name, measured_s in self.measured_s.items()
         )
-        predicted = f"{sums[0]:.1f}" if sums[0] == sums[1] else f"{sums[0]:.1f} to {sums[1]:.1f}"
+        predicted = " to ".join(dict.fromkeys(f"{time_s:.1f}" for time_s in sums[:2]))
         return f"| {self.name} | {predicted} | {sums[2]:.1f} | {self.ratio:.2f} | {parts} |"
 
 
-def compare(name: str) -> CostComparison:
-    """Run one of ``CASES``, and return its predicted and measured times."""
-    folder, level, sets = CASES[name]
-    sets = [*sets, "output.pictures=false"]
-    path = ROOT / "cases" / folder
-    case = load_judged(path, level, sets).case
+def models(case: Case) -> dict[str, tuple[str, ...]]:
+    """Return the ``--set`` overlays by which a case gets each model of its parts, by the model's name."""
+    along, across = case.panel.cells
+    fine = math.ceil(1.5 * along), math.ceil(1.5 * across)
+
+    def panel(solver: str, along: int, across: int, integrator: str = "explicit") -> tuple[str, ...]:
+        keys = {"solver": solver, "integrator": integrator, "step_s": 0.0, "cells": [along, across]}
+        return tuple(f"panel.{key}={value}" for key, value in keys.items())
+
+    found = {
+        "panel rigid": panel("rigid", along, across),
+        "panel strip": panel("strip", along, 1),
+        "panel sheet coarse": panel("sheet", along // 2, across // 2),
+        "panel sheet": panel("sheet", along, across),
+        "panel sheet fine": panel("sheet", *fine),
+        "frames planar": ("frames.solver=planar",),
+        "frames exudyn": ("frames.solver=exudyn",),
+    }
+    if not any(frame.drive for frame in case.screen.frames.values()):  # two-mass frames cannot be driven
+        found["frames two-mass"] = ("frames.solver=two-mass",)
+    if has_particles(case):
+        used_Pa = max(m.youngs_modulus_Pa or 0.0 for m in case.materials.values())
+        modulus_Pa = min(used_Pa, case.particles.largest_youngs_modulus_Pa or used_Pa)
+        found["particles none"] = ("particles.solver=none",)
+        found["particles coarser"] = ("particles.coarse_graining=1.5",)
+        found["particles softer"] = (f"particles.largest_youngs_modulus_Pa={modulus_Pa / 10:g}",)
+        found["particles stiffer"] = (f"particles.largest_youngs_modulus_Pa={modulus_Pa * 10:g}",)
+    else:  # the solid of the loaded case would take an hour
+        found["panel solid coarse"] = panel("solid", math.ceil(along / 1.5), across // 3, "implicit")
+    return found
+
+
+def runs_by_name() -> dict[str, tuple[str, str, list[str]]]:
+    """Return case, level and ``--set`` overlays of every run: the short runs, and those with every model."""
+    runs = dict(SHORT_RUNS)
+    for folder, duration_s in DURATIONS_S.items():
+        case = load_judged(ROOT / "cases" / folder, "default", []).case
+        for name, overlays in models(case).items():
+            runs[f"{folder}, {name}"] = folder, "default", [f"duration_s={duration_s}", *overlays]
+    return runs
+
+
+def predict(name: str) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the predicted processor time of a run of ``runs_by_name`` in s by part: for a thin bed, and for
+    a thick one."""
+    folder, level, sets = runs_by_name()[name]
+    case = load_judged(ROOT / "cases" / folder, level, [*sets, *WITHOUT_PICTURES]).case
     at_start = particles_at_start(case)
-    thin_s, thick_s = (predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK))
-    return CostComparison(name, thin_s, thick_s, parts_s(time_run(path, level, sets)))
+    return predicted_parts_s(case, at_start, THIN), predicted_parts_s(case, at_start, THICK)
+
+
+def compare(name: str) -> CostComparison:
+    """Make one of the runs of ``runs_by_name``, and return its predicted and measured times."""
+    folder, level, sets = runs_by_name()[name]
+    summary = time_run(ROOT / "cases" / folder, level, [*sets, *WITHOUT_PICTURES])
+    return CostComparison(name, *predict(name), parts_s(summary))
 
 
 def main(names: list[str]) -> None:
-    """Print the table of the named cases, or of all cases."""
-    print("| case | predicted / s | taken / s | ratio | parts: predicted/taken |")
+    """Print the table of the named runs, or of all runs."""
+    print("| run | predicted / s | measured / s | ratio | parts: predicted/measured |")
     print("| --- | --- | --- | --- | --- |")
-    for name in names or CASES:
+    for name in names or runs_by_name():
         print(compare(name).row(), flush=True)
 
 
