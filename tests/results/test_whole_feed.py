@@ -107,6 +107,7 @@ def test_the_whole_feed_is_completed(limit_m: float) -> None:
     assert placement.standard_error < 2.0
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
     assert table["efficiency_percent"].value == pytest.approx(placement.value, rel=1e-12)
+    assert (table["smallest_computed_m"], table["smallest_m"]) == (pytest.approx(limit_m), 0.0005)
     one, two = table["sections"]
     half = PartitionCurve(LAW.rate / 2, LAW.exponent, OPENING_M)
     error = one["cumulative_efficiency_percent"].standard_error

@@ -67,9 +67,7 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
         tile = _tile(f"feed{of_width}", feed, "t/h", lasting, unsteady, T_PER_H * whole)
         yield replace(tile, also=f"{number(feed['value'], whole)} kg/s")
     if whole_feed := screening.get("whole_feed"):
-        over = (
-            f"{whole_feed['left_out_percent']:.3g} % of the feed by the continued partition curve, {lasting}"
-        )
+        over = f"{_describe_continuation(whole_feed)}, {lasting}"
         yield _tile("efficiency of the whole feed", whole_feed["efficiency_percent"], "%", over, unsteady)
     if bed:
         over = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, {lasting}"
@@ -77,6 +75,15 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
         yield _tile(f"mass on the deck{of_width}", bed["on_deck_kg"], "kg", over, unsteady, whole)
         yield _tile("load per area of the deck", bed["load_kg_per_m2"], "kg/m²", over, unsteady)
         yield _tile(HEIGHT, bed["mean_depth_m"], "mm", over, unsteady, 1e3)
+
+
+def _describe_continuation(whole_feed: dict[str, Any]) -> str:
+    """Return what the partition curve adds, and how far: its interval is that of the computed sizes alone."""
+    computed_mm, listed_mm = (1e3 * whole_feed[key] for key in ("smallest_computed_m", "smallest_m"))
+    return (
+        f"{whole_feed['left_out_percent']:.3g} % of the feed by the partition curve, continued from "
+        f"{computed_mm:.3g} to {listed_mm:.3g} mm; the error of that is not in the interval"
+    )
 
 
 def _scale_to_width(results: dict[str, Any]) -> tuple[float, str]:

@@ -93,6 +93,16 @@ class FeedFines:
         return float(self.share.sum())
 
     @property
+    def smallest_m(self) -> float:
+        """The finest diameter that the feeds list."""
+        return min(row.smallest_m for row, _ in self.given)
+
+    @property
+    def smallest_computed_m(self) -> float:
+        """The finest diameter that is computed."""
+        return min(row.smallest_m for row, _ in self.fed)
+
+    @property
     def total(self) -> float:
         """The share of the mass that is fine."""
         return _share_between(self.given, 0.0, self.cut_m)
@@ -181,6 +191,8 @@ def whole_feed(events: Events, fines: FeedFines, opening_m: float, is_uniform: b
     curve, _ = up_to(last, sums[events.window].sum(axis=0))
     return {
         "left_out_percent": 100.0 * fines.left_out,
+        "smallest_m": fines.smallest_m,
+        "smallest_computed_m": fines.smallest_computed_m,
         "fines_percent": 100.0 * fines.total,
         "fine_placement_percent": events.figure(partial(placement, last), sums),
         "efficiency_percent": events.figure(efficiency, sums),
