@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -100,6 +101,38 @@ def tables(whole: Campaign, folder: Path) -> dict[str, bytes]:
     return {name: (folder / name).read_bytes() for name in TABLES if (folder / name).is_file()}
 
 
+FIT = 1e-4
+"""Relative tolerance of what a Gaussian process predicts.
+
+Its likelihood is the same to the last digit only where the sums of the libraries are: one of some twenty
+fits with all left-out points had a value with another rounding (scikit-learn 1.9, NumPy 1.24, the same
+process and data), and the maximum, which is flat, moved predictions by up to 2e-7.
+"""
+
+
+def same_but_for_the_fit(some: bytes, other: bytes) -> bool:
+    """Tell whether tables have the same words, and numbers that agree to the tolerance of a fit."""
+    number = re.compile(r"(-?\d+\.?\d*(?:e[-+]?\d+)?)")
+    parts = zip(number.split(some.decode()), number.split(other.decode()), strict=True)
+    return all(
+        float(one) == pytest.approx(float(two), rel=FIT, abs=1e-6) if k % 2 else one == two
+        for k, (one, two) in enumerate(parts)
+    )
+
+
+def assert_same_trials(some: Campaign, other: Campaign) -> None:
+    """Everything is the same to the last digit, but the predictions that were written down beside it."""
+
+    def without_predictions(whole: Campaign) -> list[Outcome]:
+        return [replace(each, trial=replace(each.trial, predicted={})) for each in whole.outcomes]
+
+    assert without_predictions(some) == without_predictions(other)
+    for one, two in zip(some.outcomes, other.outcomes, strict=True):
+        assert list(one.trial.predicted) == list(two.trial.predicted)
+        for name, predicted in one.trial.predicted.items():
+            assert predicted == pytest.approx(two.trial.predicted[name], rel=FIT, abs=1e-6)
+
+
 SURROGATES = ["quadratic", pytest.param("gaussian-process", marks=pytest.mark.slow)]
 
 
@@ -124,9 +157,11 @@ def test_a_study_that_is_ended_at_any_moment_goes_on_to_the_same_tables(
             with pytest.raises(Killed):
                 run_all(study, folder, store=store, killed_in=end)
         again = run_all(study, folder, store=store)
-        assert again.outcomes == undisturbed.outcomes
+        assert_same_trials(again, undisturbed)
         if number < 2:
-            assert tables(again, folder) == wanted
+            found = tables(again, folder)
+            assert set(found) == set(wanted)
+            assert all(same_but_for_the_fit(found[name], wanted[name]) for name in wanted)
         assert isinstance(again.evaluator, NoisyFunction)
         assert len(again.evaluator.made) + moment <= len(undisturbed.outcomes) + 1
 
