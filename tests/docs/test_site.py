@@ -32,6 +32,9 @@ def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
         for target in LOADED.findall(text):
             assert not re.match(r"(https?:)?//", target), f"{name} loads {target}"
     assert "<math" in pages["docs/theory/coupling.html"].read_text(encoding="utf-8")
+    gallery = pages["docs/gallery.html"].read_text(encoding="utf-8")
+    cases = len([*ROOT.glob("cases/**/README.md")])
+    assert len(re.findall(r"<h2 ", gallery)) == len(re.findall(r"<img ", gallery)) == cases > 30
     reference = pages["docs/python.html"].read_text(encoding="utf-8")
     for name in (*flipflow.__all__, "Case.change", "Run.history"):
         assert f'id="flipflow.{name}"' in reference, f"the reference lacks {name}"

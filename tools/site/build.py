@@ -15,6 +15,10 @@ from mkdocs.commands.build import build
 from mkdocs.config import load_config
 from mkdocs.structure.pages import Page
 
+from orchestrator.output.views.drawings import SIDE, draw_view
+from orchestrator.output.views.outline import outline
+from orchestrator.preflight.judge import load_judged
+
 ROOT = Path(__file__).parents[2]
 FRONT = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
 LINK = re.compile(r"\]\(([^)\s#]+)[^)\s]*\)")
@@ -68,7 +72,7 @@ def stage_pages(stage: Path) -> None:
     (stage / "LICENSE").rename(stage / "LICENSE.txt")  # a browser shows it, and the links say so
     _replace(stage / "README.md", "](LICENSE)", "](LICENSE.txt)")
     (stage / API).write_text("# Python package\n\n::: flipflow\n", encoding="utf-8")
-    (stage / GALLERY).write_text("\n".join(_gallery()), encoding="utf-8")
+    (stage / GALLERY).write_text("\n".join(_gallery(stage)), encoding="utf-8")
 
 
 def navigation(stage: Path) -> list[Any]:
@@ -90,8 +94,9 @@ def navigation(stage: Path) -> list[Any]:
     ]
 
 
-def _gallery() -> Iterator[str]:
-    """Yield the lines of a page that has the title and a picture of each case."""
+def _gallery(stage: Path) -> Iterator[str]:
+    """Yield the lines of a page that has the title and a picture of each case: the first of its own page, or
+    else the side view, which is drawn into the folder ``stage``."""
     yield "# Gallery of cases\n"
     for page in sorted(ROOT.glob("cases/**/README.md")):
         case = page.parent
@@ -99,12 +104,19 @@ def _gallery() -> Iterator[str]:
         name = str(case.relative_to(ROOT / "cases"))
         yield f"## [{name}](../cases/{name}/README.md)\n"
         yield f"{title}.\n"
-        pictures = [
-            target for target in LINK.findall(page.read_text(encoding="utf-8")) if target.endswith(".png")
-        ]
-        for target in pictures[:1]:
-            place = (case / target).resolve().relative_to(ROOT)
-            yield f"![{name}](../{place}){{ width=480 }}\n"
+        targets = LINK.findall(page.read_text(encoding="utf-8"))
+        if pictures := [target for target in targets if target.endswith(".png")]:
+            place = (case / pictures[0]).resolve().relative_to(ROOT)
+        else:
+            place = Path("docs/images/cases") / f"{name.replace('/', '-')}.png"
+            _draw_side_view(case, stage / place)
+        yield f"![{name}](../{place}){{ width=480 }}\n"
+
+
+def _draw_side_view(case: Path, file: Path) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    loaded = load_judged(case)
+    draw_view(outline(loaded.case.whole_machine, loaded.folder), SIDE).savefig(file, dpi=100)
 
 
 def _equations_as_mathml(html: str, page: Page, **_: Any) -> str:
