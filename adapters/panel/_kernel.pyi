@@ -11,8 +11,11 @@ from orchestrator.ports import Array
 
 Ints = npt.NDArray[np.int32]
 
-LANES: int
-"""Number of cells that stand side by side in the arrays of Gauss points."""
+def sheet_places(along: int, across: int) -> tuple[list[int], int, tuple[int, int, int]]:
+    """Return the places (nodes,) of a sheet's nodes in its state, and the number of all places.
+
+    Third is the shape of its Gauss points: groups of cells side by side, points of each, cells of a group.
+    """
 
 class _Body:
     """A body that works on arrays which Python owns."""
@@ -52,10 +55,10 @@ class Sheet(_Body):
 
     Constants, which are copied: sizes of the cells, ``along_m`` and ``across_m``; the membrane's law
     by cell, ``c10_N_per_m``, ``c01_N_per_m``, ``solid``, ``rest`` and ``strain_entries``
-    (``kernel/membrane.h``); the bending matrix by diagonals, ``offset`` and ``entry``, and the
+    (``kernel/membrane.h``); the bending matrix, ``entry`` in ``row`` and ``column``, and the
     positions without bending, ``flat_m``; ``mobility_1_kg`` (nodes,), zero where ``held``; ``mass_kg``
     (nodes,) and ``weight_N`` (nodes, 3); Maxwell branches, ``ratio`` and ``time_s``.  State:
-    ``position_m``, ``velocity_m_per_s``, ``internal_N`` (nodes, 3), and what ``CompiledSheet`` calls
+    ``position_m``, ``velocity_m_per_s``, ``internal_N`` (3, places), and what ``CompiledSheet`` calls
     its memory.
     """
 

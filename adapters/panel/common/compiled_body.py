@@ -28,13 +28,15 @@ class CompiledBody(Body):
     """A body in steps of at most ``step_s``, moved by an object of the compiled class ``compiled``.
 
     ``constants`` and ``memory`` are its arguments by name.  ``memory`` holds the state that changes beside
-    position, velocity and internal force; the compiled code works on these very arrays.
+    position, velocity and internal force, which have the shape ``vectors``; the compiled code works on these
+    very arrays.
     """
 
     def __init__(
         self,
         compiled: type[kernel.Sheet | kernel.Chain],
         step_s: float,
+        vectors: tuple[int, int],
         mass_kg: Array,
         held: Indices,
         branches: tuple[tuple[float, float], ...],
@@ -42,11 +44,10 @@ class CompiledBody(Body):
         memory: Mapping[str, Array],
     ) -> None:
         self.mass_kg, self.held, self.step_s = mass_kg, held, step_s
-        self.position_m, self.velocity_m_per_s, self.internal_N = np.zeros((3, len(mass_kg), 3))
         self.memory = {
-            "position_m": self.position_m,
-            "velocity_m_per_s": self.velocity_m_per_s,
-            "internal_N": self.internal_N,
+            "position_m": np.zeros(vectors),
+            "velocity_m_per_s": np.zeros(vectors),
+            "internal_N": np.zeros(vectors),
             "lost_J": np.zeros(1),
             **memory,
         }
@@ -55,9 +56,28 @@ class CompiledBody(Body):
             **constants, held=held.astype(np.int32), ratio=ratio, time_s=time_s, **self.memory
         )
 
+    @property
+    def position_m(self) -> Array:
+        """Return the positions (nodes, 3)."""
+        return self.by_nodes(self.memory["position_m"])
+
+    @property
+    def velocity_m_per_s(self) -> Array:
+        """Return the velocities (nodes, 3)."""
+        return self.by_nodes(self.memory["velocity_m_per_s"])
+
+    @property
+    def internal_N(self) -> Array:
+        """Return the internal forces (nodes, 3)."""
+        return self.by_nodes(self.memory["internal_N"])
+
+    def by_nodes(self, vectors: Array) -> Array:
+        """Return (nodes, 3) vectors that stand in ``memory``."""
+        return vectors
+
     def rest(self, position_m: Array) -> None:
         """Take ``position_m`` (nodes, 3) as the shape at rest, with relaxed branches."""
-        self.position_m[:] = position_m
+        self.memory["position_m"][:] = position_m
         self.kernel.rest()
 
     def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:

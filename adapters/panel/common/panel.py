@@ -113,9 +113,15 @@ class Body(Restorable, Protocol):
 
     mass_kg: Array
     held: Indices
-    position_m: Array
-    velocity_m_per_s: Array
-    internal_N: Array
+
+    @property
+    def position_m(self) -> Array: ...
+
+    @property
+    def velocity_m_per_s(self) -> Array: ...
+
+    @property
+    def internal_N(self) -> Array: ...
 
     def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:
         """Move to the interval's end under a constant outside force, with the held nodes along ``path``."""

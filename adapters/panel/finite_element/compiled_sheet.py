@@ -30,7 +30,7 @@ class CompiledSheet(CompiledBody):
     grid's.  ``memory`` holds, beside its motion: the scaled strain at the Gauss points, in groups of
     cells side by side; the elastic bending force; the stresses of both parts' branches, each over
     its ratio; their energies (2, branches); the energy lost (1,) and received from the load and from
-    the clamps (2,).
+    the clamps (2,).  Vectors of nodes stand in it by places, (3, places) (``kernel/node_places.h``).
     """
 
     kernel: kernel.Sheet
@@ -45,37 +45,46 @@ class CompiledSheet(CompiledBody):
         resting_m: Array,
         step_s: float,
     ) -> None:
-        bending, count, branches = structure.bending, len(nodes), len(plan.material.branches)
+        bending, branches = structure.bending, len(plan.material.branches)
         assert bending is not None  # every sheet bends
-        groups = -(-grid.shape[0] * grid.shape[1] // kernel.LANES)
+        self._places, all_places, points = kernel.sheet_places(*grid.shape)
+        vectors = (3, all_places)
         self._flat_m = bending.flat_m[nodes]
         mass_kg = structure.mass_kg[nodes]
         constants = {
             **_cells(plan, structure, grid),
-            **_diagonals(bending.matrix[nodes][:, nodes]),
+            **_entries(bending.matrix[nodes][:, nodes]),
             "flat_m": self._flat_m,
             "mobility_1_kg": structure.mobility_1_kg[nodes, 0],
             "mass_kg": mass_kg,
             "weight_N": mass_kg[:, None] * plan.gravity_m_per_s2,
         }
         memory = {
-            "strain": np.zeros((groups, 9, 3, kernel.LANES)),
-            "strain_stress": np.zeros((groups, 9, branches, 3, kernel.LANES)),
-            "elastic_N": np.zeros((count, 3)),
-            "bending_stress_N": np.zeros((branches, count, 3)),
+            "strain": np.zeros((*points[:2], 3, points[2])),
+            "strain_stress": np.zeros((*points[:2], branches, 3, points[2])),
+            "elastic_N": np.zeros(vectors),
+            "bending_stress_N": np.zeros((branches, *vectors)),
             "energy_J": np.zeros((2, branches)),
             "received_J": np.zeros(2),
         }
         held = np.flatnonzero(np.isin(nodes, structure.held))
-        super().__init__(kernel.Sheet, step_s, mass_kg, held, plan.material.branches, constants, memory)
+        damping = plan.material.branches
+        super().__init__(kernel.Sheet, step_s, vectors, mass_kg, held, damping, constants, memory)
         self.rest(resting_m[nodes])
+
+    def by_nodes(self, vectors: Array) -> Array:
+        return np.ascontiguousarray(vectors[:, self._places].T)
+
+    def rest(self, position_m: Array) -> None:
+        self.memory["position_m"][:, self._places] = position_m.T
+        self.kernel.rest()
 
     def stored_J(self) -> dict[str, float]:
         """Return the elastic energy by name and that of the Maxwell branches."""
         bent_m = self.position_m - self._flat_m
         return {
             "membrane": self.kernel.membrane_J(),
-            "bending": 0.5 * float(np.vdot(bent_m, self.memory["elastic_N"])),
+            "bending": 0.5 * float(np.vdot(bent_m, self.by_nodes(self.memory["elastic_N"]))),
             "maxwell": float(self.memory["energy_J"].sum()),
         }
 
@@ -132,10 +141,7 @@ def _cell_numbers(grid: ElementGrid, middle_m: Array) -> Indices:
     return np.argsort(row * grid.shape[1] + column)
 
 
-def _diagonals(matrix: csr_matrix) -> dict[str, Any]:
-    """Return ``entry`` (offsets, nodes): what stands in each row, ``offset`` columns off the diagonal."""
+def _entries(matrix: csr_matrix) -> dict[str, Any]:
+    """Return the matrix's entries by ``row`` and ``column``."""
     entries = matrix.tocoo()
-    offset, which = np.unique(entries.col - entries.row, return_inverse=True)
-    entry = np.zeros((len(offset), matrix.shape[0]))
-    entry[which, entries.row] = entries.data
-    return {"offset": offset.astype(np.int32), "entry": entry}
+    return {"row": entries.row, "column": entries.col, "entry": entries.data}

@@ -1,137 +1,199 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
+#include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "lanes.h"
 #include "maxwell.h"
+#include "membrane.h"
+#include "node_places.h"
 
 namespace flipflow {
 
-// A matrix (nodes, nodes) times a field of vectors (nodes, 3), by diagonals: in the grid's
-// numbering its entries stand on a few dozen of them, so that rows side by side need values side by
-// side and nothing is looked up.
-class Diagonals {
+// A matrix (nodes, nodes): `entry` in the row of a node and the column of another.
+struct MatrixEntries {
+  std::vector<int> row, column;
+  std::vector<double> entry;
+};
+
+// A matrix times a field of vectors, both by places (node_places.h).  All nodes of a place see the others
+// at the same few dozen distances, so that places side by side need values side by side, and the nodes
+// of a place need the same ones.  Where the grid repeats itself so do the entries; groups of places that
+// are alike but for rounding share them, so that all stay near the processor.
+class StiffnessRows {
  public:
-  // `offset` is column minus row; `entry` (offsets, nodes) by row, zero where there is none.
-  Diagonals(std::vector<int> offset, const std::vector<double> &entry, int nodes)
-      : nodes_(nodes),
-        padded_((nodes + kLanes - 1) / kLanes * kLanes),
-        offset_(std::move(offset)),
-        entry_(offset_.size() * padded_),
-        result_(3 * padded_) {
-    for (const int o : offset_) margin_ = std::max(margin_, std::abs(o));
-    column_.resize(3 * (padded_ + 2 * margin_));
-    for (size_t k = 0; k < offset_.size(); ++k)
-      for (int row = 0; row < nodes; ++row)
-        entry_[(row / kLanes * offset_.size() + k) * kLanes + row % kLanes] =
-            entry[k * nodes + row];
+  StiffnessRows(const NodePlaces &places, const MatrixEntries &matrix) {
+    double largest = 0.0;
+    for (const double entry : matrix.entry) largest = std::max(largest, std::abs(entry));
+    const double rounding = 1e-14 * largest;
+    std::map<int, std::vector<double>> by_distance;  // (places of a row, kinds)
+    for (size_t i = 0; i < matrix.entry.size(); ++i) {
+      if (std::abs(matrix.entry[i]) < rounding) continue;
+      const int row = places.of_node(matrix.row[i]) - places.margin(), place = row % places.row();
+      auto &entries = by_distance[places.of_node(matrix.column[i]) - places.margin() - place];
+      entries.resize(4 * places.row());
+      entries[4 * place + row / places.row()] += matrix.entry[i];
+    }
+    for (const auto &[distance, entries] : by_distance) distances_[kinds_of(entries)].push_back(distance);
+    std::vector<double> packed;
+    for (int place = 0; place < places.row(); place += kLanes) {
+      const auto block = block_at(by_distance, place);
+      block_.push_back(alike(packed, block, rounding));
+      if (block_.back() == packed.size()) packed.insert(packed.end(), block.begin(), block.end());
+    }
+    entry_ = Numbers(packed.size());
+    std::copy(packed.begin(), packed.end(), entry_.data());
   }
 
-  // product = matrix * (position - flat), all (nodes, 3).
-  void multiply(const double *position, const double *flat, double *product) {
-    double *const column[3] = {component(0), component(1), component(2)};
-    for (int node = 0; node < nodes_; ++node)
-      for (int c = 0; c < 3; ++c) column[c][node] = position[3 * node + c] - flat[3 * node + c];
-    static const auto multiply_here = fitting(multiply_v4, multiply_v3, multiply_any);
-    multiply_here(*this);
-    for (int node = 0; node < nodes_; ++node)
-      for (int c = 0; c < 3; ++c) product[3 * node + c] = result_[c * padded_ + node];
+  // The product's components for the nodes of each kind at `place` and behind it; `values` are the three
+  // components of those of the first kind there.
+  template <class V>
+  FLIPFLOW_INLINE void multiply(int place, const double *const values[3], V product[4][3]) const {
+    const double *entry = entry_.data() + block_[place / kLanes] + place % kLanes;
+    for (int kind = 0; kind < 4; ++kind)
+      for (int c = 0; c < 3; ++c) product[kind][c] = V{};
+    multiply_all<V>(entry, values, product, std::make_integer_sequence<int, kSets>());
   }
 
  private:
-  double *component(int c) { return &column_[c * (padded_ + 2 * margin_) + margin_]; }
+  using ByDistance = std::map<int, std::vector<double>>;
+  static constexpr int kSets = 16;  // of kinds, by their bits
 
-  FLIPFLOW_V4 static void multiply_v4(Diagonals &d) { d.multiply_rows<Eight>(); }
-  FLIPFLOW_V3 static void multiply_v3(Diagonals &d) { d.multiply_rows<Four>(); }
-  static void multiply_any(Diagonals &d) { d.multiply_rows<Two>(); }
+  static int kinds_of(const std::vector<double> &entries) {
+    int set = 0;
+    for (size_t i = 0; i < entries.size(); ++i)
+      if (entries[i] != 0.0) set |= 1 << (i % 4);
+    return set;
+  }
 
-  template <class V>
-  FLIPFLOW_INLINE void multiply_rows() {
-    const size_t entries = offset_.size() * kLanes;
-    const double *const column[3] = {component(0), component(1), component(2)};
-    for (int row = 0; row < padded_; row += kWidth<V>) {
-      const double *entry = entry_.data() + row / kLanes * entries + row % kLanes;
-      V x{}, y{}, z{};
-      for (const int to_column : offset_) {
+  template <class V, int... set>
+  FLIPFLOW_INLINE void multiply_all(const double *entry, const double *const values[3], V product[4][3],
+                                    std::integer_sequence<int, set...>) const {
+    (multiply_set<V, set>(entry, values, product), ...);
+  }
+
+  // Adds what nodes of these kinds see at the distances that none of the others sees.
+  template <class V, int set>
+  FLIPFLOW_INLINE void multiply_set(const double *&entry, const double *const values[3],
+                                    V product[4][3]) const {
+    for (const int distance : distances_[set]) {
+      const V x = load<V>(values[0] + distance), y = load<V>(values[1] + distance),
+              z = load<V>(values[2] + distance);
+      for (int kind = 0; kind < 4; ++kind) {
+        if (!(set >> kind & 1)) continue;
         const V a = load<V>(entry);
-        x += a * load<V>(column[0] + row + to_column);
-        y += a * load<V>(column[1] + row + to_column);
-        z += a * load<V>(column[2] + row + to_column);
+        product[kind][0] += a * x;
+        product[kind][1] += a * y;
+        product[kind][2] += a * z;
         entry += kLanes;
       }
-      store(result_.data() + row, x);
-      store(result_.data() + padded_ + row, y);
-      store(result_.data() + 2 * padded_ + row, z);
     }
   }
 
-  int nodes_, padded_, margin_ = 0;
-  std::vector<int> offset_;
-  std::vector<double> entry_;   // (blocks of kLanes rows, offsets, kLanes)
-  std::vector<double> column_;  // (3, padded nodes with zeros around)
-  std::vector<double> result_;  // (3, padded nodes)
+  // The entries of a group of places, in the order in which `multiply` takes them.
+  std::vector<double> block_at(const ByDistance &by_distance, int place) const {
+    std::vector<double> block;
+    for (int set = 0; set < kSets; ++set)
+      for (const int distance : distances_[set])
+        for (int kind = 0; kind < 4; ++kind)
+          if (set >> kind & 1)
+            for (int lane = 0; lane < kLanes; ++lane)
+              block.push_back(by_distance.at(distance)[4 * (place + lane) + kind]);
+    return block;
+  }
+
+  // Where a block like this one begins, or the end.
+  static size_t alike(const std::vector<double> &packed, const std::vector<double> &block,
+                      double rounding) {
+    const auto near = [rounding](double a, double b) { return std::abs(a - b) < rounding; };
+    size_t at = 0;
+    while (at < packed.size() && !std::equal(block.begin(), block.end(), packed.begin() + at, near))
+      at += block.size();
+    return at;
+  }
+
+  // From a place in the row of the first kind, by the set of kinds of nodes that see so far.
+  std::vector<int> distances_[kSets];
+  std::vector<size_t> block_;  // where the entries of each group of places begin
+  Numbers entry_;
+};
+
+// Where nodes have come to and how they moved there in a step, and the forces that answer: by places,
+// (3, places) each, `bending_stress_N` (branches, 3, places).
+struct NodeStep {
+  const double *bent_m, *moved_m;
+  double *elastic_N, *bending_stress_N, *internal_N;
 };
 
 // Force of a constant stiffness matrix, with Maxwell branches on the nodes' displacement.
 class Bending {
  public:
-  Bending(Diagonals matrix, std::vector<double> flat_m)
-      : matrix_(std::move(matrix)),
-        flat_m_(std::move(flat_m)),
-        product_(flat_m_.size()),
-        moved_(flat_m_.size()) {}
+  Bending(const NodePlaces &places, const MatrixEntries &matrix) : places_(places), matrix_(places, matrix) {}
 
-  // Adds the force at `position_m` to `force_N`, and carries the elastic force (nodes, 3) and the
-  // branches' stresses (branches, nodes, 3) there from `before_m`.
-  StepWork step(const Branches &branches, const double *before_m, const double *position_m,
-                double *elastic_N, double *stress_N, double *force_N) {
-    const int size = static_cast<int>(product_.size());
-    matrix_.multiply(position_m, flat_m_.data(), product_.data());
-    for (int i = 0; i < size; ++i) moved_[i] = position_m[i] - before_m[i];
+  // Fills in the internal force, which is that of bending and what the membrane's cells do, and carries
+  // the elastic force and the branches' stresses on.
+  StepWork step(const Branches &branches, const Membrane &membrane, const NodeStep &step) const {
+    std::vector<double> cross_J(branches.count() * kLanes);
+    double square_J[kLanes] = {};
+    static const auto step_here = fitting(step_v4, step_v3, step_any);
+    step_here(*this, branches, membrane, step, cross_J.data(), square_J);
     StepWork work(branches.count());
-    work.square_J = add_elastic(size, moved_.data(), elastic_N, product_.data(), force_N);
-    for (int b = 0; b < branches.count(); ++b, stress_N += size)
-      work.cross_J[b] =
-          add_branch(size, branches.ratio()[b], branches.decay()[b], branches.gain()[b],
-                     moved_.data(), product_.data(), stress_N, force_N);
+    for (size_t i = 0; i < cross_J.size(); ++i) work.cross_J[i / kLanes] += cross_J[i];
+    work.square_J = std::accumulate(square_J, square_J + kLanes, 0.0);
     return work;
   }
 
  private:
-  // What the elastic force changes by stands in `change` afterwards.
-  FLIPFLOW_CLONES
-  static double add_elastic(int size, const double *moved_m, double *elastic_N, double *change,
-                            double *force_N) {
-    double square_J = 0.0;
-#pragma omp simd reduction(+ : square_J)
-    for (int i = 0; i < size; ++i) {
-      const double now = change[i];
-      change[i] = now - elastic_N[i];
-      elastic_N[i] = now;
-      force_N[i] += now;
-      square_J += change[i] * moved_m[i];
+  template <class V>
+  FLIPFLOW_INLINE void step_all(const Branches &branches, const Membrane &membrane, const NodeStep &step,
+                                double *cross_J, double *square_J) const {
+    const int size = places_.size();
+    V square{};
+    for (int place = 0; place < places_.row(); place += kWidth<V>) {
+      const double *const first_m = step.bent_m + places_.row_start(0) + place;
+      const double *const bent_m[3] = {first_m, first_m + size, first_m + 2 * size};
+      V elastic[4][3];
+      matrix_.multiply(place, bent_m, elastic);
+      for (int kind = 0; kind < 4; ++kind)
+        for (int c = 0; c < 3; ++c) {
+          const int at = c * size + places_.row_start(kind) + place, lane = place % kLanes;
+          const V now = elastic[kind][c], change = now - load<V>(step.elastic_N + at);
+          const V moved = load<V>(step.moved_m + at);
+          store(step.elastic_N + at, now);
+          square += change * moved;
+          V force = now + membrane.force<V>(kind, c, place);
+          for (int b = 0; b < branches.count(); ++b) {
+            double *const stress = step.bending_stress_N + 3 * b * size + at;
+            const V old = load<V>(stress), next = branches.decay()[b] * old + branches.gain()[b] * change;
+            add_to(cross_J + b * kLanes + lane, old * moved);
+            force += branches.ratio()[b] * next;
+            store(stress, next);
+          }
+          store(step.internal_N + at, force);
+        }
     }
-    return square_J;
+    store(square_J, square);
   }
 
-  FLIPFLOW_CLONES
-  static double add_branch(int size, double ratio, double decay, double gain, const double *moved_m,
-                           const double *change, double *stress_N, double *force_N) {
-    double cross_J = 0.0;
-#pragma omp simd reduction(+ : cross_J)
-    for (int i = 0; i < size; ++i) {
-      cross_J += stress_N[i] * moved_m[i];
-      stress_N[i] = decay * stress_N[i] + gain * change[i];
-      force_N[i] += ratio * stress_N[i];
-    }
-    return cross_J;
+  FLIPFLOW_V4 static void step_v4(const Bending &b, const Branches &branches, const Membrane &membrane,
+                                  const NodeStep &step, double *cross_J, double *square_J) {
+    b.step_all<Eight>(branches, membrane, step, cross_J, square_J);
+  }
+  FLIPFLOW_V3 static void step_v3(const Bending &b, const Branches &branches, const Membrane &membrane,
+                                  const NodeStep &step, double *cross_J, double *square_J) {
+    b.step_all<Four>(branches, membrane, step, cross_J, square_J);
+  }
+  static void step_any(const Bending &b, const Branches &branches, const Membrane &membrane,
+                       const NodeStep &step, double *cross_J, double *square_J) {
+    b.step_all<Two>(branches, membrane, step, cross_J, square_J);
   }
 
-  Diagonals matrix_;
-  std::vector<double> flat_m_, product_, moved_;
+  NodePlaces places_;
+  StiffnessRows matrix_;
 };
 
 }  // namespace flipflow

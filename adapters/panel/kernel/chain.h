@@ -72,6 +72,7 @@ class Chain {
   }
 
   int size() const { return 3 * parts_.rows(); }
+  int points() const { return parts_.rows(); }
   int held() const { return static_cast<int>(parts_.held.size()); }
   int clamp_points() const { return 2 * held(); }
   int surface_points() const { return 2 * parts_.rows(); }

@@ -7,17 +7,9 @@
 #include "biquadratic.h"
 #include "lanes.h"
 #include "maxwell.h"
+#include "node_places.h"
 
 namespace flipflow {
-
-// A rectangular grid of biquadratic cells; nodes and cells are numbered with y running fastest.
-struct CellGrid {
-  std::vector<double> along_m, across_m;  // lengths of the cells in each direction
-
-  int cells() const { return static_cast<int>(along_m.size() * across_m.size()); }
-  int nodes_across() const { return 2 * static_cast<int>(across_m.size()) + 1; }
-  int nodes() const { return (2 * static_cast<int>(along_m.size()) + 1) * nodes_across(); }
-};
 
 // What a cell is made of, in N/m: Mooney-Rivlin constants times thickness, of which a cell has the
 // share `solid` (cells); on top the quadratic law `rest` (cells, 6: 11, 22, 33, 12, 13, 23) in the
@@ -28,11 +20,11 @@ struct MembraneLaw {
   std::vector<double> solid, rest, strain;
 };
 
-// Several cells side by side.  The last group is filled up with copies of no area.
+// Places of cells side by side (node_places.h).  Where there is no cell, all but `missing` is zero: what
+// is read there counts for an unstrained cell, and gives no force.
 struct alignas(kLanes * sizeof(double)) CellGroup {
   double per_s2[kLanes], per_sy[kLanes], per_y2[kLanes];  // 1 / (products of two cell lengths)
-  double area[kLanes], solid[kLanes], rest[6][kLanes], strain[5][kLanes];
-  int corner[kLanes];  // lowest node
+  double area[kLanes], solid[kLanes], rest[6][kLanes], strain[5][kLanes], missing[kLanes];
 };
 
 // Mooney-Rivlin in plane stress, incompressible, and the law of a perforated cell
@@ -104,52 +96,66 @@ FLIPFLOW_INLINE Symmetric<V> rest_stress(const V rest[6], const Symmetric<V> &C)
 }
 
 // Force and energy of the membrane (adapters/panel/finite_element/sheet_forms.py, perforation.py), kWidth<V>
-// cells at a time.
+// places of cells at a time.
 class Membrane {
  public:
   Membrane(const CellGrid &grid, const MembraneLaw &law)
-      : groups_((grid.cells() + kLanes - 1) / kLanes),
+      : places_(grid),
+        groups_(places_.groups()),
+        force_row_(places_.margin() + places_.row()),
+        force_N_(9 * 3 * force_row_),
         c10_N_per_m_(law.c10_N_per_m),
         c01_N_per_m_(law.c01_N_per_m),
-        nodes_across_(grid.nodes_across()),
         perforated_(!law.rest.empty()) {
-    const int across = static_cast<int>(grid.across_m.size());
-    for (int n = 0; n < groups() * kLanes; ++n) {
-      const int cell = std::min(n, grid.cells() - 1), lane = n % kLanes;
-      const double s = grid.along_m[cell / across], y = grid.across_m[cell % across];
-      CellGroup &group = groups_[n / kLanes];
+    for (CellGroup &group : groups_) std::fill_n(group.missing, kLanes, 1.0);
+    for (int cell = 0; cell < grid.cells(); ++cell) {
+      const double s = grid.along_m[cell / grid.across()], y = grid.across_m[cell % grid.across()];
+      const int place = places_.of_cell(cell), lane = place % kLanes;
+      CellGroup &group = groups_[place / kLanes];
       group.per_s2[lane] = 1.0 / (s * s);
       group.per_sy[lane] = 1.0 / (s * y);
       group.per_y2[lane] = 1.0 / (y * y);
-      group.area[lane] = n < grid.cells() ? s * y : 0.0;
-      group.corner[lane] = 2 * (cell / across) * nodes_across_ + 2 * (cell % across);
+      group.area[lane] = s * y;
+      group.missing[lane] = 0.0;
       for (int k = 0; k < 5; ++k) group.strain[k][lane] = law.strain[5 * cell + k];
       group.solid[lane] = law.solid[cell];
       for (int k = 0; k < 6; ++k) group.rest[k][lane] = perforated_ ? law.rest[6 * cell + k] : 0.0;
+    }
+    for (int k = 0; k < 9; ++k) {
+      kind_[k] = places_.kind(k);
+      shift_[k] = places_.shift(k);
+      of_kind_[kind_[k]].push_back(k);
     }
   }
 
   int groups() const { return static_cast<int>(groups_.size()); }
 
-  // Adds the force at `position_m` to `force_N`, both (nodes, 3), and carries the scaled strain
+  // Finds the force at `position_m` (3, places), which `force` adds up, and carries the scaled strain
   // (groups, 9, 3, kLanes) and the branches' stresses (groups, 9, branches, 3, kLanes) there.
-  StepWork step(const Branches &branches, const double *position_m, double *strain, double *stress,
-                double *force_N) const {
+  StepWork step(const Branches &branches, const double *position_m, double *strain, double *stress) {
     std::vector<double> cross_J(branches.count() * kLanes);
     double square_J[kLanes] = {};
     static const auto step_here = fitting(step_v4, step_v3, step_any);
-    step_here(*this, {branches, position_m, strain, stress, force_N, cross_J.data(), square_J});
+    step_here(*this, {branches, position_m, strain, stress, cross_J.data(), square_J});
     StepWork work(branches.count());
     for (size_t i = 0; i < cross_J.size(); ++i) work.cross_J[i / kLanes] += cross_J[i];
     work.square_J = std::accumulate(square_J, square_J + kLanes, 0.0);
     return work;
   }
 
+  // The force on the component `c` of nodes of a kind, those at `place` and behind it in their row.
+  template <class V>
+  FLIPFLOW_INLINE V force(int kind, int c, int place) const {
+    V sum{};
+    for (const int k : of_kind_[kind]) sum += load<V>(at_node(k, c) + place - shift_[k]);
+    return sum;
+  }
+
   double energy_J(const double *position_m) const {
     Two total{};
     for (int n = 0; n < groups() * kLanes; n += kWidth<Two>) {
       Cells<Two> cells = {groups_[n / kLanes], n % kLanes, {}, {}};
-      gather(position_m, cells);
+      gather(position_m, n, cells);
       Two rest[6];
       for (int k = 0; k < 6; ++k) rest[k] = cells.get(cells.group.rest[k]);
       for (int point = 0; point < 9; ++point) {
@@ -167,7 +173,7 @@ class Membrane {
   struct Step {
     const Branches &branches;
     const double *position_m;
-    double *strain, *stress, *force_N, *cross_J, *square_J;
+    double *strain, *stress, *cross_J, *square_J;
   };
 
   // Where in a group the cells stand that are at hand, and the slopes of their position at the
@@ -189,7 +195,8 @@ class Membrane {
         sy += s * y;
         yy += y * y;
       }
-      return {get(group.per_s2) * ss, get(group.per_y2) * yy, get(group.per_sy) * sy};
+      const V missing = get(group.missing);
+      return {get(group.per_s2) * ss + missing, get(group.per_y2) * yy + missing, get(group.per_sy) * sy};
     }
 
     FLIPFLOW_INLINE V area(int point) const {
@@ -209,32 +216,29 @@ class Membrane {
     }
   };
 
-  // Number of the node `k` of a cell.
-  template <class V>
-  FLIPFLOW_INLINE int number(const Cells<V> &cells, int k, int cell) const {
-    return cells.group.corner[cells.lane + cell] + k / 3 * nodes_across_ + k % 3;
+  // What the cells do to their node `k`, component `c`, by the cells' places: (9, 3, margin and row).
+  double *at_node(int k, int c) { return force_N_.data() + (3 * k + c) * force_row_ + places_.margin(); }
+  const double *at_node(int k, int c) const {
+    return force_N_.data() + (3 * k + c) * force_row_ + places_.margin();
   }
 
   template <class V>
-  FLIPFLOW_INLINE void gather(const double *position_m, Cells<V> &cells) const {
+  FLIPFLOW_INLINE void gather(const double *position_m, int place, Cells<V> &cells) const {
     for (int c = 0; c < 3; ++c) {
-      V node[9] = {};
+      V node[9];
       for (int k = 0; k < 9; ++k)
-        for (int i = 0; i < kWidth<V>; ++i)
-          node[k][i] = position_m[3 * number(cells, k, i) + c];
+        node[k] = load<V>(position_m + c * places_.size() + places_.row_start(kind_[k]) + place + shift_[k]);
       slopes(node, cells.along[c], cells.across[c]);
     }
   }
 
   // Of what stands in place of the slopes: the stress on them.
   template <class V>
-  FLIPFLOW_INLINE void scatter(const Cells<V> &cells, double *force_N) const {
+  FLIPFLOW_INLINE void scatter(const Cells<V> &cells, int place) {
     for (int c = 0; c < 3; ++c) {
       V node[9];
       onto_nodes(cells.along[c], cells.across[c], node);
-      for (int k = 0; k < 9; ++k)
-        for (int i = 0; i < kWidth<V>; ++i)
-          force_N[3 * number(cells, k, i) + c] += node[k][i];
+      for (int k = 0; k < 9; ++k) store(at_node(k, c) + place, node[k]);
     }
   }
 
@@ -282,9 +286,9 @@ class Membrane {
   }
 
   template <class V, bool perforated>
-  FLIPFLOW_INLINE void step_cells(const Step &step, int group, int lane) const {
+  FLIPFLOW_INLINE void step_cells(const Step &step, int group, int lane) {
     Cells<V> cells = {groups_[group], lane, {}, {}};
-    gather(step.position_m, cells);
+    gather(step.position_m, group * kLanes + lane, cells);
     const int branches = step.branches.count();
     for (int point = 0; point < 9; ++point) {
       const Symmetric<V> C = cells.metric(point);
@@ -298,25 +302,29 @@ class Membrane {
       }
       cells.press(S, area, point);
     }
-    scatter(cells, step.force_N);
+    scatter(cells, group * kLanes + lane);
   }
 
   template <class V>
-  FLIPFLOW_INLINE void step_all(const Step &step) const {
+  FLIPFLOW_INLINE void step_all(const Step &step) {
     for (int group = 0; group < groups(); ++group)
       for (int lane = 0; lane < kLanes; lane += kWidth<V>)
         perforated_ ? step_cells<V, true>(step, group, lane)
                     : step_cells<V, false>(step, group, lane);
   }
 
-  FLIPFLOW_V4 static void step_v4(const Membrane &m, const Step &step) { m.step_all<Eight>(step); }
-  FLIPFLOW_V3 static void step_v3(const Membrane &m, const Step &step) { m.step_all<Four>(step); }
-  static void step_any(const Membrane &m, const Step &step) { m.step_all<Two>(step); }
+  FLIPFLOW_V4 static void step_v4(Membrane &m, const Step &step) { m.step_all<Eight>(step); }
+  FLIPFLOW_V3 static void step_v3(Membrane &m, const Step &step) { m.step_all<Four>(step); }
+  static void step_any(Membrane &m, const Step &step) { m.step_all<Two>(step); }
 
+  NodePlaces places_;
   std::vector<CellGroup> groups_;
+  int force_row_;
+  Numbers force_N_;
   double c10_N_per_m_, c01_N_per_m_;
-  int nodes_across_;
   bool perforated_;
+  int kind_[9], shift_[9];  // of a cell's nodes
+  std::vector<int> of_kind_[4];
 };
 
 }  // namespace flipflow

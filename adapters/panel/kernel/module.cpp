@@ -26,7 +26,7 @@ struct Bound {
     const py::ssize_t held = 3 * body.held();
     const HeldPath path = {of(start_m, held, "start_m"), of(start_m_per_s, held, "start_m_per_s"),
                            of(end_m, held, "end_m"), of(end_m_per_s, held, "end_m_per_s"), length_s};
-    const double *force_N = of(outside_N, body.size(), "outside_N");
+    const double *force_N = of(outside_N, 3 * body.points(), "outside_N");
     double *impulse = into(impulse_N_s, held, "impulse_N_s");
     py::gil_scoped_release others_may_run;
     return body.advance(state, path, force_N, steps, impulse);
@@ -67,24 +67,33 @@ auto advance_together(const std::vector<BoundBody *> &panels, const Doubles &cla
   return found;
 }
 
+void check_node(int node, size_t nodes, const std::string &name) {
+  if (node < 0 || static_cast<size_t>(node) >= nodes)
+    throw py::value_error(name + ": no node has the number " + std::to_string(node));
+}
+
 BoundSheet bind_sheet(py::kwargs given) {
   Arguments from(std::move(given));
   const CellGrid grid = {from.copied("along_m"), from.copied("across_m")};
-  const size_t cells = grid.cells(), nodes = grid.nodes(), size = 3 * nodes;
+  const NodePlaces places(grid);
+  const size_t cells = grid.cells(), nodes = grid.nodes(), size = 3 * places.size();
   const auto ratio = from.copied("ratio");
-  const size_t branches = ratio.size(), groups = (cells + kLanes - 1) / kLanes;
-  const size_t strains = groups * 9 * 3 * kLanes;
+  const size_t branches = ratio.size(), strains = places.groups() * 9 * 3 * kLanes;
   const MembraneLaw law = {from.number<double>("c10_N_per_m"), from.number<double>("c01_N_per_m"),
                            from.copied("solid", cells), from.copied("rest"),
                            from.copied("strain_entries", 5 * cells)};
   if (!law.rest.empty() && law.rest.size() != 6 * cells)
     throw py::value_error("rest: six numbers of each cell wanted, or none");
-  const auto offset = from.copied<int>("offset");
-  Diagonals matrix(offset, from.copied("entry", offset.size() * nodes), static_cast<int>(nodes));
-  Bending bending(std::move(matrix), from.copied("flat_m", size));
-  Sheet body(Membrane(grid, law), std::move(bending),
-             Branches(ratio, from.copied("time_s", branches)), from.copied("mobility_1_kg", nodes),
-             from.copied("mass_kg", nodes), from.copied("weight_N", size), from.copied<int>("held"));
+  const auto row = from.copied<int>("row"), column = from.copied<int>("column");
+  if (row.size() != column.size()) throw py::value_error("row, column: not equally many");
+  for (const int node : row) check_node(node, nodes, "row");
+  for (const int node : column) check_node(node, nodes, "column");
+  const MatrixEntries bending = {row, column, from.copied("entry", row.size())};
+  SheetNodes of_nodes = {from.copied("mobility_1_kg", nodes), from.copied("mass_kg", nodes),
+                         from.copied("weight_N", 3 * nodes), from.copied("flat_m", 3 * nodes),
+                         from.copied<int>("held")};
+  for (const int node : of_nodes.held) check_node(node, nodes, "held");
+  Sheet body(grid, law, bending, Branches(ratio, from.copied("time_s", branches)), std::move(of_nodes));
   const SheetState state = {from.state("position_m", size),
                             from.state("velocity_m_per_s", size),
                             from.state("internal_N", size),
@@ -97,6 +106,16 @@ BoundSheet bind_sheet(py::kwargs given) {
                             from.state("received_J", 2)};
   from.check_all_taken();
   return {std::move(body), state, std::move(from.arrays)};
+}
+
+// Of a sheet of so many cells: the places of its nodes, the number of all places, and the shape of its
+// Gauss points, which is (groups of cells, points of each, cells of a group).
+py::tuple sheet_places(int along, int across) {
+  const CellGrid grid = {std::vector<double>(along), std::vector<double>(across)};
+  const NodePlaces places(grid);
+  std::vector<int> of_nodes(grid.nodes());
+  for (int node = 0; node < grid.nodes(); ++node) of_nodes[node] = places.of_node(node);
+  return py::make_tuple(of_nodes, places.size(), py::make_tuple(places.groups(), 9, kLanes));
 }
 
 BoundChain bind_chain(py::kwargs given) {
@@ -163,7 +182,7 @@ void add_joint_advance(py::module_ &module) {
 
 PYBIND11_MODULE(_kernel, module) {
   using namespace flipflow;
-  module.attr("LANES") = kLanes;
+  module.def("sheet_places", sheet_places, py::arg("along"), py::arg("across"));
   add_body(module, "Chain", bind_chain);
   add_body(module, "Sheet", bind_sheet).def("membrane_J", [](const BoundSheet &sheet) {
     return sheet.body.membrane_J(sheet.state.position_m);

@@ -10,10 +10,11 @@
 #include "lanes.h"
 #include "maxwell.h"
 #include "membrane.h"
+#include "node_places.h"
 
 namespace flipflow {
 
-// All that changes while a sheet moves; arrays that Python owns.  (nodes, 3) each, and the
+// All that changes while a sheet moves; arrays that Python owns.  (3, places) each, and the
 // parts' strains, elastic forces and stresses as in membrane.h and bending.h; `energy_J` (2,
 // branches) of the membrane's and of bending's branches, `lost_J` (1) since the start, `received_J`
 // (2) from the load and from the clamps.
@@ -34,36 +35,52 @@ inline double largest_size(const double *numbers, int size) {
   return largest;
 }
 
+// What the nodes of a sheet are: `mobility_1_kg` and `mass_kg` (nodes), `weight_N` and the positions
+// without bending, `flat_m`, (nodes, 3).  The motion of those `held`, of no mobility, is prescribed.
+struct SheetNodes {
+  std::vector<double> mobility_1_kg, mass_kg, weight_N, flat_m;
+  std::vector<int> held;
+};
+
 // A thin sheet in velocity Verlet: Explicit of adapters/panel/finite_element/integrators.py on the
 // structure of sheet_forms.py.
 class Sheet {
  public:
-  // `mobility_1_kg` (nodes), zero for the nodes `held`; `mass_kg` (nodes), `weight_N` (nodes, 3).
-  Sheet(Membrane membrane, Bending bending, Branches branches,
-        const std::vector<double> &mobility_1_kg, std::vector<double> mass_kg,
-        std::vector<double> weight_N, std::vector<int> held)
-      : membrane_(std::move(membrane)),
-        bending_(std::move(bending)),
+  Sheet(const CellGrid &grid, const MembraneLaw &law, const MatrixEntries &bending, Branches branches,
+        SheetNodes nodes)
+      : places_(grid),
+        membrane_(grid, law),
+        bending_(places_, bending),
         branches_(std::move(branches)),
-        mobility_(3 * mobility_1_kg.size()),
-        mass_kg_(std::move(mass_kg)),
-        weight_N_(std::move(weight_N)),
-        held_(std::move(held)),
-        before_m_(mobility_.size()),
-        before_N_(mobility_.size()) {
-    for (int i = 0; i < size(); ++i) mobility_[i] = mobility_1_kg[i / 3];
+        nodes_(std::move(nodes)),
+        place_(grid.nodes()),
+        mobility_(size()),
+        flat_m_(size()),
+        outside_N_(size()),
+        bent_m_(size()),
+        moved_m_(size()),
+        before_N_(3 * nodes_.held.size()) {
+    for (int node = 0; node < grid.nodes(); ++node) {
+      place_[node] = places_.of_node(node);
+      for (int c = 0; c < 3; ++c) {
+        mobility_.data()[at(node, c)] = nodes_.mobility_1_kg[node];
+        flat_m_.data()[at(node, c)] = nodes_.flat_m[3 * node + c];
+      }
+    }
   }
 
   double membrane_J(const double *position_m) const { return membrane_.energy_J(position_m); }
-  int size() const { return static_cast<int>(mobility_.size()); }  // 3 * nodes
-  int held() const { return static_cast<int>(held_.size()); }
+  int size() const { return 3 * places_.size(); }
+  int points() const { return static_cast<int>(place_.size()); }
+  int held() const { return static_cast<int>(nodes_.held.size()); }
   int clamp_points() const { return held(); }
-  int surface_points() const { return size() / 3; }
+  int surface_points() const { return points(); }
 
   // Takes the positions as the shape in which every branch is relaxed.
   void rest(const SheetState &state) {
     branches_.set_relaxed();
-    std::copy_n(state.position_m, size(), before_m_.begin());
+    std::fill_n(moved_m_.data(), size(), 0.0);
+    for (int i = 0; i < size(); ++i) bent_m_.data()[i] = state.position_m[i] - flat_m_.data()[i];
     find_force(state);
     std::fill_n(state.energy_J, 2 * branches_.count(), 0.0);
     state.lost_J[0] = 0.0;
@@ -75,17 +92,21 @@ class Sheet {
                  int steps, double *impulse_N_s) {
     const double step_s = path.length_s / steps;
     branches_.set_step(step_s);
+    for (int node = 0; node < points(); ++node)
+      for (int c = 0; c < 3; ++c) outside_N_.data()[at(node, c)] = outside_N[3 * node + c];
     double work_J = 0.0;
     for (int step = 1; step <= steps; ++step) {
-      std::copy_n(state.position_m, size(), before_m_.begin());
-      std::copy_n(state.internal_N, size(), before_N_.begin());
-      kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_per_s);
-      drift(size(), step_s, state.velocity_m_per_s, state.position_m);
+      for (int i = 0; i < 3 * held(); ++i) before_N_[i] = state.internal_N[at_held(i)];
+      kick(size(), 0.5 * step_s, mobility_.data(), outside_N_.data(), state.internal_N,
+           state.velocity_m_per_s);
+      drift(size(), step_s, state.velocity_m_per_s, flat_m_.data(), state.position_m, moved_m_.data(),
+            bent_m_.data());
       place_held(state, path, static_cast<double>(step) / steps);
       const Works works = find_force(state);
       state.lost_J[0] += branches_.book(works.stretching, state.energy_J);
       state.lost_J[0] += branches_.book(works.bending, state.energy_J + branches_.count());
-      kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_per_s);
+      kick(size(), 0.5 * step_s, mobility_.data(), outside_N_.data(), state.internal_N,
+           state.velocity_m_per_s);
       work_J += collect(state, step_s, impulse_N_s);
     }
     return work_J;
@@ -97,34 +118,45 @@ class Sheet {
   // the clamps to the state's books, and returns the largest speed of a node.
   double pass(const SheetState &state, const PanelInterval &now, const PanelSurface &surface,
               double *reaction_N) {
+    const int numbers = 3 * points();
     std::vector<double> start_m(3 * held()), start_m_per_s(3 * held()), impulse_N_s(3 * held());
-    std::vector<double> outside_N(size()), start_surface_m(state.position_m, state.position_m + size());
-    for (int i = 0; i < size(); ++i) outside_N[i] = weight_N_[i] + now.load_N[i];
+    std::vector<double> outside_N(numbers), start_surface_m(numbers);
+    for (int i = 0; i < numbers; ++i) outside_N[i] = nodes_.weight_N[i] + now.load_N[i];
+    by_nodes(state.position_m, start_surface_m.data());
     for (int i = 0; i < 3 * held(); ++i) {
-      start_m[i] = state.position_m[node(i)];
-      start_m_per_s[i] = state.velocity_m_per_s[node(i)];
+      start_m[i] = state.position_m[at_held(i)];
+      start_m_per_s[i] = state.velocity_m_per_s[at_held(i)];
     }
     const HeldPath path = {start_m.data(), start_m_per_s.data(), now.clamps_m, now.clamps_m_per_s,
                            now.length_s};
     double clamps_J = advance(state, path, outside_N.data(), now.steps, impulse_N_s.data()), load_J = 0.0;
     for (int i = 0; i < 3 * held(); ++i) {
-      const double before = start_m_per_s[i], after = state.velocity_m_per_s[node(i)];
-      const double gained_N_s = mass_kg_[held_[i / 3]] * (after - before), on_clamp_N = outside_N[node(i)];
+      const int node = nodes_.held[i / 3];
+      const double before = start_m_per_s[i], after = state.velocity_m_per_s[at_held(i)];
+      const double gained_N_s = nodes_.mass_kg[node] * (after - before);
+      const double on_clamp_N = outside_N[3 * node + i % 3];
       clamps_J += 0.5 * gained_N_s * (after + before);
-      clamps_J -= on_clamp_N * (state.position_m[node(i)] - start_m[i]);
+      clamps_J -= on_clamp_N * (state.position_m[at_held(i)] - start_m[i]);
       reaction_N[i] = on_clamp_N - (gained_N_s + impulse_N_s[i]) / now.length_s;
     }
-    for (int i = 0; i < size(); ++i) load_J += now.load_N[i] * (state.position_m[i] - start_surface_m[i]);
+    by_nodes(state.position_m, surface.position_m);
+    by_nodes(state.velocity_m_per_s, surface.velocity_m_per_s);
+    for (int i = 0; i < numbers; ++i) load_J += now.load_N[i] * (surface.position_m[i] - start_surface_m[i]);
     state.received_J[0] += load_J;
     state.received_J[1] += clamps_J;
-    std::copy_n(state.position_m, size(), surface.position_m);
-    std::copy_n(state.velocity_m_per_s, size(), surface.velocity_m_per_s);
-    return largest_size(state.velocity_m_per_s, size());
+    return largest_size(surface.velocity_m_per_s, numbers);
   }
 
  private:
-  // The place among the nodes' numbers of number `i` of the held ones'.
-  int node(int i) const { return 3 * held_[i / 3] + i % 3; }
+  // Where the component `c` of a node stands in (3, places), and number `i` of the held nodes'.
+  int at(int node, int c) const { return c * places_.size() + place_[node]; }
+  int at_held(int i) const { return at(nodes_.held[i / 3], i % 3); }
+
+  // From (3, places) to (nodes, 3).
+  void by_nodes(const double *by_places, double *values) const {
+    for (int node = 0; node < points(); ++node)
+      for (int c = 0; c < 3; ++c) values[3 * node + c] = by_places[at(node, c)];
+  }
 
   struct Works {
     StepWork stretching, bending;
@@ -138,47 +170,56 @@ class Sheet {
       velocity_m_per_s[i] += half_step_s * mobility_1_kg[i] * (outside_N[i] - internal_N[i]);
   }
 
+  // A step of motion; says how far it went, and how far from flat it led.
   FLIPFLOW_CLONES
-  static void drift(int size, double step_s, const double *velocity_m_per_s, double *position_m) {
-    for (int i = 0; i < size; ++i) position_m[i] += step_s * velocity_m_per_s[i];
+  static void drift(int size, double step_s, const double *velocity_m_per_s, const double *flat_m,
+                    double *position_m, double *moved_m, double *bent_m) {
+    for (int i = 0; i < size; ++i) {
+      const double now_m = position_m[i] + step_s * velocity_m_per_s[i];
+      moved_m[i] = now_m - position_m[i];
+      bent_m[i] = now_m - flat_m[i];
+      position_m[i] = now_m;
+    }
   }
 
   Works find_force(const SheetState &state) {
-    std::fill_n(state.internal_N, size(), 0.0);
-    return {membrane_.step(branches_, state.position_m, state.strain, state.strain_stress,
-                           state.internal_N),
-            bending_.step(branches_, before_m_.data(), state.position_m, state.elastic_N,
-                          state.bending_stress_N, state.internal_N)};
+    const StepWork stretching =
+        membrane_.step(branches_, state.position_m, state.strain, state.strain_stress);
+    const NodeStep step = {bent_m_.data(), moved_m_.data(), state.elastic_N, state.bending_stress_N,
+                           state.internal_N};
+    return {stretching, bending_.step(branches_, membrane_, step)};
   }
 
-  void place_held(const SheetState &state, const HeldPath &path, double fraction) const {
-    for (int k = 0; k < held(); ++k)
-      for (int c = 0; c < 3; ++c) {
-        const int node = 3 * held_[k] + c;
-        state.position_m[node] = path.position_m(3 * k + c, fraction);
-        state.velocity_m_per_s[node] = path.velocity_m_per_s(3 * k + c, fraction);
-      }
+  // Held nodes have not drifted by their own velocity but go along their path.
+  void place_held(const SheetState &state, const HeldPath &path, double fraction) {
+    for (int i = 0; i < 3 * held(); ++i) {
+      const int at = at_held(i);
+      const double now_m = path.position_m(i, fraction);
+      moved_m_.data()[at] += now_m - state.position_m[at];
+      bent_m_.data()[at] = now_m - flat_m_.data()[at];
+      state.position_m[at] = now_m;
+      state.velocity_m_per_s[at] = path.velocity_m_per_s(i, fraction);
+    }
   }
 
   double collect(const SheetState &state, double step_s, double *impulse_N_s) const {
     double work_J = 0.0;
-    for (int k = 0; k < held(); ++k)
-      for (int c = 0; c < 3; ++c) {
-        const int node = 3 * held_[k] + c;
-        const double mean_N = 0.5 * (before_N_[node] + state.internal_N[node]);
-        impulse_N_s[3 * k + c] += step_s * mean_N;
-        work_J += mean_N * (state.position_m[node] - before_m_[node]);
-      }
+    for (int i = 0; i < 3 * held(); ++i) {
+      const double mean_N = 0.5 * (before_N_[i] + state.internal_N[at_held(i)]);
+      impulse_N_s[i] += step_s * mean_N;
+      work_J += mean_N * moved_m_.data()[at_held(i)];
+    }
     return work_J;
   }
 
+  NodePlaces places_;
   Membrane membrane_;
   Bending bending_;
   Branches branches_;
-  std::vector<double> mobility_;  // (nodes, 3)
-  std::vector<double> mass_kg_, weight_N_;
-  std::vector<int> held_;
-  std::vector<double> before_m_, before_N_;  // (nodes, 3) at the step's start
+  SheetNodes nodes_;
+  std::vector<int> place_;  // (nodes)
+  Numbers mobility_, flat_m_, outside_N_, bent_m_, moved_m_;  // (3, places)
+  std::vector<double> before_N_;  // (held, 3) at the step's start
 };
 
 }  // namespace flipflow

@@ -52,7 +52,8 @@ class ChainMotion(CompiledBody):
         }
         held = np.flatnonzero(chain.clamp_of_row >= 0)
         constants = _links(chain) | rows
-        super().__init__(kernel.Chain, step_s, chain.mass_kg, held, branches, constants, memory)
+        rows_shape = (len(chain.mass_kg), 3)
+        super().__init__(kernel.Chain, step_s, rows_shape, chain.mass_kg, held, branches, constants, memory)
         self.rest(position_m)
 
     def stretches(self) -> tuple[float, float]:
