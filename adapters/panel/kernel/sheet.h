@@ -97,18 +97,17 @@ class Sheet {
     double work_J = 0.0;
     for (int step = 1; step <= steps; ++step) {
       for (int i = 0; i < 3 * held(); ++i) before_N_[i] = state.internal_N[at_held(i)];
-      kick(size(), 0.5 * step_s, mobility_.data(), outside_N_.data(), state.internal_N,
-           state.velocity_m_per_s);
-      drift(size(), step_s, state.velocity_m_per_s, flat_m_.data(), state.position_m, moved_m_.data(),
-            bent_m_.data());
+      // half a step of force before the first step and after the last, a whole one between two
+      const double kick_s = step == 1 ? 0.5 * step_s : step_s;
+      drift(size(), kick_s, step_s, mobility_.data(), outside_N_.data(), flat_m_.data(), state,
+            moved_m_.data(), bent_m_.data());
       place_held(state, path, static_cast<double>(step) / steps);
       const Works works = find_force(state);
       state.lost_J[0] += branches_.book(works.stretching, state.energy_J);
       state.lost_J[0] += branches_.book(works.bending, state.energy_J + branches_.count());
-      kick(size(), 0.5 * step_s, mobility_.data(), outside_N_.data(), state.internal_N,
-           state.velocity_m_per_s);
       work_J += collect(state, step_s, impulse_N_s);
     }
+    kick(size(), 0.5 * step_s, mobility_.data(), outside_N_.data(), state);
     return work_J;
   }
 
@@ -162,23 +161,29 @@ class Sheet {
     StepWork stretching, bending;
   };
 
-  // Half a step of force on the free nodes.
+  // What a force does to the free nodes in this time.
   FLIPFLOW_CLONES
-  static void kick(int size, double half_step_s, const double *mobility_1_kg, const double *outside_N,
-                   const double *internal_N, double *velocity_m_per_s) {
+  static void kick(int size, double kick_s, const double *mobility_1_kg, const double *outside_N,
+                   const SheetState &state) {
+    double *const velocity = state.velocity_m_per_s;
     for (int i = 0; i < size; ++i)
-      velocity_m_per_s[i] += half_step_s * mobility_1_kg[i] * (outside_N[i] - internal_N[i]);
+      velocity[i] += kick_s * mobility_1_kg[i] * (outside_N[i] - state.internal_N[i]);
   }
 
-  // A step of motion; says how far it went, and how far from flat it led.
+  // A kick and a step of motion; says how far it went, and how far from flat it led.
   FLIPFLOW_CLONES
-  static void drift(int size, double step_s, const double *velocity_m_per_s, const double *flat_m,
-                    double *position_m, double *moved_m, double *bent_m) {
+  static void drift(int size, double kick_s, double step_s, const double *mobility_1_kg,
+                    const double *outside_N, const double *flat_m, const SheetState &state, double *moved_m,
+                    double *bent_m) {
+    double *const velocity = state.velocity_m_per_s, *const position = state.position_m;
+#pragma omp simd
     for (int i = 0; i < size; ++i) {
-      const double now_m = position_m[i] + step_s * velocity_m_per_s[i];
-      moved_m[i] = now_m - position_m[i];
+      const double v = velocity[i] + kick_s * mobility_1_kg[i] * (outside_N[i] - state.internal_N[i]);
+      const double now_m = position[i] + step_s * v;
+      velocity[i] = v;
+      moved_m[i] = now_m - position[i];
       bent_m[i] = now_m - flat_m[i];
-      position_m[i] = now_m;
+      position[i] = now_m;
     }
   }
 
