@@ -50,7 +50,7 @@ def cost(work: PanelsWork) -> Cost:
     if work.integrator == "implicit":
         interval_s = 3.5e-3 + 1.5e-4 * cells
     else:
-        interval_s = 3e-5 + 2.5e-4 * cells * work.cells[0] * work.interval_s
+        interval_s = 2.5e-5 + 1.8e-4 * cells * work.cells[0] * work.interval_s
     opening_s = 0.03 * work.panels + RESTING_CELL_S * cells**1.3  # equal panels share one resting shape
     return Cost(DOLFINX_S + opening_s, work.panels * work.runs * interval_s)
 

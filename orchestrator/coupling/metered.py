@@ -17,7 +17,6 @@ from orchestrator.ports import (
     ContactTangent,
     Frames,
     HermitePath,
-    Indices,
     Known,
     Load,
     Motion,
@@ -81,17 +80,9 @@ class TimedPart:
         self._stopwatch.leave()
 
 
-FEW = 2000  # points, of which all together cost less than to find those with a force
-
-
-def _pressed(load: Load) -> slice | Indices:
-    """Return the points of a load that count in sums: those with a force, or all of a few."""
-    return load.loaded if len(load) > FEW else slice(None)
-
-
 def impulse_N_s(load: Load, interval: Interval) -> Array:
     """Return the impulse (3,) that a mean load hands over in the interval."""
-    force_N = load.force_N[_pressed(load)]
+    force_N = load.force_N[load.pressed]
     return np.asarray(interval.length_s * (np.ones(len(force_N)) @ force_N))  # quicker than sum(axis=0)
 
 
@@ -100,7 +91,7 @@ def size_N_s(load: Load, interval: Interval) -> float:
 
     Loads that cancel each other count here.
     """
-    return float(interval.length_s * np.abs(load.force_N[_pressed(load)]).sum())
+    return float(interval.length_s * np.abs(load.force_N[load.pressed]).sum())
 
 
 def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> Array:
@@ -108,7 +99,7 @@ def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> 
 
     The points move smoothly (cubic Hermite) from ``start`` to ``end``; the load acts at their mean places.
     """
-    at = _pressed(load)
+    at = load.pressed
     mean_m = (start.position_m[at] + end.position_m[at]) / 2.0
     mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s[at] - end.velocity_m_per_s[at])
     return interval.length_s * sum_of_cross_products(mean_m, load.force_N[at])

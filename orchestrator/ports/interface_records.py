@@ -42,9 +42,16 @@ def _checked(record: str, field_name: str, value: Array) -> None:
         raise BrokenRecord(f"{record}.{field_name}: point {point} is {value[point].tolist()}")
 
 
-def loaded_points(force_N: Array) -> Indices:
-    """Return the numbers (n,) of the rows of forces (points, 3) that are not zero, ascending."""
-    return np.asarray(np.unique(np.flatnonzero(force_N) // 3))
+FEW = 2000  # points, of which all together cost less than to pick those with a force
+
+
+def pressed_points(force_N: Array) -> slice | Indices:
+    """Return the rows of forces (points, 3) that count in sums: all of a few points, and of many the
+    numbers (n,) of those that are not zero, ascending."""
+    if len(force_N) <= FEW:
+        return slice(None)
+    pushes = force_N != 0.0
+    return np.flatnonzero(pushes[:, 0] | pushes[:, 1] | pushes[:, 2])  # quicker than any(axis=1)
 
 
 @dataclass(frozen=True)
@@ -147,9 +154,9 @@ class Load:
         _checked("Load", "force_N", self.force_N)
 
     @cached_property
-    def loaded(self) -> Indices:
-        """The numbers (n,) of the points with a force, ascending: of a surface's thousands some hundred."""
-        return loaded_points(self.force_N)
+    def pressed(self) -> slice | Indices:
+        """The points that count in sums (``pressed_points``): of a surface's thousands some hundred."""
+        return pressed_points(self.force_N)
 
     def __len__(self) -> int:
         return len(self.force_N)

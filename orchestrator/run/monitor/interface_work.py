@@ -29,7 +29,7 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import MeteredSolvers
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState, Saved
-from orchestrator.ports.interface_records import loaded_points
+from orchestrator.ports.interface_records import pressed_points
 from orchestrator.ports.state import SavedAttributes
 
 SLOW_M_PER_S = 1e-3  # nothing on a screen that moves slower counts
@@ -129,7 +129,8 @@ class Balance:
 class ContactWork(SavedAttributes):
     """The work between particles and panels; ``exchange`` covers all that particles touch, with walls.
 
-    The panels' points come first among the surface's, and of all points only those with a force matter.
+    The panels' points come first among the surface's, and of all points only those with a force matter
+    (``pressed_points``).
     """
 
     STATE = ("balance", "exchange", "_whole_m", "_path_end_m", "_load_N", "_load_before_N")
@@ -141,50 +142,53 @@ class ContactWork(SavedAttributes):
         self._whole_m = start.panel.surface.position_m
         self._path_end_m = self._whole_m[points]
         self._load_N = self._load_before_N = start.load.force_N[points]
-        self._loaded = self._loaded_before = loaded_points(self._load_N)
+        self._pressed = self._pressed_before = pressed_points(self._load_N)
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
-        self._loaded, self._loaded_before = map(loaded_points, (self._load_N, self._load_before_N))
+        self._pressed, self._pressed_before = map(pressed_points, (self._load_N, self._load_before_N))
 
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
         assert data.particles is not None
         path, load = data.particles
         _, panel_load, state = data.panel
-        before_m, surface_m, points = self._whole_m, state.surface.position_m, self._points
-        start_m, end_m = path.start.position_m, path.end.position_m
+        whole_m, points = state.surface.position_m, self._points
+        at = load.pressed
+        all_N = load.force_N[at]
+        self.exchange.add(work_J(all_N, whole_m[at] - self._whole_m[at]), all_N, data.length_s)
+        start_m, end_m = path.start.position_m[points], path.end.position_m[points]
+        before_m, surface_m = self._whole_m[points], whole_m[points]
 
-        def jump_J(force_N: Array, at: Indices) -> float:
+        def jump_J(force_N: Array, at: slice | Indices) -> float:
             return work_J(force_N[at], start_m[at] - self._path_end_m[at])
 
-        at = load.loaded
-        moved_m, all_N = surface_m[at] - before_m[at], load.force_N[at]
-        self.exchange.add(work_J(all_N, moved_m), all_N, data.length_s)
-        count = int(np.searchsorted(at, len(self._path_end_m)))
-        at, moved_m, load_N = at[:count], moved_m[:count], all_N[:count]
+        force_N = load.force_N[points]
+        at = pressed_points(force_N)
+        moved_m, load_N = surface_m[at] - before_m[at], force_N[at]
         particles_J = (
             work_J(load_N, end_m[at] - start_m[at])
             + (
-                2 * jump_J(load.force_N, at)
-                + 5 * jump_J(self._load_N, self._loaded)
-                - jump_J(self._load_before_N, self._loaded_before)
+                2 * jump_J(force_N, at)
+                + 5 * jump_J(self._load_N, self._pressed)
+                - jump_J(self._load_before_N, self._pressed_before)
             )
             / 6
         )
         if panel_load is load:
             given_J = work_J(load_N, moved_m)
         else:
-            given_J = work_J(panel_load.force_N[points], surface_m[points] - before_m[points])
+            given_J = work_J(panel_load.force_N[points], surface_m - before_m)
         self.balance.add(given_J - particles_J, through_J(load_N, moved_m, data.length_s))
-        self._whole_m, self._path_end_m = surface_m, end_m[points]
-        self._load_before_N, self._load_N = self._load_N, load.force_N[points]
-        self._loaded_before, self._loaded = self._loaded, at
+        self._whole_m, self._path_end_m = whole_m, end_m
+        self._load_before_N, self._load_N = self._load_N, force_N
+        self._pressed_before, self._pressed = self._pressed, at
 
     def begin_anew(self) -> None:
         """Forget recent intervals: the next ones have another length."""
-        at = self._loaded
-        self.balance.begin_anew(work_J(self._load_N[at], self._whole_m[at] - self._path_end_m[at]))
+        at = self._pressed
+        late_m = self._whole_m[self._points] - self._path_end_m
+        self.balance.begin_anew(work_J(self._load_N[at], late_m[at]))
 
 
 class ClampWork(SavedAttributes):
