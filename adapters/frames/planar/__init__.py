@@ -242,7 +242,7 @@ def objections(plan: FramesPlan) -> Iterator[Objection]:
 
 def cost(work: FramesWork) -> Cost:
     """Return the measured time of a call in each interval; motors add iterations in each step."""
-    return Cost(0.02, work.runs * (1e-4 + 6e-4 * work.motors))
+    return Cost(0.02, work.runs * (2.4e-4 + 6e-4 * work.motors))
 
 
 ADAPTER = FramesAdapter(
