@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -34,7 +35,10 @@ class StiffnessRows {
     for (size_t i = 0; i < matrix.entry.size(); ++i) {
       if (std::abs(matrix.entry[i]) < rounding) continue;
       const int row = places.of_node(matrix.row[i]) - places.margin(), place = row % places.row();
-      auto &entries = by_distance[places.of_node(matrix.column[i]) - places.margin() - place];
+      const int distance = places.of_node(matrix.column[i]) - places.margin() - place;
+      if (distance < -places.margin() || distance > 3 * places.row() + places.margin() - kLanes)
+        throw std::invalid_argument("row, column: an entry of nodes too far from each other");
+      auto &entries = by_distance[distance];
       entries.resize(4 * places.row());
       entries[4 * place + row / places.row()] += matrix.entry[i];
     }
