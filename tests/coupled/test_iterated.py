@@ -31,7 +31,7 @@ def test_timoshenkos_ball_in_seven_intervals(tmp_path: Path, scheme: str) -> Non
     assert found.impact.rebound_mm_per_s == pytest.approx(exact, rel=1e-2)
     assert abs(found.energy_J["created.particles-panel"]) < 1e-4 * BALL_J
     assert abs(plain.energy_J["created.particles-panel"]) > 1e-2 * BALL_J
-    assert max(found.momentum_residual.values()) < 2e-9  # as with the plain scheme
+    assert max(found.momentum_residual.values()) < 1e-9  # as with the plain scheme
 
 
 @BOTH
