@@ -16,9 +16,20 @@ def filled(*sets: str):
     return step_filling(case), list(step_filling_lines(case))
 
 
-def test_quickstart_takes_two_thirds_of_its_allowed_step() -> None:
-    """Two steps of 1.56e-5 s fill 3.125e-5 s; 2.45e-5 s are allowed."""
+SHORT = "particles.rayleigh_fraction=0.15"
+
+
+def test_quickstart_fills_its_interval_with_one_step() -> None:
+    """By default, which allows 3.27e-5 s for one of 3.125e-5 s."""
     filling, lines = filled()
+    assert filling.steps == 1
+    assert filling.share == pytest.approx(1.0)
+    assert len(lines) == 1
+
+
+def test_shorter_steps_take_two_thirds_of_what_is_allowed() -> None:
+    """Two steps of 1.56e-5 s fill 3.125e-5 s; 2.45e-5 s are allowed."""
+    filling, lines = filled(SHORT)
     assert filling.steps == 2
     assert filling.share == pytest.approx(0.64, abs=0.005)
     assert "2, each 64 % of the longest allowed" in lines[0]
@@ -37,7 +48,7 @@ def test_quickstart_takes_two_thirds_of_its_allowed_step() -> None:
     ],
 )
 def test_each_proposal_fills_the_interval(proposed: str, steps: int) -> None:
-    filling, lines = filled(proposed)
+    filling, lines = filled(SHORT, proposed)
     assert filling.steps == steps
     assert 0.99 < filling.share <= 1.0 + 1e-9
     assert len(lines) == 1

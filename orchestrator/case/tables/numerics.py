@@ -63,7 +63,7 @@ class ParticlesSolver(Table):
     """Name of the solver; "none" lets the machine run empty."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
-    rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.15
+    rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
     """Largest time step as a share of the smallest particle's Rayleigh time; values above 0.2 are
     refused."""
     feed_interval_s: NotNegative = 0.002
