@@ -47,6 +47,11 @@ def cycle_numbers(time_s: Array | float, cycle_s: float, start_s: float = 0.0) -
     return np.asarray(np.maximum(number, 0), np.int64)
 
 
+def cycle_number(time_s: float, cycle_s: float) -> int:
+    """Return the number of the cycle of one time since t = 0, as ``cycle_numbers`` does, and far quicker."""
+    return max(0, math.ceil(time_s / cycle_s - ROUNDING) - 1)
+
+
 def count_whole_cycles(lasting_s: float, cycle_s: float) -> int:
     """Return the number of whole cycles in the span ``lasting_s``."""
     return max(0, math.floor(lasting_s / cycle_s + ROUNDING))

@@ -16,6 +16,7 @@ from orchestrator.coupling.metered import Stopwatch
 
 LOG = logging.getLogger("flipflow")
 LINE_EVERY_S = 5.0
+BAR_EVERY_S = 0.1
 
 
 class Progress:
@@ -120,7 +121,7 @@ class ProgressBar:
             disable=not self._draws,
         )
         self._task = self._bar.add_task("simulating", total=intervals, completed=first)
-        self._started = self._last_line = time.monotonic()
+        self._started = self._last_line = self._last_update = time.monotonic()
 
     def __enter__(self) -> ProgressBar:
         self._bar.start()
@@ -131,8 +132,10 @@ class ProgressBar:
 
     def update(self, done: int) -> None:
         """Show that ``done`` of all intervals are complete."""
-        self._bar.update(self._task, completed=done)
         now = time.monotonic()
+        if now - self._last_update > BAR_EVERY_S or done == self._intervals:
+            self._bar.update(self._task, completed=done)
+            self._last_update = now
         if now - self._last_line < LINE_EVERY_S:
             return
         self._last_line = now

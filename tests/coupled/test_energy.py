@@ -101,7 +101,12 @@ def test_order_of_the_energy_that_the_coupling_creates(tmp_path: Path, scheme: s
 def test_energy_of_a_run_without_losses(tmp_path: Path, scheme: str, drift: float) -> None:
     """Smooth, elastic particles fall on undamped panels between undamped frames that drop onto
     their springs: the sum of all that is stored stays the same."""
-    settings = [*SMOOTH_AND_ELASTIC, "screen.drawn_at_rest=false", f"coupling.scheme={scheme}"]
+    settings = [
+        *SMOOTH_AND_ELASTIC,
+        "particles.rayleigh_fraction=0.15",
+        "screen.drawn_at_rest=false",
+        f"coupling.scheme={scheme}",
+    ]
     with opened(load_case(tmp_path, MACHINE + BED, settings)) as run:
         bed = run.particles()
         mass_kg = np.pi / 6 * bed.diameter_m**3 * bed.density_kg_per_m3

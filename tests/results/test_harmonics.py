@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.cycles import count_whole_cycles, cycle_numbers, within
+from orchestrator.output.cycles import count_whole_cycles, cycle_number, cycle_numbers, within
 from orchestrator.output.results.harmonics import drift, ellipse, first_harmonic
 from orchestrator.ports import Array
 
@@ -117,6 +117,7 @@ def test_ellipses(x: complex, z: complex, major: float, minor: float, tilt_deg: 
 def test_the_end_of_a_cycle_belongs_to_it_whatever_the_rounding() -> None:
     time_s = np.array([0.0, 0.5, 1.0 - 1e-12, 1.0, 1.0 + 1e-12, 1.1, 2.0, 2.0 + 1e-9]) * CYCLE_S
     assert cycle_numbers(time_s, CYCLE_S).tolist() == [0, 0, 0, 0, 0, 1, 1, 1]
+    assert [cycle_number(t, CYCLE_S) for t in time_s.tolist()] == [0, 0, 0, 0, 0, 1, 1, 1]
     assert cycle_numbers(time_s + 3.0, CYCLE_S, 3.0).tolist() == [0, 0, 0, 0, 0, 1, 1, 1]
     assert [count_whole_cycles(t, 1.0) for t in (0.0, 0.9, 1.0 - 1e-9, 1.0, 2.5)] == [0, 0, 1, 1, 2]
     assert within(time_s, 0.0, CYCLE_S, CYCLE_S).tolist() == [False] + 4 * [True] + 3 * [False]

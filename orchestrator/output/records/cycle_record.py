@@ -15,7 +15,7 @@ import numpy as np
 
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.output.cycles import cycle_numbers
+from orchestrator.output.cycles import cycle_number
 from orchestrator.output.records.history import History
 from orchestrator.output.records.panel_lines import PanelLines, panel_pull_N, sum_of_products
 from orchestrator.ports import Array, Indices, Saved
@@ -88,7 +88,7 @@ class CycleRecord(SavedAttributes):
     def add_sync_point(self, time_s: float, state: State, forces_N: Array) -> None:
         """Add a sync point; ``forces_N`` (5, panels, 3) are the mean forces of the panels over the interval
         that ends here, in the order of ``series.FORCES``."""
-        cycle = int(cycle_numbers(time_s, self._cycle_s))
+        cycle = cycle_number(time_s, self._cycle_s)
         if cycle != self._cycle:
             self.close()
         clamps, surface = state.clamps, state.panel.surface

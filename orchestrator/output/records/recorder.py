@@ -28,7 +28,7 @@ from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.output.cycles import counted_cycle_s, cycle_numbers, cycle_s
+from orchestrator.output.cycles import counted_cycle_s, cycle_number, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.history import History, columns
@@ -154,8 +154,8 @@ class Recorder:
 
     def _ends_cycle(self, time_s: float) -> bool:
         """Return whether the next sync point belongs to another cycle, or this one is the start."""
-        here, then = cycle_numbers(np.array([time_s, time_s + self._interval_s]), self._cycle_s)
-        return bool(time_s == 0.0 or here != then)
+        here, then = (cycle_number(at_s, self._cycle_s) for at_s in (time_s, time_s + self._interval_s))
+        return time_s == 0.0 or here != then
 
     def _add_groups(self, time_s: float, groups: Mapping[str, Mapping[str, Array | float]]) -> None:
         for group, values in groups.items():

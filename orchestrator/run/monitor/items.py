@@ -135,7 +135,7 @@ class Alternation(SavedAttributes):
         np.subtract(velocity_m_per_s, self._before_m_per_s, out=step_m_per_s)
         np.subtract(step_m_per_s, self._step_m_per_s, out=change_m_per_s)
         if points := len(velocity_m_per_s):
-            quick_m_per_s = sqrt(_square_sum(velocity_m_per_s) / points)
+            quick_m_per_s = sqrt(square_sum(velocity_m_per_s) / points)
             self._quick_m_per_s = max(self._quick_m_per_s, quick_m_per_s)
             self._count(change_m_per_s, self._loud(change_m_per_s))
         self._before_m_per_s, self._room = (velocity_m_per_s, (self._step_m_per_s, self._change_m_per_s))
@@ -147,7 +147,7 @@ class Alternation(SavedAttributes):
         The norm of all components is an upper bound for each of them, and the quickest test.
         """
         least_m_per_s = 4 * self._least * self._quick_m_per_s
-        if _square_sum(change_m_per_s) < least_m_per_s**2:
+        if square_sum(change_m_per_s) < least_m_per_s**2:
             return False
         return bool(max(change_m_per_s.max(), -change_m_per_s.min()) > least_m_per_s)
 
@@ -186,7 +186,8 @@ class Alternation(SavedAttributes):
         self._begin(self._before_m_per_s)
 
 
-def _square_sum(values: Array) -> float:
+def square_sum(values: Array) -> float:
+    """Return the sum of the squares of values (any shape)."""
     flat = values.ravel()
     return float(flat.dot(flat))
 
