@@ -48,6 +48,9 @@ class RollingAcross : public Model {
 };
 
 // A contact model that keeps the deepest overlap between particles of all steps.
+//
+// Of pairs that are near it asks the model about those alone that touched: the others have nothing to
+// forget, and to write zeros over their histories would fill the caches (a sixth of a dense bed's time).
 template <class Model>
 class WatchedContact : public Model {
  public:
@@ -57,6 +60,11 @@ class WatchedContact : public Model {
   void surfacesIntersect(SurfacesIntersectData &pair, ForceData &on_i, ForceData &on_j) {
     Model::surfacesIntersect(pair, on_i, on_j);  // which sets the overlap of a pair
     if (!pair.is_wall) deepest_.add(pair.deltan, std::min(pair.radi, pair.radj));
+  }
+
+  void surfacesClose(SurfacesCloseData &pair, ForceData &on_i, ForceData &on_j) {
+    if (pair.contact_flags && *pair.contact_flags == 0) return;
+    Model::surfacesClose(pair, on_i, on_j);
   }
 
  private:
