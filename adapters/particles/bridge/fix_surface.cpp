@@ -16,6 +16,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 constexpr size_t kMostContacts = 16;  // deepest first; a sphere has no room for more
+constexpr size_t kAhead = 4;          // spheres whose histories are on their way from memory
 
 }  // namespace
 
@@ -129,7 +130,11 @@ void FixSurface::post_force(int) {
 
 template <class Worn>
 void FixSurface::touch_all(Worn &worn) {
-  for (const auto &near : search_.near()) touch(near, worn);
+  const auto &near = search_.near();
+  for (size_t k = 0; k < near.size(); ++k) {
+    if (k + kAhead < near.size()) history_.fetch(near[k + kAhead].sphere);
+    touch(near[k], worn);
+  }
 }
 
 void FixSurface::search() {
