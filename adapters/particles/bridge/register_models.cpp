@@ -16,7 +16,6 @@
 #include "modify.h"
 #include "neigh_list.h"
 #include "neighbor.h"
-#include "pair_gran.h"
 #include "update.h"
 #include "vector_liggghts.h"
 
@@ -51,16 +50,14 @@ class RollingAcross : public Model {
 // A contact model that keeps the deepest overlap between particles of all steps.
 //
 // Of pairs that are near it asks the model about those alone that touched: the others have nothing to
-// forget, and to write zeros over their histories would fill the caches.  A dense bed's histories do not
-// stay there from step to step, so that those of the next contacts are fetched ahead.
+// forget, and to write zeros over their histories would fill the caches.
 template <class Model>
 class WatchedContact : public Model {
  public:
   WatchedContact(LAMMPS_NS::LAMMPS *lmp, IContactHistorySetup *history, bool is_wall, int64_t hash)
-      : Model(lmp, history, is_wall, hash), lmp_(*lmp), deepest_(deepest_between[lmp]) {}
+      : Model(lmp, history, is_wall, hash), deepest_(deepest_between[lmp]) {}
 
   void surfacesIntersect(SurfacesIntersectData &pair, ForceData &on_i, ForceData &on_j) {
-    if (!pair.is_wall && pair.i != last_) fetch((last_ = pair.i) + kAhead);
     Model::surfacesIntersect(pair, on_i, on_j);  // which sets the overlap of a pair
     if (!pair.is_wall) deepest_.add(pair.deltan, std::min(pair.radi, pair.radj));
   }
@@ -71,20 +68,7 @@ class WatchedContact : public Model {
   }
 
  private:
-  // Asks memory for the histories of the contacts of particle i, which are soon wanted.
-  void fetch(int i) {
-    if (i >= lmp_.atom->nlocal) return;
-    auto *pairs = static_cast<LAMMPS_NS::PairGran *>(lmp_.force->pair);
-    const LAMMPS_NS::NeighList *list = pairs->list, *kept = list->listgranhistory;
-    if (!kept) return;
-    for (int n = 0; n < list->numneigh[i]; ++n)
-      if (kept->firstneigh[i][n]) __builtin_prefetch(kept->firstdouble[i] + n * pairs->dnum_pair());
-  }
-
-  static constexpr int kAhead = 2;  // particles
-  LAMMPS_NS::LAMMPS &lmp_;
   DeepestOverlap &deepest_;
-  int last_ = -1;  // particle whose contacts were asked for
 };
 
 template <class Interface, class Style>
