@@ -315,8 +315,14 @@ class Inertia:
 
     def yielding(self, values: Array) -> Array:
         """Return the part of vectors (masses, 3) along which the masses yield."""
+        if not self._any_held:
+            return values
         along = np.einsum("mk,mk->m", values, self.held)
         return np.asarray(values - along[:, None] * self.held)
+
+    @cached_property
+    def _any_held(self) -> bool:
+        return bool(self.held.any())
 
     @staticmethod
     def unknown(points: int) -> Inertia:
