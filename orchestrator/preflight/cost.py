@@ -30,7 +30,7 @@ IMPORT_S = 0.6
 """Time to start Python, and to read and check the case."""
 MESHED_S = 2e-5
 """Time to mesh a triangle that particles may touch."""
-INTERVAL_S = {"rest": 1.5e-5, "monitor": 1.8e-5, "coupling": 2.2e-5, "mapping": 2e-5}
+INTERVAL_S = {"rest": 1.5e-5, "monitor": 1.8e-5, "coupling": 4e-5, "mapping": 2e-5}
 """Time per sync interval of each part; particles double it."""
 TRIANGLE_S = {"monitor": 9e-9, "coupling": 1.1e-8, "mapping": 2e-8}
 """Time per sync interval and triangle that particles may touch; for the mapping, in each try."""
@@ -95,7 +95,7 @@ class Tries(NamedTuple):
 TRIES = {
     "particles-first": Tries(),
     "serial-staggered": Tries(),
-    "robin": Tries(1.0, 2.0, 2e-7),
+    "robin": Tries(1.0, 2.0, 4.5e-7),
     "aitken": Tries(2.0, 3.0),
     "quasi-newton": Tries(2.0, 3.0),
 }
