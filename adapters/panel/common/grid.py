@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 
+ROUNDING = 1e-9  # of a cell
+
+
 def _with_middles(breaks_m: Array) -> Array:
     nodes = np.empty(2 * len(breaks_m) - 1)
     nodes[::2] = breaks_m
@@ -68,11 +71,16 @@ def tensor_product(
     )
     values = along[:, :, None] * across[:, None, :]
     starts = np.arange(len(row) + 1) * along.shape[1] * across.shape[1]
-    return csr_array((values.ravel(), nodes.ravel(), starts), shape=(len(row), size[0] * size[1]))
+    functions = csr_array((values.ravel(), nodes.ravel(), starts), shape=(len(row), size[0] * size[1]))
+    functions.eliminate_zeros()  # of points that stand on nodes or on lines between them: often most
+    return functions
 
 
 def _quadratic(t: Array) -> Array:
-    """Return the three shape functions (n, 3) at places 0 ... 1 in a cell."""
+    """Return the three shape functions (n, 3) at places 0 ... 1 in a cell; a place that is a node's but for
+    rounding counts as the node's, so that the other two functions are zero there."""
+    node = np.round(2.0 * t) / 2.0
+    t = np.where(np.abs(t - node) < ROUNDING, node, t)
     return np.stack(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)), axis=1)
 
 
