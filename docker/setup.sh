@@ -80,7 +80,7 @@ rm -rf "$links"
 echo "../../../debian" >.venv/lib/python3.11/site-packages/debian.pth
 
 # what is compiled, and which modules there are: the editable installation has a list of them
-stamp=$({ cat pyproject.toml docker/*.txt CMakeLists.txt adapters/*.h adapters/*/kernel/* adapters/particles/bridge/*
+stamp=$({ cat pyproject.toml docker/*.txt CMakeLists.txt adapters/*.h {adapters,orchestrator}/*/kernel/* adapters/particles/bridge/*
     find flipflow orchestrator adapters -name '*.py' | sort; } | sha256sum | cut -d' ' -f1)
 if [ "$(cat .venv/flipflow.stamp 2>/dev/null)" != "$stamp" ]; then
     say "installing flipflow and its pinned dependencies into .venv, building what is compiled"

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_array
 
+from orchestrator.coupling._kernel import PointMatrix
 from orchestrator.coupling.wrappers import PanelWrapper
 from orchestrator.ports import Inertia, Known, Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
@@ -24,7 +25,8 @@ class MappedPanel(PanelWrapper):
 
     def __init__(self, panel: Panel, H: csr_array) -> None:
         super().__init__(panel)
-        self._H, self._HT, self._sizes = H, csr_array(H.T), abs(H)
+        self._H, self._sizes = H, abs(H)
+        self._matrix = PointMatrix(H.indptr, H.indices, H.data, H.shape[1])
         self._load, self._own_load = Load(np.zeros((H.shape[0], 3))), Load(np.zeros((H.shape[1], 3)))
 
     def initial(self) -> PanelState:
@@ -32,7 +34,7 @@ class MappedPanel(PanelWrapper):
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         if load is not self._load:  # a scheme that tries an interval gives a load twice
-            self._load, self._own_load = load, Load(self._HT @ load.force_N)
+            self._load, self._own_load = load, Load(self._matrix.transposed_times(load.force_N))
         return self._state(super().advance(interval, clamps, self._own_load))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
@@ -45,7 +47,8 @@ class MappedPanel(PanelWrapper):
         return replace(own, shapes=csr_array(self._H @ own.shapes))
 
     def _motion(self, surface: Motion) -> Motion:
-        return Motion(self._H @ surface.position_m, self._H @ surface.velocity_m_per_s)
+        times = self._matrix.times
+        return Motion(times(surface.position_m), times(surface.velocity_m_per_s))
 
     def _state(self, state: PanelState) -> PanelState:
         return PanelState(self._motion(state.surface), state.reaction)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from orchestrator.coupling import _kernel
 from orchestrator.coupling.wrappers import FramesWrapper, PanelWrapper, ParticlesWrapper
 from orchestrator.ports import (
     Array,
@@ -80,36 +81,19 @@ class TimedPart:
         self._stopwatch.leave()
 
 
-def impulse_N_s(load: Load, interval: Interval) -> Array:
-    """Return the impulse (3,) that a mean load hands over in the interval."""
-    force_N = load.force_N[load.pressed]
-    return np.asarray(interval.length_s * (np.ones(len(force_N)) @ force_N))  # quicker than sum(axis=0)
+def handed_over(load: Load, start: Motion, end: Motion, interval: Interval) -> tuple[Array, Array, float]:
+    """Return what a mean load hands over in the interval in which its points move from ``start`` to ``end``.
 
-
-def size_N_s(load: Load, interval: Interval) -> float:
-    """Return the sum of the sizes of all components of the impulse at all points.
-
-    Loads that cancel each other count here.
+    It is the impulse (3,) in N s, the angular impulse (3,) about the world's origin in N m s, and the sum of
+    the sizes of all components of the impulse at all points, in which loads that cancel each other count.
     """
-    return float(interval.length_s * np.abs(load.force_N[load.pressed]).sum())
-
-
-def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> Array:
-    """Return the angular impulse (3,) about the world's origin that a mean load hands over.
-
-    The points move smoothly (cubic Hermite) from ``start`` to ``end``; the load acts at their mean places.
-    """
-    at = load.pressed
-    mean_m = (start.position_m[at] + end.position_m[at]) / 2.0
-    mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s[at] - end.velocity_m_per_s[at])
-    return interval.length_s * sum_of_cross_products(mean_m, load.force_N[at])
-
-
-def sum_of_cross_products(one: Array, other: Array) -> Array:
-    """Return the sum (3,) of the cross products of rows, (n, 3), from the sums of their products."""
-    products = one.T @ other
-    return np.array(
-        [products[1, 2] - products[2, 1], products[2, 0] - products[0, 2], products[0, 1] - products[1, 0]]
+    return _kernel.handed_over(
+        force_N=load.force_N,
+        start_m=start.position_m,
+        start_m_per_s=start.velocity_m_per_s,
+        end_m=end.position_m,
+        end_m_per_s=end.velocity_m_per_s,
+        length_s=interval.length_s,
     )
 
 
@@ -137,12 +121,12 @@ class MeteredFrames(FramesWrapper):
         return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
-        self.through_N_s += size_N_s(reaction, interval)
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             motion = super().advance(interval, reaction)
-        moment_given_N_m_s = moment_N_m_s(reaction, self._now, motion, interval)
-        self.received_N_m_s = self.received_N_m_s + moment_given_N_m_s
+        impulse_N_s, moment_N_m_s, size_N_s = handed_over(reaction, self._now, motion, interval)
+        self.received_N_s = self.received_N_s + impulse_N_s
+        self.received_N_m_s = self.received_N_m_s + moment_N_m_s
+        self.through_N_s += size_N_s
         self.last, self._now = (reaction, motion), motion
         return motion
 
@@ -231,14 +215,14 @@ class MeteredPanel(TimedPanel):
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         state = super().advance(interval, clamps, load)
-        received_N_m_s = moment_N_m_s(load, self._surface, state.surface, interval)
-        given_N_m_s = moment_N_m_s(state.reaction, self._clamps, clamps, interval)
-        self.received_N_m_s = self.received_N_m_s + received_N_m_s
-        self.given_N_m_s = self.given_N_m_s + given_N_m_s
+        impulse_N_s, moment_N_m_s, received = handed_over(load, self._surface, state.surface, interval)
+        self.received_N_s = self.received_N_s + impulse_N_s
+        self.received_N_m_s = self.received_N_m_s + moment_N_m_s
+        impulse_N_s, moment_N_m_s, given = handed_over(state.reaction, self._clamps, clamps, interval)
+        self.given_N_s = self.given_N_s + impulse_N_s
+        self.given_N_m_s = self.given_N_m_s + moment_N_m_s
+        self.through_N_s += received + given
         self._surface, self._clamps = state.surface, clamps
-        self.received_N_s = self.received_N_s + impulse_N_s(load, interval)
-        self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
-        self.through_N_s += size_N_s(load, interval) + size_N_s(state.reaction, interval)
         self.last = clamps, load, state
         return state
 
@@ -284,8 +268,9 @@ class MeteredParticles(ParticlesWrapper):
         with self._stopwatch("particles"), solver_failure_context(self._name, interval):
             load = super().advance(interval, path)
         self.last = path, load
-        self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
-        self.through_N_s += size_N_s(load, interval)
+        impulse_N_s, _, size_N_s = handed_over(load, path.start, path.end, interval)
+        self.given_N_s = self.given_N_s + impulse_N_s
+        self.through_N_s += size_N_s
         self.runs += 1
         return load
 

@@ -42,18 +42,6 @@ def _checked(record: str, field_name: str, value: Array) -> None:
         raise BrokenRecord(f"{record}.{field_name}: point {point} is {value[point].tolist()}")
 
 
-FEW = 2000  # points, of which all together cost less than to pick those with a force
-
-
-def pressed_points(force_N: Array) -> slice | Indices:
-    """Return the rows of forces (points, 3) that count in sums: all of a few points, and of many the
-    numbers (n,) of those that are not zero, ascending."""
-    if len(force_N) <= FEW:
-        return slice(None)
-    pushes = force_N != 0.0
-    return np.flatnonzero(pushes[:, 0] | pushes[:, 1] | pushes[:, 2])  # quicker than any(axis=1)
-
-
 @dataclass(frozen=True)
 class Motion:
     """The places and velocities of points.
@@ -152,11 +140,6 @@ class Load:
 
     def __post_init__(self) -> None:
         _checked("Load", "force_N", self.force_N)
-
-    @cached_property
-    def pressed(self) -> slice | Indices:
-        """The points that count in sums (``pressed_points``): of a surface's thousands some hundred."""
-        return pressed_points(self.force_N)
 
     def __len__(self) -> int:
         return len(self.force_N)

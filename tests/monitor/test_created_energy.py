@@ -122,18 +122,18 @@ def test_a_share_of_what_went_through() -> None:
 
 def test_what_went_through_is_the_range_of_the_work() -> None:
     """Given for good, or to and fro; nothing but the floor where nothing moves."""
-    still_N = np.array([[3.0, -4.0, 0.0]])
+    size_N = 3.0 + 4.0
     given, back, rest = ExchangedEnergy(), ExchangedEnergy(), ExchangedEnergy()
     for _ in range(100):
-        given.add(0.5, 0.0 * still_N, 1e-4)
+        given.add(0.5, 0.0, 1e-4)
         for work_J in (2.0, -2.0):
-            back.add(work_J, 0.0 * still_N, 1e-4)
-        rest.add(1e-24, still_N, 1e-4)
+            back.add(work_J, 0.0, 1e-4)
+        rest.add(1e-24, size_N, 1e-4)
     assert given.scale_J == pytest.approx(50.0)
     assert back.scale_J == pytest.approx(2.0)
     assert rest.scale_J == pytest.approx(7.0 * 1e-3 * 1e-4)
     saved = like(ExchangedEnergy(), as_arrays(back))
-    saved.add(-3.0, 0.0 * still_N, 1e-4)
+    saved.add(-3.0, 0.0, 1e-4)
     assert saved.scale_J == pytest.approx(5.0)
 
 

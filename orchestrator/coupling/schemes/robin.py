@@ -169,8 +169,7 @@ class SurfaceCompliance:
         """
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * np.einsum("mk,mk,m->k", on_masses_N, on_masses_N, 1.0 / self.inertia.mass_kg)
-        at, share = more.pressed, before.copy()
-        real = np.einsum("pk,pk,p->k", more.force_N[at], gave_m_per_s[at], self._counts[at])
+        real, share = np.einsum("pk,pk,p->k", more.force_N, gave_m_per_s, self._counts), before.copy()
         np.divide(real, free, out=share, where=free > 0)
         return np.clip(share, LEAST_SHARE, 1.0)
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
-from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
+from orchestrator.coupling._kernel import PointMatrix
 from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import History
@@ -32,16 +32,16 @@ class PanelForces:
     def at(self, state: State) -> Array:
         """Return the mean forces (5, panels, 3) over the interval that ends here, in the order of FORCES."""
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
-        sums_N = np.vstack([self._loads @ load_N, self._reactions @ reaction_N])
+        sums_N = np.concatenate([self._loads.times(load_N), self._reactions.times(reaction_N)])
         return np.asarray(sums_N.reshape(len(FORCES), self._panels, 3))
 
 
-def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
-    """Return the matrix (parts, points) whose product with values at points gives the sum of each part."""
+def _sums(parts: Sequence[slice | Indices], points: int) -> PointMatrix:
+    """Return the matrix (parts, points) whose product with vectors at points gives the sum of each part."""
     numbers = [np.arange(points)[part] for part in parts]
     starts = np.cumsum([0, *map(len, numbers)])
     inside = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
-    return csr_array((np.ones(len(inside)), inside, starts), shape=(len(parts), points))
+    return PointMatrix(starts, inside, np.ones(len(inside)), points)
 
 
 class TimeSeries(SavedAttributes):

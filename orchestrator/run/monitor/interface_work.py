@@ -25,11 +25,11 @@ from typing import NamedTuple
 import numpy as np
 
 from orchestrator.case.tables.case import Case
+from orchestrator.coupling._kernel import clamp_works, contact_works
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import MeteredSolvers
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState, Saved
-from orchestrator.ports.interface_records import pressed_points
+from orchestrator.ports import HermitePath, Load, Motion, PanelState
 from orchestrator.ports.state import SavedAttributes
 
 SLOW_M_PER_S = 1e-3  # nothing on a screen that moves slower counts
@@ -72,12 +72,13 @@ class ExchangedEnergy:
     most_J: float = 0.0
     slow_J: float = 0.0
 
-    def add(self, work_J: float, force_N: Array, length_s: float) -> None:
-        """Add the work of an interval of ``length_s`` under the mean load ``force_N`` (any shape)."""
+    def add(self, work_J: float, size_N: float, length_s: float) -> None:
+        """Add the work of an interval of ``length_s`` under a mean load, whose components have sizes
+        that sum up to ``size_N``."""
         self.given_J += work_J
         self.least_J = min(self.least_J, self.given_J)
         self.most_J = max(self.most_J, self.given_J)
-        self.slow_J = max(self.slow_J, SLOW_M_PER_S * length_s * float(np.abs(force_N).sum()))
+        self.slow_J = max(self.slow_J, SLOW_M_PER_S * length_s * size_N)
 
     @property
     def scale_J(self) -> float:
@@ -129,8 +130,7 @@ class Balance:
 class ContactWork(SavedAttributes):
     """The work between particles and panels; ``exchange`` covers all that particles touch, with walls.
 
-    The panels' points come first among the surface's, and of all points only those with a force matter
-    (``pressed_points``).
+    The panels' points come first among the surface's.
     """
 
     STATE = ("balance", "exchange", "_whole_m", "_path_end_m", "_load_N", "_load_before_N")
@@ -142,11 +142,6 @@ class ContactWork(SavedAttributes):
         self._whole_m = start.panel.surface.position_m
         self._path_end_m = self._whole_m[points]
         self._load_N = self._load_before_N = start.load.force_N[points]
-        self._pressed = self._pressed_before = pressed_points(self._load_N)
-
-    def restore(self, saved: Saved) -> None:
-        super().restore(saved)
-        self._pressed, self._pressed_before = map(pressed_points, (self._load_N, self._load_before_N))
 
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
@@ -154,41 +149,27 @@ class ContactWork(SavedAttributes):
         path, load = data.particles
         _, panel_load, state = data.panel
         whole_m, points = state.surface.position_m, self._points
-        at = load.pressed
-        all_N = load.force_N[at]
-        self.exchange.add(work_J(all_N, whole_m[at] - self._whole_m[at]), all_N, data.length_s)
-        start_m, end_m = path.start.position_m[points], path.end.position_m[points]
-        before_m, surface_m = self._whole_m[points], whole_m[points]
-
-        def jump_J(force_N: Array, at: slice | Indices) -> float:
-            return work_J(force_N[at], start_m[at] - self._path_end_m[at])
-
-        force_N = load.force_N[points]
-        at = pressed_points(force_N)
-        moved_m, load_N = surface_m[at] - before_m[at], force_N[at]
-        particles_J = (
-            work_J(load_N, end_m[at] - start_m[at])
-            + (
-                2 * jump_J(force_N, at)
-                + 5 * jump_J(self._load_N, self._pressed)
-                - jump_J(self._load_before_N, self._pressed_before)
-            )
-            / 6
+        exchanged_J, size_N, created_J, through_J = contact_works(
+            load_N=load.force_N,
+            load_before_N=self._load_N,
+            load_twice_before_N=self._load_before_N,
+            panel_load_N=panel_load.force_N,
+            before_m=self._whole_m,
+            after_m=whole_m,
+            path_start_m=path.start.position_m,
+            path_end_m=path.end.position_m,
+            path_before_m=self._path_end_m,
+            least_m=SLOW_M_PER_S * data.length_s,
         )
-        if panel_load is load:
-            given_J = work_J(load_N, moved_m)
-        else:
-            given_J = work_J(panel_load.force_N[points], surface_m - before_m)
-        self.balance.add(given_J - particles_J, through_J(load_N, moved_m, data.length_s))
-        self._whole_m, self._path_end_m = whole_m, end_m
-        self._load_before_N, self._load_N = self._load_N, force_N
-        self._pressed_before, self._pressed = self._pressed, at
+        self.exchange.add(exchanged_J, size_N, data.length_s)
+        self.balance.add(created_J, through_J)
+        self._whole_m, self._path_end_m = whole_m, path.end.position_m[points]
+        self._load_before_N, self._load_N = self._load_N, load.force_N[points]
 
     def begin_anew(self) -> None:
         """Forget recent intervals: the next ones have another length."""
-        at = self._pressed
         late_m = self._whole_m[self._points] - self._path_end_m
-        self.balance.begin_anew(work_J(self._load_N[at], late_m[at]))
+        self.balance.begin_anew(float(np.vdot(self._load_N, late_m)))
 
 
 class ClampWork(SavedAttributes):
@@ -206,36 +187,27 @@ class ClampWork(SavedAttributes):
 
     def add(self, data: InterfaceData) -> None:
         """Book an interval."""
-        reaction, clamps = data.frames
+        frames_load, clamps = data.frames
         target, _, state = data.panel
-        all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
-        moved_m, force_N = all_moved_m[self._points], all_N[self._points]
-        missed_m = (clamps.position_m - target.position_m)[self._points]
-        at_end_J = work_J(force_N, missed_m)
-        created_J = at_end_J - work_J(force_N, self._missed_m)
-        if reaction is not state.reaction:
-            created_J += work_J(reaction.force_N[self._points] - force_N, moved_m)
-        self.balance.add(created_J, through_J(force_N, moved_m, data.length_s))
-        self.exchange.add(work_J(all_N, all_moved_m), all_N, data.length_s)
+        reaction_N, points = state.reaction.force_N, self._points
+        missed_m = clamps.position_m[points] - target.position_m[points]
+        exchanged_J, size_N, created_J, through_J = clamp_works(
+            reaction_N=reaction_N,
+            frames_load_N=frames_load.force_N,
+            before_m=self._clamps_m,
+            after_m=clamps.position_m,
+            missed_m=missed_m,
+            missed_before_m=self._missed_m,
+            least_m=SLOW_M_PER_S * data.length_s,
+        )
+        self.exchange.add(exchanged_J, size_N, data.length_s)
+        self.balance.add(created_J, through_J)
         self._clamps_m, self._missed_m = clamps.position_m, missed_m
-        self._at_end_J = at_end_J
+        self._at_end_J = float(np.vdot(reaction_N[points], missed_m))
 
     def begin_anew(self) -> None:
         """Forget recent intervals: the next ones have another length."""
         self.balance.begin_anew(self._at_end_J)
-
-
-def work_J(force_N: Array, moved_m: Array) -> float:
-    """Return the work of forces on points, (n, 3) each, that move by ``moved_m``."""
-    return float(force_N.ravel().dot(moved_m.ravel()))
-
-
-def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
-    """Return the sum of the absolute work along each axis at each point.
-
-    ``force_N`` and the motion ``moved_m`` in an interval of ``length_s`` have the same shape.
-    """
-    return work_J(np.abs(force_N), np.abs(moved_m) + SLOW_M_PER_S * length_s)
 
 
 Works = dict[str, ContactWork | ClampWork]

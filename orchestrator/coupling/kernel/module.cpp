@@ -1,0 +1,223 @@
+// orchestrator.coupling._kernel: what the coupling computes at all points in every interval, bound to Python.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace flipflow {
+
+namespace {
+
+namespace py = pybind11;
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Ints = py::array_t<int, py::array::c_style | py::array::forcecast>;
+
+// The vectors at `points` points, (points, 3).
+const double *vectors(const Doubles &array, size_t points, const char *name) {
+  if (array.ndim() != 2 || array.shape(1) != 3 || static_cast<size_t>(array.shape(0)) != points)
+    throw py::value_error(std::string(name) + ": shape (" + std::to_string(points) + ", 3) wanted");
+  return array.data();
+}
+
+bool is_zero(const double *vector) { return vector[0] == 0.0 && vector[1] == 0.0 && vector[2] == 0.0; }
+
+// The vector at a point, and its product with another one.
+double dot(const double *one, const double *other) {
+  return one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
+}
+
+double size_of(const double *vector) {
+  return std::abs(vector[0]) + std::abs(vector[1]) + std::abs(vector[2]);
+}
+
+// A sparse matrix that takes vectors at points to vectors at others: row i has the entries from
+// starts[i] up to starts[i + 1].
+class PointMatrix {
+ public:
+  PointMatrix(const Ints &starts, const Ints &columns, const Doubles &entries, size_t width)
+      : starts_(starts.data(), starts.data() + starts.size()),
+        columns_(columns.data(), columns.data() + columns.size()),
+        entries_(entries.data(), entries.data() + entries.size()),
+        width_(width) {
+    if (starts_.empty() || starts_.front() != 0 || columns_.size() != entries_.size() ||
+        starts_.back() != static_cast<int>(entries_.size()))
+      throw py::value_error("starts, columns, entries: not a matrix by rows");
+    for (size_t row = 0; row < rows(); ++row)
+      if (starts_[row] > starts_[row + 1]) throw py::value_error("starts: not ascending");
+    for (const int column : columns_)
+      if (column < 0 || static_cast<size_t>(column) >= width_)
+        throw py::value_error("columns: no column has the number " + std::to_string(column));
+  }
+
+  Doubles times(const Doubles &values) const {
+    const double *from = vectors(values, width_, "values");
+    Doubles product({rows(), size_t{3}});
+    double *to = product.mutable_data();
+    for (size_t row = 0; row < rows(); ++row, to += 3) {
+      double x = 0.0, y = 0.0, z = 0.0;
+      for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
+        const double *at = from + 3 * static_cast<size_t>(columns_[i]);
+        x += entries_[i] * at[0];
+        y += entries_[i] * at[1];
+        z += entries_[i] * at[2];
+      }
+      to[0] = x, to[1] = y, to[2] = z;
+    }
+    return product;
+  }
+
+  // Of thousands of points most have no force, so that their rows need not be looked at.
+  Doubles transposed_times(const Doubles &values) const {
+    const double *from = vectors(values, rows(), "values");
+    Doubles product({width_, size_t{3}});
+    double *to = product.mutable_data();
+    std::fill(to, to + 3 * width_, 0.0);
+    for (size_t row = 0; row < rows(); ++row, from += 3) {
+      if (is_zero(from)) continue;
+      for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
+        double *at = to + 3 * static_cast<size_t>(columns_[i]);
+        for (int c = 0; c < 3; ++c) at[c] += entries_[i] * from[c];
+      }
+    }
+    return product;
+  }
+
+ private:
+  size_t rows() const { return starts_.size() - 1; }
+
+  std::vector<int> starts_, columns_;
+  std::vector<double> entries_;
+  size_t width_;
+};
+
+Doubles vector(const double values[3]) {
+  Doubles array(3);
+  std::copy(values, values + 3, array.mutable_data());
+  return array;
+}
+
+py::tuple handed_over(const Doubles &force_N, const Doubles &start_m, const Doubles &start_m_per_s,
+                      const Doubles &end_m, const Doubles &end_m_per_s, double length_s) {
+  const size_t points = force_N.shape(0);
+  const double *force = vectors(force_N, points, "force_N");
+  const double *from = vectors(start_m, points, "start_m"), *to = vectors(end_m, points, "end_m");
+  const double *from_rate = vectors(start_m_per_s, points, "start_m_per_s");
+  const double *to_rate = vectors(end_m_per_s, points, "end_m_per_s");
+  double impulse[3] = {}, moment[3] = {}, size = 0.0;
+  for (size_t i = 0; i < 3 * points; i += 3) {
+    const double *f = force + i;
+    if (is_zero(f)) continue;
+    double mean_m[3];
+    for (int c = 0; c < 3; ++c) {
+      mean_m[c] = 0.5 * (from[i + c] + to[i + c]) + length_s / 12.0 * (from_rate[i + c] - to_rate[i + c]);
+      impulse[c] += length_s * f[c];
+    }
+    for (int c = 0; c < 3; ++c) {
+      const int next = (c + 1) % 3, last = (c + 2) % 3;
+      moment[c] += length_s * (mean_m[next] * f[last] - mean_m[last] * f[next]);
+    }
+    size += length_s * size_of(f);
+  }
+  return py::make_tuple(vector(impulse), vector(moment), size);
+}
+
+// Sums of works in an interval: see `Works` in _kernel.pyi.
+struct Works {
+  double exchanged_J = 0.0, size_N = 0.0, created_J = 0.0, through_J = 0.0;
+
+  py::tuple as_tuple() const { return py::make_tuple(exchanged_J, size_N, created_J, through_J); }
+};
+
+// The absolute work along each axis of a force on a point, which moves by so much at least.
+double through(const double *force_N, const double *moved_m, double least_m) {
+  double sum_J = 0.0;
+  for (int c = 0; c < 3; ++c) sum_J += std::abs(force_N[c]) * (std::abs(moved_m[c]) + least_m);
+  return sum_J;
+}
+
+struct Difference {
+  double at[3];
+
+  Difference(const double *after, const double *before)
+      : at{after[0] - before[0], after[1] - before[1], after[2] - before[2]} {}
+};
+
+py::tuple contact_works(const Doubles &load_N, const Doubles &load_before_N, const Doubles &load_twice_before_N,
+                        const Doubles &panel_load_N, const Doubles &before_m, const Doubles &after_m,
+                        const Doubles &path_start_m, const Doubles &path_end_m, const Doubles &path_before_m,
+                        double least_m) {
+  const size_t all = load_N.shape(0), counted = path_before_m.shape(0);
+  if (counted > all) throw py::value_error("path_before_m: more points than the surface has");
+  const double *load = vectors(load_N, all, "load_N");
+  const double *first = vectors(load_before_N, counted, "load_before_N");
+  const double *second = vectors(load_twice_before_N, counted, "load_twice_before_N");
+  const double *panel_load = vectors(panel_load_N, all, "panel_load_N");
+  const double *before = vectors(before_m, all, "before_m"), *after = vectors(after_m, all, "after_m");
+  const double *start = vectors(path_start_m, all, "path_start_m");
+  const double *end = vectors(path_end_m, all, "path_end_m");
+  const double *left = vectors(path_before_m, counted, "path_before_m");
+  Works works;
+  for (size_t i = 0; i < 3 * all; i += 3) {
+    const bool counts = i < 3 * counted;
+    const bool is_pushed = !is_zero(load + i);
+    if (!is_pushed && (!counts || (is_zero(first + i) && is_zero(second + i) && is_zero(panel_load + i))))
+      continue;
+    const Difference moved(after + i, before + i);
+    works.exchanged_J += dot(load + i, moved.at);
+    works.size_N += size_of(load + i);
+    if (!counts) continue;
+    const Difference way(end + i, start + i), jump(start + i, left + i);
+    const double jumps_J = 2 * dot(load + i, jump.at) + 5 * dot(first + i, jump.at) - dot(second + i, jump.at);
+    works.created_J += dot(panel_load + i, moved.at) - dot(load + i, way.at) - jumps_J / 6;
+    works.through_J += through(load + i, moved.at, least_m);
+  }
+  return works.as_tuple();
+}
+
+py::tuple clamp_works(const Doubles &reaction_N, const Doubles &frames_load_N, const Doubles &before_m,
+                      const Doubles &after_m, const Doubles &missed_m, const Doubles &missed_before_m,
+                      double least_m) {
+  const size_t all = reaction_N.shape(0), counted = missed_m.shape(0);
+  if (counted > all) throw py::value_error("missed_m: more points than the clamps have");
+  const double *reaction = vectors(reaction_N, all, "reaction_N");
+  const double *frames_load = vectors(frames_load_N, all, "frames_load_N");
+  const double *before = vectors(before_m, all, "before_m"), *after = vectors(after_m, all, "after_m");
+  const double *missed = vectors(missed_m, counted, "missed_m");
+  const double *missed_before = vectors(missed_before_m, counted, "missed_before_m");
+  Works works;
+  for (size_t i = 0; i < 3 * all; i += 3) {
+    const Difference moved(after + i, before + i);
+    works.exchanged_J += dot(reaction + i, moved.at);
+    works.size_N += size_of(reaction + i);
+    if (i >= 3 * counted) continue;
+    const Difference late(frames_load + i, reaction + i), more(missed + i, missed_before + i);
+    works.created_J += dot(late.at, moved.at) + dot(reaction + i, more.at);
+    works.through_J += through(reaction + i, moved.at, least_m);
+  }
+  return works.as_tuple();
+}
+
+}  // namespace
+
+}  // namespace flipflow
+
+PYBIND11_MODULE(_kernel, module) {
+  using namespace flipflow;
+  using py::arg;
+  py::class_<PointMatrix>(module, "PointMatrix")
+      .def(py::init<const Ints &, const Ints &, const Doubles &, size_t>(), arg("starts"), arg("columns"),
+           arg("entries"), arg("width"))
+      .def("times", &PointMatrix::times, arg("values"))
+      .def("transposed_times", &PointMatrix::transposed_times, arg("values"));
+  module.def("handed_over", &handed_over, py::kw_only(), arg("force_N"), arg("start_m"), arg("start_m_per_s"),
+             arg("end_m"), arg("end_m_per_s"), arg("length_s"));
+  module.def("contact_works", &contact_works, py::kw_only(), arg("load_N"), arg("load_before_N"),
+             arg("load_twice_before_N"), arg("panel_load_N"), arg("before_m"), arg("after_m"),
+             arg("path_start_m"), arg("path_end_m"), arg("path_before_m"), arg("least_m"));
+  module.def("clamp_works", &clamp_works, py::kw_only(), arg("reaction_N"), arg("frames_load_N"), arg("before_m"),
+             arg("after_m"), arg("missed_m"), arg("missed_before_m"), arg("least_m"));
+}
