@@ -25,7 +25,6 @@ const double *vectors(const Doubles &array, size_t points, const char *name) {
 
 bool is_zero(const double *vector) { return vector[0] == 0.0 && vector[1] == 0.0 && vector[2] == 0.0; }
 
-// The vector at a point, and its product with another one.
 double dot(const double *one, const double *other) {
   return one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
 }

@@ -135,7 +135,7 @@ class CycleRecord(SavedAttributes):
             self._sum += row
 
     def _of_points(self, carried: Array, touched: Array) -> Array:
-        return np.vstack([carried[self._carried], touched[self._touched]])
+        return np.concatenate([carried[self._carried], touched[self._touched]])
 
     def _point_values(self, position_m: Array, velocity_m_per_s: Array) -> Array:
         """Return the ``POINT_VALUES`` values of each point at n times, (n, all values), from its motion (n,
