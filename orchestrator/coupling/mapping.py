@@ -34,7 +34,7 @@ class MappedPanel(PanelWrapper):
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         if load is not self._load:  # a scheme that tries an interval gives a load twice
-            self._load, self._own_load = load, Load(self._matrix.transposed_times(load.force_N))
+            self._load, self._own_load = load, Load.unchecked(self._matrix.transposed_times(load.force_N))
         return self._state(super().advance(interval, clamps, self._own_load))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
@@ -48,7 +48,7 @@ class MappedPanel(PanelWrapper):
 
     def _motion(self, surface: Motion) -> Motion:
         times = self._matrix.times
-        return Motion(times(surface.position_m), times(surface.velocity_m_per_s))
+        return Motion.unchecked(times(surface.position_m), times(surface.velocity_m_per_s))
 
     def _state(self, state: PanelState) -> PanelState:
         return PanelState(self._motion(state.surface), state.reaction)

@@ -170,7 +170,7 @@ def _numbers(state: PanelState) -> Array:
 def _state(numbers: Array, points: int) -> PanelState:
     """Return the state whose ``_numbers`` these are, of a panel with so many points on its surface."""
     position_m, velocity_m_per_s, force_N = np.split(numbers.reshape(-1, 3), [points, 2 * points])
-    return PanelState(Motion(position_m, velocity_m_per_s), Load(force_N))
+    return PanelState(Motion.unchecked(position_m, velocity_m_per_s), Load.unchecked(force_N))
 
 
 def _runs(panels: Mapping[int, Panel]) -> list[list[int]]:
@@ -206,13 +206,13 @@ def concatenate_states(states: Sequence[PanelState]) -> PanelState:
     """Return one state with the points of all panels, one panel after the other."""
     return PanelState(
         concatenate_motions([s.surface for s in states]),
-        Load(np.concatenate([s.reaction.force_N for s in states])),
+        Load.unchecked(np.concatenate([s.reaction.force_N for s in states])),
     )
 
 
 def concatenate_motions(motions: Sequence[Motion]) -> Motion:
     """Return the points of all motions, one after the other."""
-    return Motion(
+    return Motion.unchecked(
         np.concatenate([motion.position_m for motion in motions]),
         np.concatenate([motion.velocity_m_per_s for motion in motions]),
     )

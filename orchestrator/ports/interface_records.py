@@ -71,13 +71,16 @@ class Motion:
     def __len__(self) -> int:
         return len(self.position_m)
 
+    @staticmethod
+    def unchecked(position_m: Array, velocity_m_per_s: Array) -> Motion:
+        """Return a motion computed from checked ones, without another check."""
+        motion = object.__new__(Motion)
+        motion.__dict__.update(position_m=position_m, velocity_m_per_s=velocity_m_per_s)
+        return motion
+
     def part(self, points: slice | Indices) -> Motion:
-        """Return the motion of some of the points, without another check."""
-        some = object.__new__(Motion)
-        some.__dict__.update(
-            position_m=self.position_m[points], velocity_m_per_s=self.velocity_m_per_s[points]
-        )
-        return some
+        """Return the motion of some of the points."""
+        return Motion.unchecked(self.position_m[points], self.velocity_m_per_s[points])
 
 
 @dataclass(frozen=True)
@@ -144,11 +147,16 @@ class Load:
     def __len__(self) -> int:
         return len(self.force_N)
 
+    @staticmethod
+    def unchecked(force_N: Array) -> Load:
+        """Return a load computed from checked ones, without another check."""
+        load = object.__new__(Load)
+        load.__dict__["force_N"] = force_N
+        return load
+
     def part(self, points: slice | Indices) -> Load:
-        """Return the load on some of the points, without another check."""
-        some = object.__new__(Load)
-        some.__dict__["force_N"] = self.force_N[points]
-        return some
+        """Return the load on some of the points."""
+        return Load.unchecked(self.force_N[points])
 
     @staticmethod
     def zero(points: int) -> Load:

@@ -162,7 +162,7 @@ def chord(start: Motion, end: Motion, length_s: float) -> HermitePath:
 
 def extrapolate(motion: Motion, acceleration_m_per_s2: Array, length_s: float) -> Motion:
     """Return the motion of points after ``length_s`` at constant acceleration."""
-    return Motion(
+    return Motion.unchecked(
         motion.position_m + length_s * (motion.velocity_m_per_s + length_s / 2 * acceleration_m_per_s2),
         motion.velocity_m_per_s + length_s * acceleration_m_per_s2,
     )

@@ -40,7 +40,7 @@ def extrapolated_path(now: State, interval: Interval) -> HermitePath:
     """Return the surface's path at constant velocity."""
     start, length_s = now.panel.surface, interval.length_s
     end_m = start.position_m + length_s * start.velocity_m_per_s
-    return HermitePath(start, Motion(end_m, start.velocity_m_per_s), length_s)
+    return HermitePath(start, Motion.unchecked(end_m, start.velocity_m_per_s), length_s)
 
 
 def _advance_particles(solvers: Solvers, interval: Interval, path: HermitePath, now: State) -> Load:
