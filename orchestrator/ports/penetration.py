@@ -75,11 +75,14 @@ class Penetrations:
         self._body = np.repeat(np.arange(len(counts)), counts)
         self._points = [np.unique(body.triangles) for body in bodies]
         self._drawn_boxes_m = self._boxes_of_bodies(drawn_m)
+        self._drawn_triangles_m = boxes_of(drawn_m[self._triangles])
+        self._drawn_middles_m = [middles_m(panel, drawn_m) for panel in panels]
 
     def deepest(self, position_m: Array) -> Penetration | None:
         """Return the deepest penetration with the points at ``position_m`` (n, 3); None without any."""
         boxes_m = np.stack([self._drawn_boxes_m, self._boxes_of_bodies(position_m)])
-        deepest = (self._deepest_of(panel, position_m, boxes_m) for panel in self._panels)
+        panels = zip(self._panels, self._drawn_middles_m, strict=True)
+        deepest = (self._deepest_of(panel, drawn_m, position_m, boxes_m) for panel, drawn_m in panels)
         return max(filter(None, deepest), key=lambda each: each.thicknesses, default=None)
 
     def _boxes_of_bodies(self, position_m: Array) -> Array:
@@ -91,9 +94,12 @@ class Penetrations:
                 box_m[:] = position_m[points].min(axis=0), position_m[points].max(axis=0)
         return boxes_m
 
-    def _deepest_of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> Penetration | None:
-        """Return the deepest penetration of one panel; None without any."""
-        drawn_m, now_m = (points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m))
+    def _deepest_of(
+        self, panel: ProbedPanel, drawn_m: Array, position_m: Array, boxes_m: Array
+    ) -> Penetration | None:
+        """Return the deepest penetration of one panel, whose middles were drawn at ``drawn_m``; None without
+        any."""
+        now_m = middles_m(panel, position_m)
         row, triangle = self._near(panel, np.stack([drawn_m, now_m]), position_m, boxes_m)
         used, of_row = np.unique(triangle, return_inverse=True)
         was_m, is_m = (
@@ -101,6 +107,8 @@ class Penetrations:
             for points, place_m in ((self._drawn_m, drawn_m), (position_m, now_m))
         )
         crossed = (was_m * is_m < 0.0) & (np.abs(was_m) > IN_PLANE * panel.thickness_m)
+        if not crossed.any():
+            return None
         row, triangle = row[crossed], triangle[crossed]
         was_m, is_m = was_m[crossed], is_m[crossed]
         corners = self._triangles[triangle]
@@ -132,10 +140,16 @@ class Penetrations:
         bodies[panel.body] = False
         triangles = np.flatnonzero(bodies[self._body])
         corners = self._triangles[triangles]
-        boxes_m = np.stack([boxes_of(self._drawn_m[corners]), boxes_of(position_m[corners])])
+        boxes_m = np.stack([self._drawn_triangles_m[triangles], boxes_of(position_m[corners])])
         met = ~are_beyond(around_m, boxes_m)
         row, column = pairs_that_meet(points_m, boxes_m[:, met])
         return row, triangles[met][column]
+
+
+def middles_m(panel: ProbedPanel, position_m: Array) -> Array:
+    """Return the middles (k, 3) of a panel's pairs of points; all points are at ``position_m`` (n, 3)."""
+    first, second = position_m[panel.pairs[:, 0]], position_m[panel.pairs[:, 1]]
+    return np.asarray((first + second) / 2.0)
 
 
 def are_beyond(one_m: Array, other_m: Array) -> npt.NDArray[np.bool_]:

@@ -30,9 +30,9 @@ IMPORT_S = 0.6
 """Time to start Python, and to read and check the case."""
 MESHED_S = 2e-5
 """Time to mesh a triangle that particles may touch."""
-INTERVAL_S = {"rest": 1.5e-5, "monitor": 1.8e-5, "coupling": 4e-5, "mapping": 2e-5}
+INTERVAL_S = {"rest": 1.5e-5, "monitor": 1.5e-5, "coupling": 2e-5, "mapping": 1.2e-5}
 """Time per sync interval of each part; particles double it."""
-TRIANGLE_S = {"monitor": 9e-9, "coupling": 1.1e-8, "mapping": 2e-8}
+TRIANGLE_S = {"monitor": 9e-9, "coupling": 1.1e-8, "mapping": 1.8e-8}
 """Time per sync interval and triangle that particles may touch; for the mapping, in each try."""
 TRIED_S = 5e-5
 """Time to save, take back and decide about an interval that a scheme tries."""
