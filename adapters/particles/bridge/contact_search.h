@@ -64,6 +64,7 @@ class ContactSearch {
       since_grid_ = 0.0;
     }
     const double margin = neighbours_listed_now ? skin_m : 1.5 * skin_m;
+    find_boxes(surface);
     near_.clear();
     candidates_.clear();
     for (int i = 0; i < spheres.count; ++i)
@@ -198,15 +199,23 @@ class ContactSearch {
   }
 
   // Is a place farther than `reach_m` from the triangle's bounding box along any axis?
-  bool boxes_apart(const SurfacePath &surface, Vec3 position_m, int triangle, double reach_m) const {
-    const Triangle &corner = triangles_[triangle];
-    const Vec3 a = surface.position(corner[0]), b = surface.position(corner[1]),
-               c = surface.position(corner[2]);
-    const auto apart = [reach_m](double x, double ax, double bx, double cx) {
-      return x + reach_m < std::min({ax, bx, cx}) || x - reach_m > std::max({ax, bx, cx});
+  bool boxes_apart(Vec3 position_m, int triangle, double reach_m) const {
+    const auto &[low, high] = boxes_m_[triangle];
+    const auto apart = [reach_m](double x, double low_m, double high_m) {
+      return x + reach_m < low_m || x - reach_m > high_m;
     };
-    return apart(position_m.z, a.z, b.z, c.z) || apart(position_m.x, a.x, b.x, c.x) ||
-           apart(position_m.y, a.y, b.y, c.y);
+    return apart(position_m.z, low.z, high.z) || apart(position_m.x, low.x, high.x) ||
+           apart(position_m.y, low.y, high.y);
+  }
+
+  void find_boxes(const SurfacePath &surface) {
+    boxes_m_.clear();
+    for (const Triangle &corner : triangles_) {
+      const Vec3 a = surface.position(corner[0]), b = surface.position(corner[1]),
+                 c = surface.position(corner[2]);
+      boxes_m_.push_back({{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})},
+                          {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})}});
+    }
   }
 
   void list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m) {
@@ -226,13 +235,14 @@ class ContactSearch {
   void look(const SurfacePath &surface, Vec3 position_m, int image, double reach_m) {
     const auto cell = grid_.near(position_m);
     for (const int *t = cell[0]; t != cell[1]; ++t) {
-      if (boxes_apart(surface, position_m, *t, reach_m)) continue;
+      if (boxes_apart(position_m, *t, reach_m)) continue;
       const double distance2 = nearest_place(surface, position_m, *t).distance2;
       if (distance2 < reach_m * reach_m) candidates_.push_back({*t, image, std::sqrt(distance2)});
     }
   }
 
   std::vector<Triangle> triangles_, joined_;
+  std::vector<std::pair<Vec3, Vec3>> boxes_m_;  // around each triangle at the search: lowest, highest corner
   double period_ = 0.0;
   double largest_reach_ = 0.0;
   TriangleGrid grid_;
