@@ -16,7 +16,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 constexpr size_t kMostContacts = 16;  // deepest first; a sphere has no room for more
-constexpr size_t kAhead = 4;          // spheres whose histories are on their way from memory
+constexpr size_t kAhead = 4;          // spheres whose histories and candidates are on their way from memory
 
 }  // namespace
 
@@ -132,7 +132,10 @@ template <class Worn>
 void FixSurface::touch_all(Worn &worn) {
   const auto &near = search_.near();
   for (size_t k = 0; k < near.size(); ++k) {
-    if (k + kAhead < near.size()) history_.fetch(near[k + kAhead].sphere);
+    if (k + kAhead < near.size()) {
+      history_.fetch(near[k + kAhead].sphere);
+      search_.fetch(near[k + kAhead]);
+    }
     touch(near[k], worn);
   }
 }
