@@ -29,6 +29,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
+from orchestrator.coupling._kernel import PointMatrix
 from orchestrator.coupling.metered import MeteredPanel
 from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, finish_interval, forecast
 from orchestrator.coupling.schemes.staggered import particles_first
@@ -76,65 +77,54 @@ class TouchedPoints:
 
 
 @dataclass(frozen=True)
-class Entries:
-    """The entries of some rows of a sparse matrix (points, masses): the row, column and size of each.
+class Rows:
+    """Some rows of a sparse matrix (points, masses), numbered from 0.
 
-    ``rows`` and ``columns`` are the numbers of both.
+    ``matrix`` has their products; ``row``, ``column`` and ``entry`` are those of each entry; ``columns`` is
+    their number.
     """
 
+    matrix: PointMatrix
     row: Indices
     column: Indices
-    size: Array
-    rows: int
+    entry: Array
     columns: int
 
     @staticmethod
-    def of(matrix: csr_array, rows: Indices) -> Entries:
-        """Return the entries of these rows, which are numbered from 0."""
+    def of(matrix: csr_array, rows: Indices) -> Rows:
+        """Return these rows of a matrix."""
         start, count = matrix.indptr[rows], np.diff(matrix.indptr)[rows]
-        row = np.repeat(np.arange(len(rows)), count)
-        within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-        place = np.repeat(start, count) + within
-        return Entries(row, matrix.indices[place], matrix.data[place], len(rows), matrix.shape[1])
-
-    def times(self, values: Array) -> Array:
-        """Return the rows times ``values`` (columns, 3)."""
-        return _sums(self.row, self.size[:, None] * values[self.column], self.rows)
-
-    def transposed_times(self, values: Array) -> Array:
-        """Return the transposed rows times ``values`` (rows, 3)."""
-        return _sums(self.column, self.size[:, None] * values[self.row], self.columns)
+        ends = np.cumsum(count)
+        place = np.arange(count.sum()) + np.repeat(start - ends + count, count)
+        column, entry, columns = matrix.indices[place], matrix.data[place], matrix.shape[1]
+        product = PointMatrix(np.concatenate([[0], ends]), column, entry, columns)
+        return Rows(product, np.repeat(np.arange(len(rows)), count), column, entry, columns)
 
     def spread(self, values: Array) -> Array:
         """Return ``values`` (rows,) spread over the columns, by the entries' sizes times their row's sum."""
-        size = np.abs(self.size)
-        row_sum = np.bincount(self.row, size, self.rows)
+        size = np.abs(self.entry)
+        row_sum = np.bincount(self.row, size, len(values))
         return np.asarray(np.bincount(self.column, size * (row_sum * values)[self.row], self.columns), float)
-
-
-def _sums(place: Indices, values: Array, count: int) -> Array:
-    """Return the sums (count, 3) of ``values`` (n, 3) that have the same place."""
-    return np.stack([np.bincount(place, values[:, axis], count) for axis in range(3)], axis=1)
 
 
 @dataclass(frozen=True)
 class SurfaceCompliance:
     """The yielding of the masses behind a surface to a constant load, while the particles answer.
 
-    ``transposed``: the inertia's shapes, transposed; ``known`` (points,): whether anything is known of a
-    point's mass.
+    ``shapes``: the inertia's shapes; ``known`` (points,): whether anything is known of a point's mass.
     """
 
     inertia: Inertia
-    transposed: csr_array
+    shapes: PointMatrix
     known: npt.NDArray[np.bool_]
 
     @staticmethod
     def of(panel: Panel) -> SurfaceCompliance:
         """Return the compliance of a panel's surface."""
         inertia = surface_inertia(panel)
-        known = np.diff(inertia.shapes.indptr) > 0
-        return SurfaceCompliance(inertia, csr_array(inertia.shapes.T), known)
+        of = inertia.shapes
+        shapes = PointMatrix(of.indptr, of.indices, of.data, of.shape[1])
+        return SurfaceCompliance(inertia, shapes, np.diff(of.indptr) > 0)
 
     def yielding_velocity_m_per_s(
         self, excess_N: Array, touched: TouchedPoints, length_s: float, share: Array
@@ -149,16 +139,16 @@ class SurfaceCompliance:
         by conjugate gradients.  Their preconditioner has each Z spread over the masses under it, which is
         never less than the matrix.
         """
-        shapes, right_side = self.inertia.shapes, self._on_masses(excess_N)
+        right_side = self._on_masses(excess_N)
         free = 2 / length_s * self.inertia.mass_kg[:, None] / share
-        under = Entries.of(shapes, touched.number)
+        under = Rows.of(self.inertia.shapes, touched.number)
         lumped = free + under.spread(np.einsum("pii->p", touched.impedance_N_s_per_m))[:, None]
 
         def product(u: Array) -> Array:
-            resisting_N = under.transposed_times(touched.resisting_N(under.times(u)))
+            resisting_N = under.matrix.transposed_times(touched.resisting_N(under.matrix.times(u)))
             return free * u + self.inertia.yielding(resisting_N)
 
-        return np.asarray(shapes @ conjugate_gradients(product, right_side, lumped))
+        return self.shapes.times(conjugate_gradients(product, right_side, lumped))
 
     def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
         """Return the share of free masses' motion that the surface showed, (3,) by direction.
@@ -180,7 +170,7 @@ class SurfaceCompliance:
 
     def _on_masses(self, points_N: Array) -> Array:
         """Return the part of the points' load to which the masses yield."""
-        return self.inertia.yielding(self.transposed @ points_N)
+        return self.inertia.yielding(self.shapes.transposed_times(points_N))
 
 
 def conjugate_gradients(product: Callable[[Array], Array], right_side: Array, diagonal: Array) -> Array:
