@@ -52,8 +52,8 @@ def contact_works(
 
     The surface goes from ``before_m`` to ``after_m``; the particles see it jump from ``path_before_m`` to
     ``path_start_m``, and go to ``path_end_m``.  The points of ``path_before_m`` and of the two older loads
-    count; they are the surface's first.  A point counts in the absolute work as if it moved by ``least_m``
-    at least.
+    count; they are the surface's first.  In the absolute work every point counts as moved by ``least_m``
+    more.
     """
 
 def clamp_works(

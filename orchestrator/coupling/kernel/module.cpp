@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -131,7 +132,7 @@ struct Works {
   py::tuple as_tuple() const { return py::make_tuple(exchanged_J, size_N, created_J, through_J); }
 };
 
-// The absolute work along each axis of a force on a point, which moves by so much at least.
+// The absolute work along each axis of a force on a point, which counts as moved by `least_m` more.
 double through(const double *force_N, const double *moved_m, double least_m) {
   double sum_J = 0.0;
   for (int c = 0; c < 3; ++c) sum_J += std::abs(force_N[c]) * (std::abs(moved_m[c]) + least_m);
