@@ -9,7 +9,7 @@ from typing import Any
 
 import matplotlib
 from cycler import cycler
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -17,6 +17,7 @@ import matplotlib.pyplot as plt
 FEED, UNDER, OVER, HELD = "#4a5560", "#0f8a8a", "#d9822b", "#3b5ba5"
 LINES = ("#3b5ba5", "#d9822b", "#0f8a8a", "#a23b72", "#6b7f1f", "#7a5195", "#4a5560", "#c1443c")
 WIDE, HALF, TALL = 10.7, 5.4, 3.4  # inches
+TEMPLATES = Path(__file__).parents[1]
 
 plt.rcParams.update(
     {
@@ -74,7 +75,7 @@ def data_uri(content: bytes, kind: str) -> str:
 def fill_template(template: str, **values: Any) -> str:
     """Return the HTML of a page from a template, named by its path below ``orchestrator/``."""
     environment = Environment(
-        loader=PackageLoader("orchestrator", "."),
+        loader=FileSystemLoader(TEMPLATES),  # a package loader finds the folder of what is compiled instead
         autoescape=select_autoescape(["html"]),
         undefined=StrictUndefined,
         trim_blocks=True,

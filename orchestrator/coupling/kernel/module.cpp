@@ -107,14 +107,15 @@ py::tuple handed_over(const Doubles &force_N, const Doubles &start_m, const Doub
   const double *from = vectors(start_m, points, "start_m"), *to = vectors(end_m, points, "end_m");
   const double *from_rate = vectors(start_m_per_s, points, "start_m_per_s");
   const double *to_rate = vectors(end_m_per_s, points, "end_m_per_s");
-  double impulse[3] = {}, moment[3] = {}, size = 0.0;
+  long double sum_N[3] = {};  // the clamps of a taut panel pull against each other: little is left
+  double impulse[3], moment[3] = {}, size = 0.0;
   for (size_t i = 0; i < 3 * points; i += 3) {
     const double *f = force + i;
     if (is_zero(f)) continue;
     double mean_m[3];
     for (int c = 0; c < 3; ++c) {
       mean_m[c] = 0.5 * (from[i + c] + to[i + c]) + length_s / 12.0 * (from_rate[i + c] - to_rate[i + c]);
-      impulse[c] += length_s * f[c];
+      sum_N[c] += f[c];
     }
     for (int c = 0; c < 3; ++c) {
       const int next = (c + 1) % 3, last = (c + 2) % 3;
@@ -122,6 +123,7 @@ py::tuple handed_over(const Doubles &force_N, const Doubles &start_m, const Doub
     }
     size += length_s * size_of(f);
   }
+  for (int c = 0; c < 3; ++c) impulse[c] = static_cast<double>(length_s * sum_N[c]);
   return py::make_tuple(vector(impulse), vector(moment), size);
 }
 
