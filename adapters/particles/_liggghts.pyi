@@ -16,9 +16,16 @@ Ints = npt.NDArray[np.int32]
 
 class Engine:
     def __init__(
-        self, *, communicator: int, screen_file: str, log_file: str, contact_distance_factor: float
+        self,
+        *,
+        communicator: int,
+        screen_file: str,
+        log_file: str,
+        contact_distance_factor: float,
+        as_packaged: bool = False,
     ) -> None:
-        """``communicator`` is a Fortran handle (mpi4py: ``py2f()``)."""
+        """``communicator`` is a Fortran handle (mpi4py: ``py2f()``).  ``as_packaged`` takes the contact models
+        that the package has, uncured, in a process whose engines are all so; it lacks ``jkr`` alone."""
 
     def command(self, line: str) -> None:
         """Execute one line of LIGGGHTS input."""
@@ -60,6 +67,10 @@ class Engine:
 
     def set_exits(self, *, center_m: Array, axes: Array, half_m: Array, domain_m: Array) -> None:
         """Set the boxes (n, 3), (n, 3, 3), (n, 3) that take particles out, and the domain (2, 3)."""
+
+    def tally(self) -> Indices:
+        """Return four numbers of particles of this rank: present ones, those of them whose place or velocity is
+        not a number, those removed and those that went through the surface, until these are taken."""
 
     def take_removed(self) -> dict[str, npt.NDArray[Any]]:
         """Return those of this rank taken out during the last ``run``: x (at the end of the step), v

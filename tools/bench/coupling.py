@@ -2,7 +2,7 @@
 
 After an untimed beginning, the bed and the surface of the coupled run are given to LIGGGHTS alone twice: on
 walls that stand still, and on walls that move as one (``tools/bench/stock.py``).  The three then advance in
-turn, block by block, in one process, so that a computer whose speed drifts slows all of them.  A still bed
+turn, block by block, so that a computer whose speed drifts slows all of them.  A still bed
 comes to rest and has more contacts; a thrown bed does not and has more new neighbours.
 """
 
@@ -116,7 +116,8 @@ def bench(loaded: JudgedCase, intervals: int, settling: int = BLOCK) -> Table:
             for runner in (coupled, still, moving):
                 runner.block(BLOCK)
         table = compare(loaded.name, coupled, still, moving)
-        coupled.close()
+        for runner in (coupled, still, moving):
+            runner.close()
     return table
 
 

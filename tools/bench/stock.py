@@ -1,15 +1,19 @@
 """LIGGGHTS alone: a bed on rigid walls that LIGGGHTS itself makes of the surface's triangles.
 
 The walls are LIGGGHTS's ``mesh/surface``, one for each material.  They stand still, or all move to and fro
-as one (``move/mesh wiggle``).  Contact laws, steps, skin and bins are those of the case.
+as one (``move/mesh wiggle``).  Contact laws, steps, skin and bins are those of the case.  The laws run as the
+package has them; of ``jkr``, which it lacks, the law is ours and the loop over pairs the package's.
 """
 
 from __future__ import annotations
 
 import math
+import multiprocessing
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +37,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
 
+SPAWN = multiprocessing.get_context("spawn")
 MARGIN_M = 0.1
 """The distance from surface and bed to the sides of the box."""
 ROOM_M = 1e-6
@@ -68,48 +73,74 @@ class StockRunner:
     """LIGGGHTS alone, which advances block by block; without a ``wiggle`` its walls stand still.
 
     It begins with the particles ``bed`` on the surface ``surface``.  Nothing is fed, and no exit takes
-    particles out.
+    particles out.  It has a process of its own, since the tables of contact models are those of a process.
     """
 
     def __init__(
         self, case: Case, surface: TriangleSurface, bed: ParticleSnapshot, wiggle: Wiggle | None, folder: Path
     ) -> None:
         folder.mkdir()
-        rows = {field.name: getattr(bed, field.name) for field in fields(ParticleList)}
-        plan = particles_plan(case, surface)
-        assert plan is not None, "asked of a case without particles"
-        if (
-            plan.periodic_y
-        ):  # stock meshes end the run where a node lies beyond a periodic side, be it by microns
-            _, (low_m, high_m), _ = np.array(plan.domain_m).T
-            inside_m = surface.position_m.copy()
-            inside_m[:, 1] = inside_m[:, 1].clip(low_m + ROOM_M, high_m - ROOM_M)
-            plan = replace(plan, surface=replace(surface, position_m=inside_m))
-        plan = replace(plan, particles=ParticleList(**rows), feed=None, exits=())
-        self._engine = Engine(
-            communicator=MPI.COMM_SELF.py2f(),
-            screen_file=str(folder / "screen.liggghts"),
-            log_file=str(folder / "log.liggghts"),
-            contact_distance_factor=contact_distance_factor(plan),
-        )
-        for line in stock_input(plan, wiggle, folder):
-            self._engine.command(line)
-        create_particles(self._engine, plan.particles, 1)
-        for line in bin_commands(_bins_m(plan)):
-            self._engine.command(line)
-        self._engine.command(FIRST_EVALUATION)
-        self._steps = Interval(0, plan.sync_interval_s).steps(plan.step_s)
-        self._count = len(plan.particles)
+        self._plan = _stock_plan(case, surface, bed)
+        self._steps = Interval(0, self._plan.sync_interval_s).steps(self._plan.step_s)
+        self._pipe, end = SPAWN.Pipe()
+        self._process = SPAWN.Process(target=_serve, args=(end, self._plan, wiggle, folder), daemon=True)
+        self._process.start()
+        end.close()  # so that the pipe ends with the process
+        self._pipe.recv()
         self.wall_s, self.particle_steps = 0.0, 0
         self.blocks_s: list[float] = []  # CPU time of each block
 
     def block(self, intervals: int) -> None:
-        """Advance by as many steps as that many sync intervals have, and add the times."""
-        started, cpu_s = time.perf_counter(), time.process_time()
-        self._engine.command(f"run {intervals * self._steps} pre no post no")
-        self.blocks_s.append(time.process_time() - cpu_s)
+        """Advance by as many steps as that many sync intervals have, and add the times.
+
+        Raises EOFError if the process has ended."""
+        started = time.perf_counter()
+        self._pipe.send(intervals * self._steps)
+        self.blocks_s.append(self._pipe.recv())
         self.wall_s += time.perf_counter() - started
-        self.particle_steps += intervals * self._steps * self._count
+        self.particle_steps += intervals * self._steps * len(self._plan.particles)
+
+    def close(self) -> None:
+        """End the process."""
+        self._pipe.close()
+        self._process.join()
+
+
+def _stock_plan(case: Case, surface: TriangleSurface, bed: ParticleSnapshot) -> ParticlesPlan:
+    """Return the case's plan with these particles on this surface, without feed and exits."""
+    rows = {field.name: getattr(bed, field.name) for field in fields(ParticleList)}
+    plan = particles_plan(case, surface)
+    assert plan is not None, "asked of a case without particles"
+    if plan.periodic_y:  # stock meshes end the run where a node lies beyond a periodic side, be it by microns
+        _, (low_m, high_m), _ = np.array(plan.domain_m).T
+        inside_m = surface.position_m.copy()
+        inside_m[:, 1] = inside_m[:, 1].clip(low_m + ROOM_M, high_m - ROOM_M)
+        plan = replace(plan, surface=replace(surface, position_m=inside_m))
+    return replace(plan, particles=ParticleList(**rows), feed=None, exits=())
+
+
+def _serve(pipe: Connection, plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> None:
+    """Run the numbers of steps that come through a pipe, and answer with the CPU time of each, in s."""
+    engine = Engine(
+        communicator=MPI.COMM_SELF.py2f(),
+        screen_file=str(folder / "screen.liggghts"),
+        log_file=str(folder / "log.liggghts"),
+        contact_distance_factor=contact_distance_factor(plan),
+        as_packaged=True,
+    )
+    for line in stock_input(plan, wiggle, folder):
+        engine.command(line)
+    create_particles(engine, plan.particles, 1)
+    for line in bin_commands(_bins_m(plan)):
+        engine.command(line)
+    engine.command(FIRST_EVALUATION)
+    pipe.send(0.0)
+    with suppress(EOFError):
+        while True:
+            steps = pipe.recv()
+            cpu_s = time.process_time()
+            engine.command(f"run {steps} pre no post no")
+            pipe.send(time.process_time() - cpu_s)
 
 
 def stock_input(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> Iterator[str]:

@@ -13,41 +13,27 @@
 #include <utility>
 #include <vector>
 
+#include "../../vec3.h"
+
 namespace flipflow {
 
-struct Vec {
-  double x, y, z;
-};
-
-inline Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec cross(Vec a, Vec b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 // Row `n` of an array of vectors.
-inline Vec row(const double *rows, std::ptrdiff_t n) {
-  return {rows[3 * n], rows[3 * n + 1], rows[3 * n + 2]};
-}
-inline void put(double *rows, std::ptrdiff_t n, Vec v) {
-  rows[3 * n] = v.x, rows[3 * n + 1] = v.y, rows[3 * n + 2] = v.z;
-}
-inline void add(double *rows, std::ptrdiff_t n, Vec v) { put(rows, n, row(rows, n) + v); }
+inline Vec3 row(const double *rows, std::ptrdiff_t n) { return from(rows + 3 * n); }
+inline void put(double *rows, std::ptrdiff_t n, Vec3 v) { put(rows + 3 * n, v); }
+inline void add(double *rows, std::ptrdiff_t n, Vec3 v) { add_to(rows + 3 * n, v); }
 
 // Matrix `n` (row by row) of an array times a vector, and its transpose times a vector.
-inline Vec times(const double *matrices, std::ptrdiff_t n, Vec v) {
+inline Vec3 times(const double *matrices, std::ptrdiff_t n, Vec3 v) {
   const double *m = matrices + 9 * n;
   return {dot(row(m, 0), v), dot(row(m, 1), v), dot(row(m, 2), v)};
 }
-inline Vec transposed_times(const double *matrices, std::ptrdiff_t n, Vec v) {
+inline Vec3 transposed_times(const double *matrices, std::ptrdiff_t n, Vec3 v) {
   const double *m = matrices + 9 * n;
   return v.x * row(m, 0) + v.y * row(m, 1) + v.z * row(m, 2);
 }
 
-inline Vec scaled(const double *rows, std::ptrdiff_t n, Vec v) {
-  const Vec by = row(rows, n);
+inline Vec3 scaled(const double *rows, std::ptrdiff_t n, Vec3 v) {
+  const Vec3 by = row(rows, n);
   return {by.x * v.x, by.y * v.y, by.z * v.z};
 }
 
@@ -91,7 +77,7 @@ struct SpatialState {
 
 // What bodies received from outside, lost and did in a step or an interval.
 struct SpatialBooks {
-  Vec outside_N_s{0, 0, 0};
+  Vec3 outside_N_s{0, 0, 0};
   double damping_J = 0, exciter_J = 0, reaction_J = 0, pushed_J = 0;
 };
 
@@ -119,9 +105,9 @@ class SpatialBodies {
     for (std::size_t n = 0; n < carried(); ++n) {
       const int body = parts_.carried.body[n];
       if (body < 0) continue;
-      Vec arm = times(now_.rotation, body, row(parts_.carried.arm_m.data(), n));
+      Vec3 arm = times(now_.rotation, body, row(parts_.carried.arm_m.data(), n));
       arm = arm + length_s / 2 * cross(row(now_.spin_rad_per_s, body), arm);
-      const Vec force = row(force_N, n);
+      const Vec3 force = row(force_N, n);
       add(wrench, 2 * body, force);
       add(wrench, 2 * body + 1, cross(arm, force));
     }
@@ -131,12 +117,12 @@ class SpatialBodies {
   void apply(const double *wrench, double *acceleration) {
     for (std::size_t b = 0; b < bodies(); ++b) {
       if (!parts_.is_free[b]) continue;
-      const Vec force = row(wrench, 2 * b) - row(now_.wrench, 2 * b);
-      const Vec moment = row(wrench, 2 * b + 1) - row(now_.wrench, 2 * b + 1);
+      const Vec3 force = row(wrench, 2 * b) - row(now_.wrench, 2 * b);
+      const Vec3 moment = row(wrench, 2 * b + 1) - row(now_.wrench, 2 * b + 1);
       add(acceleration, 2 * b, 1.0 / parts_.mass_kg[b] * force);
       // moment = R I R' G times the angles' second derivatives
-      const Vec turned = transposed_times(now_.rotation, b, moment);
-      const Vec spun = times(now_.rotation, b, solved(parts_.inertia_kg_m2.data() + 9 * b, turned));
+      const Vec3 turned = transposed_times(now_.rotation, b, moment);
+      const Vec3 spun = times(now_.rotation, b, solved(parts_.inertia_kg_m2.data() + 9 * b, turned));
       add(acceleration, 2 * b + 1, solved(now_.spin_per_rate + 9 * b, spun));
     }
     std::copy_n(wrench, 6 * bodies(), now_.wrench);
@@ -191,7 +177,7 @@ class SpatialBodies {
     SpatialBooks books;
     for (std::size_t n = 0; n < carried(); ++n) {
       const int body = parts_.carried.body[n];
-      const Vec force = row(force_N, n);
+      const Vec3 force = row(force_N, n);
       const double work_J = dot(force, row(after_m, n) - row(before_m, n));
       books.reaction_J += work_J;
       if (body < 0 || !parts_.is_free[body]) books.outside_N_s = books.outside_N_s - length_s * force;
@@ -203,17 +189,17 @@ class SpatialBodies {
  private:
   std::ptrdiff_t row_of(int body) const { return body < 0 ? parts_.bodies() : body; }
 
-  std::pair<Vec, Vec> motion(const AttachedPoints &points, std::size_t n) const {
+  std::pair<Vec3, Vec3> motion(const AttachedPoints &points, std::size_t n) const {
     const std::ptrdiff_t body = row_of(points.body[n]);
-    const Vec arm = times(now_.rotation, body, row(points.arm_m.data(), n));
+    const Vec3 arm = times(now_.rotation, body, row(points.arm_m.data(), n));
     return {row(now_.center_m, body) + arm,
             row(now_.velocity_m_per_s, body) + cross(row(now_.spin_rad_per_s, body), arm)};
   }
 
   // By Cramer's rule, for matrices far from singular.
-  static Vec solved(const double *matrix, Vec right) {
-    const Vec a = row(matrix, 0), b = row(matrix, 1), c = row(matrix, 2);
-    const Vec bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
+  static Vec3 solved(const double *matrix, Vec3 right) {
+    const Vec3 a = row(matrix, 0), b = row(matrix, 1), c = row(matrix, 2);
+    const Vec3 bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
     return 1.0 / dot(a, bc) * (right.x * bc + right.y * ca + right.z * ab);
   }
 
@@ -233,9 +219,9 @@ class SpatialBodies {
         speed = full / 2 * (1 - std::cos(rate * since_s));
         growth = full / 2 * rate * std::sin(rate * since_s);
       }
-      const Vec start = row(parts_.start.data(), n), across = row(parts_.across.data(), n);
+      const Vec3 start = row(parts_.start.data(), n), across = row(parts_.across.data(), n);
       const double c = std::cos(angle), s = std::sin(angle);
-      const Vec radial = c * start + s * across, tangent = c * across - s * start;
+      const Vec3 radial = c * start + s * across, tangent = c * across - s * start;
       put(force_N, n, parts_.mass_moment_kg_m[n] * (speed * speed * radial - growth * tangent));
     }
   }
@@ -245,7 +231,7 @@ class SpatialBodies {
     for (std::size_t b = 0; b < bodies(); ++b) {
       put(now_.center_m, b, row(parts_.drawn_m.data(), b) + row(coordinates, 2 * b));
       put(now_.velocity_m_per_s, b, row(rates, 2 * b));
-      const Vec angle = row(coordinates, 2 * b + 1);
+      const Vec3 angle = row(coordinates, 2 * b + 1);
       const double sx = std::sin(angle.x), sy = std::sin(angle.y), sz = std::sin(angle.z);
       const double cx = std::cos(angle.x), cy = std::cos(angle.y), cz = std::cos(angle.z);
       double *rotation = now_.rotation + 9 * b, *axes = now_.spin_per_rate + 9 * b;
@@ -266,7 +252,7 @@ class SpatialBodies {
     const auto [from_m, from_m_per_s] = motion(parts_.first, n);
     const auto [to_m, to_m_per_s] = motion(parts_.second, n);
     const std::ptrdiff_t body = row_of(parts_.first.body[n]);
-    const auto along = [&](Vec v) {
+    const auto along = [&](Vec3 v) {
       return times(parts_.axes.data(), n, transposed_times(now_.rotation, body, v));
     };
     put(now_.from_m, n, from_m);
@@ -280,11 +266,11 @@ class SpatialBodies {
     std::fill_n(now_.couple_N_m, 3 * bodies(), 0.0);
     for (std::size_t n = 0; n < parts_.bushings(); ++n) {
       const std::ptrdiff_t body = row_of(parts_.first.body[n]);
-      const Vec along = scaled(parts_.stiffness_N_per_m.data(), n, row(now_.stretch_m, n)) +
+      const Vec3 along = scaled(parts_.stiffness_N_per_m.data(), n, row(now_.stretch_m, n)) +
                         scaled(parts_.damping_N_s_per_m.data(), n, row(now_.stretch_m_per_s, n)) +
                         row(now_.element_N, n);
-      const Vec pull = times(now_.rotation, body, transposed_times(parts_.axes.data(), n, along));
-      const Vec apart_m = row(now_.to_m, n) - row(now_.from_m, n);
+      const Vec3 pull = times(now_.rotation, body, transposed_times(parts_.axes.data(), n, along));
+      const Vec3 apart_m = row(now_.to_m, n) - row(now_.from_m, n);
       put(now_.pull_N, n, pull);
       if (parts_.first.body[n] >= 0) add(now_.couple_N_m, body, cross(apart_m, pull));
     }
@@ -293,28 +279,28 @@ class SpatialBodies {
   // The books of the step to now, from what was kept of its start.
   SpatialBooks booked(double step_s) const {
     SpatialBooks books;
-    Vec outside_N{0, 0, 0};
+    Vec3 outside_N{0, 0, 0};
     for (std::size_t n = 0; n < parts_.bushings(); ++n) {
-      const Vec pull = 0.5 * (row(pull_.data(), n) + row(now_.pull_N, n));
+      const Vec3 pull = 0.5 * (row(pull_.data(), n) + row(now_.pull_N, n));
       const double from_J = dot(pull, row(now_.from_m, n) - row(from_.data(), n));
       const double to_J = dot(pull, row(now_.to_m, n) - row(to_.data(), n));
       const int first = parts_.first.body[n], second = parts_.second.body[n];
       outside_N = outside_N + (is(parts_.is_free, first) - is(parts_.is_free, second)) * pull;
       books.pushed_J += is(parts_.is_driven, first) * from_J - is(parts_.is_driven, second) * to_J;
-      const Vec mean = 0.5 * (row(stretching_.data(), n) + row(now_.stretch_m_per_s, n));
-      const Vec moved = row(now_.stretch_m, n) - row(stretch_.data(), n);
+      const Vec3 mean = 0.5 * (row(stretching_.data(), n) + row(now_.stretch_m_per_s, n));
+      const Vec3 moved = row(now_.stretch_m, n) - row(stretch_.data(), n);
       books.damping_J += dot(scaled(parts_.damping_N_s_per_m.data(), n, mean), moved);
     }
     for (std::size_t n = 0; n < exciters(); ++n) {
-      const Vec force = 0.5 * (row(exciter_.data(), n) + row(now_.exciter_N, n));
+      const Vec3 force = 0.5 * (row(exciter_.data(), n) + row(now_.exciter_N, n));
       outside_N = outside_N + force;
       books.exciter_J += dot(force, row(now_.exciter_m, n) - row(excited_.data(), n));
     }
-    const Vec gravity = row(parts_.gravity_m_per_s2.data(), 0);
+    const Vec3 gravity = row(parts_.gravity_m_per_s2.data(), 0);
     for (std::size_t b = 0; b < bodies(); ++b) {
       if (parts_.is_free[b]) outside_N = outside_N + parts_.mass_kg[b] * gravity;
       if (!parts_.is_driven[b]) continue;
-      const Vec couple = row(now_.couple_before_N_m, b) + row(now_.couple_N_m, b);
+      const Vec3 couple = row(now_.couple_before_N_m, b) + row(now_.couple_N_m, b);
       books.pushed_J += step_s / 4 * dot(couple, row(spin_.data(), b) + row(now_.spin_rad_per_s, b));
     }
     books.outside_N_s = step_s * outside_N;

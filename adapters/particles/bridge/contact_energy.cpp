@@ -7,7 +7,7 @@
 #include "lammps.h"
 #include "neigh_list.h"
 #include "pair_gran.h"
-#include "vec3.h"
+#include "../../vec3.h"
 
 namespace flipflow {
 

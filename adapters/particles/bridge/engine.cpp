@@ -63,14 +63,14 @@ class QuietErrors {
 }  // namespace
 
 Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
-               const std::string &log_file, double contact_distance_factor) {
+               const std::string &log_file, double contact_distance_factor, bool as_packaged) {
   std::vector<std::string> words = {"liggghts", "-screen", screen_file, "-log", log_file,
                                     "-nocite"};
   std::vector<char *> arguments;
   for (std::string &word : words) arguments.push_back(word.data());
   const QuietErrors quiet;
   lammps_ = new LAMMPS(static_cast<int>(arguments.size()), arguments.data(), communicator);
-  register_contact_models();
+  register_contact_models(as_packaged);
   lammps_->neighbor->register_contact_dist_factor(contact_distance_factor);
   FixStyles &styles = *(lammps_->modify->*style_table());
   styles["wall/gran/flipflow"] = &create_fix<FixSurface>;

@@ -18,17 +18,19 @@ class LAMMPS;
 namespace flipflow {
 
 // Makes the contact models of flipflow known to LIGGGHTS.  Every new instance of LIGGGHTS puts some
-// models of its own into the same tables, in the place of ours: to be called after each.
-void register_contact_models();
+// models of its own into the same tables, in the place of ours: to be called after each.  `as_packaged`
+// adds to those of the package only `jkr`, which it lacks.
+void register_contact_models(bool as_packaged);
 
 // One LIGGGHTS instance in this process.  Every call but the plain readers is collective over
 // the communicator.  Errors of LIGGGHTS are std::runtime_error.
 class Engine {
  public:
   // `contact_distance_factor`: contacts are remembered while bodies are within this factor of their
-  // contact distance.
+  // contact distance.  `as_packaged`: with the contact models of the package, in a process whose engines
+  // are all so.
   Engine(MPI_Comm communicator, const std::string &screen_file, const std::string &log_file,
-         double contact_distance_factor);
+         double contact_distance_factor, bool as_packaged);
   ~Engine();
   Engine(const Engine &) = delete;
 

@@ -11,7 +11,7 @@
 #include "fix.h"
 #include "update.h"
 
-#include "vec3.h"
+#include "../../vec3.h"
 
 namespace flipflow {
 
@@ -77,6 +77,7 @@ class FixExits : public LAMMPS_NS::Fix {
 
   // since last taken
   std::vector<Removed> take() { return std::exchange(removed_, {}); }
+  long removed() const { return static_cast<long>(removed_.size()); }
 
  private:
   static constexpr int kLost = -1, kStays = -2;

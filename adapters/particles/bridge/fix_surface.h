@@ -75,6 +75,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
     Vec3 position_m;
   };
   std::vector<Crossing> take_crossings() { return std::exchange(crossings_, {}); }  // since last taken
+  long crossings() const { return static_cast<long>(crossings_.size()); }
   DeepestOverlap take_deepest() { return std::exchange(deepest_, {}); }  // since last taken
 
   int setmask() override;

@@ -8,6 +8,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -158,6 +159,19 @@ py::array_t<Value> column(const std::vector<Row> &rows, Get get) {
   return array;
 }
 
+// Of this rank: the particles that are here and those of them that are nowhere (a NaN or without bounds), then
+// those that were removed and the crossings, until these are taken.
+py::array_t<std::int64_t> tally(Engine &engine) {
+  const LAMMPS_NS::Atom &atom = *engine.lammps().atom;
+  std::int64_t nowhere = 0;
+  for (int i = 0; i < atom.nlocal; ++i) {
+    const double *const x = atom.x[i], *const v = atom.v[i];
+    nowhere += !std::isfinite(x[0] + x[1] + x[2] + v[0] + v[1] + v[2]);
+  }
+  return array_of(std::vector<std::int64_t>{atom.nlocal, nowhere, engine.exits().removed(),
+                                            engine.surface().crossings()}, {4});
+}
+
 template <class Row, class Get>
 Doubles column3(const std::vector<Row> &rows, Get get) {
   Doubles array({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}});
@@ -300,12 +314,12 @@ PYBIND11_MODULE(_liggghts, module) {
   const py::kw_only by_keyword;
   py::class_<Engine>(module, "Engine")
       .def(py::init([](int communicator, const std::string &screen, const std::string &log,
-                       double contact_distance_factor) {
+                       double contact_distance_factor, bool as_packaged) {
              return std::make_unique<Engine>(MPI_Comm_f2c(communicator), screen, log,
-                                             contact_distance_factor);
+                                             contact_distance_factor, as_packaged);
            }),
            by_keyword, py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"),
-           py::arg("contact_distance_factor"))
+           py::arg("contact_distance_factor"), py::arg("as_packaged") = false)
       .def("command", &Engine::command, py::arg("line"))
       .def("set_surface", &set_surface, by_keyword, exactly("position_m"), exactly("triangles"),
            exactly("type"), py::arg("largest_radius_m"))
@@ -319,6 +333,7 @@ PYBIND11_MODULE(_liggghts, module) {
            exactly("joined_triangles"))
       .def("set_exits", &set_exits, by_keyword, exactly("center_m"), exactly("axes"),
            exactly("half_m"), exactly("domain_m"))
+      .def("tally", &tally)
       .def("take_removed", &take_removed)
       .def("overlaps", &overlaps, by_keyword, exactly("position_m"), exactly("diameter_m"))
       .def("store_history", &Engine::store_history)

@@ -102,9 +102,8 @@ Interface *create(LAMMPS_NS::LAMMPS *lmp, typename Interface::ParentType *parent
   return new Style(lmp, parent, hash);
 }
 
-template <class Model, int64_t hash>
+template <class Contact, int64_t hash>
 void add() {
-  using Contact = WatchedContact<Model>;
   PairStyles::Factory::instance().addStyle(
       "gran", hash, &create<PairStyles::IGranularPairStyle, PairStyles::Granular<Contact>>);
   Walls::Factory::instance().addStyle(
@@ -112,9 +111,15 @@ void add() {
 }
 
 template <int tangential, int rolling>
-void add_jkr() {
+void add_missing() {
   using Contact = JkrContact<tangential, rolling>;
   add<Contact, Contact::kHash>();
+}
+
+template <int tangential, int rolling>
+void add_jkr() {
+  using Contact = JkrContact<tangential, rolling>;
+  add<WatchedContact<Contact>, Contact::kHash>();
 }
 
 template <int tangential, int cohesion, int rolling>
@@ -122,7 +127,8 @@ void add_hertz() {
   using Style = GranStyle<HERTZ, tangential, cohesion, rolling, SURFACE_DEFAULT>;
   using Stock = ContactModel<Style>;
   constexpr bool cured = rolling == ROLLING_EPSD2;
-  add<std::conditional_t<cured, RollingAcross<Stock>, Stock>, Style::HASHCODE>();
+  using Contact = std::conditional_t<cured, RollingAcross<Stock>, Stock>;
+  add<WatchedContact<Contact>, Style::HASHCODE>();
 }
 
 template <int tangential, int rolling>
@@ -134,8 +140,15 @@ void add_all() {
 
 }  // namespace
 
-void register_contact_models() {
+void register_contact_models(bool as_packaged) {
   ContactModels::Factory::instance().addNormalModel("jkr", JkrContact<0, 0>::kModel);
+  if (as_packaged) {
+    add_missing<TANGENTIAL_OFF, ROLLING_OFF>();
+    add_missing<TANGENTIAL_HISTORY, ROLLING_OFF>();
+    add_missing<TANGENTIAL_HISTORY, ROLLING_CDT>();
+    add_missing<TANGENTIAL_HISTORY, ROLLING_EPSD2>();
+    return;
+  }
   add_all<TANGENTIAL_OFF, ROLLING_OFF>();
   add_all<TANGENTIAL_HISTORY, ROLLING_OFF>();
   add_all<TANGENTIAL_HISTORY, ROLLING_CDT>();

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "vec3.h"
+#include "../../vec3.h"
 
 namespace flipflow {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "vec3.h"
+#include "../../vec3.h"
 
 namespace flipflow {
 

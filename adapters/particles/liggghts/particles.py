@@ -82,7 +82,7 @@ class Liggghts:
                 self._engine.command(FIRST_EVALUATION)
             except RuntimeError as error:
                 raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
-            self._check(0.0)
+            self._check(0.0, *self._tally()[:2])
             self._ledger.open(self._engine)
             self._opened = opened.pop_all()
 
@@ -112,10 +112,12 @@ class Liggghts:
         except RuntimeError as error:
             raise SolverFailed(f"LIGGGHTS failed after t = {interval.start_s} s: {error}") from error
         self._ledger.add_gravity(interval.length_s)
-        self._take_out(interval, interval.length_s / steps)
-        crossed = self._engine.take_crossings()
-        if self._check(interval.end_s, len(crossed["tag"])):
-            self._add_crossings(crossed, interval.start_s, interval.length_s / steps)
+        present, nowhere, removed, crossed = self._tally()
+        if removed:
+            self._take_out(interval, interval.length_s / steps)
+        self._check(interval.end_s, present, nowhere)
+        if crossed:
+            self._add_crossings(interval.start_s, interval.length_s / steps)
         return Load(self._summed(self._engine.impulse_N_s()) / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
@@ -216,11 +218,12 @@ class Liggghts:
         self._comm.Allreduce(MPI.IN_PLACE, by_point)
         return by_point
 
-    def _counted(self, *counts: int) -> list[int]:
-        """Return the sums of all ranks' counts."""
-        sums = np.array(counts)
-        self._comm.Allreduce(MPI.IN_PLACE, sums)
-        return [int(number) for number in sums]
+    def _tally(self) -> list[int]:
+        """Return the sums of the ranks' tallies of particles (``Engine.tally``)."""
+        tally = self._engine.tally()
+        self._comm.Allreduce(MPI.IN_PLACE, tally)
+        numbers: list[int] = tally.tolist()
+        return numbers
 
     def _balance(self, interval: Interval) -> None:
         """Now and then cut the box elsewhere, if one rank has far more particles than the mean."""
@@ -257,8 +260,6 @@ class Liggghts:
 
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()
-        if not self._counted(len(mine["tag"]))[0]:
-            return
         # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
         mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
         self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], step_s)
@@ -286,28 +287,22 @@ class Liggghts:
         self._deepest = self._deepest.deepest(Overlaps(**self._engine.take_deepest_overlaps()))
         return self._deepest
 
-    def _add_crossings(self, mine: Arrays, start_s: float, step_s: float) -> None:
+    def _add_crossings(self, start_s: float, step_s: float) -> None:
         """Add the crossings of all ranks in the last interval to the record, on every rank."""
-        ranks = self._comm.allgather(_crossings(mine, start_s, step_s))
+        ranks = self._comm.allgather(_crossings(self._engine.take_crossings(), start_s, step_s))
         some = [crossings for crossings in ranks if crossings.number]
         for later in sorted(some, key=lambda one: (one.first_time_s, one.first_id)):
             self._crossings = self._crossings.followed_by(later)
 
-    def _check(self, time_s: float, crossed: int = 0) -> int:
-        """Return the sum of all ranks' ``crossed``.  Raises SolverFailed where a particle is missing or
-        nowhere."""
-        mine = self._engine.particles()
-        x, v = mine["x"], mine["v"]
-        bad = int(not np.isfinite(np.vdot(x, x) + np.vdot(v, v)))  # a NaN anywhere makes the sum a NaN
-        present, bad, crossed = self._counted(len(mine["x"]), bad, crossed)
-        if bad:
+    def _check(self, time_s: float, present: int, nowhere: int) -> None:
+        """Raise SolverFailed where a particle is missing or nowhere."""
+        if nowhere:
             raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")
         expected = self._created - self._ledger.removed_count
         if present != expected:
             raise SolverFailed(
                 f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
             )
-        return crossed
 
 
 def _crossings(mine: Arrays, start_s: float, step_s: float) -> Crossings:

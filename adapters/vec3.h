@@ -1,3 +1,5 @@
+// Vectors in space, and rows of arrays of three numbers.
+
 #pragma once
 
 #include <cmath>
