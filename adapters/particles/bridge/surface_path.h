@@ -18,7 +18,9 @@ class SurfacePath {
         start_x_(position_),
         start_v_(position_.size(), 0.0),
         end_x_(position_),
-        end_v_(position_.size(), 0.0) {}
+        end_v_(position_.size(), 0.0),
+        now_(start_v_),
+        half_way_(start_v_) {}
 
   int points() const { return static_cast<int>(position_.size()) / 3; }
 
@@ -45,7 +47,7 @@ class SurfacePath {
       jump2 = std::max(jump2, dot(jump, jump));
     }
     fastest_ = std::sqrt(fastest2);
-    now_ = half_way_ = Rate();
+    now_ = half_way_ = start_v_;
     before_.swap(position_);
     position_ = start_x_;
     moves_ = 0;
@@ -55,8 +57,8 @@ class SurfacePath {
 
   // All points to `fraction` (0 ... 1) of the interval; half-way there they were at `half_way`.
   void move(double fraction, double half_way) {
-    now_ = rate(fraction);
-    half_way_ = rate(half_way);
+    set_velocity(now_, fraction);
+    set_velocity(half_way_, half_way);
     if (moves_ < 2) ++moves_;
     if (fastest_ == 0.0) {
       if (jump_ > 0.0 && moves_ == 2) before_ = position_;
@@ -75,8 +77,8 @@ class SurfacePath {
   // Where the point was before the last move; for the first move of a path, where the last path left
   // it.
   Vec3 position_before(int point) const { return from(&before_[3 * point]); }
-  Vec3 velocity(int point) const { return velocity(point, now_); }
-  Vec3 velocity_half_way(int point) const { return velocity(point, half_way_); }
+  Vec3 velocity(int point) const { return from(&now_[3 * point]); }
+  Vec3 velocity_half_way(int point) const { return from(&half_way_[3 * point]); }
   const std::vector<double> &start_velocity() const { return start_v_; }
   const std::vector<double> &positions() const { return position_; }
 
@@ -89,24 +91,17 @@ class SurfacePath {
   }
 
  private:
-  struct Rate {  // what displacement, start and end velocity count for in a velocity
-    double x = 0.0, v0 = 1.0, v1 = 0.0;
-  };
-
-  Rate rate(double t) const {
-    return {6 * t * (1 - t) / length_, (1 - t) * (1 - 3 * t), t * (3 * t - 2)};
-  }
-
-  Vec3 velocity(int point, const Rate &rate) const {
-    const int i = 3 * point;
-    return rate.x * (from(&end_x_[i]) - from(&start_x_[i])) + rate.v0 * from(&start_v_[i]) +
-           rate.v1 * from(&end_v_[i]);
+  // The velocities at `t` (0 ... 1) of the interval: of all points at once, since a point has many contacts.
+  void set_velocity(std::vector<double> &m_per_s, double t) const {
+    const double x = 6 * t * (1 - t) / length_, v0 = (1 - t) * (1 - 3 * t), v1 = t * (3 * t - 2);
+    for (size_t i = 0; i < m_per_s.size(); ++i)
+      m_per_s[i] = x * (end_x_[i] - start_x_[i]) + v0 * start_v_[i] + v1 * end_v_[i];
   }
 
   std::vector<double> position_, before_, start_x_, start_v_, end_x_, end_v_;
+  std::vector<double> now_, half_way_;  // velocities
   double length_ = 1.0, fastest_ = 0.0, jump_ = 0.0;
   int moves_ = 0;  // since the path's start, 2 for more
-  Rate now_, half_way_;
 };
 
 }  // namespace flipflow
