@@ -278,11 +278,14 @@ def contact_points(position_m: Array, radius_m: Array, corners_m: Array) -> tupl
 
     if not len(position_m) or not len(corners_m):
         return np.empty(0, dtype=np.int64), np.empty((0, 3))
+    largest_m = radius_m.max()
+    low_m, high_m = corners_m.min(axis=(0, 1)) - largest_m, corners_m.max(axis=(0, 1)) + largest_m
+    close = np.flatnonzero(((position_m >= low_m) & (position_m <= high_m)).all(axis=1))
     center_m = corners_m.mean(axis=1)
-    reach_m = np.linalg.norm(corners_m - center_m[:, None], axis=2).max(axis=1) + radius_m.max()
-    near = cKDTree(position_m).query_ball_point(center_m, reach_m)
+    reach_m = np.linalg.norm(corners_m - center_m[:, None], axis=2).max(axis=1) + largest_m
+    near = cKDTree(position_m[close]).query_ball_point(center_m, reach_m)
     triangle = np.repeat(np.arange(len(corners_m)), [len(some) for some in near])
-    sphere = np.concatenate([np.array(some, dtype=np.int64) for some in near])
+    sphere = close[np.concatenate([np.array(some, dtype=np.int64) for some in near])]
     place_m, corners_m = position_m[sphere], corners_m[triangle]
     nearest_m = np.einsum("ij,ijk->ik", closest_on_triangle(place_m, corners_m), corners_m)
     from_surface_m = place_m - nearest_m

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -21,9 +22,11 @@ from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.ports.plans import ParticleList
 
 ROUNDS = 200  # A block's box counts as full after so many rounds of proposals.
+REMEMBERED = 8  # blocks, since checks, predicted times and the run itself ask for the same particles
 SIZE_RATIO = 2.0  # The ratio of radii in a batch is at most this, so that searches stay short.
 
 
+@lru_cache(REMEMBERED)
 def place_block(block: Block, density_kg_per_m3: float, material: int) -> ParticleList:
     """Return the spheres of a block, completely inside its box, from large to small.
 
