@@ -9,13 +9,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache
 
 
 @cache
 def exact(value_s: float) -> Fraction:
     """Return the decimal number that a user wrote as a fraction: 1e-4 is 1/10000 exactly."""
     return Fraction(repr(float(value_s)))
+
+
+def times_s(count: int, length_s: float) -> float:
+    """Return a whole number of times a length, rounded once: a quotient of whole numbers is."""
+    length = exact(length_s)
+    return count * length.numerator / length.denominator
 
 
 @dataclass(frozen=True)
@@ -48,15 +54,15 @@ class Interval:
         first, length_s = parts * self.index, self.length_s / parts
         return [Interval(first + part, length_s, parts) for part in range(parts)]
 
-    @cached_property
+    @property
     def start_s(self) -> float:
         """The time at which the interval begins."""
-        return float(self.index * exact(self.length_s))
+        return times_s(self.index, self.length_s)
 
-    @cached_property
+    @property
     def end_s(self) -> float:
         """The time at which the interval ends."""
-        return float((self.index + 1) * exact(self.length_s))
+        return times_s(self.index + 1, self.length_s)
 
     def steps(self, largest_step_s: float) -> int:
         """Return the fewest equal steps of at most ``largest_step_s`` that fill the interval."""

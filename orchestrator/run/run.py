@@ -137,7 +137,7 @@ class Run:
                 runs, before = machine.particle_runs, state
                 with self._add_advice(), solver_failure_context("the coupling", interval):
                     state, observed = monitor.advance(interval, state)
-                check_speeds(observed, interval.end_s, self._stability.advice())
+                check_speeds(observed, interval.end_s, self._stability.advice)
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, monitor, before, observed, interval.index + 1, steps)
                 with self._add_advice():

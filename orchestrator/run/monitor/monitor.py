@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -235,8 +235,8 @@ class Monitor:
         self._console.print(f"warning: {what}")
 
 
-def check_speeds(state: State, time_s: float, advice: str) -> None:
-    """Raise SolverFailed, with ``advice`` at its end, if a point of the surface or of a frame is
+def check_speeds(state: State, time_s: float, advice: Callable[[], str]) -> None:
+    """Raise SolverFailed, with the advice at its end, if a point of the surface or of a frame is
     faster than ``FASTEST_M_PER_S``."""
     for member, motion in (("frames", state.clamps), ("panel", state.panel.surface)):
         if square_sum(motion.velocity_m_per_s) < FASTEST_M_PER_S**2:  # of all, and the quickest test
@@ -245,7 +245,7 @@ def check_speeds(state: State, time_s: float, advice: str) -> None:
         if fastest_m_per_s > FASTEST_M_PER_S:
             raise SolverFailed(
                 f"{member} became unstable at t = {time_s:.6g} s: a point moves at "
-                f"{fastest_m_per_s:.3g} m/s (limit {FASTEST_M_PER_S:g} m/s). {advice}"
+                f"{fastest_m_per_s:.3g} m/s (limit {FASTEST_M_PER_S:g} m/s). {advice()}"
             )
 
 
