@@ -57,15 +57,20 @@ class PointMatrix {
     const double *from = vectors(values, width_, "values");
     Doubles product({rows(), size_t{3}});
     double *to = product.mutable_data();
-    for (size_t row = 0; row < rows(); ++row, to += 3) {
-      double x = 0.0, y = 0.0, z = 0.0;
-      for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
-        const double *at = from + 3 * static_cast<size_t>(columns_[i]);
-        x += entries_[i] * at[0];
-        y += entries_[i] * at[1];
-        z += entries_[i] * at[2];
-      }
-      to[0] = x, to[1] = y, to[2] = z;
+    for (size_t row = 0; row < rows(); ++row, to += 3) row_times(row, from, to);
+    return product;
+  }
+
+  // Those rows of the product alone.
+  Doubles rows_times(const Ints &some, const Doubles &values) const {
+    const double *from = vectors(values, width_, "values");
+    Doubles product({static_cast<size_t>(some.size()), size_t{3}});
+    double *to = product.mutable_data();
+    for (py::ssize_t k = 0; k < some.size(); ++k, to += 3) {
+      const int row = some.data()[k];
+      if (row < 0 || static_cast<size_t>(row) >= rows())
+        throw py::value_error("some: no row has the number " + std::to_string(row));
+      row_times(row, from, to);
     }
     return product;
   }
@@ -88,6 +93,17 @@ class PointMatrix {
 
  private:
   size_t rows() const { return starts_.size() - 1; }
+
+  void row_times(size_t row, const double *from, double *to) const {
+    double x = 0.0, y = 0.0, z = 0.0;
+    for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
+      const double *at = from + 3 * static_cast<size_t>(columns_[i]);
+      x += entries_[i] * at[0];
+      y += entries_[i] * at[1];
+      z += entries_[i] * at[2];
+    }
+    to[0] = x, to[1] = y, to[2] = z;
+  }
 
   std::vector<int> starts_, columns_;
   std::vector<double> entries_;
@@ -214,6 +230,7 @@ PYBIND11_MODULE(_kernel, module) {
       .def(py::init<const Ints &, const Ints &, const Doubles &, size_t>(), arg("starts"), arg("columns"),
            arg("entries"), arg("width"))
       .def("times", &PointMatrix::times, arg("values"))
+      .def("rows_times", &PointMatrix::rows_times, arg("some"), arg("values"))
       .def("transposed_times", &PointMatrix::transposed_times, arg("values"));
   module.def("handed_over", &handed_over, py::kw_only(), arg("force_N"), arg("start_m"), arg("start_m_per_s"),
              arg("end_m"), arg("end_m_per_s"), arg("length_s"));

@@ -27,7 +27,6 @@ from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csr_array
 
 from orchestrator.coupling._kernel import PointMatrix
 from orchestrator.coupling.metered import MeteredPanel
@@ -77,54 +76,28 @@ class TouchedPoints:
 
 
 @dataclass(frozen=True)
-class Rows:
-    """Some rows of a sparse matrix (points, masses), numbered from 0.
-
-    ``matrix`` has their products; ``row``, ``column`` and ``entry`` are those of each entry; ``columns`` is
-    their number.
-    """
-
-    matrix: PointMatrix
-    row: Indices
-    column: Indices
-    entry: Array
-    columns: int
-
-    @staticmethod
-    def of(matrix: csr_array, rows: Indices) -> Rows:
-        """Return these rows of a matrix."""
-        start, count = matrix.indptr[rows], np.diff(matrix.indptr)[rows]
-        ends = np.cumsum(count)
-        place = np.arange(count.sum()) + np.repeat(start - ends + count, count)
-        column, entry, columns = matrix.indices[place], matrix.data[place], matrix.shape[1]
-        product = PointMatrix(np.concatenate([[0], ends]), column, entry, columns)
-        return Rows(product, np.repeat(np.arange(len(rows)), count), column, entry, columns)
-
-    def spread(self, values: Array) -> Array:
-        """Return ``values`` (rows,) spread over the columns, by the entries' sizes times their row's sum."""
-        size = np.abs(self.entry)
-        row_sum = np.bincount(self.row, size, len(values))
-        return np.asarray(np.bincount(self.column, size * (row_sum * values)[self.row], self.columns), float)
-
-
-@dataclass(frozen=True)
 class SurfaceCompliance:
     """The yielding of the masses behind a surface to a constant load, while the particles answer.
 
-    ``shapes``: the inertia's shapes; ``known`` (points,): whether anything is known of a point's mass.
+    ``shapes`` are the inertia's shapes, ``sizes`` those of their entries, and ``size`` (points, 1) the sum
+    of these at a point.  ``known`` (points,) tells whether anything is known of a point's mass.
     """
 
     inertia: Inertia
     shapes: PointMatrix
+    sizes: PointMatrix
+    size: Array
     known: npt.NDArray[np.bool_]
 
     @staticmethod
     def of(panel: Panel) -> SurfaceCompliance:
         """Return the compliance of a panel's surface."""
         inertia = surface_inertia(panel)
-        of = inertia.shapes
-        shapes = PointMatrix(of.indptr, of.indices, of.data, of.shape[1])
-        return SurfaceCompliance(inertia, shapes, np.diff(of.indptr) > 0)
+        of, masses = inertia.shapes, len(inertia.mass_kg)
+        shapes = PointMatrix(of.indptr, of.indices, of.data, masses)
+        sizes = PointMatrix(of.indptr, of.indices, np.abs(of.data), masses)
+        size = sizes.times(np.ones((masses, 3)))[:, :1]
+        return SurfaceCompliance(inertia, shapes, sizes, size, np.diff(of.indptr) > 0)
 
     def yielding_velocity_m_per_s(
         self, excess_N: Array, touched: TouchedPoints, length_s: float, share: Array
@@ -136,17 +109,18 @@ class SurfaceCompliance:
 
             (2 M / (s H) + shapes' Z shapes) u = shapes' excess,
 
-        by conjugate gradients.  Their preconditioner has each Z spread over the masses under it, which is
-        never less than the matrix.
+        by conjugate gradients.  Their preconditioner has the trace of each Z spread over the masses under it
+        by the sizes of the shapes, which is never less than the matrix.
         """
-        right_side = self._on_masses(excess_N)
+        right_side, at = self._on_masses(excess_N), touched.number
         free = 2 / length_s * self.inertia.mass_kg[:, None] / share
-        under = Rows.of(self.inertia.shapes, touched.number)
-        lumped = free + under.spread(np.einsum("pii->p", touched.impedance_N_s_per_m))[:, None]
+        resisting = np.zeros_like(excess_N)
+        resisting[at] = self.size[at] * np.einsum("pii->p", touched.impedance_N_s_per_m)[:, None]
+        lumped = free + self.sizes.transposed_times(resisting)
 
         def product(u: Array) -> Array:
-            resisting_N = under.matrix.transposed_times(touched.resisting_N(under.matrix.times(u)))
-            return free * u + self.inertia.yielding(resisting_N)
+            resisting[at] = touched.resisting_N(self.shapes.rows_times(at, u))
+            return free * u + self._on_masses(resisting)
 
         return self.shapes.times(conjugate_gradients(product, right_side, lumped))
 
