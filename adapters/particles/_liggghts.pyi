@@ -24,8 +24,8 @@ class Engine:
         contact_distance_factor: float,
         as_packaged: bool = False,
     ) -> None:
-        """``communicator`` is a Fortran handle (mpi4py: ``py2f()``).  ``as_packaged`` takes the contact models
-        that the package has, uncured, in a process whose engines are all so; it lacks ``jkr`` alone."""
+        """``communicator`` is a Fortran handle (mpi4py: ``py2f()``).  ``as_packaged`` takes the contact
+        models that the package has, uncured, in a process whose engines are all so; it lacks ``jkr``."""
 
     def command(self, line: str) -> None:
         """Execute one line of LIGGGHTS input."""
@@ -69,8 +69,8 @@ class Engine:
         """Set the boxes (n, 3), (n, 3, 3), (n, 3) that take particles out, and the domain (2, 3)."""
 
     def tally(self) -> Indices:
-        """Return four numbers of particles of this rank: present ones, those of them whose place or velocity is
-        not a number, those removed and those that went through the surface, until these are taken."""
+        """Return four numbers of particles of this rank: present ones, those of them whose place or velocity
+        is not a number, those removed and those that went through the surface, until these are taken."""
 
     def take_removed(self) -> dict[str, npt.NDArray[Any]]:
         """Return those of this rank taken out during the last ``run``: x (at the end of the step), v

@@ -125,7 +125,7 @@ def compare(name: str, coupled: Runner, still: StockRunner, moving: StockRunner)
     """Return the table of times, and of their ratios to LIGGGHTS alone on still and on moving walls.
 
     The coupled run's ratios are those of the blocks' CPU times, as median and quartiles; those of its parts
-    are ratios of sums of wall time.
+    are ratios of sums of wall time, empty where that is shorter than a tick of the computer's clock.
     """
     intervals = BLOCK * len(coupled.blocks_s)
     table = Table(
@@ -144,7 +144,7 @@ def compare(name: str, coupled: Runner, still: StockRunner, moving: StockRunner)
         table.add_column(head, justify="right" if head else "left", no_wrap=True)
 
     def row(what: str, wall_s: float, share: str, ratios: Sequence[str], particle_steps: int = 0) -> None:
-        speed = f"{particle_steps / wall_s:.3g}" if particle_steps else ""
+        speed = f"{particle_steps / wall_s:.3g}" if particle_steps and wall_s else ""
         table.add_row(what, f"{wall_s:.2f}", f"{1e6 * wall_s / intervals:.0f}", share, *ratios, speed)
 
     row("LIGGGHTS alone, rigid still walls", still.wall_s, "", ("", ""), still.particle_steps)
@@ -153,7 +153,7 @@ def compare(name: str, coupled: Runner, still: StockRunner, moving: StockRunner)
     parts_s["rest"] = coupled.wall_s - sum(parts_s.values())
     for part in PARTS:
         wall_s = parts_s.get(part, 0.0)
-        ratios = [f"{wall_s / alone.wall_s:.2f}" for alone in (still, moving)]
+        ratios = [f"{wall_s / alone.wall_s:.2f}" if alone.wall_s else "" for alone in (still, moving)]
         steps = coupled.particle_steps if part == "particles" else 0
         row(f"coupled run: {part}", wall_s, f"{100 * wall_s / coupled.wall_s:.0f} %", ratios, steps)
     ratios = [median_ratio(coupled.blocks_s, alone.blocks_s) for alone in (still, moving)]

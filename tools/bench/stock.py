@@ -121,19 +121,7 @@ def _stock_plan(case: Case, surface: TriangleSurface, bed: ParticleSnapshot) -> 
 
 def _serve(pipe: Connection, plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> None:
     """Run the numbers of steps that come through a pipe, and answer with the CPU time of each, in s."""
-    engine = Engine(
-        communicator=MPI.COMM_SELF.py2f(),
-        screen_file=str(folder / "screen.liggghts"),
-        log_file=str(folder / "log.liggghts"),
-        contact_distance_factor=contact_distance_factor(plan),
-        as_packaged=True,
-    )
-    for line in stock_input(plan, wiggle, folder):
-        engine.command(line)
-    create_particles(engine, plan.particles, 1)
-    for line in bin_commands(_bins_m(plan)):
-        engine.command(line)
-    engine.command(FIRST_EVALUATION)
+    engine = stock_engine(plan, wiggle, folder)
     pipe.send(0.0)
     with suppress(EOFError):
         while True:
@@ -141,6 +129,29 @@ def _serve(pipe: Connection, plan: ParticlesPlan, wiggle: Wiggle | None, folder:
             cpu_s = time.process_time()
             engine.command(f"run {steps} pre no post no")
             pipe.send(time.process_time() - cpu_s)
+
+
+def stock_engine(
+    plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path, as_packaged: bool = True
+) -> Engine:
+    """Return LIGGGHTS with the particles of a plan on its own walls, which is ready to run.
+
+    All engines of a process have laws ``as_packaged``, or all have ours.
+    """
+    engine = Engine(
+        communicator=MPI.COMM_SELF.py2f(),
+        screen_file=str(folder / "screen.liggghts"),
+        log_file=str(folder / "log.liggghts"),
+        contact_distance_factor=contact_distance_factor(plan),
+        as_packaged=as_packaged,
+    )
+    for line in stock_input(plan, wiggle, folder):
+        engine.command(line)
+    create_particles(engine, plan.particles, 1)
+    for line in bin_commands(_bins_m(plan)):
+        engine.command(line)
+    engine.command(FIRST_EVALUATION)
+    return engine
 
 
 def stock_input(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> Iterator[str]:

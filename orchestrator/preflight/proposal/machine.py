@@ -66,13 +66,6 @@ class Machine:
         """Whether stiff panels made the frames heavier than usual."""
         return self.driven.mass_kg > 1.02 * self.usual_driven_kg
 
-    @property
-    def resonance_rad_per_s(self) -> float:
-        """The speed of the closed form at which the frames swing against each other on the bushings alone."""
-        return two_mass.relative_resonance_rad_per_s(
-            self.driving.mass_kg, self.driven.mass_kg, self.shear.total_N_per_m[0]
-        )
-
 
 def propose_machine(layout: Layout, panels_N_per_m: float, panels_kg: float, correction: float) -> Machine:
     """Return the machine for a layout whose panels have this stiffness along the deck and this mass.

@@ -10,8 +10,6 @@ The functions take the ratio a2 / a1 as given, because it decides how far the ma
 
 from __future__ import annotations
 
-import math
-
 
 def amplitudes_m(stroke_m: float, ratio: float) -> tuple[float, float]:
     """Return a1 and a2, whose difference is ``stroke_m`` and whose quotient a2 / a1 is ``ratio`` > 1."""
@@ -34,8 +32,3 @@ def mass_moment_kg_m(
     """Return the size of the exciter's mass moment u that moves the two frames by these amplitudes."""
     sprung_kg = driving_kg - ground_N_per_m / speed_rad_per_s**2
     return sprung_kg * amplitudes_m[0] + driven_kg * amplitudes_m[1]
-
-
-def relative_resonance_rad_per_s(driving_kg: float, driven_kg: float, shear_N_per_m: float) -> float:
-    """Return the speed at which both frames swing against each other, without the soft ground springs."""
-    return math.sqrt(shear_N_per_m * (1 / driving_kg + 1 / driven_kg))

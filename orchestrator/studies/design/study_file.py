@@ -30,7 +30,6 @@ from orchestrator.studies.design.published import term
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.space import SimplerSpace, Space
 
-PLANS = ("sobol", "box-behnken", "latin-hypercube", "factorial", "none")
 MOST_CORNERS = 64  # of the ranges that are checked as cases
 POSSIBLE = {  # limits on each scale: above, below, and both in words
     "plain": (-math.inf, math.inf, ""),
