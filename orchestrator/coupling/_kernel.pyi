@@ -6,7 +6,7 @@ another shape.
 
 from __future__ import annotations
 
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array, Indices, Load, Motion
 
 Works = tuple[float, float, float, float]
 """Of an interval: the work of a load on all points in J; the sum of the sizes of its components in N; and at
@@ -29,13 +29,12 @@ class PointMatrix:
     def transposed_times(self, values: Array) -> Array:
         """Return the transposed matrix times ``values`` (rows, 3), (width, 3)."""
 
-def handed_over(
-    *, force_N: Array, start_m: Array, start_m_per_s: Array, end_m: Array, end_m_per_s: Array, length_s: float
-) -> tuple[Array, Array, float]:
-    """Return what a constant load hands over: its impulse (3,) in N s, its angular impulse (3,) about the
-    world's origin in N m s, and the sum of the sizes of all components of the impulse at all points.
+def handed_over(load: Load, start: Motion, end: Motion, length_s: float) -> tuple[Array, Array, float]:
+    """Return what a mean load hands over in an interval in which its points move from ``start`` to ``end``.
 
-    The points move smoothly (cubic Hermite) from start to end; the load acts at their mean places.
+    It is the impulse (3,) in N s, the angular impulse (3,) about the world's origin in N m s, and the sum of
+    the sizes of all components of the impulse at all points, in which loads that cancel each other count.
+    The points move smoothly (cubic Hermite); the load acts at their mean places.
     """
 
 def contact_works(

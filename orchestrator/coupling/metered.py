@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.coupling import _kernel
+from orchestrator.coupling._kernel import handed_over
 from orchestrator.coupling.wrappers import FramesWrapper, PanelWrapper, ParticlesWrapper
 from orchestrator.ports import (
     Array,
@@ -81,22 +81,6 @@ class TimedPart:
         self._stopwatch.leave()
 
 
-def handed_over(load: Load, start: Motion, end: Motion, interval: Interval) -> tuple[Array, Array, float]:
-    """Return what a mean load hands over in the interval in which its points move from ``start`` to ``end``.
-
-    It is the impulse (3,) in N s, the angular impulse (3,) about the world's origin in N m s, and the sum of
-    the sizes of all components of the impulse at all points, in which loads that cancel each other count.
-    """
-    return _kernel.handed_over(
-        force_N=load.force_N,
-        start_m=start.position_m,
-        start_m_per_s=start.velocity_m_per_s,
-        end_m=end.position_m,
-        end_m_per_s=end.velocity_m_per_s,
-        length_s=interval.length_s,
-    )
-
-
 class MeteredFrames(FramesWrapper):
     """Frames with a meter.
 
@@ -123,7 +107,7 @@ class MeteredFrames(FramesWrapper):
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             motion = super().advance(interval, reaction)
-        impulse_N_s, moment_N_m_s, size_N_s = handed_over(reaction, self._now, motion, interval)
+        impulse_N_s, moment_N_m_s, size_N_s = handed_over(reaction, self._now, motion, interval.length_s)
         self.received_N_s = self.received_N_s + impulse_N_s
         self.received_N_m_s = self.received_N_m_s + moment_N_m_s
         self.through_N_s += size_N_s
@@ -215,10 +199,14 @@ class MeteredPanel(TimedPanel):
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         state = super().advance(interval, clamps, load)
-        impulse_N_s, moment_N_m_s, received = handed_over(load, self._surface, state.surface, interval)
+        impulse_N_s, moment_N_m_s, received = handed_over(
+            load, self._surface, state.surface, interval.length_s
+        )
         self.received_N_s = self.received_N_s + impulse_N_s
         self.received_N_m_s = self.received_N_m_s + moment_N_m_s
-        impulse_N_s, moment_N_m_s, given = handed_over(state.reaction, self._clamps, clamps, interval)
+        impulse_N_s, moment_N_m_s, given = handed_over(
+            state.reaction, self._clamps, clamps, interval.length_s
+        )
         self.given_N_s = self.given_N_s + impulse_N_s
         self.given_N_m_s = self.given_N_m_s + moment_N_m_s
         self.through_N_s += received + given
@@ -268,7 +256,7 @@ class MeteredParticles(ParticlesWrapper):
         with self._stopwatch("particles"), solver_failure_context(self._name, interval):
             load = super().advance(interval, path)
         self.last = path, load
-        impulse_N_s, _, size_N_s = handed_over(load, path.start, path.end, interval)
+        impulse_N_s, _, size_N_s = handed_over(load, path.start, path.end, interval.length_s)
         self.given_N_s = self.given_N_s + impulse_N_s
         self.through_N_s += size_N_s
         self.runs += 1

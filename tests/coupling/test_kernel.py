@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse import csr_array, random
 
 from orchestrator.coupling import _kernel
-from orchestrator.ports import Array, HermitePath, Motion
+from orchestrator.ports import Array, HermitePath, Load, Motion
 
 POINTS, COUNTED, LENGTH_S, LEAST_M = 40, 25, 2e-3, 1e-4
 GENERATOR = np.random.default_rng(7)
@@ -55,14 +55,7 @@ def test_matrices_that_are_none_and_values_of_another_shape_are_refused() -> Non
 
 def test_what_a_load_hands_over_is_its_integral_along_the_path() -> None:
     start, end, force_N = Motion(field(), field()), Motion(field(), field()), forces()
-    impulse_N_s, moment_N_m_s, size_N_s = _kernel.handed_over(
-        force_N=force_N,
-        start_m=start.position_m,
-        start_m_per_s=start.velocity_m_per_s,
-        end_m=end.position_m,
-        end_m_per_s=end.velocity_m_per_s,
-        length_s=LENGTH_S,
-    )
+    impulse_N_s, moment_N_m_s, size_N_s = _kernel.handed_over(Load(force_N), start, end, LENGTH_S)
     path = HermitePath(start, end, LENGTH_S)
     nodes, weights = np.polynomial.legendre.leggauss(2)  # exact for cubic paths
     places_m = (path.position_m((1 + node) / 2) for node in nodes)

@@ -110,18 +110,6 @@ void add() {
       "gran", hash, &create<Walls::IGranularWall, Walls::Granular<Contact>>);
 }
 
-template <int tangential, int rolling>
-void add_missing() {
-  using Contact = JkrContact<tangential, rolling>;
-  add<Contact, Contact::kHash>();
-}
-
-template <int tangential, int rolling>
-void add_jkr() {
-  using Contact = JkrContact<tangential, rolling>;
-  add<WatchedContact<Contact>, Contact::kHash>();
-}
-
 template <int tangential, int cohesion, int rolling>
 void add_hertz() {
   using Style = GranStyle<HERTZ, tangential, cohesion, rolling, SURFACE_DEFAULT>;
@@ -132,8 +120,10 @@ void add_hertz() {
 }
 
 template <int tangential, int rolling>
-void add_all() {
-  add_jkr<tangential, rolling>();
+void add_all(bool as_packaged) {
+  using Sticky = JkrContact<tangential, rolling>;
+  if (as_packaged) return add<Sticky, Sticky::kHash>();
+  add<WatchedContact<Sticky>, Sticky::kHash>();
   add_hertz<tangential, COHESION_OFF, rolling>();
   add_hertz<tangential, COHESION_SJKR, rolling>();
 }
@@ -142,17 +132,10 @@ void add_all() {
 
 void register_contact_models(bool as_packaged) {
   ContactModels::Factory::instance().addNormalModel("jkr", JkrContact<0, 0>::kModel);
-  if (as_packaged) {
-    add_missing<TANGENTIAL_OFF, ROLLING_OFF>();
-    add_missing<TANGENTIAL_HISTORY, ROLLING_OFF>();
-    add_missing<TANGENTIAL_HISTORY, ROLLING_CDT>();
-    add_missing<TANGENTIAL_HISTORY, ROLLING_EPSD2>();
-    return;
-  }
-  add_all<TANGENTIAL_OFF, ROLLING_OFF>();
-  add_all<TANGENTIAL_HISTORY, ROLLING_OFF>();
-  add_all<TANGENTIAL_HISTORY, ROLLING_CDT>();
-  add_all<TANGENTIAL_HISTORY, ROLLING_EPSD2>();
+  add_all<TANGENTIAL_OFF, ROLLING_OFF>(as_packaged);
+  add_all<TANGENTIAL_HISTORY, ROLLING_OFF>(as_packaged);
+  add_all<TANGENTIAL_HISTORY, ROLLING_CDT>(as_packaged);
+  add_all<TANGENTIAL_HISTORY, ROLLING_EPSD2>(as_packaged);
 }
 
 }  // namespace flipflow

@@ -116,13 +116,20 @@ Doubles vector(const double values[3]) {
   return array;
 }
 
-py::tuple handed_over(const Doubles &force_N, const Doubles &start_m, const Doubles &start_m_per_s,
-                      const Doubles &end_m, const Doubles &end_m_per_s, double length_s) {
+py::tuple handed_over(const py::object &load, const py::object &start, const py::object &end,
+                      double length_s) {
+  const auto field = [](const py::object &record, const char *name) {
+    return record.attr(name).cast<Doubles>();
+  };
+  const Doubles force_N = field(load, "force_N");
+  const Doubles start_m = field(start, "position_m"), start_m_per_s = field(start, "velocity_m_per_s");
+  const Doubles end_m = field(end, "position_m"), end_m_per_s = field(end, "velocity_m_per_s");
   const size_t points = force_N.shape(0);
-  const double *force = vectors(force_N, points, "force_N");
-  const double *from = vectors(start_m, points, "start_m"), *to = vectors(end_m, points, "end_m");
-  const double *from_rate = vectors(start_m_per_s, points, "start_m_per_s");
-  const double *to_rate = vectors(end_m_per_s, points, "end_m_per_s");
+  const double *force = vectors(force_N, points, "load.force_N");
+  const double *from = vectors(start_m, points, "start.position_m");
+  const double *from_rate = vectors(start_m_per_s, points, "start.velocity_m_per_s");
+  const double *to = vectors(end_m, points, "end.position_m");
+  const double *to_rate = vectors(end_m_per_s, points, "end.velocity_m_per_s");
   long double sum_N[3] = {};  // the clamps of a taut panel pull against each other: little is left
   double impulse[3], moment[3] = {}, size = 0.0;
   for (size_t i = 0; i < 3 * points; i += 3) {
@@ -232,8 +239,7 @@ PYBIND11_MODULE(_kernel, module) {
       .def("times", &PointMatrix::times, arg("values"))
       .def("rows_times", &PointMatrix::rows_times, arg("some"), arg("values"))
       .def("transposed_times", &PointMatrix::transposed_times, arg("values"));
-  module.def("handed_over", &handed_over, py::kw_only(), arg("force_N"), arg("start_m"), arg("start_m_per_s"),
-             arg("end_m"), arg("end_m_per_s"), arg("length_s"));
+  module.def("handed_over", &handed_over, arg("load"), arg("start"), arg("end"), arg("length_s"));
   module.def("contact_works", &contact_works, py::kw_only(), arg("load_N"), arg("load_before_N"),
              arg("load_twice_before_N"), arg("panel_load_N"), arg("before_m"), arg("after_m"),
              arg("path_start_m"), arg("path_end_m"), arg("path_before_m"), arg("least_m"));
