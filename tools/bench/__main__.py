@@ -1,4 +1,4 @@
-"""The command that times a case in one process.
+"""The command that times a case part by part.
 
 python -m tools.bench CASE             compares it with LIGGGHTS alone, the same bed on rigid walls
 python -m tools.bench CASE --effects   times it without each effect that can be left out, part by part
@@ -18,7 +18,7 @@ from tools.bench import coupling, effects
 
 def main() -> None:
     """Read the command line, and print the table of times."""
-    parser = argparse.ArgumentParser("python -m tools.bench", description="Time a case in one process.")
+    parser = argparse.ArgumentParser("python -m tools.bench", description="Time a case part by part.")
     parser.add_argument("case", type=Path)
     parser.add_argument("--level")
     parser.add_argument("--intervals", type=int, default=2000, help="sync intervals to time")

@@ -2,8 +2,8 @@
 
 After an untimed beginning, the bed and the surface of the coupled run are given to LIGGGHTS alone twice: on
 walls that stand still, and on walls that move as one (``tools/bench/stock.py``).  The three then advance in
-turn, block by block, so that a computer whose speed drifts slows all of them.  A still bed
-comes to rest and has more contacts; a thrown bed does not and has more new neighbours.
+turn, block by block, so that a computer whose speed drifts slows all of them.  A still bed comes to rest and
+has more contacts; a thrown bed does not and has more new neighbours.
 """
 
 from __future__ import annotations
