@@ -36,3 +36,10 @@ def test_steps_fill_the_interval(length_us: int, step_us: int, index: int) -> No
     assert steps == 1 or (steps - 1) * exact(step_s) < exact(length_s)
     interval = Interval(index, length_s)
     assert interval.end_s == Interval(index + 1, length_s).start_s
+
+
+@given(st.integers(0, 10**6), st.integers(1, 10**7))
+def test_times_are_the_decimals_rounded_once(index: int, length_us: int) -> None:
+    length_s = length_us / 10**6
+    assert Interval(index, length_s).start_s == float(index * exact(length_s))
+    assert Interval(2, 0.1).end_s == 0.3  # 3 * 0.1 is 0.30000000000000004
