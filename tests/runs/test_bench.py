@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -14,7 +16,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Jkr, ParticlesPlan
 from orchestrator.preflight.judge import load_judged
 from tests.runs.outside import ROOT
-from tools.bench.coupling import BLOCK, Runner, bench
+from tools.bench.coupling import BLOCK, PARTS, Runner, bench
 from tools.bench.stock import SPAWN, Wiggle, stock_engine, stock_input
 
 CASE = ROOT / "cases/ball-on-panel"
@@ -38,7 +40,9 @@ def test_what_was_before_the_clock_started_does_not_count(tmp_path: Path) -> Non
 
 
 @pytest.mark.solver
-def test_the_parts_are_shares_of_the_coupled_run() -> None:
+def test_the_parts_are_shares_of_the_coupled_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a clock that ticks, since a virtual computer's may stand still for 50 ms."""
+    monkeypatch.setattr(time, "perf_counter", itertools.count().__next__)
     table = bench(load_judged(CASE, "draft"), BLOCK, settling=BLOCK)
     columns = {str(column.header): list(column.cells) for column in table.columns}
     shares = columns["share"]
@@ -46,6 +50,16 @@ def test_the_parts_are_shares_of_the_coupled_run() -> None:
     percent = [int(share.removesuffix(" %")) for share in shares[2:]]
     assert percent[-1] == 100
     assert sum(percent[:-1]) == pytest.approx(100, abs=3)
+
+
+@pytest.mark.solver
+def test_times_shorter_than_a_tick_of_the_clock_have_no_shares(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A virtual computer's clock may tick every 50 ms."""
+    monkeypatch.setattr(time, "perf_counter", lambda: 1.0)
+    table = bench(load_judged(CASE, "draft"), BLOCK, settling=BLOCK)
+    columns = {str(column.header): list(column.cells) for column in table.columns}
+    assert columns["share"][2:-1] == [""] * len(PARTS)
+    assert set(columns["against moving"][:-1]) == {""}
 
 
 def fallen(plan: ParticlesPlan, folder: Path, as_packaged: bool) -> tuple[Array, int]:

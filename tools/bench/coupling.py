@@ -125,7 +125,7 @@ def compare(name: str, coupled: Runner, still: StockRunner, moving: StockRunner)
     """Return the table of times, and of their ratios to LIGGGHTS alone on still and on moving walls.
 
     The coupled run's ratios are those of the blocks' CPU times, as median and quartiles; those of its parts
-    are ratios of sums of wall time, empty where that is shorter than a tick of the computer's clock.
+    are ratios of sums of wall time, empty where the whole is shorter than a tick of the computer's clock.
     """
     intervals = BLOCK * len(coupled.blocks_s)
     table = Table(
@@ -153,9 +153,12 @@ def compare(name: str, coupled: Runner, still: StockRunner, moving: StockRunner)
     parts_s["rest"] = coupled.wall_s - sum(parts_s.values())
     for part in PARTS:
         wall_s = parts_s.get(part, 0.0)
-        ratios = [f"{wall_s / alone.wall_s:.2f}" if alone.wall_s else "" for alone in (still, moving)]
+        share, *ratios = (
+            format(wall_s / whole.wall_s, form) if whole.wall_s else ""
+            for whole, form in ((coupled, ".0%"), (still, ".2f"), (moving, ".2f"))
+        )
         steps = coupled.particle_steps if part == "particles" else 0
-        row(f"coupled run: {part}", wall_s, f"{100 * wall_s / coupled.wall_s:.0f} %", ratios, steps)
+        row(f"coupled run: {part}", wall_s, share.replace("%", " %"), ratios, steps)
     ratios = [median_ratio(coupled.blocks_s, alone.blocks_s) for alone in (still, moving)]
     row("coupled run, without output", coupled.wall_s, "100 %", ratios, coupled.particle_steps)
     return table
