@@ -37,45 +37,56 @@ class Stopwatch:
     """A stopwatch of exclusive wall time by part.
 
     Entering a part pauses the part outside it, so the parts add up to the time inside any of them.
+    ``repeated_s`` has the share of ``wall_s`` in which members ran an interval another time.
     """
 
     def __init__(self) -> None:
         self.wall_s: dict[str, float] = {}
-        self._parts: list[str] = []
+        self.repeated_s: dict[str, float] = {}
+        self._open: list[tuple[str, bool]] = []
+        self._last: dict[int, Interval] = {}
         self._since_s = 0.0
 
     def __call__(self, part: str) -> TimedPart:
         """Return the context whose time counts as ``part``."""
         return TimedPart(self, part)
 
-    def enter(self, part: str) -> None:
+    def run(self, part: str, member: object, interval: Interval) -> TimedPart:
+        """Return the context of a member's run; it counts as repeated if the last one was of this
+        interval."""
+        repeated = self._last.get(id(member)) == interval
+        self._last[id(member)] = interval
+        return TimedPart(self, part, repeated)
+
+    def enter(self, part: str, repeated: bool) -> None:
         """Begin to count the time as ``part``."""
         self._book()
-        self._parts.append(part)
+        self._open.append((part, repeated))
 
     def leave(self) -> None:
         """Go back to the part in which the present one began."""
         self._book()
-        self._parts.pop()
+        self._open.pop()
 
     def _book(self) -> None:
         now = time.perf_counter()
-        if self._parts:
-            part = self._parts[-1]
-            self.wall_s[part] = self.wall_s.get(part, 0.0) + now - self._since_s
+        if self._open:
+            part, repeated = self._open[-1]
+            for book in (self.wall_s, self.repeated_s)[: 1 + repeated]:
+                book[part] = book.get(part, 0.0) + now - self._since_s
         self._since_s = now
 
 
 class TimedPart:
     """The context of a part of a stopwatch; several are entered in each interval, so it is no generator."""
 
-    __slots__ = ("_part", "_stopwatch")
+    __slots__ = ("_part", "_repeated", "_stopwatch")
 
-    def __init__(self, stopwatch: Stopwatch, part: str) -> None:
-        self._stopwatch, self._part = stopwatch, part
+    def __init__(self, stopwatch: Stopwatch, part: str, repeated: bool = False) -> None:
+        self._stopwatch, self._part, self._repeated = stopwatch, part, repeated
 
     def __enter__(self) -> None:
-        self._stopwatch.enter(self._part)
+        self._stopwatch.enter(self._part, self._repeated)
 
     def __exit__(self, *_: object) -> None:
         self._stopwatch.leave()
@@ -138,7 +149,7 @@ class TimedPanel(PanelWrapper):
             return super().initial()
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        with self._stopwatch(self._part), solver_failure_context(self._name, interval):
+        with self._stopwatch.run(self._part, self, interval), solver_failure_context(self._name, interval):
             return super().advance(interval, clamps, load)
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
@@ -157,7 +168,7 @@ class TimedPanel(PanelWrapper):
         name = f"{self._name} and {len(inner) - 1} more" if len(inner) > 1 else self._name
 
         def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
-            with self._stopwatch(self._part), solver_failure_context(name, interval):
+            with self._stopwatch.run(self._part, self, interval), solver_failure_context(name, interval):
                 return together(interval, clamps, load)
 
         return advance
@@ -253,7 +264,8 @@ class MeteredParticles(ParticlesWrapper):
             return super().initial()
 
     def advance(self, interval: Interval, path: HermitePath) -> Load:
-        with self._stopwatch("particles"), solver_failure_context(self._name, interval):
+        running = self._stopwatch.run("particles", self, interval)
+        with running, solver_failure_context(self._name, interval):
             load = super().advance(interval, path)
         self.last = path, load
         impulse_N_s, _, size_N_s = handed_over(load, path.start, path.end, interval.length_s)

@@ -48,8 +48,8 @@ class Ending:
         may turn out to be doubtful or incomplete (``trust.py``).
         """
         case, folder, wall_s = self.loaded.case, self.folder, progress.wall_s
-        by_part = summary.wall_by_part_s(progress.stopwatch.wall_s, wall_s)
-        rate = progress.particle_steps / by_part["particles"] if by_part["particles"] else 0.0
+        stopwatch = progress.stopwatch
+        particles_s = stopwatch.wall_s.get("particles", 0.0)
         figures = {
             "status": status,
             "reason": reason,
@@ -64,8 +64,9 @@ class Ending:
             "processor_s": time.process_time(),
             "processor_before_s": progress.processor_before_s,
             "peak_memory_MiB": getrusage(RUSAGE_SELF).ru_maxrss / 1024,
-            "wall_by_part_s": by_part,
-            "particle_steps_per_s": rate,
+            "wall_by_part_s": summary.wall_by_part_s(stopwatch, wall_s),
+            "repeated_by_part_s": stopwatch.repeated_s,
+            "particle_steps_per_s": progress.particle_steps / particles_s if particles_s else 0.0,
             **progress.figures,
         }
         unfinished = {"status": "interrupted", "reason": KILLED} if status == trust.DONE else {}

@@ -59,6 +59,7 @@ class Progress:
             "particle_steps": self.particle_steps,
             "wall_s": self.wall_s,
             "wall_by_part_s": self.stopwatch.wall_s,
+            "repeated_by_part_s": self.stopwatch.repeated_s,
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -66,8 +67,10 @@ class Progress:
         self.figures = dict(saved["figures"])
         self.particle_steps = saved["particle_steps"]
         self._before_s = saved["wall_s"]
-        for part, wall_s in saved["wall_by_part_s"].items():
-            self.stopwatch.wall_s[part] = self.stopwatch.wall_s.get(part, 0.0) + wall_s
+        books = {"wall_by_part_s": self.stopwatch.wall_s, "repeated_by_part_s": self.stopwatch.repeated_s}
+        for name, book in books.items():
+            for part, time_s in saved.get(name, {}).items():  # older checkpoints have no repeats
+                book[part] = book.get(part, 0.0) + time_s
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,8 @@ def test_processor_time_is_divided_as_wall_time_was() -> None:
     assert found == {"start": 0.0, "particles": 4.0, "rest": 4.0}
     run = {"processor_before_s": 2.0, "processor_s": 8.0, "wall_s": 12.0}
     assert parts_s(run | {"wall_by_part_s": {"panel": 12.0}}) == {"start": 2.0, "panel": 6.0}
+    again = {"wall_by_part_s": {"panel": 4.0, "coupling": 8.0}, "repeated_by_part_s": {"panel": 6.0}}
+    assert parts_s(run | again) == {"start": 2.0, "panel": 5.0, "coupling": 1.0}
 
 
 def test_what_a_seed_does_to_all_points_alike_is_no_scatter() -> None:

@@ -38,8 +38,7 @@ class NoFeed:
     def restore(self, saved: Saved) -> None: ...
 
 
-def metered(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> MeteredSolvers:
-    watch = Stopwatch()
+def metered(sphere: Sphere, plate: HungPlate, frame: FreeFrame, watch: Stopwatch) -> MeteredSolvers:
     return MeteredSolvers(
         MeteredFrames(frame, "frame", watch),
         MeteredPanel(plate, "plate", "panel", watch),
@@ -48,12 +47,13 @@ def metered(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> MeteredSolver
 
 
 def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -> Machine:
-    meters = metered(sphere, plate, frame)
+    stopwatch = Stopwatch()
+    meters = metered(sphere, plate, frame, stopwatch)
     return Machine(
         solvers=Solvers(meters.frames, meters.panel, meters.particles),
         members=meters,
         scheme=schemes.create_scheme(scheme),
-        stopwatch=Stopwatch(),
+        stopwatch=stopwatch,
         surface=TriangleSurface(NOWHERE, np.empty((0, 3), dtype=np.int64), NOBODY),
         panel_of_triangle=NOBODY,
         panels=(),

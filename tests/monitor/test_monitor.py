@@ -6,12 +6,14 @@ import logging
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
+from orchestrator.output.records.summary import wall_by_part_s, worked_by_part_s
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.limits import light_point_s
 from orchestrator.run.monitor.monitor import Stopped
@@ -150,15 +152,52 @@ def flat(saved: dict, within: str = "") -> dict:
     return found
 
 
-def test_what_a_scheme_does_itself_is_booked_as_coupling(tmp_path: Path) -> None:
-    """Robin's trial runs, and iterates that are taken back, are no "rest"."""
-    machine = on_a_line(Sphere(1.0, 1.0, 9.0, 0.0), HungPlate(2.0, 3.0), FreeFrame(5.0), "robin")
+@pytest.mark.parametrize("scheme", ["particles-first", "robin", "aitken", "quasi-newton"])
+def test_the_scheme_is_charged_for_what_it_repeats(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scheme: str
+) -> None:
+    """By a clock that only the members move: a run of the plate takes 1 s, of the sphere 10, of the scheme
+    itself 100."""
+    now_s, runs, intervals = 0.0, {HungPlate: 0, Sphere: 0}, 5
 
-    def slow(solvers: Solvers, interval: Interval, now: State) -> State:
-        time.sleep(0.01)
+    def spend(time_s: float) -> None:
+        nonlocal now_s
+        now_s += time_s
+
+    def slow(kind: type[HungPlate | Sphere], time_s: float) -> None:
+        advance = kind.advance
+
+        def slowly(*arguments: Any) -> Any:
+            runs[kind] += 1
+            spend(time_s)
+            return advance(*arguments)
+
+        monkeypatch.setattr(kind, "advance", slowly)
+
+    def slow_scheme(solvers: Solvers, interval: Interval, now: State) -> State:
+        spend(100.0)
         return machine.scheme.advance(solvers, interval, now)
 
-    tried = replace(machine, scheme=Scheme(slow))
-    with tried.stopwatch("rest"):
-        monitored(tmp_path, tried, 0.1, 5)
-    assert 0.05 <= tried.stopwatch.wall_s["coupling"] < 0.5
+    monkeypatch.setattr(time, "perf_counter", lambda: now_s)
+    slow(HungPlate, 1.0)
+    slow(Sphere, 10.0)
+    machine = on_a_line(Sphere(1.0, 1e3, -1e-3, 0.0), HungPlate(2.0, 3.0), FreeFrame(5.0), scheme)
+    with machine.stopwatch("rest"):
+        monitored(tmp_path, replace(machine, scheme=Scheme(slow_scheme)), 0.01, intervals)
+    tries = {"particles-first": 1, "robin": 2}.get(scheme)
+    assert runs[HungPlate] == tries * intervals if tries else runs[HungPlate] > 2 * intervals
+    again_s = {"panel": runs[HungPlate] - intervals, "particles": 10 * (runs[Sphere] - intervals)}
+    stopwatch = machine.stopwatch
+    assert stopwatch.repeated_s == {part: time_s for part, time_s in again_s.items() if time_s}
+    by_part_s = wall_by_part_s(stopwatch, now_s)
+    assert by_part_s == dict.fromkeys(by_part_s, 0.0) | {
+        "panel": intervals,
+        "particles": 10 * intervals,
+        "coupling": 100 * intervals + sum(again_s.values()),
+    }
+    summary = {"wall_by_part_s": by_part_s, "repeated_by_part_s": stopwatch.repeated_s}
+    assert worked_by_part_s(summary) == by_part_s | {
+        "panel": runs[HungPlate],
+        "particles": 10 * runs[Sphere],
+        "coupling": 100 * intervals,
+    }

@@ -5,13 +5,14 @@ docs/run-folder.md documents the keys; a test compares it with the summary.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
 from orchestrator.coupling.ledger import share_created
+from orchestrator.coupling.metered import Stopwatch
 from orchestrator.output.records.run_folder import SUMMARY, write_json
 
 SUMMARY_FORMAT = 2
@@ -24,10 +25,24 @@ def write_summary(folder: Path, table: dict[str, Any]) -> None:
     write_json(folder / SUMMARY, {"format_version": SUMMARY_FORMAT, **table})
 
 
-def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
-    """Return the wall time of every part; ``rest`` completes them to the whole wall time."""
-    table = {part: parts_s.get(part, 0.0) for part in PARTS}
+def wall_by_part_s(stopwatch: Stopwatch, wall_s: float) -> dict[str, float]:
+    """Return the wall time of every part; ``rest`` completes them to the whole wall time.
+
+    What solvers do another time is the scheme's doing, and counts as ``coupling``.
+    """
+    repeated_s = stopwatch.repeated_s
+    table = {part: stopwatch.wall_s.get(part, 0.0) - repeated_s.get(part, 0.0) for part in PARTS}
+    table["coupling"] += sum(repeated_s.values())
     return table | {"rest": wall_s - sum(table.values())}
+
+
+def worked_by_part_s(summary: Mapping[str, Any]) -> dict[str, float]:
+    """Return the wall time of a run by the part that worked: repeats are in the parts of their solvers."""
+    parts_s = dict(summary["wall_by_part_s"])
+    for part, repeated_s in summary.get("repeated_by_part_s", {}).items():  # absent from older runs
+        parts_s[part] += repeated_s
+        parts_s["coupling"] -= repeated_s
+    return parts_s
 
 
 def closing_table(summary: dict[str, Any]) -> Table:

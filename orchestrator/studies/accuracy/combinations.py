@@ -17,6 +17,7 @@ from scipy.stats import t as student
 
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
+from orchestrator.output.records.summary import worked_by_part_s
 from orchestrator.output.results.estimate import CONFIDENCE
 from orchestrator.ports.clock import exact
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
@@ -120,11 +121,11 @@ def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
     """Return the processor time of a run in s by part of the program.
 
     The part "start" is the time before the wall time is measured.  The rest is divided in the proportions of
-    the wall time.
+    the wall time; what a scheme lets solvers repeat counts as theirs.
     """
     before_s = summary.get("processor_before_s", 0.0)  # absent from runs of older versions
     rate = (summary["processor_s"] - before_s) / summary["wall_s"]
-    return {"start": before_s} | {part: rate * time_s for part, time_s in summary["wall_by_part_s"].items()}
+    return {"start": before_s} | {part: rate * time_s for part, time_s in worked_by_part_s(summary).items()}
 
 
 def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:

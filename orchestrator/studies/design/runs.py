@@ -14,6 +14,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.load import read_tables
 from orchestrator.case.scalars import Value, value_at
 from orchestrator.output.records import trust
+from orchestrator.output.records.summary import worked_by_part_s
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
@@ -175,7 +176,7 @@ def _is_steady(summary: dict[str, Any]) -> bool:
 
 def _cost(summary: dict[str, Any]) -> dict[str, Any]:
     """Return what a run cost, as ``Outcome`` has it."""
-    particles_s = (summary.get("wall_by_part_s") or {}).get("particles", 0.0)
+    particles_s = worked_by_part_s(summary)["particles"] if "wall_by_part_s" in summary else 0.0
     return {
         "wall_s": float(summary.get("wall_s") or 0.0),
         "processor_s": float(summary.get("processor_s") or 0.0),
