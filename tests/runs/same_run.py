@@ -16,6 +16,7 @@ from tests.saved_states import differences
 OF_THE_CLOCK = (
     "wall_s",
     "wall_by_part_s",
+    "repeated_by_part_s",
     "particle_steps_per_s",
     "processor_s",
     "processor_before_s",

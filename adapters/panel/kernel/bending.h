@@ -152,33 +152,52 @@ class Bending {
   }
 
  private:
+  // What the loop reads again and again, by value: stores of numbers might else have changed it.
+  struct Local {
+    const int size, row_start[4], branches;
+    const double *const ratio, *const decay, *const gain;
+    const CellForces cells;
+    const NodeStep step;
+  };
+
+  // A step of nodes of a kind whose elastic force is now `elastic`.
+  template <class V, int kind>
+  static FLIPFLOW_INLINE void carry(const Local &my, int place, const V elastic[3], double *cross_J, V &square) {
+    for (int c = 0; c < 3; ++c) {
+      const int at = c * my.size + my.row_start[kind] + place;
+      const V now = elastic[c], change = now - load<V>(my.step.elastic_N + at);
+      const V moved = load<V>(my.step.moved_m + at);
+      store(my.step.elastic_N + at, now);
+      square += change * moved;
+      V force = now + my.cells.on<V, kind>(c, place);
+      for (int b = 0; b < my.branches; ++b) {
+        double *const stress = my.step.bending_stress_N + 3 * b * my.size + at;
+        const V old = load<V>(stress), next = my.decay[b] * old + my.gain[b] * change;
+        add_to(cross_J + b * kLanes, old * moved);
+        force += my.ratio[b] * next;
+        store(stress, next);
+      }
+      store(my.step.internal_N + at, force);
+    }
+  }
+
   template <class V>
   FLIPFLOW_INLINE void step_all(const Branches &branches, const Membrane &membrane, const NodeStep &step,
                                 double *cross_J, double *square_J) const {
-    const int size = places_.size();
+    const auto start = [this](int kind) { return places_.row_start(kind); };
+    const Local my = {places_.size(), {start(0), start(1), start(2), start(3)}, branches.count(),
+                      branches.ratio(), branches.decay(), branches.gain(), membrane.forces(), step};
     V square{};
     for (int place = 0; place < places_.row(); place += kWidth<V>) {
-      const double *const first_m = step.bent_m + places_.row_start(0) + place;
-      const double *const bent_m[3] = {first_m, first_m + size, first_m + 2 * size};
+      const double *const first_m = my.step.bent_m + my.row_start[0] + place;
+      const double *const bent_m[3] = {first_m, first_m + my.size, first_m + 2 * my.size};
       V elastic[4][3];
       matrix_.multiply(place, bent_m, elastic);
-      for (int kind = 0; kind < 4; ++kind)
-        for (int c = 0; c < 3; ++c) {
-          const int at = c * size + places_.row_start(kind) + place, lane = place % kLanes;
-          const V now = elastic[kind][c], change = now - load<V>(step.elastic_N + at);
-          const V moved = load<V>(step.moved_m + at);
-          store(step.elastic_N + at, now);
-          square += change * moved;
-          V force = now + membrane.force<V>(kind, c, place);
-          for (int b = 0; b < branches.count(); ++b) {
-            double *const stress = step.bending_stress_N + 3 * b * size + at;
-            const V old = load<V>(stress), next = branches.decay()[b] * old + branches.gain()[b] * change;
-            add_to(cross_J + b * kLanes + lane, old * moved);
-            force += branches.ratio()[b] * next;
-            store(stress, next);
-          }
-          store(step.internal_N + at, force);
-        }
+      double *const lane_J = cross_J + place % kLanes;
+      carry<V, 0>(my, place, elastic[0], lane_J, square);
+      carry<V, 1>(my, place, elastic[1], lane_J, square);
+      carry<V, 2>(my, place, elastic[2], lane_J, square);
+      carry<V, 3>(my, place, elastic[3], lane_J, square);
     }
     store(square_J, square);
   }

@@ -95,6 +95,24 @@ FLIPFLOW_INLINE Symmetric<V> rest_stress(const V rest[6], const Symmetric<V> &C)
           0.5 * (t12 + kt11 * k.a12 + kt12 * k.a22)};
 }
 
+// What cells do to their nodes, by the cells' places: (9 nodes, 3, row).
+struct CellForces {
+  const double *all_N;
+  int row;
+  int by_node[9], on_kind[4][4];  // where those on each node of a cell begin, on each kind of nodes
+
+  // The force on the component `c` of nodes of a kind, those at `place` and behind it: of the four cells
+  // around a corner, of two at an edge, of one around a centre.
+  template <class V, int kind>
+  FLIPFLOW_INLINE V on(int c, int place) const {
+    constexpr int cells = kind == 0 ? 4 : kind == 3 ? 1 : 2;
+    const double *const component_N = all_N + c * row + place;
+    V sum = load<V>(component_N + on_kind[kind][0]);
+    for (int i = 1; i < cells; ++i) sum += load<V>(component_N + on_kind[kind][i]);
+    return sum;
+  }
+};
+
 // Force and energy of the membrane (adapters/panel/finite_element/sheet_forms.py, perforation.py), kWidth<V>
 // places of cells at a time.
 class Membrane {
@@ -102,8 +120,8 @@ class Membrane {
   Membrane(const CellGrid &grid, const MembraneLaw &law)
       : places_(grid),
         groups_(places_.groups()),
-        force_row_(places_.margin() + places_.row()),
-        force_N_(9 * 3 * force_row_),
+        forces_{nullptr, places_.margin() + places_.row(), {}, {}},
+        force_N_(9 * 3 * forces_.row),
         c10_N_per_m_(law.c10_N_per_m),
         c01_N_per_m_(law.c01_N_per_m),
         perforated_(!law.rest.empty()) {
@@ -121,16 +139,18 @@ class Membrane {
       group.solid[lane] = law.solid[cell];
       for (int k = 0; k < 6; ++k) group.rest[k][lane] = perforated_ ? law.rest[6 * cell + k] : 0.0;
     }
+    int met[4] = {};
     for (int k = 0; k < 9; ++k) {
-      kind_[k] = places_.kind(k);
-      shift_[k] = places_.shift(k);
-      of_kind_[kind_[k]].push_back(k);
+      const int kind = places_.kind(k), shift = places_.shift(k);
+      place_[k] = places_.row_start(kind) + shift;
+      forces_.by_node[k] = 3 * k * forces_.row + places_.margin();
+      forces_.on_kind[kind][met[kind]++] = forces_.by_node[k] - shift;
     }
   }
 
   int groups() const { return static_cast<int>(groups_.size()); }
 
-  // Finds the force at `position_m` (3, places), which `force` adds up, and carries the scaled strain
+  // Finds the force at `position_m` (3, places), which `forces` adds up, and carries the scaled strain
   // (groups, 9, 3, kLanes) and the branches' stresses (groups, 9, branches, 3, kLanes) there.
   StepWork step(const Branches &branches, const double *position_m, double *strain, double *stress) {
     std::vector<double> cross_J(branches.count() * kLanes);
@@ -143,18 +163,16 @@ class Membrane {
     return work;
   }
 
-  // The force on the component `c` of nodes of a kind, those at `place` and behind it in their row.
-  template <class V>
-  FLIPFLOW_INLINE V force(int kind, int c, int place) const {
-    V sum{};
-    for (const int k : of_kind_[kind]) sum += load<V>(at_node(k, c) + place - shift_[k]);
-    return sum;
+  CellForces forces() const {
+    CellForces here = forces_;
+    here.all_N = force_N_.data();
+    return here;
   }
 
   double energy_J(const double *position_m) const {
     Two total{};
     for (int n = 0; n < groups() * kLanes; n += kWidth<Two>) {
-      Cells<Two> cells = {groups_[n / kLanes], n % kLanes, {}, {}};
+      Cells<Two> cells(groups_[n / kLanes], n % kLanes);
       gather(position_m, n, cells);
       Two rest[6];
       for (int k = 0; k < 6; ++k) rest[k] = cells.get(cells.group.rest[k]);
@@ -183,6 +201,8 @@ class Membrane {
     const CellGroup &group;
     int lane;
     V along[3][9], across[3][9];
+
+    Cells(const CellGroup &of, int at) : group(of), lane(at) {}  // to fill in zeros first takes a while
 
     FLIPFLOW_INLINE V get(const double *of_group) const { return load<V>(of_group + lane); }
 
@@ -216,18 +236,12 @@ class Membrane {
     }
   };
 
-  // What the cells do to their node `k`, component `c`, by the cells' places: (9, 3, margin and row).
-  double *at_node(int k, int c) { return force_N_.data() + (3 * k + c) * force_row_ + places_.margin(); }
-  const double *at_node(int k, int c) const {
-    return force_N_.data() + (3 * k + c) * force_row_ + places_.margin();
-  }
-
   template <class V>
   FLIPFLOW_INLINE void gather(const double *position_m, int place, Cells<V> &cells) const {
     for (int c = 0; c < 3; ++c) {
       V node[9];
       for (int k = 0; k < 9; ++k)
-        node[k] = load<V>(position_m + c * places_.size() + places_.row_start(kind_[k]) + place + shift_[k]);
+        node[k] = load<V>(position_m + c * places_.size() + place + place_[k]);
       slopes(node, cells.along[c], cells.across[c]);
     }
   }
@@ -238,7 +252,8 @@ class Membrane {
     for (int c = 0; c < 3; ++c) {
       V node[9];
       onto_nodes(cells.along[c], cells.across[c], node);
-      for (int k = 0; k < 9; ++k) store(at_node(k, c) + place, node[k]);
+      double *const component_N = force_N_.data() + c * forces_.row + place;
+      for (int k = 0; k < 9; ++k) store(component_N + forces_.by_node[k], node[k]);
     }
   }
 
@@ -285,16 +300,16 @@ class Membrane {
     return {solid * S.a11 + more.a11, solid * S.a22 + more.a22, solid * S.a12 + more.a12};
   }
 
-  template <class V, bool perforated>
+  template <class V, bool perforated, bool relaxes>
   FLIPFLOW_INLINE void step_cells(const Step &step, int group, int lane) {
-    Cells<V> cells = {groups_[group], lane, {}, {}};
+    Cells<V> cells(groups_[group], lane);
     gather(step.position_m, group * kLanes + lane, cells);
     const int branches = step.branches.count();
     for (int point = 0; point < 9; ++point) {
       const Symmetric<V> C = cells.metric(point);
       const V area = cells.area(point);
       Symmetric<V> S = elastic_stress<V, perforated>(cells, C);
-      if (branches > 0) {
+      if (relaxes) {
         const size_t at = (9 * group + point) * 3 * kLanes;
         const Symmetric<V> over = overstress(step, cells, C, area, step.strain + at + lane,
                                              step.stress + branches * at + lane);
@@ -305,26 +320,32 @@ class Membrane {
     scatter(cells, group * kLanes + lane);
   }
 
-  template <class V>
+  template <class V, bool perforated, bool relaxes>
   FLIPFLOW_INLINE void step_all(const Step &step) {
     for (int group = 0; group < groups(); ++group)
       for (int lane = 0; lane < kLanes; lane += kWidth<V>)
-        perforated_ ? step_cells<V, true>(step, group, lane)
-                    : step_cells<V, false>(step, group, lane);
+        step_cells<V, perforated, relaxes>(step, group, lane);
   }
 
-  FLIPFLOW_V4 static void step_v4(Membrane &m, const Step &step) { m.step_all<Eight>(step); }
-  FLIPFLOW_V3 static void step_v3(Membrane &m, const Step &step) { m.step_all<Four>(step); }
-  static void step_any(Membrane &m, const Step &step) { m.step_all<Two>(step); }
+  template <class V>
+  FLIPFLOW_INLINE void step_kind(const Step &step) {
+    if (perforated_)
+      step.branches.count() ? step_all<V, true, true>(step) : step_all<V, true, false>(step);
+    else
+      step.branches.count() ? step_all<V, false, true>(step) : step_all<V, false, false>(step);
+  }
+
+  FLIPFLOW_V4 static void step_v4(Membrane &m, const Step &step) { m.step_kind<Eight>(step); }
+  FLIPFLOW_V3 static void step_v3(Membrane &m, const Step &step) { m.step_kind<Four>(step); }
+  static void step_any(Membrane &m, const Step &step) { m.step_kind<Two>(step); }
 
   NodePlaces places_;
   std::vector<CellGroup> groups_;
-  int force_row_;
+  CellForces forces_;
   Numbers force_N_;
   double c10_N_per_m_, c01_N_per_m_;
   bool perforated_;
-  int kind_[9], shift_[9];  // of a cell's nodes
-  std::vector<int> of_kind_[4];
+  int place_[9];  // of a cell's nodes, from the cell's own
 };
 
 }  // namespace flipflow
