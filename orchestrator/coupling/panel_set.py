@@ -1,7 +1,7 @@
 """A set of panels that the coupling loop treats as a single panel with concatenated points.
 
-Under MPI, each panel belongs to one rank.  This rank advances it, and then all ranks exchange the results, so
-that every rank knows the whole surface and all reactions.
+Under MPI, each rank has some neighbouring panels.  It advances them, and then all ranks exchange the results,
+so that every rank knows the whole surface and all reactions.
 """
 
 from __future__ import annotations
@@ -14,19 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import block_diag, csr_array
 
-from orchestrator.ports import (
-    Account,
-    Array,
-    Indices,
-    Inertia,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    Panel,
-    PanelState,
-    Saved,
-)
+from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.panel import Joinable, JointAdvance, surface_ahead, surface_inertia
 
@@ -36,8 +24,8 @@ class Group:
     """Panels that one call advances: their numbers, in order, and their points in the set."""
 
     panels: Sequence[int]
-    clamps: slice | Indices
-    surface: slice | Indices
+    clamps: slice
+    surface: slice
     advance: JointAdvance
 
 
@@ -51,13 +39,19 @@ class PanelSet:
     def __init__(self, count: int, open_panel: Callable[[int], Panel], communicator: Any = None) -> None:
         self._communicator = communicator
         rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
-        self._own: dict[int, Panel] = {i: open_panel(i) for i in range(rank, count, size)}
+        starts = [count * number // size for number in range(size + 1)]
+        self._own: dict[int, Panel] = {i: open_panel(i) for i in range(starts[rank], starts[rank + 1])}
         self._follow = {i: surface_ahead(panel) for i, panel in self._own.items()}
         states = self.exchange({i: panel.initial() for i, panel in self._own.items()})
         mounts = self.exchange({i: panel.mount for i, panel in self._own.items()})
         self.surface = consecutive_slices([len(state.surface) for state in states])
         self.clamps = consecutive_slices([len(mount.frame) for mount in mounts])
         self._initial = concatenate_states(states)
+        on_surface, held = (
+            np.diff(np.cumsum([0, *map(len, of)])[starts])
+            for of in ([state.surface for state in states], [mount.frame for mount in mounts])
+        )
+        self._rows = np.column_stack([on_surface, on_surface, held])  # that each rank sends
         self._groups = [self._group(run) for run in _runs(self._own)]
         self.mount = Mount(
             np.concatenate([mount.position_m for mount in mounts]),
@@ -72,14 +66,16 @@ class PanelSet:
             group.advance(interval, clamps.part(group.clamps), load.part(group.surface))
             for group in self._groups
         ]
-        return concatenate_states(self._exchange_states(own))
+        return self._exchange_states(own)
 
     def _group(self, numbers: Sequence[int]) -> Group:
         """Return panels of this rank that can be joined, or a single one, as a group."""
         panels = [self._own[i] for i in numbers]
         advance = _together(panels) if len(panels) > 1 else panels[0].advance
         assert advance is not None, "only panels that can be joined make a run"
-        clamps, surface = (_joined([of[i] for i in numbers]) for of in (self.clamps, self.surface))
+        clamps, surface = (
+            slice(of[numbers[0]].start, of[numbers[-1]].stop) for of in (self.clamps, self.surface)
+        )
         return Group(numbers, clamps, surface, advance)
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
@@ -117,60 +113,25 @@ class PanelSet:
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]
 
-    def _exchange_states(self, own: Sequence[PanelState]) -> list[PanelState]:
-        """Return the states of all panels from those of this rank's groups.
+    def _exchange_states(self, own: Sequence[PanelState]) -> PanelState:
+        """Return the state of all panels from those of this rank's groups.
 
         They go between ranks as plain numbers, since they do in every interval.
         """
         if not self._communicator:
-            return list(own)
-        by_rank = sorted(range(len(self.surface)), key=self._owner)
-        points = [(_length(self.surface[i]), _length(self.clamps[i])) for i in by_rank]
-        lengths = [6 * on_surface + 3 * held for on_surface, held in points]
-        counts = np.bincount([self._owner(i) for i in by_rank], lengths, self._communicator.size)
-        single = [
-            part for group, state in zip(self._groups, own, strict=True) for part in self._parts(group, state)
+            return concatenate_states(own)
+        motions = [state.surface for state in own]
+        sent = [
+            np.empty((0, 3)),
+            *(motion.position_m for motion in motions),
+            *(motion.velocity_m_per_s for motion in motions),
+            *(state.reaction.force_N for state in own),
         ]
-        sent = np.concatenate([*map(_numbers, single), np.empty(0)])
-        received = np.empty(sum(lengths))
-        self._communicator.Allgatherv(sent, (received, counts.astype(int)))
-        parts = zip(by_rank, consecutive_slices(lengths), points, strict=True)
-        states = {i: _state(received[part], on_surface) for i, part, (on_surface, _) in parts}
-        return [states[i] for i in sorted(states)]
-
-    def _parts(self, group: Group, state: PanelState) -> list[PanelState]:
-        """Return the states of a group's panels, one by one."""
-        if len(group.panels) == 1:
-            return [state]
-        clamps, surface = (
-            consecutive_slices([_length(of[i]) for i in group.panels]) for of in (self.clamps, self.surface)
-        )
-        return [
-            PanelState(state.surface.part(points), state.reaction.part(held))
-            for points, held in zip(surface, clamps, strict=True)
-        ]
-
-    def _owner(self, panel: int) -> int:
-        """Return the rank that advances a panel."""
-        return int(panel % self._communicator.size)
-
-
-def _length(part: slice) -> int:
-    """Return how many points a slice takes."""
-    return len(range(part.start, part.stop))
-
-
-def _numbers(state: PanelState) -> Array:
-    """Return all numbers of a panel's state in one row."""
-    motion = state.surface
-    parts = (motion.position_m, motion.velocity_m_per_s, state.reaction.force_N)
-    return np.concatenate([part.ravel() for part in parts])
-
-
-def _state(numbers: Array, points: int) -> PanelState:
-    """Return the state whose ``_numbers`` these are, of a panel with so many points on its surface."""
-    position_m, velocity_m_per_s, force_N = np.split(numbers.reshape(-1, 3), [points, 2 * points])
-    return PanelState(Motion.unchecked(position_m, velocity_m_per_s), Load.unchecked(force_N))
+        received = np.empty((self._rows.sum(), 3))
+        self._communicator.Allgatherv(np.concatenate(sent), (received, 3 * self._rows.sum(axis=1)))
+        parts = np.split(received, np.cumsum(self._rows)[:-1])
+        position_m, velocity_m_per_s, force_N = (np.concatenate(parts[kind::3]) for kind in range(3))
+        return PanelState(Motion.unchecked(position_m, velocity_m_per_s), Load.unchecked(force_N))
 
 
 def _runs(panels: Mapping[int, Panel]) -> list[list[int]]:
@@ -187,13 +148,6 @@ def _runs(panels: Mapping[int, Panel]) -> list[list[int]]:
 def _together(panels: Sequence[Panel]) -> JointAdvance | None:
     """Return the call that advances panels together, or None where they cannot be joined."""
     return panels[0].join(panels) if isinstance(panels[0], Joinable) else None
-
-
-def _joined(parts: Sequence[slice]) -> slice | Indices:
-    """Return the points of several slices: a slice where they are consecutive, else their numbers."""
-    if all(before.stop == after.start for before, after in itertools.pairwise(parts)):
-        return slice(parts[0].start, parts[-1].stop)
-    return np.concatenate([np.arange(part.start, part.stop) for part in parts])
 
 
 def consecutive_slices(lengths: Sequence[int]) -> tuple[slice, ...]:

@@ -54,7 +54,7 @@ class Rank:
     def Allgatherv(self, sent: Any, into: Any) -> None:
         received, counts = into
         every = self._ranks.gather(self.rank, sent.copy())
-        assert [len(numbers) for numbers in every] == counts.tolist()
+        assert [numbers.size for numbers in every] == counts.tolist()
         received[:] = np.concatenate(every)
 
 
@@ -92,7 +92,7 @@ def moved(communicator: Any) -> tuple[PanelState, list[int]]:
 
 
 @pytest.mark.parametrize(
-    ("size", "together"), [(2, [[3], [2, 1]]), (4, [[2], [1, 1], [1], [1]]), (8, [[1]] * 6 + [[]] * 2)]
+    ("size", "together"), [(2, [[3], [2, 1]]), (4, [[1], [2], [1], [1, 1]]), (8, [[], [1], [1], [1]] * 2)]
 )
 def test_ranks_join_their_panels_and_know_the_states_of_all(size: int, together: list[list[int]]) -> None:
     """To the last bit, on ranks with several panels, one or none."""
