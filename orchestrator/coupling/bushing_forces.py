@@ -64,15 +64,17 @@ class BushingForces:
     def at(self, carried: Motion, element_N: Array | None = None) -> tuple[Array, Array]:
         """Return deformation in m and force in N of every bushing, (n, 3) each, along its own axes.
 
+        Several moments at once stand in leading axes of all arrays, and change no bit.
+
         The axes turn with the first body.  The deformation is the place of the second end against the first,
         and the force holds the second end there.  Both count from t = 0: the preload that carries weight is
         not included.  ``element_N`` (n, 3) are the forces of friction and Maxwell elements, which the frames
         know.
         """
         place_m, velocity_m_per_s, turn = self._ends(carried)
-        axes = self.axes @ turn[0].transpose(0, 2, 1)
-        deformation_m = np.einsum("nij,nj->ni", axes, place_m[1] - place_m[0])
-        rate_m_per_s = np.einsum("nij,nj->ni", axes, velocity_m_per_s[1] - velocity_m_per_s[0])
+        axes = self.axes @ np.swapaxes(turn[..., 0, :, :, :], -1, -2)
+        deformation_m = _times(axes, place_m[..., 1, :, :] - place_m[..., 0, :, :])
+        rate_m_per_s = _times(axes, velocity_m_per_s[..., 1, :, :] - velocity_m_per_s[..., 0, :, :])
         force_N = self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s
         return deformation_m, force_N if element_N is None else force_N + element_N
 
@@ -80,11 +82,16 @@ class BushingForces:
         """Return places and velocities (2, n, 3) of both ends, and rotations (2, n, 3, 3) of their bodies."""
         points = np.array((self.first, self.second))
         still = points[..., :1, None] < 0
-        place_m = np.where(still, GROUND_M, carried.position_m[points])
-        velocity_m_per_s = np.where(still, 0.0, carried.velocity_m_per_s[points])
-        turn, spin = (np.swapaxes(x[..., 1:, :] - x[..., :1, :], 2, 3) for x in (place_m, velocity_m_per_s))
+        place_m = np.where(still, GROUND_M, carried.position_m[..., points, :])
+        velocity_m_per_s = np.where(still, 0.0, carried.velocity_m_per_s[..., points, :])
+        turn, spin = (np.swapaxes(x[..., 1:, :] - x[..., :1, :], -1, -2) for x in (place_m, velocity_m_per_s))
         return (
-            place_m[..., 0, :] + np.einsum("enij,enj->eni", turn, self.arm_m),
-            velocity_m_per_s[..., 0, :] + np.einsum("enij,enj->eni", spin, self.arm_m),
+            place_m[..., 0, :] + _times(turn, self.arm_m),
+            velocity_m_per_s[..., 0, :] + _times(spin, self.arm_m),
             turn,
         )
+
+
+def _times(matrices: Array, vectors: Array) -> Array:
+    """Return matrices (..., 3, 3) times vectors (..., 3), each as if it stood alone."""
+    return (matrices @ vectors[..., None])[..., 0]

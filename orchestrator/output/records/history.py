@@ -153,6 +153,10 @@ def columns(kind: str, record: object) -> dict[str, Any]:
     return {name: getattr(record, name) for name in COLUMNS[kind]}
 
 
+Derive = Callable[[Mapping[str, Array]], Iterable[tuple[str, dict[str, Array]]]]
+"""A function that makes columns of groups of ``history.h5`` from the columns of collected rows."""
+
+
 class History:
     """The time series in a new file, or with ``goes_on`` in an existing file.
 
@@ -165,6 +169,7 @@ class History:
         self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
         self._rows: dict[str, list[dict[str, Array | float]]] = {}
         self._columns: dict[str, Column] = {}
+        self._derived: dict[str, Derive] = {}
         if not goes_on:
             self._file.attrs["format_version"] = HISTORY_FORMAT
         self._file.flush()  # so that a run that is killed before its first row leaves a valid file
@@ -175,6 +180,10 @@ class History:
         rows.append({"time_s": time_s, **values})
         if len(rows) >= ROWS_IN_MEMORY:
             self._append(group)
+
+    def derive(self, group: str, derive: Derive) -> None:
+        """From now on write, in place of the rows of ``group``, the groups that ``derive`` makes of them."""
+        self._derived[group] = derive
 
     def add_each(
         self, kind: str, time_s: float, names: Iterable[str], columns: Mapping[str, Array | Sequence[Array]]
@@ -211,8 +220,11 @@ class History:
         rows, self._rows[group] = self._rows[group], []
         if not rows:
             return
-        for name in rows[0]:
-            self._extend(f"{group}/{name}", np.array([row[name] for row in rows], np.float64))
+        columns = {name: np.array([row[name] for row in rows], np.float64) for name in rows[0]}
+        made = self._derived[group](columns) if group in self._derived else [(group, columns)]
+        for where, values in made:
+            for name, block in (values | {"time_s": columns["time_s"]}).items():
+                self._extend(f"{where}/{name}", block)
 
     def _extend(self, where: str, block: Array | Indices) -> None:
         if where not in self._columns:

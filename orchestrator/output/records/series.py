@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import prod
 from typing import ClassVar
 
 import numpy as np
@@ -16,6 +17,8 @@ from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.frames import find_element_forces_N
 from orchestrator.ports.state import SavedAttributes
 
+Groups = Iterator[tuple[str, dict[str, Array]]]
+ROWS = "rows"  # the group of rows from which those of the file are computed, many at once
 FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
 
 
@@ -57,6 +60,7 @@ class TimeSeries(SavedAttributes):
         self._machine, self._start, self._history = machine, start, history
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
+        history.derive(ROWS, self._groups)
 
     def add_forces(self, forces_N: Array) -> None:
         """Add the forces of a sync interval, (5, panels, 3) in the order of FORCES."""
@@ -65,33 +69,50 @@ class TimeSeries(SavedAttributes):
 
     def write_row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
         """Write a row; ``followed`` are the particles if a probe follows one of them."""
-        machine, history = self._machine, self._history
-        history.add_each("frames", time_s, machine.centres, self._frames(state.clamps))
-        for probe in machine.probes:
-            position_m, velocity_m_per_s = _probe_motion(probe, state, followed)
-            values = {"position_m": position_m, "velocity_m_per_s": velocity_m_per_s}
-            history.add(f"probes/{probe.name}", time_s, values)
-        element_N = find_element_forces_N(machine.members.frames)
-        deformation_m, force_N = machine.bushings.at(state.clamps, element_N)
-        columns = {"deformation_m": deformation_m, "force_N": force_N}
-        history.add_each("bushings", time_s, machine.bushings.names, columns)
-        mean_N = self._sum_N / self._summed
-        for number, panel in enumerate(machine.panels):
-            forces_N = dict(zip(FORCES, mean_N[:, number], strict=True))
+        element_N = find_element_forces_N(self._machine.members.frames)
+        probes = [_probe_motion(probe, state, followed) for probe in self._machine.probes]
+        row: dict[str, Array | float] = {
+            "position_m": state.clamps.position_m,
+            "velocity_m_per_s": state.clamps.velocity_m_per_s,
+            "probes": np.array(probes).reshape(-1, 2, 3),
+            "forces_N": self._sum_N / self._summed,
+        }
+        self._history.add(ROWS, time_s, row if element_N is None else row | {"element_N": element_N})
+        self._sum_N[:], self._summed = 0.0, 0
+
+    def _groups(self, rows: Mapping[str, Array]) -> Groups:
+        """Yield the groups of ``history.h5`` with their rows, from rows as ``write_row`` adds them."""
+        machine = self._machine
+        clamps = Motion.unchecked(rows["position_m"], rows["velocity_m_per_s"])
+        yield from _by_name("frames", machine.centres, self._frames(clamps))
+        position_m, velocity_m_per_s = np.moveaxis(rows["probes"], 2, 0)
+        values = {"position_m": position_m, "velocity_m_per_s": velocity_m_per_s}
+        yield from _by_name("probes", [probe.name for probe in machine.probes], values)
+        deformation_m, force_N = machine.bushings.at(clamps, rows.get("element_N"))
+        bushings = {"deformation_m": deformation_m, "force_N": force_N}
+        yield from _by_name("bushings", machine.bushings.names, bushings)
+        mean_N = dict(zip(FORCES, np.moveaxis(rows["forces_N"], 1, 0), strict=True))
+        panels = _by_name("forces", [panel.name for panel in machine.panels], mean_N)
+        for panel, (group, forces_N) in zip(machine.panels, panels, strict=True):
             if not len(panel.stops):
                 del forces_N["stops_N"]
-            history.add(f"forces/{panel.name}", time_s, forces_N)
-        self._sum_N[:], self._summed = 0.0, 0
+            yield group, forces_N
 
     def _frames(self, clamps: Motion) -> dict[str, Array]:
         centres = np.fromiter(self._machine.centres.values(), np.int64)
         rotation_rad, spin_rad_per_s = rotations(clamps, centres)
         return {
-            "displacement_m": clamps.position_m[centres] - self._start.clamps.position_m[centres],
-            "velocity_m_per_s": clamps.velocity_m_per_s[centres],
+            "displacement_m": clamps.position_m[..., centres, :] - self._start.clamps.position_m[centres],
+            "velocity_m_per_s": clamps.velocity_m_per_s[..., centres, :],
             "rotation_rad": rotation_rad,
             "spin_rad_per_s": spin_rad_per_s,
         }
+
+
+def _by_name(kind: str, names: Iterable[str], columns: Mapping[str, Array]) -> Groups:
+    """Yield the group of each name with its rows, from columns (rows, names, 3)."""
+    for number, name in enumerate(names):
+        yield f"{kind}/{name}", {column: values[:, number] for column, values in columns.items()}
 
 
 def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
@@ -99,19 +120,22 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
 
     Both are (frames, 3), in world axes.  ``centres`` (frames,) are the point numbers of the centres of mass.
     The three points after each centre are the ends of arms that are 1 m long and lie along the world's axes
-    at t = 0 (``coupling/surface_parts.py``).
+    at t = 0 (``coupling/surface_parts.py``).  Several moments at once stand in leading axes.
     """
-    if not len(centres):  # Rotation refuses empty arrays
-        return np.empty((0, 3)), np.empty((0, 3))
+    shape = (*carried.position_m.shape[:-2], len(centres), 3)
+    if not prod(shape):  # Rotation refuses empty arrays
+        return np.empty(shape), np.empty(shape)
     ends = centres[:, None] + np.arange(1, 4)
     arms_m, rates_m_per_s = (
-        value[ends] - value[centres][:, None] for value in (carried.position_m, carried.velocity_m_per_s)
+        value[..., ends, :] - value[..., centres, None, :]
+        for value in (carried.position_m, carried.velocity_m_per_s)
     )
-    rotation_rad = Rotation.from_matrix(arms_m.transpose(0, 2, 1)).as_rotvec()
+    turns = np.swapaxes(arms_m, -1, -2).reshape(-1, 3, 3)
+    rotation_rad = Rotation.from_matrix(turns).as_rotvec().reshape(shape)
     # for orthonormal arms a:  sum of a x (spin x a) = 2 spin
-    (x, y, z), (u, v, w) = np.moveaxis(arms_m, 2, 0), np.moveaxis(rates_m_per_s, 2, 0)
-    products = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=2)  # quicker than np.cross
-    return rotation_rad, products.sum(axis=1) / 2
+    (x, y, z), (u, v, w) = np.moveaxis(arms_m, -1, 0), np.moveaxis(rates_m_per_s, -1, 0)
+    products = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)  # quicker than np.cross
+    return rotation_rad, products.sum(axis=-2) / 2
 
 
 def _probe_motion(probe: PlacedProbe, state: State, followed: ParticleSnapshot | None) -> tuple[Array, Array]:
