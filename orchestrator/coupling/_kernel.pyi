@@ -23,9 +23,6 @@ class PointMatrix:
     def times(self, values: Array) -> Array:
         """Return the matrix times ``values`` (width, 3), (rows, 3)."""
 
-    def rows_times(self, some: Indices, values: Array) -> Array:
-        """Return the rows ``some`` (n,) of the matrix times ``values`` (width, 3), (n, 3)."""
-
     def transposed_times(self, values: Array) -> Array:
         """Return the transposed matrix times ``values`` (rows, 3), (width, 3)."""
 

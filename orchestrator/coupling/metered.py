@@ -43,7 +43,7 @@ class Stopwatch:
     def __init__(self) -> None:
         self.wall_s: dict[str, float] = {}
         self.repeated_s: dict[str, float] = {}
-        self._open: list[tuple[str, bool]] = []
+        self.open: list[tuple[str, bool]] = []
         self._last: dict[int, Interval] = {}
         self._since_s = 0.0
 
@@ -58,20 +58,11 @@ class Stopwatch:
         self._last[id(member)] = interval
         return TimedPart(self, part, repeated)
 
-    def enter(self, part: str, repeated: bool) -> None:
-        """Begin to count the time as ``part``."""
-        self._book()
-        self._open.append((part, repeated))
-
-    def leave(self) -> None:
-        """Go back to the part in which the present one began."""
-        self._book()
-        self._open.pop()
-
-    def _book(self) -> None:
+    def book(self) -> None:
+        """Count the time since the last call for the innermost part that is open."""
         now = time.perf_counter()
-        if self._open:
-            part, repeated = self._open[-1]
+        if self.open:
+            part, repeated = self.open[-1]
             for book in (self.wall_s, self.repeated_s)[: 1 + repeated]:
                 book[part] = book.get(part, 0.0) + now - self._since_s
         self._since_s = now
@@ -86,10 +77,12 @@ class TimedPart:
         self._stopwatch, self._part, self._repeated = stopwatch, part, repeated
 
     def __enter__(self) -> None:
-        self._stopwatch.enter(self._part, self._repeated)
+        self._stopwatch.book()
+        self._stopwatch.open.append((self._part, self._repeated))
 
     def __exit__(self, *_: object) -> None:
-        self._stopwatch.leave()
+        self._stopwatch.book()
+        self._stopwatch.open.pop()
 
 
 class MeteredFrames(FramesWrapper):
@@ -223,13 +216,6 @@ class MeteredPanel(TimedPanel):
         self.through_N_s += received + given
         self._surface, self._clamps = state.surface, clamps
         self.last = clamps, load, state
-        return state
-
-    def trial(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        """Return the state to which a load would lead; neither the panel nor its books change."""
-        before = super().save()
-        state = super().advance(interval, clamps, load)
-        super().restore(before)
         return state
 
     def save(self) -> Saved:

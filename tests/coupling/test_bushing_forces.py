@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling.bushing_forces import BushingForces
+from orchestrator.output.records.series import rotations
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.plans import BushingPlan
 
@@ -67,3 +68,21 @@ def test_a_point_of_a_turning_frame_moves_with_its_lever_arm() -> None:
     deformation_m, _ = forces("ground", "driving").at(moved(TURN, SHIFT_M, SPIN, SPEED))
     expected_m = TURN.apply(PLACE_M) + SHIFT_M - PLACE_M
     assert deformation_m[0] == pytest.approx(AXES @ expected_m, abs=1e-14)
+
+
+def test_several_moments_at_once_change_no_bit() -> None:
+    """The series are computed in blocks, and a resumed run has other blocks than one that never stopped."""
+    turns = [Rotation.from_rotvec(0.01 * (number + 1) * np.array([1.0, -2.0, 0.5])) for number in range(7)]
+    every = [moved(turn, SHIFT_M, SPIN, SPEED) for turn in turns]
+    together = Motion.unchecked(
+        np.stack([one.position_m for one in every]), np.stack([one.velocity_m_per_s for one in every])
+    )
+    bushing, element_N = forces("driving", "driven"), np.arange(21.0).reshape(7, 1, 3)
+    centres = np.array(list(CENTRES.values()))
+    for number, one in enumerate(every):
+        for found, alone in (
+            (bushing.at(together, element_N), bushing.at(one, element_N[number])),
+            (rotations(together, centres), rotations(one, centres)),
+        ):
+            for values, single in zip(found, alone, strict=True):
+                assert np.array_equal(values[number], single)

@@ -31,8 +31,6 @@ def test_a_matrix_gives_the_products_of_scipy_to_the_bit() -> None:
     values, forces_N = field(), GENERATOR.normal(size=(60, 3)) * (GENERATOR.random(60) < 0.3)[:, None]
     np.testing.assert_array_equal(matrix.times(values), H @ values)
     np.testing.assert_array_equal(matrix.transposed_times(forces_N), csr_array(H.T) @ forces_N)
-    some = np.array([59, 3, 3, 17])
-    np.testing.assert_array_equal(matrix.rows_times(some, values), H[some] @ values)
 
 
 def test_matrices_that_are_none_and_values_of_another_shape_are_refused() -> None:
@@ -48,9 +46,6 @@ def test_matrices_that_are_none_and_values_of_another_shape_are_refused() -> Non
         matrix.times(np.ones((3, 4)))
     with pytest.raises(ValueError, match=r"values: shape \(1, 3\) wanted"):
         matrix.transposed_times(np.ones((4, 3)))
-    for row in (-1, 1):
-        with pytest.raises(ValueError, match=f"some: no row has the number {row}"):
-            matrix.rows_times(np.array([0, row]), np.ones((4, 3)))
 
 
 def test_what_a_load_hands_over_is_its_integral_along_the_path() -> None:

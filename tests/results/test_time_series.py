@@ -36,7 +36,7 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
         )
         for n in range(2)
     ]
-    still = SimpleNamespace(names=(), at=lambda *_: (np.empty((0, 3)), np.empty((0, 3))))
+    still = SimpleNamespace(names=(), at=lambda motion, _: np.empty((2, len(motion.position_m), 0, 3)))
     members = SimpleNamespace(frames=None)
     machine: Any = SimpleNamespace(centres={}, probes=(), panels=panels, bushings=still, members=members)
     history = History(tmp_path / "history.h5")

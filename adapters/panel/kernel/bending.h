@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -140,21 +139,32 @@ class Bending {
 
   // Fills in the internal force, which is that of bending and what the membrane's cells do, and carries
   // the elastic force and the branches' stresses on.
-  StepWork step(const Branches &branches, const Membrane &membrane, const NodeStep &step) const {
-    std::vector<double> cross_J(branches.count() * kLanes);
-    double square_J[kLanes] = {};
-    static const auto step_here = fitting(step_v4, step_v3, step_any);
-    step_here(*this, branches, membrane, step, cross_J.data(), square_J);
-    StepWork work(branches.count());
-    for (size_t i = 0; i < cross_J.size(); ++i) work.cross_J[i / kLanes] += cross_J[i];
-    work.square_J = std::accumulate(square_J, square_J + kLanes, 0.0);
-    return work;
+  template <class V>
+  FLIPFLOW_INLINE void step(const Branches &branches, const Membrane &membrane, const NodeStep &step,
+                            StepWork &work) const {
+    const Local my = {places_, branches.count(), branches.ratio(), branches.decay(), branches.gain(),
+                      membrane.forces(), step};
+    const int size = places_.size();
+    V square{};
+    for (int place = 0; place < places_.row(); place += kWidth<V>) {
+      const double *const first_m = my.step.bent_m + my.places.row_start(0) + place;
+      const double *const bent_m[3] = {first_m, first_m + size, first_m + 2 * size};
+      V elastic[4][3];
+      matrix_.multiply(place, bent_m, elastic);
+      double *const lane_J = work.cross_J.data() + place % kLanes;
+      carry<V, 0>(my, place, elastic[0], lane_J, square);
+      carry<V, 1>(my, place, elastic[1], lane_J, square);
+      carry<V, 2>(my, place, elastic[2], lane_J, square);
+      carry<V, 3>(my, place, elastic[3], lane_J, square);
+    }
+    store(work.square_J, square);
   }
 
  private:
   // What the loop reads again and again, by value: stores of numbers might else have changed it.
   struct Local {
-    const int size, row_start[4], branches;
+    const NodePlaces places;
+    const int branches;
     const double *const ratio, *const decay, *const gain;
     const CellForces cells;
     const NodeStep step;
@@ -164,14 +174,14 @@ class Bending {
   template <class V, int kind>
   static FLIPFLOW_INLINE void carry(const Local &my, int place, const V elastic[3], double *cross_J, V &square) {
     for (int c = 0; c < 3; ++c) {
-      const int at = c * my.size + my.row_start[kind] + place;
+      const int at = c * my.places.size() + my.places.row_start(kind) + place;
       const V now = elastic[c], change = now - load<V>(my.step.elastic_N + at);
       const V moved = load<V>(my.step.moved_m + at);
       store(my.step.elastic_N + at, now);
       square += change * moved;
       V force = now + my.cells.on<V, kind>(c, place);
       for (int b = 0; b < my.branches; ++b) {
-        double *const stress = my.step.bending_stress_N + 3 * b * my.size + at;
+        double *const stress = my.step.bending_stress_N + 3 * b * my.places.size() + at;
         const V old = load<V>(stress), next = my.decay[b] * old + my.gain[b] * change;
         add_to(cross_J + b * kLanes, old * moved);
         force += my.ratio[b] * next;
@@ -179,40 +189,6 @@ class Bending {
       }
       store(my.step.internal_N + at, force);
     }
-  }
-
-  template <class V>
-  FLIPFLOW_INLINE void step_all(const Branches &branches, const Membrane &membrane, const NodeStep &step,
-                                double *cross_J, double *square_J) const {
-    const auto start = [this](int kind) { return places_.row_start(kind); };
-    const Local my = {places_.size(), {start(0), start(1), start(2), start(3)}, branches.count(),
-                      branches.ratio(), branches.decay(), branches.gain(), membrane.forces(), step};
-    V square{};
-    for (int place = 0; place < places_.row(); place += kWidth<V>) {
-      const double *const first_m = my.step.bent_m + my.row_start[0] + place;
-      const double *const bent_m[3] = {first_m, first_m + my.size, first_m + 2 * my.size};
-      V elastic[4][3];
-      matrix_.multiply(place, bent_m, elastic);
-      double *const lane_J = cross_J + place % kLanes;
-      carry<V, 0>(my, place, elastic[0], lane_J, square);
-      carry<V, 1>(my, place, elastic[1], lane_J, square);
-      carry<V, 2>(my, place, elastic[2], lane_J, square);
-      carry<V, 3>(my, place, elastic[3], lane_J, square);
-    }
-    store(square_J, square);
-  }
-
-  FLIPFLOW_V4 static void step_v4(const Bending &b, const Branches &branches, const Membrane &membrane,
-                                  const NodeStep &step, double *cross_J, double *square_J) {
-    b.step_all<Eight>(branches, membrane, step, cross_J, square_J);
-  }
-  FLIPFLOW_V3 static void step_v3(const Bending &b, const Branches &branches, const Membrane &membrane,
-                                  const NodeStep &step, double *cross_J, double *square_J) {
-    b.step_all<Four>(branches, membrane, step, cross_J, square_J);
-  }
-  static void step_any(const Bending &b, const Branches &branches, const Membrane &membrane,
-                       const NodeStep &step, double *cross_J, double *square_J) {
-    b.step_all<Two>(branches, membrane, step, cross_J, square_J);
   }
 
   NodePlaces places_;

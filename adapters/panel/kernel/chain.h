@@ -253,11 +253,11 @@ class Chain {
     for (int i = 0; i < strains; ++i) {
       const double change = strain_[i] - strain[i], push = stiffness_[i] * change;
       strain[i] = strain_[i];
-      work.square_J += change * push;
+      work.square_J[0] += change * push;
       over_[i] = 0.0;
       for (int b = 0; b < branches_.count(); ++b) {
         double &own = stress[b * strains + i];
-        work.cross_J[b] += own * change;
+        work.cross_J[b * kLanes] += own * change;
         own = branches_.decay()[b] * own + branches_.gain()[b] * push;
         over_[i] += branches_.ratio()[b] * own;
       }

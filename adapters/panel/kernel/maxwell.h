@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "lanes.h"
+
 namespace flipflow {
 
-// Work that the branches' energies follow from: `cross_J` (branches), each branch's old stress times
-// the change of strain; `square_J`, the change of elastic stress times that of strain.
+// Work that the branches' energies follow from, by lanes: `cross_J` (branches, kLanes), each branch's old
+// stress times the change of strain; `square_J`, the change of elastic stress times that of strain.
 struct StepWork {
-  explicit StepWork(int branches) : cross_J(branches) {}
+  explicit StepWork(int branches) : cross_J(branches * kLanes) {}
   std::vector<double> cross_J;
-  double square_J = 0.0;
+  double square_J[kLanes] = {};
+
+  static double sum(const double *lanes_J) { return std::accumulate(lanes_J, lanes_J + kLanes, 0.0); }
 };
 
 // Maxwell branches over steps of one length: the update and the books of adapters/panel/common/maxwell.py.
@@ -52,7 +57,8 @@ class Branches {
     double lost_J = 0.0;
     for (size_t i = 0; i < ratio_.size(); ++i) {
       const double a = gain_[i], d = decay_[i], times = time_s_[i] / step_s_;
-      const double cross = work.cross_J[i], square = work.square_J;
+      const double cross = StepWork::sum(work.cross_J.data() + i * kLanes);
+      const double square = StepWork::sum(work.square_J);
       const double done_J = ratio_[i] * (times * (1.0 - a) * square + a * cross);
       const double stored_J =
           d * d * energy_J[i] + ratio_[i] * (a * d * cross + 0.5 * a * a * square);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include "biquadratic.h"
@@ -152,15 +151,14 @@ class Membrane {
 
   // Finds the force at `position_m` (3, places), which `forces` adds up, and carries the scaled strain
   // (groups, 9, 3, kLanes) and the branches' stresses (groups, 9, branches, 3, kLanes) there.
-  StepWork step(const Branches &branches, const double *position_m, double *strain, double *stress) {
-    std::vector<double> cross_J(branches.count() * kLanes);
-    double square_J[kLanes] = {};
-    static const auto step_here = fitting(step_v4, step_v3, step_any);
-    step_here(*this, {branches, position_m, strain, stress, cross_J.data(), square_J});
-    StepWork work(branches.count());
-    for (size_t i = 0; i < cross_J.size(); ++i) work.cross_J[i / kLanes] += cross_J[i];
-    work.square_J = std::accumulate(square_J, square_J + kLanes, 0.0);
-    return work;
+  template <class V>
+  FLIPFLOW_INLINE void step(const Branches &branches, const double *position_m, double *strain,
+                            double *stress, StepWork &work) {
+    const Step step = {branches, position_m, strain, stress, work.cross_J.data(), work.square_J};
+    if (perforated_)
+      branches.count() ? step_all<V, true, true>(step) : step_all<V, true, false>(step);
+    else
+      branches.count() ? step_all<V, false, true>(step) : step_all<V, false, false>(step);
   }
 
   CellForces forces() const {
@@ -326,18 +324,6 @@ class Membrane {
       for (int lane = 0; lane < kLanes; lane += kWidth<V>)
         step_cells<V, perforated, relaxes>(step, group, lane);
   }
-
-  template <class V>
-  FLIPFLOW_INLINE void step_kind(const Step &step) {
-    if (perforated_)
-      step.branches.count() ? step_all<V, true, true>(step) : step_all<V, true, false>(step);
-    else
-      step.branches.count() ? step_all<V, false, true>(step) : step_all<V, false, false>(step);
-  }
-
-  FLIPFLOW_V4 static void step_v4(Membrane &m, const Step &step) { m.step_kind<Eight>(step); }
-  FLIPFLOW_V3 static void step_v3(Membrane &m, const Step &step) { m.step_kind<Four>(step); }
-  static void step_any(Membrane &m, const Step &step) { m.step_kind<Two>(step); }
 
   NodePlaces places_;
   std::vector<CellGroup> groups_;

@@ -188,12 +188,23 @@ class Sheet {
   }
 
   Works find_force(const SheetState &state) {
-    const StepWork stretching =
-        membrane_.step(branches_, state.position_m, state.strain, state.strain_stress);
+    Works works = {StepWork(branches_.count()), StepWork(branches_.count())};
+    static const auto find_here = fitting(find_v4, find_v3, find_any);
+    find_here(*this, state, works);
+    return works;
+  }
+
+  template <class V>
+  FLIPFLOW_INLINE void find_all(const SheetState &state, Works &works) {
+    membrane_.step<V>(branches_, state.position_m, state.strain, state.strain_stress, works.stretching);
     const NodeStep step = {bent_m_.data(), moved_m_.data(), state.elastic_N, state.bending_stress_N,
                            state.internal_N};
-    return {stretching, bending_.step(branches_, membrane_, step)};
+    bending_.step<V>(branches_, membrane_, step, works.bending);
   }
+
+  FLIPFLOW_V4 static void find_v4(Sheet &s, const SheetState &at, Works &works) { s.find_all<Eight>(at, works); }
+  FLIPFLOW_V3 static void find_v3(Sheet &s, const SheetState &at, Works &works) { s.find_all<Four>(at, works); }
+  static void find_any(Sheet &s, const SheetState &at, Works &works) { s.find_all<Two>(at, works); }
 
   // Held nodes have not drifted by their own velocity but go along their path.
   void place_held(const SheetState &state, const HeldPath &path, double fraction) {

@@ -57,20 +57,15 @@ class PointMatrix {
     const double *from = vectors(values, width_, "values");
     Doubles product({rows(), size_t{3}});
     double *to = product.mutable_data();
-    for (size_t row = 0; row < rows(); ++row, to += 3) row_times(row, from, to);
-    return product;
-  }
-
-  // Those rows of the product alone.
-  Doubles rows_times(const Ints &some, const Doubles &values) const {
-    const double *from = vectors(values, width_, "values");
-    Doubles product({static_cast<size_t>(some.size()), size_t{3}});
-    double *to = product.mutable_data();
-    for (py::ssize_t k = 0; k < some.size(); ++k, to += 3) {
-      const int row = some.data()[k];
-      if (row < 0 || static_cast<size_t>(row) >= rows())
-        throw py::value_error("some: no row has the number " + std::to_string(row));
-      row_times(row, from, to);
+    for (size_t row = 0; row < rows(); ++row, to += 3) {
+      double x = 0.0, y = 0.0, z = 0.0;
+      for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
+        const double *at = from + 3 * static_cast<size_t>(columns_[i]);
+        x += entries_[i] * at[0];
+        y += entries_[i] * at[1];
+        z += entries_[i] * at[2];
+      }
+      to[0] = x, to[1] = y, to[2] = z;
     }
     return product;
   }
@@ -93,17 +88,6 @@ class PointMatrix {
 
  private:
   size_t rows() const { return starts_.size() - 1; }
-
-  void row_times(size_t row, const double *from, double *to) const {
-    double x = 0.0, y = 0.0, z = 0.0;
-    for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
-      const double *at = from + 3 * static_cast<size_t>(columns_[i]);
-      x += entries_[i] * at[0];
-      y += entries_[i] * at[1];
-      z += entries_[i] * at[2];
-    }
-    to[0] = x, to[1] = y, to[2] = z;
-  }
 
   std::vector<int> starts_, columns_;
   std::vector<double> entries_;
@@ -237,7 +221,6 @@ PYBIND11_MODULE(_kernel, module) {
       .def(py::init<const Ints &, const Ints &, const Doubles &, size_t>(), arg("starts"), arg("columns"),
            arg("entries"), arg("width"))
       .def("times", &PointMatrix::times, arg("values"))
-      .def("rows_times", &PointMatrix::rows_times, arg("some"), arg("values"))
       .def("transposed_times", &PointMatrix::transposed_times, arg("values"));
   module.def("handed_over", &handed_over, arg("load"), arg("start"), arg("end"), arg("length_s"));
   module.def("contact_works", &contact_works, py::kw_only(), arg("load_N"), arg("load_before_N"),

@@ -29,7 +29,6 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.coupling._kernel import PointMatrix
-from orchestrator.coupling.metered import MeteredPanel
 from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, finish_interval, forecast
 from orchestrator.coupling.schemes.staggered import particles_first
 from orchestrator.ports import (
@@ -119,7 +118,7 @@ class SurfaceCompliance:
         lumped = free + self.sizes.transposed_times(resisting)
 
         def product(u: Array) -> Array:
-            resisting[at] = touched.resisting_N(self.shapes.rows_times(at, u))
+            resisting[at] = touched.resisting_N(self.shapes.times(u)[at])
             return free * u + self._on_masses(resisting)
 
         return self.shapes.times(conjugate_gradients(product, right_side, lumped))
@@ -238,10 +237,7 @@ class Robin:
 
 def trial_surface(solvers: Solvers, interval: Interval, now: State, known: Forecast) -> Motion:
     """Return the surface at the interval's end under the last load; the panel is restored."""
-    panel = solvers.panel
-    if isinstance(panel, MeteredPanel):
-        return panel.trial(interval, known.clamps, now.load).surface
-    before = panel.save()
-    moved = panel.advance(interval, known.clamps, now.load)
-    panel.restore(before)
+    before = solvers.panel.save()
+    moved = solvers.panel.advance(interval, known.clamps, now.load)
+    solvers.panel.restore(before)
     return moved.surface

@@ -16,7 +16,7 @@ import numpy as np
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_number
-from orchestrator.output.records.history import History
+from orchestrator.output.records.history import History, groups
 from orchestrator.output.records.panel_lines import PanelLines, panel_pull_N, sum_of_products
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.geometry import Rectangle
@@ -116,7 +116,8 @@ class CycleRecord(SavedAttributes):
         ):
             row = {column: values[which, :, place] for column, (which, place) in columns.items()}
             row["sync_points"] = np.full(len(names), float(self._count))
-            self._history.add_each(kind, self._last_s, names, row)
+            for group, of_group in groups(kind, names, row):
+                self._history.add(group, self._last_s, of_group)
         self._count, self._sum[:] = 0, 0.0
         self._least[:], self._most[:] = np.inf, -np.inf
 

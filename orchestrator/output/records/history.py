@@ -14,7 +14,7 @@ import errno
 import io
 import os
 import shutil
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import prod
 from pathlib import Path
 from typing import Any, Literal
@@ -153,8 +153,14 @@ def columns(kind: str, record: object) -> dict[str, Any]:
     return {name: getattr(record, name) for name in COLUMNS[kind]}
 
 
-Derive = Callable[[Mapping[str, Array]], Iterable[tuple[str, dict[str, Array]]]]
-"""A function that makes columns of groups of ``history.h5`` from the columns of collected rows."""
+Groups = Iterator[tuple[str, dict[str, Array]]]
+"""Names of groups, each with the values of its columns."""
+
+
+def groups(kind: str, names: Iterable[str], columns: Mapping[str, Array]) -> Groups:
+    """Yield the group of each name; every column (names, ...) has a value, or all rows, for each name."""
+    for name, *values in zip(names, *columns.values(), strict=True):
+        yield f"{kind}/{name}", dict(zip(columns, values, strict=True))
 
 
 class History:
@@ -169,7 +175,7 @@ class History:
         self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
         self._rows: dict[str, list[dict[str, Array | float]]] = {}
         self._columns: dict[str, Column] = {}
-        self._derived: dict[str, Derive] = {}
+        self._derived: dict[str, Callable[[Mapping[str, Array]], Groups]] = {}
         if not goes_on:
             self._file.attrs["format_version"] = HISTORY_FORMAT
         self._file.flush()  # so that a run that is killed before its first row leaves a valid file
@@ -181,16 +187,9 @@ class History:
         if len(rows) >= ROWS_IN_MEMORY:
             self._append(group)
 
-    def derive(self, group: str, derive: Derive) -> None:
+    def derive(self, group: str, derive: Callable[[Mapping[str, Array]], Groups]) -> None:
         """From now on write, in place of the rows of ``group``, the groups that ``derive`` makes of them."""
         self._derived[group] = derive
-
-    def add_each(
-        self, kind: str, time_s: float, names: Iterable[str], columns: Mapping[str, Array | Sequence[Array]]
-    ) -> None:
-        """Add one row to the group of each name; every column has one value for each name."""
-        for name, *row in zip(names, *columns.values(), strict=True):
-            self.add(f"{kind}/{name}", time_s, dict(zip(columns, row, strict=True)))
 
     def add_events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
         """Append any number of rows to an event table; whole numbers stay whole numbers."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import prod
 from typing import ClassVar
 
@@ -12,14 +12,13 @@ from scipy.spatial.transform import Rotation
 from orchestrator.coupling._kernel import PointMatrix
 from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.output.records.history import History
+from orchestrator.output.records.history import COLUMNS, Groups, History, groups
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.frames import find_element_forces_N
 from orchestrator.ports.state import SavedAttributes
 
-Groups = Iterator[tuple[str, dict[str, Array]]]
 ROWS = "rows"  # the group of rows from which those of the file are computed, many at once
-FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
+FORCES = COLUMNS["forces"]
 
 
 class PanelForces:
@@ -60,6 +59,7 @@ class TimeSeries(SavedAttributes):
         self._machine, self._start, self._history = machine, start, history
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
+        self._unstopped = {f"forces/{panel.name}" for panel in machine.panels if not len(panel.stops)}
         history.derive(ROWS, self._groups)
 
     def add_forces(self, forces_N: Array) -> None:
@@ -84,35 +84,25 @@ class TimeSeries(SavedAttributes):
         """Yield the groups of ``history.h5`` with their rows, from rows as ``write_row`` adds them."""
         machine = self._machine
         clamps = Motion.unchecked(rows["position_m"], rows["velocity_m_per_s"])
-        yield from _by_name("frames", machine.centres, self._frames(clamps))
-        position_m, velocity_m_per_s = np.moveaxis(rows["probes"], 2, 0)
-        values = {"position_m": position_m, "velocity_m_per_s": velocity_m_per_s}
-        yield from _by_name("probes", [probe.name for probe in machine.probes], values)
-        deformation_m, force_N = machine.bushings.at(clamps, rows.get("element_N"))
-        bushings = {"deformation_m": deformation_m, "force_N": force_N}
-        yield from _by_name("bushings", machine.bushings.names, bushings)
-        mean_N = dict(zip(FORCES, np.moveaxis(rows["forces_N"], 1, 0), strict=True))
-        panels = _by_name("forces", [panel.name for panel in machine.panels], mean_N)
-        for panel, (group, forces_N) in zip(machine.panels, panels, strict=True):
-            if not len(panel.stops):
-                del forces_N["stops_N"]
-            yield group, forces_N
+        places = [probe.name for probe in machine.probes]
+        bushings = machine.bushings.at(clamps, rows.get("element_N"))
+        for kind, names, columns, values in (
+            ("frames", machine.centres, COLUMNS["frames"], self._frames(clamps)),
+            ("probes", places, COLUMNS["probes"], np.moveaxis(rows["probes"], 2, 0)),
+            ("bushings", machine.bushings.names, COLUMNS["bushings"], bushings),
+            ("forces", [panel.name for panel in machine.panels], FORCES, np.moveaxis(rows["forces_N"], 1, 0)),
+        ):
+            by_name = {c: np.moveaxis(v, 1, 0) for c, v in zip(columns, values, strict=True)}
+            for group, of_group in groups(kind, names, by_name):
+                if group in self._unstopped:
+                    del of_group["stops_N"]
+                yield group, of_group
 
-    def _frames(self, clamps: Motion) -> dict[str, Array]:
+    def _frames(self, clamps: Motion) -> tuple[Array, ...]:
+        """Return displacement, velocity, rotation and spin of the frames, (rows, frames, 3) each."""
         centres = np.fromiter(self._machine.centres.values(), np.int64)
-        rotation_rad, spin_rad_per_s = rotations(clamps, centres)
-        return {
-            "displacement_m": clamps.position_m[..., centres, :] - self._start.clamps.position_m[centres],
-            "velocity_m_per_s": clamps.velocity_m_per_s[..., centres, :],
-            "rotation_rad": rotation_rad,
-            "spin_rad_per_s": spin_rad_per_s,
-        }
-
-
-def _by_name(kind: str, names: Iterable[str], columns: Mapping[str, Array]) -> Groups:
-    """Yield the group of each name with its rows, from columns (rows, names, 3)."""
-    for number, name in enumerate(names):
-        yield f"{kind}/{name}", {column: values[:, number] for column, values in columns.items()}
+        moved_m = clamps.position_m[:, centres] - self._start.clamps.position_m[centres]
+        return moved_m, clamps.velocity_m_per_s[:, centres], *rotations(clamps, centres)
 
 
 def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
