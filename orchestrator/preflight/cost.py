@@ -39,7 +39,7 @@ TRIED_S = 5e-5
 """Time to save, take back and decide about an interval that a scheme tries."""
 STOPPED_PANEL_S = 1.2e-4
 """Time per sync interval of a panel over beams."""
-ROW_S, ROW_PANEL_S, ROW_BODY_S = 7e-5, 2.7e-5, 2.3e-5
+ROW_S, ROW_PANEL_S, ROW_BODY_S = 2.4e-5, 9e-6, 8e-6
 """Time per row of the time series: in all, per panel, and per frame."""
 OUTPUT_S, OUTPUT_BED_S, OUTPUT_PARTICLE_S, OUTPUT_TRIANGLE_S = 4e-3, 2.5e-3, 3e-6, 1e-7
 """Time per output time: in all, with particles, per particle, and per triangle."""
