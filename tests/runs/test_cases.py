@@ -95,12 +95,13 @@ def test_all_files_are_there(case: Done) -> None:
 
 
 def test_the_wall_time_is_accounted_for(case: Done) -> None:
-    name, folder, _ = case
+    """None of the parts is asked to take time: a virtual computer's clock may tick every 50 ms."""
+    _, folder, _ = case
     said = summary(folder)
-    parts = said["wall_by_part_s"]
+    parts, again = said["wall_by_part_s"], said["repeated_by_part_s"]
     assert sum(parts.values()) == pytest.approx(said["wall_s"], rel=1e-9)
     assert min(parts.values()) >= 0.0
-    assert parts["panel"] > 0.0 or name in WITHOUT_PANELS
+    assert 0.0 <= sum(again.values()) <= parts["coupling"]
 
 
 def test_momentum_balances_to_rounding(case: Done) -> None:
