@@ -22,7 +22,7 @@ from orchestrator.coupling.ablation import (
     UnloadedPanel,
     UnpushedFrames,
 )
-from orchestrator.coupling.bushing_forces import BushingForces
+from orchestrator.coupling.bushing_forces import BushingForces, frame_points
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import (
     MeteredFrames,
@@ -66,6 +66,7 @@ def _open_machine(
     surface_panel = opened_surface.together
     opened.callback(surface_panel.close)
     surface, centres = opened_surface.triangle_surface(), opened_surface.centres()
+    of_frames, points = frame_points(centres)
     triangle_panels, gone_through = opened_surface.panel_of_triangle(), opened_surface.penetrations()
     # plans of the other solvers
     plan_of_particles = particles_plan(case, surface, world, folder)
@@ -95,7 +96,7 @@ def _open_machine(
         penetrations=gone_through,
         centres=centres,
         probes=opened_surface.probes(),
-        bushings=BushingForces.of(bushings(case), centres, surface_panel.mount.position_m),
+        bushings=BushingForces.of(bushings(case), of_frames, surface_panel.mount.position_m[points]),
         material=material,
         wearing=wearing,
     )

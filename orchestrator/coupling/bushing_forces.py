@@ -18,9 +18,16 @@ ARMS = 3
 GROUND_M = np.vstack([np.zeros(3), np.eye(3)])  # its centre and the ends of its arms
 
 
+def frame_points(centres: Mapping[str, int]) -> tuple[dict[str, int], Indices]:
+    """Return the carried points that show how frames move, each one's centre of mass with its arms, and the
+    place of each centre among them; ``centres`` are their numbers among all carried points."""
+    points = np.array([np.arange(1 + ARMS) + centre for centre in centres.values()], dtype=np.int64)
+    return {name: (1 + ARMS) * number for number, name in enumerate(centres)}, points.ravel()
+
+
 @dataclass(frozen=True)
 class BushingForces:
-    """All n bushings of a machine, with both ends among the carried points.
+    """All n bushings of a machine, with both ends among points that frames carry.
 
     ``first``, ``second`` (n, 4): numbers of a frame's centre of mass and arms, -1 for the ground; ``arm_m``
     (2, n, 3): places of the ends relative to those centres (for the ground: to the origin).
@@ -38,8 +45,8 @@ class BushingForces:
     def of(bushings: Sequence[BushingPlan], centres: Mapping[str, int], position_m: Array) -> BushingForces:
         """Return the bushings of a plan.
 
-        ``centres`` has the number of each frame's centre of mass among the carried points, which its arms
-        follow; ``position_m`` has the places of the carried points at t = 0.
+        ``centres`` has the number of each frame's centre of mass among carried points, which its arms
+        follow; ``position_m`` has the places of these points at t = 0.
         """
         bushings = [bushing.beside_elements() for bushing in bushings]
         ends = np.array(

@@ -250,8 +250,7 @@ class MeteredParticles(ParticlesWrapper):
             return super().initial()
 
     def advance(self, interval: Interval, path: HermitePath) -> Load:
-        running = self._stopwatch.run("particles", self, interval)
-        with running, solver_failure_context(self._name, interval):
+        with self._stopwatch.run("particles", self, interval), solver_failure_context(self._name, interval):
             load = super().advance(interval, path)
         self.last = path, load
         impulse_N_s, _, size_N_s = handed_over(load, path.start, path.end, interval.length_s)

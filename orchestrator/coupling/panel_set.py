@@ -47,11 +47,10 @@ class PanelSet:
         self.surface = consecutive_slices([len(state.surface) for state in states])
         self.clamps = consecutive_slices([len(mount.frame) for mount in mounts])
         self._initial = concatenate_states(states)
-        on_surface, held = (
-            np.diff(np.cumsum([0, *map(len, of)])[starts])
-            for of in ([state.surface for state in states], [mount.frame for mount in mounts])
-        )
-        self._rows = np.column_stack([on_surface, on_surface, held])  # that each rank sends
+        vectors = [
+            (len(s.surface), len(s.surface), len(m.frame)) for s, m in zip(states, mounts, strict=True)
+        ]
+        self._rows = np.diff(np.cumsum([(0, 0, 0), *vectors], axis=0)[starts], axis=0)  # sent by each rank
         self._groups = [self._group(run) for run in _runs(self._own)]
         self.mount = Mount(
             np.concatenate([mount.position_m for mount in mounts]),
@@ -120,13 +119,9 @@ class PanelSet:
         """
         if not self._communicator:
             return concatenate_states(own)
-        motions = [state.surface for state in own]
-        sent = [
-            np.empty((0, 3)),
-            *(motion.position_m for motion in motions),
-            *(motion.velocity_m_per_s for motion in motions),
-            *(state.reaction.force_N for state in own),
-        ]
+        sent = [np.empty((0, 3)), *(state.surface.position_m for state in own)]
+        sent += [state.surface.velocity_m_per_s for state in own]
+        sent += [state.reaction.force_N for state in own]
         received = np.empty((self._rows.sum(), 3))
         self._communicator.Allgatherv(np.concatenate(sent), (received, 3 * self._rows.sum(axis=1)))
         parts = np.split(received, np.cumsum(self._rows)[:-1])

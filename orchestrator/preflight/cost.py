@@ -2,10 +2,10 @@
 
 The parts are the same as in ``wall_by_part_s``, but what a scheme lets solvers repeat is in their own parts.
 Adapters estimate the shares of their solvers (``ports/plans.py``), and the constants here estimate the
-orchestrator's own work.  All constants were
-measured on drafts of shipped cases on an idle 2-core AMD EPYC machine; on a busy one runs take up to twice as
-long.  ``python -m tools.cost_series`` compares predicted with measured times.  Only a run tells how long
-material stays on the deck, so the estimate is a range from a thin dry layer to a thick wet one.
+orchestrator's own work.  All constants were measured on drafts of shipped cases on an idle 2-core AMD EPYC
+machine; on a busy one runs take up to twice as long.  ``python -m tools.cost_series`` compares predicted with
+measured times.  Only a run tells how long material stays on the deck, so the estimate is a range from a thin
+dry layer to a thick wet one.
 """
 
 from __future__ import annotations

@@ -9,10 +9,14 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from orchestrator.coupling.bushing_forces import BushingForces, frame_points
+from orchestrator.coupling.machine import PlacedProbe
 from orchestrator.output.records.history import CHUNK_ROWS, History
-from orchestrator.output.records.series import PanelForces, TimeSeries
-from orchestrator.ports import Load, Motion, PanelState
+from orchestrator.output.records.series import PanelForces, TimeSeries, rotations
+from orchestrator.ports import Array, Load, Motion, PanelState
+from orchestrator.ports.plans import BushingPlan
 
 REST = Motion(np.zeros((4, 3)), np.zeros((4, 3)))
 
@@ -54,6 +58,80 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
     assert time_s == pytest.approx([0.0, 1.0, 2.0])
     assert load_N == pytest.approx([10.0, 6.0, 3.0])
     assert clamp_N == pytest.approx([-10.0, -6.0, -3.0])
+
+
+def test_every_row_has_what_its_moment_had(tmp_path: Path) -> None:
+    """Rows are computed together; frames, probes, bushings and rows are of different numbers."""
+    random, centres = np.random.default_rng(5), {"one": 0, "two": 5}
+    start_m = random.normal(size=(10, 3))
+    of_frames, points = frame_points(centres)
+    assert points.tolist() == [0, 1, 2, 3, 5, 6, 7, 8]
+    bushings = BushingForces.of(
+        [
+            BushingPlan(f"b-{n}", ends, random.normal(size=3), np.eye(3), np.full(3, 1e5), np.full(3, 40.0))
+            for n, ends in enumerate((("one", "two"), ("ground", "one"), ("two", "ground")))
+        ],
+        of_frames,
+        start_m[points],
+    )
+    probes = [PlacedProbe("p", "clamps", 4), PlacedProbe("q", "surface", 2)]
+    elements_N: list[Array] = []
+    frames = SimpleNamespace(element_forces_N=lambda: elements_N[-1])
+    machine: Any = SimpleNamespace(
+        centres=centres, probes=probes, panels=[], bushings=bushings, members=SimpleNamespace(frames=frames)
+    )
+    history, states = History(tmp_path / "history.h5"), []
+    series = TimeSeries(machine, SimpleNamespace(clamps=Motion(start_m, 0 * start_m)), history)  # type: ignore[arg-type]
+    for row in range(4):
+        turn = Rotation.from_rotvec(0.1 * random.normal(size=3))
+        elements_N.append(random.normal(size=(3, 3)))
+        carried = [turn.apply(start_m), random.normal(size=(10, 3))]
+        for centre in centres.values():
+            carried[0][centre + 1 : centre + 4] = carried[0][centre] + turn.as_matrix().T
+        state: Any = SimpleNamespace(
+            clamps=Motion(*carried), panel=SimpleNamespace(surface=Motion(*random.normal(size=(2, 3, 3))))
+        )
+        series.add_forces(np.empty((5, 0, 3)))
+        series.write_row(float(row), state, None)
+        states.append(state)
+    history.close()
+    with h5py.File(tmp_path / "history.h5") as file:
+        assert set(file["probes"]) == {"p", "q"}
+        for row, (state, element_N) in enumerate(zip(states, elements_N, strict=True)):
+            clamps, surface = state.clamps, state.panel.surface
+            of_points = Motion(clamps.position_m[points], clamps.velocity_m_per_s[points])
+            rotation_rad, spin_rad_per_s = rotations(clamps, np.array([0, 5]))
+            for number, name in enumerate(centres):
+                centre = centres[name]
+                moved_m = clamps.position_m[centre] - start_m[centre]
+                assert np.array_equal(file[f"frames/{name}/displacement_m"][row], moved_m)
+                rate = file[f"frames/{name}/velocity_m_per_s"][row]
+                assert np.array_equal(rate, clamps.velocity_m_per_s[centre])
+                assert np.array_equal(file[f"frames/{name}/rotation_rad"][row], rotation_rad[number])
+                assert np.array_equal(file[f"frames/{name}/spin_rad_per_s"][row], spin_rad_per_s[number])
+            for name, motion, index in (("p", clamps, 4), ("q", surface, 2)):
+                assert np.array_equal(file[f"probes/{name}/position_m"][row], motion.position_m[index])
+                rate = file[f"probes/{name}/velocity_m_per_s"][row]
+                assert np.array_equal(rate, motion.velocity_m_per_s[index])
+            for column, values in zip(
+                ("deformation_m", "force_N"), bushings.at(of_points, element_N), strict=True
+            ):
+                for number in range(3):
+                    assert np.array_equal(file[f"bushings/b-{number}/{column}"][row], values[number])
+
+
+def test_rows_that_cannot_be_computed_are_kept(tmp_path: Path) -> None:
+    """Until they can be: nothing is half written."""
+    history = History(tmp_path / "history.h5")
+    for time_s in (0.0, 1.0):
+        history.add("rows", time_s, {"place_m": np.zeros(3)})
+    history.derived["rows"] = lambda rows: iter([("one", {"place_m": rows["place_m"] / 0})])
+    with np.errstate(all="raise"), pytest.raises(FloatingPointError):
+        history.flush()
+    history.derived["rows"] = lambda rows: iter([("one", dict(rows))])
+    history.close()
+    with h5py.File(tmp_path / "history.h5") as file:
+        assert file["one/time_s"][:].tolist() == [0.0, 1.0]
 
 
 def test_rows_go_on_in_a_file_that_is_there(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ def test_what_was_before_the_clock_started_does_not_count(tmp_path: Path) -> Non
 
 @pytest.mark.solver
 def test_the_parts_are_shares_of_the_coupled_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a clock that ticks, since a virtual computer's may stand still for 50 ms."""
+    """By a clock that ticks whenever it is read, so that each part that is measured at all has time."""
     monkeypatch.setattr(time, "perf_counter", itertools.count().__next__)
     table = bench(load_judged(CASE, "draft"), BLOCK, settling=BLOCK)
     columns = {str(column.header): list(column.cells) for column in table.columns}
@@ -50,6 +50,7 @@ def test_the_parts_are_shares_of_the_coupled_run(monkeypatch: pytest.MonkeyPatch
     percent = [int(share.removesuffix(" %")) for share in shares[2:]]
     assert percent[-1] == 100
     assert sum(percent[:-1]) == pytest.approx(100, abs=3)
+    assert min(percent) > 0
 
 
 @pytest.mark.solver

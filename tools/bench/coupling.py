@@ -64,6 +64,7 @@ class Runner:
     def forget(self) -> None:
         """Discard the times so far."""
         self.stopwatch.wall_s.clear()
+        self.stopwatch.repeated_s.clear()
         self.blocks_s.clear()
         self.wall_s, self.particle_steps = 0.0, 0
 

@@ -157,11 +157,11 @@ class Bending {
       carry<V, 2>(my, place, elastic[2], lane_J, square);
       carry<V, 3>(my, place, elastic[3], lane_J, square);
     }
-    store(work.square_J, square);
+    add_to(work.square_J, square);
   }
 
  private:
-  // What the loop reads again and again, by value: stores of numbers might else have changed it.
+  // Copies of what the loop reads, so that the compiler need not read it again after each store.
   struct Local {
     const NodePlaces places;
     const int branches;

@@ -98,7 +98,8 @@ FLIPFLOW_INLINE Symmetric<V> rest_stress(const V rest[6], const Symmetric<V> &C)
 struct CellForces {
   const double *all_N;
   int row;
-  int by_node[9], on_kind[4][4];  // where those on each node of a cell begin, on each kind of nodes
+  int by_node[9];     // where the forces on each node of a cell begin
+  int on_kind[4][4];  // for each kind of nodes, where those to add up begin, as seen from the node's place
 
   // The force on the component `c` of nodes of a kind, those at `place` and behind it: of the four cells
   // around a corner, of two at an edge, of one around a centre.
@@ -149,7 +150,7 @@ class Membrane {
 
   int groups() const { return static_cast<int>(groups_.size()); }
 
-  // Finds the force at `position_m` (3, places), which `forces` adds up, and carries the scaled strain
+  // Finds the forces of the cells at `position_m` (3, places), and carries the scaled strain
   // (groups, 9, 3, kLanes) and the branches' stresses (groups, 9, branches, 3, kLanes) there.
   template <class V>
   FLIPFLOW_INLINE void step(const Branches &branches, const double *position_m, double *strain,

@@ -223,7 +223,7 @@ class Robin:
         return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
     def figures(self) -> dict[str, Any]:
-        """Return nothing for ``summary.json``, since no interval is ever repeated."""
+        """Return nothing for ``summary.json``, since robin does not iterate."""
         return {}
 
     def save(self) -> Saved:

@@ -166,7 +166,8 @@ def groups(kind: str, names: Iterable[str], columns: Mapping[str, Array]) -> Gro
 class History:
     """The time series in a new file, or with ``goes_on`` in an existing file.
 
-    Rows are collected in memory and appended in blocks; ``flush`` writes the rows in memory.
+    Rows are collected in memory and appended in blocks; ``flush`` writes the rows in memory.  In place of the
+    rows of a group in ``derived`` stand the groups that its function makes of their columns.
     """
 
     def __init__(self, path: Path, goes_on: bool = False) -> None:
@@ -175,7 +176,7 @@ class History:
         self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
         self._rows: dict[str, list[dict[str, Array | float]]] = {}
         self._columns: dict[str, Column] = {}
-        self._derived: dict[str, Callable[[Mapping[str, Array]], Groups]] = {}
+        self.derived: dict[str, Callable[[Mapping[str, Array]], Groups]] = {}
         if not goes_on:
             self._file.attrs["format_version"] = HISTORY_FORMAT
         self._file.flush()  # so that a run that is killed before its first row leaves a valid file
@@ -186,10 +187,6 @@ class History:
         rows.append({"time_s": time_s, **values})
         if len(rows) >= ROWS_IN_MEMORY:
             self._append(group)
-
-    def derive(self, group: str, derive: Callable[[Mapping[str, Array]], Groups]) -> None:
-        """From now on write, in place of the rows of ``group``, the groups that ``derive`` makes of them."""
-        self._derived[group] = derive
 
     def add_events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
         """Append any number of rows to an event table; whole numbers stay whole numbers."""
@@ -216,11 +213,12 @@ class History:
         self._disk.close()
 
     def _append(self, group: str) -> None:
-        rows, self._rows[group] = self._rows[group], []
+        rows = self._rows[group]
         if not rows:
             return
         columns = {name: np.array([row[name] for row in rows], np.float64) for name in rows[0]}
-        made = self._derived[group](columns) if group in self._derived else [(group, columns)]
+        made = list(self.derived[group](columns)) if group in self.derived else [(group, columns)]
+        self._rows[group] = []
         for where, values in made:
             for name, block in (values | {"time_s": columns["time_s"]}).items():
                 self._extend(f"{where}/{name}", block)

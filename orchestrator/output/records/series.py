@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling._kernel import PointMatrix
+from orchestrator.coupling.bushing_forces import frame_points
 from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import COLUMNS, Groups, History, groups
@@ -56,11 +57,14 @@ class TimeSeries(SavedAttributes):
     STATE: ClassVar = ("_sum_N", "_summed")
 
     def __init__(self, machine: Machine, start: State, history: History) -> None:
-        self._machine, self._start, self._history = machine, start, history
+        self._machine, self._history = machine, history
+        centres, self._points = frame_points(machine.centres)
+        self._centres = np.fromiter(centres.values(), np.int64)
+        self._start_m = start.clamps.position_m[self._points[self._centres]]
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
         self._unstopped = {f"forces/{panel.name}" for panel in machine.panels if not len(panel.stops)}
-        history.derive(ROWS, self._groups)
+        history.derived[ROWS] = self._groups
 
     def add_forces(self, forces_N: Array) -> None:
         """Add the forces of a sync interval, (5, panels, 3) in the order of FORCES."""
@@ -72,8 +76,8 @@ class TimeSeries(SavedAttributes):
         element_N = find_element_forces_N(self._machine.members.frames)
         probes = [_probe_motion(probe, state, followed) for probe in self._machine.probes]
         row: dict[str, Array | float] = {
-            "position_m": state.clamps.position_m,
-            "velocity_m_per_s": state.clamps.velocity_m_per_s,
+            "position_m": state.clamps.position_m[self._points],
+            "velocity_m_per_s": state.clamps.velocity_m_per_s[self._points],
             "probes": np.array(probes).reshape(-1, 2, 3),
             "forces_N": self._sum_N / self._summed,
         }
@@ -82,27 +86,23 @@ class TimeSeries(SavedAttributes):
 
     def _groups(self, rows: Mapping[str, Array]) -> Groups:
         """Yield the groups of ``history.h5`` with their rows, from rows as ``write_row`` adds them."""
-        machine = self._machine
-        clamps = Motion.unchecked(rows["position_m"], rows["velocity_m_per_s"])
-        places = [probe.name for probe in machine.probes]
-        bushings = machine.bushings.at(clamps, rows.get("element_N"))
-        for kind, names, columns, values in (
-            ("frames", machine.centres, COLUMNS["frames"], self._frames(clamps)),
-            ("probes", places, COLUMNS["probes"], np.moveaxis(rows["probes"], 2, 0)),
-            ("bushings", machine.bushings.names, COLUMNS["bushings"], bushings),
-            ("forces", [panel.name for panel in machine.panels], FORCES, np.moveaxis(rows["forces_N"], 1, 0)),
+        machine, centres = self._machine, self._centres
+        frames = Motion.unchecked(rows["position_m"], rows["velocity_m_per_s"])
+        moved_m = frames.position_m[:, centres] - self._start_m
+        of_frames = (moved_m, frames.velocity_m_per_s[:, centres], *rotations(frames, centres))
+        bushings = machine.bushings.at(frames, rows.get("element_N"))
+        probes, panels = ([one.name for one in every] for every in (machine.probes, machine.panels))
+        for kind, names, values in (
+            ("frames", machine.centres, of_frames),
+            ("probes", probes, np.moveaxis(rows["probes"], 2, 0)),
+            ("bushings", machine.bushings.names, bushings),
+            ("forces", panels, np.moveaxis(rows["forces_N"], 1, 0)),
         ):
-            by_name = {c: np.moveaxis(v, 1, 0) for c, v in zip(columns, values, strict=True)}
+            by_name = {c: np.moveaxis(v, 1, 0) for c, v in zip(COLUMNS[kind], values, strict=True)}
             for group, of_group in groups(kind, names, by_name):
                 if group in self._unstopped:
                     del of_group["stops_N"]
                 yield group, of_group
-
-    def _frames(self, clamps: Motion) -> tuple[Array, ...]:
-        """Return displacement, velocity, rotation and spin of the frames, (rows, frames, 3) each."""
-        centres = np.fromiter(self._machine.centres.values(), np.int64)
-        moved_m = clamps.position_m[:, centres] - self._start.clamps.position_m[centres]
-        return moved_m, clamps.velocity_m_per_s[:, centres], *rotations(clamps, centres)
 
 
 def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:

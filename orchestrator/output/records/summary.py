@@ -38,11 +38,9 @@ def wall_by_part_s(stopwatch: Stopwatch, wall_s: float) -> dict[str, float]:
 
 def worked_by_part_s(summary: Mapping[str, Any]) -> dict[str, float]:
     """Return the wall time of a run by the part that worked: repeats are in the parts of their solvers."""
-    parts_s = dict(summary["wall_by_part_s"])
-    for part, repeated_s in summary.get("repeated_by_part_s", {}).items():  # absent from older runs
-        parts_s[part] += repeated_s
-        parts_s["coupling"] -= repeated_s
-    return parts_s
+    repeated_s = summary.get("repeated_by_part_s", {})  # absent from older runs
+    back_s = {**repeated_s, "coupling": -sum(repeated_s.values())}
+    return {part: wall_s + back_s.get(part, 0.0) for part, wall_s in summary["wall_by_part_s"].items()}
 
 
 def closing_table(summary: dict[str, Any]) -> Table:
