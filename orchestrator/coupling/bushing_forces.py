@@ -71,8 +71,7 @@ class BushingForces:
     def at(self, carried: Motion, element_N: Array | None = None) -> tuple[Array, Array]:
         """Return deformation in m and force in N of every bushing, (n, 3) each, along its own axes.
 
-        Several moments at once stand in leading axes of all arrays, and change no bit.
-
+        All arrays may have a leading axis of moments, which are then computed together, to the same bits.
         The axes turn with the first body.  The deformation is the place of the second end against the first,
         and the force holds the second end there.  Both count from t = 0: the preload that carries weight is
         not included.  ``element_N`` (n, 3) are the forces of friction and Maxwell elements, which the frames
@@ -86,7 +85,8 @@ class BushingForces:
         return deformation_m, force_N if element_N is None else force_N + element_N
 
     def _ends(self, carried: Motion) -> tuple[Array, Array, Array]:
-        """Return places and velocities (2, n, 3) of both ends, and rotations (2, n, 3, 3) of their bodies."""
+        """Return places and velocities (..., 2, n, 3) of both ends, and rotations (..., 2, n, 3, 3) of their
+        bodies."""
         points = np.array((self.first, self.second))
         still = points[..., :1, None] < 0
         place_m = np.where(still, GROUND_M, carried.position_m[..., points, :])
@@ -100,5 +100,5 @@ class BushingForces:
 
 
 def _times(matrices: Array, vectors: Array) -> Array:
-    """Return matrices (..., 3, 3) times vectors (..., 3), each as if it stood alone."""
+    """Return matrices (..., 3, 3) times vectors (..., 3); no product depends on how many there are."""
     return (matrices @ vectors[..., None])[..., 0]

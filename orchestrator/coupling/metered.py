@@ -37,7 +37,7 @@ class Stopwatch:
     """A stopwatch of exclusive wall time by part.
 
     Entering a part pauses the part outside it, so the parts add up to the time inside any of them.
-    ``repeated_s`` has the share of ``wall_s`` in which members ran an interval another time.
+    ``repeated_s`` is the share of ``wall_s`` in which members ran an interval again.
     """
 
     def __init__(self) -> None:
@@ -52,8 +52,8 @@ class Stopwatch:
         return TimedPart(self, part)
 
     def run(self, part: str, member: object, interval: Interval) -> TimedPart:
-        """Return the context of a member's run; it counts as repeated if the last one was of this
-        interval."""
+        """Return the context of a member's run over an interval, which is repeated if its last run was over
+        the same one."""
         repeated = self._last.get(id(member)) == interval
         self._last[id(member)] = interval
         return TimedPart(self, part, repeated)

@@ -158,7 +158,7 @@ Groups = Iterator[tuple[str, dict[str, Array]]]
 
 
 def groups(kind: str, names: Iterable[str], columns: Mapping[str, Array]) -> Groups:
-    """Yield the group of each name; every column (names, ...) has a value, or all rows, for each name."""
+    """Yield the group of each name with its values; the first axis of every column goes with the names."""
     for name, *values in zip(names, *columns.values(), strict=True):
         yield f"{kind}/{name}", dict(zip(columns, values, strict=True))
 
@@ -166,8 +166,8 @@ def groups(kind: str, names: Iterable[str], columns: Mapping[str, Array]) -> Gro
 class History:
     """The time series in a new file, or with ``goes_on`` in an existing file.
 
-    Rows are collected in memory and appended in blocks; ``flush`` writes the rows in memory.  In place of the
-    rows of a group in ``derived`` stand the groups that its function makes of their columns.
+    Rows are collected in memory and appended in blocks; ``flush`` writes the rows in memory.  ``derived`` has
+    functions by the names of groups whose rows are not written, but the groups made of their columns.
     """
 
     def __init__(self, path: Path, goes_on: bool = False) -> None:

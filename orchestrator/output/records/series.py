@@ -110,7 +110,7 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
 
     Both are (frames, 3), in world axes.  ``centres`` (frames,) are the point numbers of the centres of mass.
     The three points after each centre are the ends of arms that are 1 m long and lie along the world's axes
-    at t = 0 (``coupling/surface_parts.py``).  Several moments at once stand in leading axes.
+    at t = 0 (``coupling/surface_parts.py``).  All arrays may have a leading axis of moments.
     """
     shape = (*carried.position_m.shape[:-2], len(centres), 3)
     if not prod(shape):  # Rotation refuses empty arrays

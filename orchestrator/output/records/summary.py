@@ -28,7 +28,7 @@ def write_summary(folder: Path, table: dict[str, Any]) -> None:
 def wall_by_part_s(stopwatch: Stopwatch, wall_s: float) -> dict[str, float]:
     """Return the wall time of every part; ``rest`` completes them to the whole wall time.
 
-    What solvers do another time is the scheme's doing, and counts as ``coupling``.
+    Runs of a solver that repeat an interval count as ``coupling``, since the scheme asks for them.
     """
     repeated_s = stopwatch.repeated_s
     table = {part: stopwatch.wall_s.get(part, 0.0) - repeated_s.get(part, 0.0) for part in PARTS}
