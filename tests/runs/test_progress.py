@@ -1,0 +1,28 @@
+"""The progress of a run that goes on from a checkpoint."""
+
+from __future__ import annotations
+
+import json
+
+from orchestrator.run.progress import Progress
+
+
+def test_a_resumed_run_goes_on_counting_its_time() -> None:
+    """In the whole, by part, and what is repeated, which checkpoints of older versions do not have."""
+    stopped = Progress()
+    stopped.stopwatch.wall_s |= {"panel": 3.0, "coupling": 1.0}
+    stopped.stopwatch.repeated_s |= {"panel": 1.5}
+    stopped.figures["particles"] = 10
+    stopped.count_sync_point(4, 0.25, 7)
+    saved = json.loads(json.dumps(stopped.as_json()))
+    resumed = Progress()
+    resumed.stopwatch.wall_s["panel"] = 0.5
+    resumed.restore(saved)
+    assert resumed.stopwatch.wall_s == {"panel": 3.5, "coupling": 1.0}
+    assert resumed.stopwatch.repeated_s == {"panel": 1.5}
+    assert (resumed.done, resumed.simulated_s, resumed.particle_steps) == (4, 0.25, 70)
+    assert resumed.wall_s >= saved["wall_s"]
+    del saved["repeated_by_part_s"]
+    older = Progress()
+    older.restore(saved)
+    assert (older.stopwatch.wall_s["panel"], older.stopwatch.repeated_s) == (3.0, {})
