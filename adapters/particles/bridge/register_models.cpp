@@ -5,7 +5,6 @@
 #include <mpi.h>
 
 #include <type_traits>
-#include <vector>
 
 #include "atom.h"
 #include "comm.h"
@@ -28,6 +27,7 @@
 
 #include "engine.h"
 #include "jkr_contact.h"
+#include "sphere_pairs.h"
 
 namespace flipflow {
 
@@ -48,64 +48,14 @@ class RollingAcross : public Model {
   }
 };
 
-// A contact model that keeps the deepest overlap between particles of all steps.
-//
-// Of pairs that are near it asks the model about those alone that touched: the others have nothing to
-// forget, and to write zeros over their histories would fill the caches.  A large bed's histories do not
-// stay there from step to step; as a step meets nearly the same contacts as the last one, those that come next
-// are fetched ahead.
-template <class Model>
-class WatchedContact : public Model {
- public:
-  WatchedContact(LAMMPS_NS::LAMMPS *lmp, IContactHistorySetup *history, bool is_wall, int64_t hash)
-      : Model(lmp, history, is_wall, hash), deepest_(deepest_between[lmp]) {}
-
-  void beginPass(SurfacesIntersectData &pair, ForceData &on_i, ForceData &on_j) {
-    histories_.resize(met_);
-    met_ = 0;
-    Model::beginPass(pair, on_i, on_j);
-  }
-
-  void surfacesIntersect(SurfacesIntersectData &pair, ForceData &on_i, ForceData &on_j) {
-    if (!pair.is_wall) meet(pair.contact_history);
-    Model::surfacesIntersect(pair, on_i, on_j);  // which sets the overlap of a pair
-    if (!pair.is_wall) deepest_.add(pair.deltan, std::min(pair.radi, pair.radj));
-  }
-
-  void surfacesClose(SurfacesCloseData &pair, ForceData &on_i, ForceData &on_j) {
-    if (pair.contact_flags && *pair.contact_flags == 0) return;
-    if (!pair.is_wall) meet(pair.contact_history);
-    Model::surfacesClose(pair, on_i, on_j);
-  }
-
- private:
-  // Remembers a contact's history for the next step, and asks memory for one that comes soon.
-  void meet(const double *history) {
-    if (met_ + kAhead < histories_.size()) {
-      const double *soon = histories_[met_ + kAhead];  // where there is none any more, nothing happens
-      __builtin_prefetch(soon);
-      __builtin_prefetch(soon + kValues - 1);
-    }
-    if (met_ == histories_.size()) histories_.push_back(history);
-    histories_[met_++] = history;
-  }
-
-  static constexpr size_t kAhead = 16;  // contacts
-  static constexpr int kValues = 7;  // of a history at most
-  DeepestOverlap &deepest_;
-  std::vector<const double *> histories_;  // of the last step's contacts, in their order
-  size_t met_ = 0;
-};
-
 template <class Interface, class Style>
 Interface *create(LAMMPS_NS::LAMMPS *lmp, typename Interface::ParentType *parent, int64_t hash) {
   return new Style(lmp, parent, hash);
 }
 
-template <class Contact, int64_t hash>
+template <class Contact, class Pairs, int64_t hash>
 void add() {
-  PairStyles::Factory::instance().addStyle(
-      "gran", hash, &create<PairStyles::IGranularPairStyle, PairStyles::Granular<Contact>>);
+  PairStyles::Factory::instance().addStyle("gran", hash, &create<PairStyles::IGranularPairStyle, Pairs>);
   Walls::Factory::instance().addStyle(
       "gran", hash, &create<Walls::IGranularWall, Walls::Granular<Contact>>);
 }
@@ -116,14 +66,14 @@ void add_hertz() {
   using Stock = ContactModel<Style>;
   constexpr bool cured = rolling == ROLLING_EPSD2;
   using Contact = std::conditional_t<cured, RollingAcross<Stock>, Stock>;
-  add<WatchedContact<Contact>, Style::HASHCODE>();
+  add<Contact, SpherePairs<Contact>, Style::HASHCODE>();
 }
 
 template <int tangential, int rolling>
 void add_all(bool as_packaged) {
   using Sticky = JkrContact<tangential, rolling>;
-  if (as_packaged) return add<Sticky, Sticky::kHash>();
-  add<WatchedContact<Sticky>, Sticky::kHash>();
+  if (as_packaged) return add<Sticky, PairStyles::Granular<Sticky>, Sticky::kHash>();
+  add<Sticky, SpherePairs<Sticky>, Sticky::kHash>();
   add_hertz<tangential, COHESION_OFF, rolling>();
   add_hertz<tangential, COHESION_SJKR, rolling>();
 }
