@@ -23,7 +23,7 @@ boundary        m m m           # grows with the particles (m): none can be lost
 hard_particles  yes
 region          box block -0.025 0.025 -0.025 0.025 -0.005 0.015 units box
 create_box      2 box
-neighbor        0.0015 bin
+neighbor        0.000572 bin
 neigh_modify    delay 0
 
 fix youngs      all property/global youngsModulus peratomtype 2000000000.0 30000000.0
@@ -93,8 +93,9 @@ def test_on_more_than_two_ranks_the_box_does_not_shrink():
 
 
 def test_few_particles_in_a_large_box_get_large_bins():
-    """Half a cutoff is 3.25 mm; one particle wants bins of 9.2 mm in 5e-5 m3, and of 157 mm in 0.25 m3."""
-    assert bin_size_m(5e-5, 5e-3, 1) == pytest.approx(2 * 3.25e-3, rel=1e-12)
-    assert bin_size_m(5e-5, 5e-3, 0) == bin_size_m(5e-5, 5e-3, 1)
-    assert bin_size_m(5e-5, 5e-3, 100) == 0.0  # LIGGGHTS's own
-    assert bin_size_m(0.25, 5e-3, 1) == pytest.approx(32 * 3.25e-3, rel=1e-12)
+    """Of a cutoff of 6.5 mm a half is 3.25 mm; one particle wants bins of 9.2 mm in 5e-5 m3, and of 157 mm in
+    0.25 m3."""
+    assert bin_size_m(5e-5, 6.5e-3, 1) == pytest.approx(2 * 3.25e-3, rel=1e-12)
+    assert bin_size_m(5e-5, 6.5e-3, 0) == bin_size_m(5e-5, 6.5e-3, 1)
+    assert bin_size_m(5e-5, 6.5e-3, 100) == 0.0  # LIGGGHTS's own
+    assert bin_size_m(0.25, 6.5e-3, 1) == pytest.approx(32 * 3.25e-3, rel=1e-12)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from adapters.particles.liggghts import input as liggghts_input
-from adapters.particles.liggghts.input import bin_size_m, smallest_box_m
+from adapters.particles.liggghts.input import bin_size_m, cutoff_m, smallest_box_m
 from orchestrator.ports.clock import Interval
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
@@ -68,10 +68,10 @@ def test_liggghts_steps_back_bit_for_bit(changes: dict[str, Any]) -> None:
 @pytest.mark.solver
 def test_liggghts_goes_on_and_steps_back_with_other_bins(monkeypatch: pytest.MonkeyPatch) -> None:
     """The bins shrink while particles are fed."""
-    monkeypatch.setattr(liggghts_input, "BINS_PER_PARTICLE", 0.1)
+    monkeypatch.setattr(liggghts_input, "BINS_PER_PARTICLE", 0.17)
     plan = bed_plan()
     present, box_m3 = len(plan.particles), float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
-    sizes_m = [bin_size_m(box_m3, plan.largest_diameter_m, number) for number in (present, 2 * present)]
+    sizes_m = [bin_size_m(box_m3, cutoff_m(plan), number) for number in (present, 2 * present)]
     assert sizes_m[0] > sizes_m[1] > 0
     assert resumed("liggghts", plan, 70, 110) == []
     assert hesitating("liggghts", plan, 110) == []

@@ -20,9 +20,9 @@ struct Spheres {
 // Finds where spheres touch the moving triangles.  A search lists for every sphere the triangles
 // it may touch for a while, as Verlet lists do; the touches of a step come from that list.
 //
-// A list is good while sphere and surface together move less than its margin.  LIGGGHTS lets a
-// particle move half a skin from where it was when its neighbours were last listed, this search
-// lets the surface move another half.
+// A list is good while sphere and surface together move less than its margin.  Neighbours are listed
+// anew when a particle moved half a skin against the bed (bed_motion.h); this search lets surface and bed
+// move another half.
 class ContactSearch {
  public:
   struct Near {  // a sphere with candidates first ... end
@@ -51,7 +51,10 @@ class ContactSearch {
     since_search_ += distance_m;
   }
 
-  bool stale(double skin_m) const { return since_search_ > 0.5 * skin_m; }
+  // How far the bed as a whole is from where it was when neighbours were last listed.
+  void bed_moved(Vec3 way_m) { bed_ = way_m; }
+
+  bool stale(double skin_m) const { return since_search_ + norm(bed_ - bed_at_search_) > 0.5 * skin_m; }
 
   // A sphere reaches `factor` times its radius.  `neighbours_listed_now`: has LIGGGHTS, too, just
   // listed neighbours?  If not, a sphere may now be half a skin off and go to the other side.
@@ -70,6 +73,7 @@ class ContactSearch {
     for (int i = 0; i < spheres.count; ++i)
       list(surface, i, from(spheres.position_m[i]), spheres.radius_m[i] * factor + margin);
     since_search_ = 0.0;
+    bed_at_search_ = bed_;
   }
 
   // Does any triangle come nearer to a place than `reach_m`?  Looks at all of them where the grid does not
@@ -101,7 +105,7 @@ class ContactSearch {
       candidate.insert(candidate.end(), {one.triangle, one.image});
       distance.push_back(one.distance_m);
     }
-    saved.reals["since_search_m"] = {since_search_};
+    saved.reals["since_search_m"] = {since_search_, bed_at_search_.x, bed_at_search_.y, bed_at_search_.z};
   }
 
   // A new grid is made at the next search: any that holds finds the same triangles.
@@ -116,6 +120,7 @@ class ContactSearch {
     for (size_t k = 0; k < distance.size(); ++k)
       candidates_.push_back({number(candidate[2 * k]), number(candidate[2 * k + 1]), distance[k]});
     since_search_ = saved.real("since_search_m")[0];
+    bed_at_search_ = from(&saved.real("since_search_m")[1]);
     no_grid_ = true;
   }
 
@@ -252,6 +257,7 @@ class ContactSearch {
   double grid_reach_ = 0.0;  // how near its cells know of triangles
   bool no_grid_ = true;
   double since_grid_ = 0.0, since_search_ = 0.0;  // how far the surface may have moved, m
+  Vec3 bed_ = {0, 0, 0}, bed_at_search_ = {0, 0, 0};
   std::vector<Near> near_;
   std::vector<Candidate> candidates_;  // of each sphere, nearest first
 };

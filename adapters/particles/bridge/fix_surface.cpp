@@ -1,6 +1,7 @@
 #include "fix_surface.h"
 
 #include <algorithm>
+#include <climits>
 
 #include "atom.h"
 #include "comm.h"
@@ -8,6 +9,8 @@
 #include "granular_wall.h"
 #include "neighbor.h"
 #include "update.h"
+
+#include "bed_motion.h"
 
 namespace flipflow {
 
@@ -22,7 +25,9 @@ constexpr size_t kAhead = 4;          // spheres whose histories and candidates 
 
 FixSurface::FixSurface(LAMMPS *lmp, int narg, char **arg)
     : FixWallGran(lmp, narg, arg), surface_({}), history_(dnum()) {
-  create_attribute = 1;
+  create_attribute = force_reneighbor = 1;
+  next_reneighbor = -1;
+  neighbor->delay = INT_MAX;  // not LIGGGHTS but `post_integrate` looks whether neighbours are to be listed
   atom->add_callback(0);
   comm->maxexchange_fix += history_.packed_size(kMostContacts);
   grow_arrays(atom->nmax);
@@ -31,7 +36,9 @@ FixSurface::FixSurface(LAMMPS *lmp, int narg, char **arg)
 
 FixSurface::~FixSurface() { atom->delete_callback(id, 0); }
 
-int FixSurface::setmask() { return FixConst::PRE_NEIGHBOR | FixConst::POST_FORCE; }
+int FixSurface::setmask() {
+  return FixConst::POST_INTEGRATE | FixConst::PRE_NEIGHBOR | FixConst::POST_FORCE;
+}
 
 int FixSurface::max_type() { return atom->ntypes; }
 
@@ -101,6 +108,17 @@ void FixSurface::begin_sums(double step_s) {
 void FixSurface::end_sums(double step_s) {
   load_.end(step_s);
   mass_moment_time_ = mass_moment_time_ - 0.5 * step_s * mass_moment_;
+}
+
+void FixSurface::post_integrate() {
+  const BedMotion bed(*lmp, 0.5 * neighbor->skin);
+  search_.bed_moved(bed.common_m);
+  if (bed.farthest_m > 0.5 * neighbor->skin) next_reneighbor = update->ntimestep;
+}
+
+void FixSurface::pre_neighbor() {
+  neighbours_listed_now_ = true;
+  search_.bed_moved({0, 0, 0});
 }
 
 void FixSurface::setup(int flag) {

@@ -82,7 +82,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void post_create() override {}  // the base class would make a history for its primitive wall
   void pre_delete(bool) override {}
   void setup(int) override;
-  void pre_neighbor() override { neighbours_listed_now_ = true; }
+  void post_integrate() override;
+  void pre_neighbor() override;
   void post_force(int) override;
   void post_force_pgl() override {}
 

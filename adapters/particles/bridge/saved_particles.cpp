@@ -24,14 +24,14 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// Where particles were when neighbours were last listed is a protected member of LIGGGHTS; naming
-// it as a template argument of an explicit instantiation is allowed by the language.
-double **Neighbor::*listed_at();
+// A protected member of LIGGGHTS; naming it as a template argument of an explicit instantiation is allowed by
+// the language.
+double **Neighbor::*places_held();
 template <double **Neighbor::*member>
-struct ListedAt {
-  friend double **Neighbor::*listed_at() { return member; }
+struct PlacesHeld {
+  friend double **Neighbor::*places_held() { return member; }
 };
-template struct ListedAt<&Neighbor::xhold>;
+template struct PlacesHeld<&Neighbor::xhold>;
 
 std::vector<double> rows(double **first, int count) {
   return count ? std::vector<double>(first[0], first[0] + 3 * count) : std::vector<double>();
@@ -109,6 +109,8 @@ void restore_pairs(LAMMPS &lmp, const SavedState &saved) {
 
 }  // namespace
 
+double **listed_at(LAMMPS &lmp) { return lmp.neighbor->*places_held(); }
+
 int add_particle(LAMMPS &lmp, int id, int type, const double *position_m, double radius_m,
                  double density_kg_per_m3) {
   Atom &atom = *lmp.atom;
@@ -128,7 +130,7 @@ int add_particle(LAMMPS &lmp, int id, int type, const double *position_m, double
 void save_particles(LAMMPS &lmp, SavedState &saved) {
   const Atom &atom = *lmp.atom;
   const int n = atom.nlocal;
-  saved.reals["listed_at_m"] = rows(lmp.neighbor->*listed_at(), n);
+  saved.reals["listed_at_m"] = rows(listed_at(lmp), n);
   saved.reals["position_m"] = rows(atom.x, n);
   saved.reals["velocity_m_per_s"] = rows(atom.v, n);
   saved.reals["spin_rad_per_s"] = rows(atom.omega, n);
@@ -150,7 +152,7 @@ bool is_listed_as_saved(LAMMPS &lmp, const SavedState &saved) {
   int alike = nobody || (static_cast<int>(id.size()) == atom.nlocal && same(id, atom.tag) &&
                          same(saved.whole("type"), atom.type) &&
                          same(saved.real("radius_m"), atom.radius) &&
-                         same(saved.real("listed_at_m"), (lmp.neighbor->*listed_at())[0]));
+                         same(saved.real("listed_at_m"), listed_at(lmp)[0]));
   MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPI_INT, MPI_LAND, lmp.world);
   return alike;
 }

@@ -15,6 +15,9 @@ namespace flipflow {
 // ones again at the places that it made them at, which it keeps to see who has moved far since.
 void save_particles(LAMMPS_NS::LAMMPS &lmp, SavedState &saved);
 
+// Where this rank's particles were when their neighbours were last listed, (particles, 3).
+double **listed_at(LAMMPS_NS::LAMMPS &lmp);
+
 // Has nothing been listed anew, on any rank, since the state was saved, or been listed alike?
 // Then going back is a matter of copying numbers, a tenth of listing.
 bool is_listed_as_saved(LAMMPS_NS::LAMMPS &lmp, const SavedState &saved);

@@ -13,9 +13,13 @@ from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
 
 # LIGGGHTS wants a word of confirmation outside of these moduli
 SOFTEST_PA, HARDEST_PA = 5e6, 1e9
-# neighbour-list margin, as a share of the largest diameter: a thrown bed moves fast, so wide
-# lists that last pay (quickstart: 1.7 times as fast as with 0.1, a bed at rest 1.25 times)
-SKIN = 0.3
+LISTING, LOOKED_AT = 90.0, 0.9
+"""The cost of listing a particle's neighbours, and of each other one that is looked at for that, over what a
+pair that is near but does not touch costs in a step."""
+FILLED, SPEED_M_PER_S = 0.2, 1.0
+"""The share of space that a thrown bed fills, and how fast its particles move against each other."""
+SKINS = 0.05, 0.6
+"""The least and the largest skin, as shares of the largest diameter."""
 # LIGGGHTS would take 400 and more for few particles on a deck, and clearing them cost a tenth of such runs
 SORTED_EVERY = 1000
 """Number of steps after which LIGGGHTS sorts particles in memory by their bins; its own default."""
@@ -88,9 +92,28 @@ def ranks(plan: ParticlesPlan) -> int:
     return 1 if plan.communicator is None else int(plan.communicator.size)
 
 
+def skin_m(plan: ParticlesPlan) -> float:
+    """Return the skin: the gap up to which two particles are listed as neighbours.
+
+    With a wide one each step has more pairs to look at; with a narrow one neighbours are listed more often.
+    The skin has the least cost for a thrown bed of the particles at the start, or, where there are none, of the
+    largest ones (docs/measured/cost.md compares skins).
+    """
+    largest_m = plan.largest_diameter_m
+    diameter_m = plan.particles.diameter_m if len(plan.particles) else np.array([largest_m])
+    per_m3 = FILLED / (math.pi / 6.0 * np.mean(diameter_m**3))
+    skins_m = largest_m * np.geomspace(*SKINS, 100)
+    mean_m = np.mean(diameter_m)
+    near = 2.0 / 3.0 * math.pi * per_m3 * ((mean_m + skins_m) ** 3 - mean_m**3)
+    looked_at = per_m3 * (2.5 * (largest_m + skins_m)) ** 3  # in five bins of half a cutoff along each axis
+    listings_per_step = 2.0 * SPEED_M_PER_S * plan.step_s / skins_m
+    cost = near + (LISTING + LOOKED_AT * looked_at) * listings_per_step
+    return float(f"{skins_m[np.argmin(cost)]:.3g}")
+
+
 def cutoff_m(plan: ParticlesPlan) -> float:
     """Return the distance up to which the centres of particles are listed as neighbours."""
-    return (1.0 + SKIN) * plan.largest_diameter_m
+    return plan.largest_diameter_m + skin_m(plan)
 
 
 def smallest_box_m(plan: ParticlesPlan) -> Array:
@@ -121,7 +144,7 @@ def input_text(plan: ParticlesPlan) -> str:
         processors=_processors(plan),
         box=words(smallest_box_m(plan).T.round(12)),
         types=len(youngs),
-        skin=words(SKIN * np.array(plan.largest_diameter_m)),
+        skin=words(np.array(skin_m(plan))),
         youngs=words(np.array(youngs)),
         poisson=words(np.array([material.poisson_ratio for material in plan.materials])),
         restitution=words(plan.restitution),
@@ -132,13 +155,13 @@ def input_text(plan: ParticlesPlan) -> str:
     )
 
 
-def bin_size_m(box_m3: float, largest_diameter_m: float, particles: int) -> float:
+def bin_size_m(box_m3: float, cutoff_m: float, particles: int) -> float:
     """Return the size of LIGGGHTS's bins for a number of particles; 0 stands for its own, half a cutoff.
 
     LIGGGHTS clears every bin when it lists neighbours, so few particles in a large box get larger bins,
     doubled as often as needed.  ``box_m3`` is the volume of the smallest box, which never changes.
     """
-    usual_m = (1.0 + SKIN) * largest_diameter_m / 2.0
+    usual_m = cutoff_m / 2.0
     wanted_m = math.cbrt(box_m3 / (BINS_PER_PARTICLE * max(particles, 1)))
     doublings = math.floor(math.log2(wanted_m / usual_m))
     return usual_m * 2.0**doublings if doublings > 0 else 0.0

@@ -66,7 +66,7 @@ class Liggghts:
         self._ledger = ParticleLedger(plan, self._comm)
         self._created, self._bin_m = 0, 0.0
         box_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
-        self._bins_for = partial(bin_size_m, box_m3, plan.largest_diameter_m)
+        self._bins_for = partial(bin_size_m, box_m3, cutoff_m(plan))
         self._deepest, self._crossings = Overlaps(), Crossings.none()
         self._unprepared = False
         self._removed: list[Removed] = []

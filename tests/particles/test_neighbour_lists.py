@@ -1,0 +1,110 @@
+"""Lists of neighbours: how wide they are, and when they are made anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from adapters.particles.liggghts.input import SKINS, skin_m
+from orchestrator.ports import Array, Motion, Particles
+from orchestrator.ports.plans import ParticleList
+from tests.particles.contract import solver_adapter
+from tests.particles.liggghts_plans import INTERVAL_S, flat, make_plan, spheres, still, travel
+
+ALONG = np.array([2.0, 0.5, -3.0])
+"""The velocity in m/s with which everything moves."""
+
+
+def clouds() -> ParticleList:
+    """Return two clouds of 27 spheres each, 5 mm wide and 2 mm apart, that fly through each other at 4 m/s."""
+    line_m = 7e-3 * np.arange(3)
+    grid_m = np.stack(np.meshgrid(line_m, line_m, line_m, indexing="ij"), axis=-1).reshape(-1, 3)
+    other_m = grid_m + [0.021, 1e-3, 5e-4]
+    velocity_m_per_s = np.repeat([[2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]], 27, axis=0)
+    return spheres(np.concatenate([grid_m, other_m]) + [0.0, 0.0, 0.03], velocity_m_per_s)
+
+
+def test_the_skin_widens_with_the_step_and_narrows_with_fine_grains() -> None:
+    """In a longer step particles come farther; around fine grains there are more in a wide skin."""
+    plan = make_plan(flat(), spheres([0.0, 0.0, 0.01]))
+    share = [skin_m(replace(plan, step_s=step_s)) / 5e-3 for step_s in (1e-8, 1e-6, 1e-5, 1e-3)]
+    assert SKINS[0] == pytest.approx(share[0])
+    assert share[0] < share[1] < share[2] < share[3] == pytest.approx(SKINS[1])
+    fine = spheres(np.zeros((50, 3)), diameter_m=2e-3)
+    mixed = replace(plan, step_s=1e-5, particles=fine)
+    assert mixed.largest_diameter_m == 5e-3
+    assert skin_m(mixed) < 0.8 * share[2] * 5e-3
+
+
+@pytest.mark.solver
+def test_a_bed_that_moves_as_one_is_seldom_listed(tmp_path: Path) -> None:
+    """In 100 intervals of 0.05 ms at 3.64 m/s it goes 18 mm, and half the largest diameter, 2.5 mm, between
+    two listings, but for half a skin, 0.3 mm at most; LIGGGHTS by itself would list it every 0.3 mm."""
+    solver = solver_adapter("liggghts").build(make_plan(flat(), spheres(grid(), ALONG), folder=tmp_path))
+    away = Motion(flat().position_m - [0.0, 0.0, 0.09], np.zeros((81, 3)))
+    listed, listings = listed_at_m(solver), 0
+    for index in range(100):
+        travel(solver, lambda _: away, range(index, index + 1))
+        now = listed_at_m(solver)
+        listings += not np.array_equal(now, listed)
+        listed = now
+    solver.close()
+    assert 7 <= listings <= 9
+
+
+@pytest.mark.solver
+def test_collisions_are_the_same_in_a_bed_that_moves(tmp_path: Path) -> None:
+    """By Galileo's principle, to the rounding that 110 collisions and more amplify."""
+    at_rest = places_after(clouds(), np.zeros(3), tmp_path / "rest")
+    moving = places_after(clouds(), ALONG, tmp_path / "moving")
+    flown = clouds().position_m + 100 * INTERVAL_S * clouds().velocity_m_per_s
+    assert (np.linalg.norm(at_rest - flown, axis=1) > 1e-3).sum() > 27  # or nothing has collided
+    np.testing.assert_allclose(moving - 100 * INTERVAL_S * ALONG, at_rest, atol=1e-9)
+
+
+@pytest.mark.solver
+def test_a_bed_that_falls_as_one_meets_the_surface(tmp_path: Path) -> None:
+    """The surface is searched again as the bed comes near, though its own neighbours stay the same: they fall
+    1.5 mm, three skins, and bounce as on a surface that comes up to them."""
+    here = flat()
+    bed = spheres(grid()[:9] + [0.0, 0.0, 1.5e-3 - 1e-2 + 2.5e-3])
+
+    def rising(time_s: float) -> Motion:
+        return Motion(here.position_m + [0.0, 0.0, 3.0 * time_s], np.tile([0.0, 0.0, 3.0], (81, 1)))
+
+    solver = solver_adapter("liggghts").build(make_plan(here, bed, folder=tmp_path / "rising"))
+    risen_N = travel(solver, rising, range(40))
+    solver.close()
+    falling = replace(bed, velocity_m_per_s=bed.velocity_m_per_s - [0.0, 0.0, 3.0])
+    solver = solver_adapter("liggghts").build(make_plan(here, falling, folder=tmp_path / "falling"))
+    fallen_N = travel(solver, lambda _: still(here), range(40))
+    solver.close()
+    assert min(force[2] for force in risen_N) < -10.0
+    np.testing.assert_allclose(fallen_N, risen_N, atol=1e-6)
+
+
+def grid() -> Array:
+    """Return places of 3 x 3 x 3 spheres, 6 mm apart, the lowest ones 10 mm above the surface, (27, 3)."""
+    line_m = 6e-3 * np.arange(3)
+    layers = np.stack(np.meshgrid(line_m, line_m, line_m, indexing="ij"), axis=-1).reshape(-1, 3)
+    ordered: Array = layers[np.argsort(layers[:, 2], kind="stable")] + [-6e-3, -6e-3, 1e-2]
+    return ordered
+
+
+def places_after(bed: ParticleList, along_m_per_s: Array, folder: Path) -> Array:
+    """Return where the particles (n, 3) are after 100 intervals, in order; the surface is far below."""
+    moving = replace(bed, velocity_m_per_s=bed.velocity_m_per_s + along_m_per_s)
+    solver = solver_adapter("liggghts").build(make_plan(flat(), moving, folder=folder))
+    away = Motion(flat().position_m - [0.0, 0.0, 0.09], np.zeros((81, 3)))
+    travel(solver, lambda _: away, range(100))
+    places_m = solver.snapshot().position_m
+    solver.close()
+    return places_m
+
+
+def listed_at_m(solver: Particles) -> Array:
+    places_m: Array = np.array(solver.save()["engine"]["listed_at_m"])
+    return places_m
