@@ -122,7 +122,7 @@ void FixSurface::pre_neighbor() {
 }
 
 void FixSurface::setup(int flag) {
-  neighbours_listed_now_ = true;
+  pre_neighbor();  // LIGGGHTS has listed neighbours and says so only here
   post_force(flag);
 }
 
