@@ -16,7 +16,7 @@ from orchestrator.case.tables.frames import Drive
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.output.drawing import LINES, figure
 from orchestrator.output.views.labels import Labels
-from orchestrator.output.views.outline import BoxOutline, MachineOutline, PanelOutline, carried_points_m
+from orchestrator.output.views.outline import BoxOutline, MachineOutline, carried_points_m
 from orchestrator.ports import Array
 
 PANEL_COLORS = ("#c79a1e", "#8f6a0f")  # Neighbouring panels differ.
@@ -105,25 +105,24 @@ class _Drawing:
 
     def walls(self) -> None:
         """Draw the rigid surfaces: faces pale, edges as lines, in the colours of their frames."""
-        named: dict[tuple[float, ...], tuple[list[str], Array, str]] = {}
+        groups: dict[str, list[Array]] = {}
+        colors: dict[str, str] = {}
         for wall in self._machine.walls:
             color = frame_color(self._machine, wall.frame)
-            for triangle in self._view.of(wall.triangles_m):
+            triangles, edges = self._view.of(wall.triangles_m), list(self._view.of(wall.edges_m))
+            for triangle in triangles:
                 self._axes.add_patch(Polygon(triangle, fc=color, ec="none", alpha=0.07, zorder=1))
-            edges = self._view.of(wall.edges_m)
-            self._axes.add_collection(LineCollection(list(edges), colors=color, lw=0.8, alpha=0.7, zorder=2))
-            self._lines += list(edges)
-        groups: dict[str, list[Array]] = {}
-        frames: dict[str, str] = {}
-        for wall in self._machine.walls:
+            self._axes.add_collection(LineCollection(edges, colors=color, lw=0.8, alpha=0.7, zorder=2))
+            self._lines += edges
             name = wall.name.rstrip("0123456789").rstrip("-") or wall.name
-            groups.setdefault(name, []).append(self._view.of(wall.triangles_m.reshape(-1, 3)))
-            frames[name] = wall.frame
+            groups.setdefault(name, []).append(triangles.reshape(-1, 2))
+            colors[name] = color
+        named: dict[tuple[float, ...], tuple[list[str], Array, str]] = {}
         for name, parts in groups.items():
             points = np.concatenate(parts)
             key = tuple(np.round(np.concatenate([points.min(axis=0), points.max(axis=0)]), 3))
             middle = max(parts, key=lambda part: float(np.ptp(part, axis=0).sum())).mean(axis=0)
-            names, _, _ = named.setdefault(key, ([], middle, frame_color(self._machine, frames[name])))
+            names, _, _ = named.setdefault(key, ([], middle, colors[name]))
             names.append(name)
         for names, middle, color in named.values():
             self._wanted.append((", ".join(names), middle, color, 100.0))
@@ -148,13 +147,9 @@ class _Drawing:
         if middle is None:
             return
         title = box.name if kind == "exit" else f"{kind} {box.name}"
-        text = f"{title}\n{box.text}"
-        if kind == "exit":
-            if self._view.name == "top":  # The machine hides the middle.
-                middle = np.array([middle[0], max(around[:, 1].min(), self._low[1]) + 0.03 * self._size])
-            self._wanted.append((text, middle, color, 80.0))
-            return
-        self._wanted.append((text, middle, color, 80.0))
+        if kind == "exit" and self._view.name == "top":  # The machine hides the middle.
+            middle = np.array([middle[0], max(around[:, 1].min(), self._low[1]) + 0.03 * self._size])
+        self._wanted.append((f"{title}\n{box.text}", middle, color, 80.0))
         velocity = self._view.of(box.velocity_m_per_s)
         if np.linalg.norm(velocity) > 0.05 * np.linalg.norm(box.velocity_m_per_s) > 0:
             arrow = 0.09 * self._size * velocity / np.linalg.norm(velocity)
@@ -173,8 +168,10 @@ class _Drawing:
             self._axes.add_patch(Polygon(whole, fc="#333333", ec="#333333", lw=3.2, alpha=0.9, zorder=4))
             self._axes.add_patch(Polygon(free, fc=color, ec=color, lw=2.6, zorder=5))
             self._lines.append(np.vstack([whole, whole[:1]]))
-            if self._view.name == "top":
-                self._openings(row)
+            if self._view.name == "top" and row.panel.apertures is not None:
+                places = list(self._view.of(row.openings_m))
+                openings = PolyCollection(places, fc="white", ec="none", rasterized=True, zorder=6)
+                self._axes.add_collection(openings)
         if not self._machine.panels:
             return
         middle = self._machine.panels[len(self._machine.panels) // 2]
@@ -183,19 +180,6 @@ class _Drawing:
         sizes = f"{1e3 * table.length_m:g} × {1e3 * table.width_m:g} × {1e3 * table.thickness_m:g} mm"
         text = f"{count} panel{'s' if count > 1 else ''} of {table.material}\n{sizes}"
         self._wanted.append((text, self._view.of(middle.free_m).mean(axis=0), PANEL_COLORS[1], 110.0))
-
-    def _openings(self, row: PanelOutline) -> None:
-        pattern, at = row.panel.apertures, row.panel.rectangle
-        if pattern is None:
-            return
-        centres = pattern.centres_m(at)
-        half = np.array([pattern.length_m, pattern.width_m]) / 2
-        corners = centres[:, None] + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        placed = self._view.of(at.mounted(corners.reshape(-1, 2))).reshape(-1, 4, 2)
-        openings = PolyCollection(
-            list(placed), facecolors="white", edgecolors="none", rasterized=True, zorder=6
-        )
-        self._axes.add_collection(openings)
 
     def bushings(self) -> None:
         """Draw each bushing as a square with a cross, labelled once for each group."""
@@ -286,8 +270,7 @@ class _Drawing:
         self._axes.add_patch(
             Arc(_xy(at), 2 * radius, 2 * radius, theta1=40, theta2=320, color=color, lw=2, zorder=12)
         )
-        end_deg = 320.0 if counterclockwise else 40.0
-        way = 1.0 if counterclockwise else -1.0
+        end_deg, way = (320.0, 1.0) if counterclockwise else (40.0, -1.0)
         angle = math.radians(end_deg)
         tip = at + radius * np.array([math.cos(angle), math.sin(angle)])
         step = way * 0.3 * radius * np.array([-math.sin(angle), math.cos(angle)])
@@ -337,19 +320,17 @@ class _Drawing:
         along = ends_m @ self._machine.down
         first_m, last_m = ends_m[along.argmin()], ends_m[along.argmax()]
         if self._view.name == "side":
-            length_m = float(np.ptp(along))
             ends = "along the deck" if self._is_straight else "from end to end"
-            self._dimension(first_m, last_m, f"{length_m:.4g} m {ends}")
+            self._dimension(first_m, last_m, f"{np.ptp(along):.4g} m {ends}")
             self._slopes(self._view.of(last_m))
-        if len(panels) > 1:
-            one, two = (self._view.of(row.corners_m[0]) for row in panels[:2])
-            pitch_m = float(np.linalg.norm(panels[1].corners_m[0] - panels[0].corners_m[0]))
-            if self._view.name == "top":
-                self._between(one, two, -0.05 * self._size, f"pitch {1e3 * pitch_m:.4g} mm")
         if self._view.name == "top":
-            row = panels[-1]
-            one, two = self._view.of(row.corners_m[1]), self._view.of(row.corners_m[2])
-            self._between(one, two, -0.05 * self._size, f"width {1e3 * row.panel.rectangle.width_m:.4g} mm")
+            offset, width_m = -0.05 * self._size, panels[-1].panel.rectangle.width_m
+            if len(panels) > 1:
+                one_m, two_m = (row.corners_m[0] for row in panels[:2])
+                text = f"pitch {1e3 * np.linalg.norm(two_m - one_m):.4g} mm"
+                self._between(self._view.of(one_m), self._view.of(two_m), offset, text)
+            one, two = self._view.of(panels[-1].corners_m[1:3])
+            self._between(one, two, offset, f"width {1e3 * width_m:.4g} mm")
 
     def _dimension(self, first_m: Array, last_m: Array, text: str) -> None:
         """Draw a dimension between two points of the deck, below all of the machine."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -22,7 +23,7 @@ from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import has_particles
 from orchestrator.output.views.drawings import BLOCK, EXIT, FEED, PANEL_COLORS, SPRING, frame_color
 from orchestrator.output.views.outline import MachineOutline, PanelOutline
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 
 MOST_OPENINGS, MOST_PARTICLES = 20_000, 1500
 VIEW = (0.45, -1.0, 0.6)  # From the side, the upper end and above.
@@ -51,16 +52,15 @@ def _scene(machine: MachineOutline) -> Any:
     for number in (0, 1):
         rows = machine.panels[number::2]
         if rows:
-            plotter.add_mesh(_quads([row.free_m for row in rows]), color=PANEL_COLORS[number], **MATT)
+            plotter.add_mesh(_polygons([row.free_m for row in rows]), color=PANEL_COLORS[number], **MATT)
     if clamps := [clamp_m for row in machine.panels for clamp_m in _clamps(row)]:
-        plotter.add_mesh(_quads(clamps), color="#333333")
+        plotter.add_mesh(_polygons(clamps), color="#333333")
     if openings := _openings(machine):
-        plotter.add_mesh(_quads(openings), color=OPENING, **MATT)
+        plotter.add_mesh(_polygons(openings), color=OPENING, **MATT)
     for wall in machine.walls:
         color = frame_color(machine, wall.frame)
-        faces = _polygons(wall.triangles_m)
-        plotter.add_mesh(faces, color=color, opacity=0.12)
-        plotter.add_mesh(_lines(list(wall.edges_m)), color=color, line_width=2)
+        plotter.add_mesh(_polygons(wall.triangles_m), color=color, opacity=0.12)
+        plotter.add_mesh(_lines(wall.edges_m), color=color, line_width=2)
     for row in machine.bushings:
         for place_m in row.places_m:
             side_m = 0.02 * size_m
@@ -71,7 +71,9 @@ def _scene(machine: MachineOutline) -> Any:
         plotter.add_mesh(ball, color=frame_color(machine, name))
     for exciter in machine.exciters:
         color = frame_color(machine, exciter.table.frame)
-        plotter.add_mesh(_shaft(exciter.place_m, exciter.axis, size_m), color=color)
+        at = {"center": exciter.place_m, "direction": exciter.axis}
+        shaft = pyvista.Cylinder(radius=0.008 * size_m, height=0.16 * size_m, **at)
+        plotter.add_mesh(shaft, color=color)
         plotter.add_mesh(_turning(exciter.place_m, exciter.axis, 0.05 * size_m), color=color)
     for boxes, color in ((machine.feeds, FEED), (machine.blocks, BLOCK), (machine.exits, EXIT)):
         for box in boxes:
@@ -144,41 +146,32 @@ def _legend(machine: MachineOutline) -> str:
     )
 
 
-def _quads(corners: list[Array]) -> Any:
-    """Return rectangles, each (4, 3), as one mesh."""
-    points = np.concatenate(corners)
-    faces = np.column_stack([np.full(len(corners), 4), np.arange(len(points)).reshape(-1, 4)])
-    return pyvista.PolyData(points, faces.ravel())
+def _polygons(corners_m: Sequence[Array] | Array) -> Any:
+    """Return polygons of equally many corners, (n, corners, 3), as one mesh."""
+    points_m, cells = _points_and_cells(corners_m)
+    return pyvista.PolyData(points_m, cells)
 
 
-def _polygons(triangles_m: Array) -> Any:
-    faces = np.column_stack([np.full(len(triangles_m), 3), np.arange(3 * len(triangles_m)).reshape(-1, 3)])
-    return pyvista.PolyData(triangles_m.reshape(-1, 3), faces.ravel())
+def _lines(ends_m: Sequence[Array] | Array) -> Any:
+    """Return straight lines (n, 2, 3) as one mesh."""
+    points_m, cells = _points_and_cells(ends_m)
+    return pyvista.PolyData(points_m, lines=cells)
 
 
-def _lines(ends_m: list[Array]) -> Any:
-    """Return straight lines, each (2, 3), as one mesh."""
-    points = np.concatenate(ends_m)
-    lines = np.column_stack([np.full(len(ends_m), 2), np.arange(len(points)).reshape(-1, 2)])
-    return pyvista.PolyData(points, lines=lines.ravel())
+def _points_and_cells(corners_m: Sequence[Array] | Array) -> tuple[Array, Indices]:
+    """Return the points of equal cells, (n, corners, 3), and VTK's list of their numbers, cell by cell."""
+    count, corners = np.shape(corners_m)[:2]
+    numbers = np.arange(count * corners).reshape(count, corners)
+    return np.reshape(corners_m, (-1, 3)), np.column_stack([np.full(count, corners), numbers]).ravel()
 
 
 def _openings(machine: MachineOutline) -> list[Array]:
     """Return the openings as rectangles (4, 3) on the panels' faces; none if there are very many."""
     rows: list[Array] = []
     for outline in machine.panels:
-        pattern, at = outline.panel.apertures, outline.panel.rectangle
-        if pattern is None:
-            continue
-        half = np.array([pattern.length_m, pattern.width_m]) / 2
-        corners = pattern.centres_m(at)[:, None] + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        lifted = at.mounted(corners.reshape(-1, 2)) + 1e-3 * at.normal
-        rows += [*lifted.reshape(-1, 4, 3), *(lifted - 2e-3 * at.normal).reshape(-1, 4, 3)]
+        lifted_m = outline.openings_m + 1e-3 * outline.panel.rectangle.normal
+        rows += [*lifted_m, *(lifted_m - 2e-3 * outline.panel.rectangle.normal)]
     return rows if len(rows) <= 2 * MOST_OPENINGS else []
-
-
-def _shaft(place_m: Array, axis: Array, size_m: float) -> Any:
-    return pyvista.Cylinder(center=place_m, direction=axis, radius=0.008 * size_m, height=0.16 * size_m)
 
 
 def _turning(place_m: Array, axis: Array, radius_m: float) -> Any:
@@ -219,7 +212,7 @@ def _clamps(row: PanelOutline) -> tuple[Array, Array]:
 def _box_edges(corners_m: Array) -> Any:
     """Return the twelve edges of a box whose corners (8, 3) are in the order of a product of limits."""
     pairs = [(a, a | bit) for bit in (1, 2, 4) for a in range(8) if not a & bit]
-    return _lines([corners_m[list(pair)] for pair in pairs])
+    return _lines(corners_m[np.array(pairs)])
 
 
 def _particles(machine: MachineOutline) -> Any:

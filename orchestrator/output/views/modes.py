@@ -22,6 +22,8 @@ from orchestrator.preflight.scene.frame_modes import FrameMode
 CELL_PX, COLUMNS, MARGIN_PX, HEAD_PX = (360, 230), 3, 22, 46
 STROKE = 0.075  # Largest displacement over the size of the machine.
 FRAMES, PERIOD_S = 24, 1.6
+SHARES = np.sin(2 * np.pi * np.arange(FRAMES + 1) / FRAMES)
+"""The shares of the amplitude over one period, the first again at the end."""
 VIEWS = (SIDE, TOP, SIDE, FRONT, SIDE, TOP)
 """The view for each coordinate of a frame: along, across, normal, roll, pitch, yaw."""
 NEAR = "#c1443c"
@@ -62,10 +64,9 @@ def _cell(machine: MachineOutline, mode: FrameMode, excited_Hz: Sequence[float])
     cell = _fit(machine, view)
     near = [f for f in excited_Hz if abs(mode.frequency_Hz - f) <= 0.15 * f]
     color = NEAR if near else "#222222"
-    first, second = _two_lines(mode.shape)
     title = f"{mode.frequency_Hz:.3g} Hz, {mode.damping_ratio:.1%} damping, {view.name} view"
     yield f'<text x="12" y="16" font-weight="bold" fill="{color}">{escape(title)}</text>'
-    for number, line in enumerate((first, second)):
+    for number, line in enumerate(_two_lines(mode.shape)):
         yield f'<text x="12" y="{30 + 13 * number}" fill="{color}">{escape(line)}</text>'
     bodies = {name: carried_points_m(machine, name) for name in mode.frames}
     moved = {name: _displacement(machine, mode, name, points) for name, points in bodies.items()}
@@ -79,8 +80,9 @@ def _cell(machine: MachineOutline, mode: FrameMode, excited_Hz: Sequence[float])
             continue
         own = frame_color(machine, name)
         hull = _hull_rows(cell.of(points))
-        yield _polygon(cell.of(points)[hull], fill="none", stroke="#b5bcc4", extra='stroke-dasharray="3 3"')
-        path = [cell.of(points + share * factor * moved[name])[hull] for share in _shares()]
+        outline = _listed(cell.of(points)[hull])
+        yield f'<polygon points="{outline}" fill="none" stroke="#b5bcc4" stroke-dasharray="3 3"/>'
+        path = [cell.of(points + share * factor * moved[name])[hull] for share in SHARES]
         yield _moving(path, f'fill="{own}" fill-opacity="0.18" stroke="{own}" stroke-width="1.5"')
     for number, row in enumerate(machine.panels):
         ends = []
@@ -91,16 +93,10 @@ def _cell(machine: MachineOutline, mode: FrameMode, excited_Hz: Sequence[float])
             ends.append((places, shift))
         (one, one_by), (two, two_by) = ends
         path = [
-            cell.of(np.vstack([one + s * factor * one_by, (two + s * factor * two_by)[::-1]]))
-            for s in _shares()
+            cell.of(np.vstack([one + s * factor * one_by, (two + s * factor * two_by)[::-1]])) for s in SHARES
         ]
         style = f'fill="{PANEL_COLORS[number % 2]}" fill-opacity="0.5" stroke="{PANEL_COLORS[number % 2]}"'
         yield _moving(path, f'{style} stroke-width="2"')
-
-
-def _shares() -> Array:
-    """Return the shares of the amplitude over one period, the first again at the end."""
-    return np.asarray(np.sin(2 * np.pi * np.arange(FRAMES + 1) / FRAMES))
 
 
 def _displacement(machine: MachineOutline, mode: FrameMode, frame: str, points_m: Array) -> Array:
@@ -140,10 +136,6 @@ def _two_lines(shape: str) -> tuple[str, str]:
             first, second = shape.split(word, 1)
             return first, f"{word.strip()} {second}"
     return shape, ""
-
-
-def _polygon(points: Array, fill: str, stroke: str, extra: str = "") -> str:
-    return f'<polygon points="{_listed(points)}" fill="{fill}" stroke="{stroke}" {extra}/>'
 
 
 def _moving(path: Sequence[Array], style: str) -> str:

@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel, axes, single_panels, to_world, walls
+from orchestrator.case.tables.bed import Block, Feed
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Bushing, Exciter
+from orchestrator.case.tables.screen import Exit
 from orchestrator.ports import Array, Indices
 
 FLAT_DEG = 20.0  # Neighbouring triangles that bend less make one face.
@@ -23,6 +25,16 @@ class PanelOutline:
     panel: SinglePanel
     corners_m: Array
     free_m: Array
+
+    @property
+    def openings_m(self) -> Array:
+        """The corners (n, 4, 3) of the rectangles around the openings; none without a pattern."""
+        pattern, at = self.panel.apertures, self.panel.rectangle
+        if pattern is None:
+            return np.empty((0, 4, 3))
+        half_m = np.array([pattern.length_m, pattern.width_m]) / 2
+        corners_m = pattern.centres_m(at)[:, None] + half_m * [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+        return at.mounted(corners_m.reshape(-1, 2)).reshape(-1, 4, 3)
 
 
 @dataclass(frozen=True)
@@ -131,31 +143,14 @@ def outline(case: Case, folder: Path) -> MachineOutline:
             for name, row in screen.exciters.items()
         ),
         feeds=tuple(
-            _box(
-                case,
-                name,
-                f"{row.rate_kg_per_s:.4g} kg/s of {row.material}",
-                row.box_m,
-                row.axes,
-                row.velocity_m_per_s,
-            )
+            _box(case, name, f"{row.rate_kg_per_s:.4g} kg/s of {row.material}", row)
             for name, row in case.bed.feeds.items()
         ),
         blocks=tuple(
-            _box(
-                case,
-                name,
-                f"{row.count} particles of {row.material}",
-                row.box_m,
-                row.axes,
-                row.velocity_m_per_s,
-            )
+            _box(case, name, f"{row.count} particles of {row.material}", row)
             for name, row in case.bed.blocks.items()
         ),
-        exits=tuple(
-            _box(case, name, row.product, row.box_m, "deck", (0.0, 0.0, 0.0))
-            for name, row in screen.exits.items()
-        ),
+        exits=tuple(_box(case, name, row.product, row) for name, row in screen.exits.items()),
         particles_m=tuple(
             (
                 to_world(case, row.position_m) if row.axes == "deck" else np.array(row.position_m),
@@ -178,17 +173,10 @@ def _panel(panel: SinglePanel) -> PanelOutline:
     return PanelOutline(panel, corners_m(r.clamp_m), corners_m(0.0))
 
 
-def _box(
-    case: Case,
-    name: str,
-    text: str,
-    box_m: tuple[tuple[float, ...], tuple[float, ...]],
-    given_in: str,
-    velocity_m_per_s: tuple[float, ...],
-) -> BoxOutline:
-    corners_m = np.array(list(product(*zip(*box_m, strict=True))))
-    velocity = np.array(velocity_m_per_s)
-    if given_in == "deck":
+def _box(case: Case, name: str, text: str, row: Feed | Block | Exit) -> BoxOutline:
+    corners_m = np.array(list(product(*zip(*row.box_m, strict=True))))
+    velocity = np.zeros(3) if isinstance(row, Exit) else np.array(row.velocity_m_per_s)
+    if isinstance(row, Exit) or row.axes == "deck":
         corners_m, velocity = to_world(case, corners_m), to_world(case, velocity)
     return BoxOutline(name, text, corners_m, velocity)
 
