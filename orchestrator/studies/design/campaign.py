@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import statistics
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -51,9 +52,7 @@ class Campaign:
     def read_trials(self) -> list[Trial]:
         """Read the stored trials; those that were made with other ranges are coded for the present ones.
 
-        Raises
-        ------
-        FolderUnusable : they are of other factors.
+        Raises FolderUnusable where they are of other factors.
         """
         self._trials = [self._coded(trial) for trial in self.journal.read()]
         return self._trials
@@ -74,21 +73,17 @@ class Campaign:
     def run(self, search: bool = True) -> Generator[Outcome, None, None]:
         """Run the centre and the plan, then search and confirm, and yield the outcome of each trial.
 
-        Outcomes of trials that were done before come at once.
-
-        Raises
-        ------
-        FolderUnusable : the stored trials are of other factors.
+        Outcomes of trials that were done before come at once.  Raises FolderUnusable where the stored trials
+        are of other factors.
         """
         self.read_trials()
         self._stored, self._began_s = len(self._trials), time.monotonic()
-        for stage in (
-            self._centre,
-            self._cheap,
-            self._plan,
-            *((self._search, self._confirm) if search else ()),
-        ):
-            for outcome in self.evaluator.outcomes(stage()):
+        stages: dict[Stage, Callable[[int], Iterator[Trial]]]
+        stages = {"centre": self._centre, "cheap": self._cheap, "plan": self._plan}
+        if search:
+            stages |= {"search": self._search, "confirm": self._confirm}
+        for stage, new in stages.items():
+            for outcome in self.evaluator.outcomes(self._stage(stage, new)):
                 self.outcomes.append(outcome)
                 yield outcome
 
@@ -119,17 +114,12 @@ class Campaign:
     def data(self, confirmed: bool = True) -> Data:
         """Collect the data for surrogates, with or without the runs that confirm."""
         left_out = ("cheap",) if confirmed else ("cheap", "confirm")
-        return self._data_of([each for each in self.outcomes if each.trial.stage not in left_out])
-
-    def _data_of(self, outcomes: Sequence[Outcome]) -> Data:
-        return Data.of(outcomes, self.scales)
+        return Data.of([each for each in self.outcomes if each.trial.stage not in left_out], self.scales)
 
     def fit(self, name: str = "", confirmed: bool = True) -> Fitted:
         """Fit a surrogate, by default the study's own, to the data.
 
-        Raises
-        ------
-        TooFewPoints : there are less data than the surrogate has terms.
+        Raises TooFewPoints where there are less data than the surrogate has terms.
         """
         name = name or self.study.file.search.surrogate
         used = sum(confirmed or outcome.trial.stage != "confirm" for outcome in self.outcomes)
@@ -142,7 +132,7 @@ class Campaign:
         """Fit a surrogate to data, on top of the cheap level where the study has one."""
         seed = self.study.file.seed
         if self.study.file.cheap is not None:
-            below = self._data_of([each for each in self.outcomes if each.trial.stage == "cheap"])
+            below = Data.of([each for each in self.outcomes if each.trial.stage == "cheap"], self.scales)
             cheap = surrogate.fit(below.x, below.y, below.variance, seed)
             surrogate = TwoLevels(cheap, surrogate)
         return surrogate.fit(data.x, data.y, data.variance, seed)
@@ -218,55 +208,39 @@ class Campaign:
         values = self.study.actual(setting)
         return Trial(number, stage, tuple(map(float, setting)), seed, role, predicted, values)
 
-    def _centre(self) -> Iterator[Trial]:
-        centre = self.study.space.ordered(np.zeros((1, self.study.space.factors)))[0]
+    def _centre(self, stored: int) -> Iterator[Trial]:
+        if not stored:
+            yield self._trial("centre", self.study.space.ordered(np.zeros((1, self.study.space.factors)))[0])
 
-        def new(stored: int) -> Iterator[Trial]:
-            if not stored:
-                yield self._trial("centre", centre)
-
-        return self._stage("centre", new)
-
-    def _cheap(self) -> Iterator[Trial]:
+    def _cheap(self, stored: int) -> Iterator[Trial]:
         """Yield settings all over the space for runs at the cheap level."""
         cheap, space = self.study.file.cheap, self.study.space
-        settings = space.sample(cheap.runs, self.study.file.seed + 1) if cheap is not None else ()
+        if cheap is not None:
+            settings = space.sample(cheap.runs, self.study.file.seed + 1)
+            yield from self._affordable("cheap", settings[stored:])
 
-        def new(stored: int) -> Iterator[Trial]:
-            for setting in settings[stored:]:
-                if not self._can_afford(1.0 - FOR_CONFIRMING):
-                    return
-                yield self._trial("cheap", setting)
-
-        return self._stage("cheap", new)
-
-    def _plan(self) -> Iterator[Trial]:
+    def _plan(self, stored: int) -> Iterator[Trial]:
         """Yield the plan's settings, then more runs of the centre."""
         repeats = self.study.file.plan.centres - 1
         settings = [*planned_settings(self.study), *[np.array(self._trials[0].setting)] * repeats]
+        return self._affordable("plan", settings[stored:])
 
-        def new(stored: int) -> Iterator[Trial]:
-            for setting in settings[stored:]:
-                if not self._can_afford(1.0 - FOR_CONFIRMING):
-                    return
-                yield self._trial("plan", setting)
+    def _affordable(self, stage: Stage, settings: Iterable[Array]) -> Iterator[Trial]:
+        for setting in settings:
+            if not self._can_afford(1.0 - FOR_CONFIRMING):
+                return
+            yield self._trial(stage, setting)
 
-        return self._stage("plan", new)
-
-    def _search(self) -> Iterator[Trial]:
+    def _search(self, stored: int) -> Iterator[Trial]:
         """Yield one proposal of the optimiser after the other; several aims take turns."""
-
-        def new(stored: int) -> Iterator[Trial]:
-            for _ in range(stored, self.most_searched if self.study.aim.goals else 0):
-                if not self._can_afford(1.0 - FOR_CONFIRMING):
-                    return
-                try:
-                    fitted = self.fit()
-                except TooFewPoints:
-                    return
-                yield self._trial("search", self._propose(fitted), fitted)
-
-        return self._stage("search", new)
+        for _ in range(stored, self.most_searched if self.study.aim.goals else 0):
+            if not self._can_afford(1.0 - FOR_CONFIRMING):
+                return
+            try:
+                fitted = self.fit()
+            except TooFewPoints:
+                return
+            yield self._trial("search", self._propose(fitted), fitted)
 
     def _propose(self, fitted: Fitted) -> Array:
         """Ask the optimiser for a setting away from those whose runs failed.
@@ -294,24 +268,19 @@ class Campaign:
         left_out = np.array(failed).reshape(-1, space.factors)
         return SpaceWithout(space.low, space.high, space.chains, left_out, NEAR_A_FAILURE)
 
-    def _confirm(self) -> Iterator[Trial]:
+    def _confirm(self, stored: int) -> Iterator[Trial]:
         """Yield runs with new seeds: of the best setting for each aim, its simpler rival, and the centre."""
-
-        def new(stored: int) -> Iterator[Trial]:
-            settings = self.candidates()
-            if not settings:
+        settings = self.candidates()
+        if not settings:
+            return
+        fitted = self._fit_before_confirming()
+        made = {role: sum(is_of(trial, role, settings) for trial in self._trials) for role in settings}
+        for repeat, role in itertools.product(range(REPEATS[1]), settings):
+            if repeat < made[role]:
+                continue
+            if not self._can_afford(1.0) or (repeat >= REPEATS[0] and self._is_narrow(settings)):
                 return
-            fitted = self._fit_before_confirming()
-            made = {role: sum(is_of(trial, role, settings) for trial in self._trials) for role in settings}
-            wanted = [(role, repeat) for repeat in range(REPEATS[1]) for role in settings]
-            for role, repeat in wanted:
-                if repeat < made[role]:
-                    continue
-                if not self._can_afford(1.0) or (repeat >= REPEATS[0] and self._is_narrow(settings)):
-                    return
-                yield self._trial("confirm", settings[role], fitted, FIRST_NEW_SEED + repeat, role)
-
-        return self._stage("confirm", new)
+            yield self._trial("confirm", settings[role], fitted, FIRST_NEW_SEED + repeat, role)
 
     def candidates(self) -> dict[str, Array]:
         """Choose the settings that are measured again, by their roles, from the runs before.
@@ -368,11 +337,9 @@ class Campaign:
                     return f"{name} is the same in all runs: no factor changes it"
                 times = max(2, int(np.ceil((noise / spread) ** 2 / 0.25)))
                 return (
-                    f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % "
-                    "is needed "
-                    f"(noise of one run {noise:.3g}, spread of the runs {spread:.3g}): about {times} times "
-                    "as many "
-                    "runs, or runs so many times as long, are needed"
+                    f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % is "
+                    f"needed (noise of one run {noise:.3g}, spread of the runs {spread:.3g}): about {times} "
+                    "times as many runs, or runs so many times as long, are needed"
                 )
         mean, _ = predict_each(fitted, np.vstack([self.study.space.sample(2000, 1), data.x]))
         if not aim.kept(mean).any():  # a run that keeps the limits by luck is no proof
