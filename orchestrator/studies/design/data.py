@@ -59,10 +59,7 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
     replicates.  Two replicates may agree by luck, so the residuals of a quadratic or a plane join them.
     Where replicates scatter more than their intervals allow (chi-square test), all are widened by the ratio.
     Where nothing tells of the noise, it is a thousandth of the data's variance.
-
-    Returns
-    -------
-    variances, (n,), and the factor on standard deviations by which they were widened.
+    Return variances, (n,), and the factor on standard deviations by which they were widened.
     """
     known = np.isfinite(y)
     _, group = np.unique(x.round(9), axis=0, return_inverse=True)

@@ -17,6 +17,7 @@ from orchestrator.studies.design.front import nondominated
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.quadratic import Quadratic, Surface
+from orchestrator.studies.design.scales import Scale
 from orchestrator.studies.design.sensitivity import sobol_indices
 from orchestrator.studies.design.surrogates import Ensemble, Fitted, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Outcome
@@ -49,6 +50,12 @@ class Interval:
 
     value: float
     half_width: float
+
+    @classmethod
+    def of(cls, scale: Scale, mean: float, half_width: float) -> Interval:
+        """Take an interval from a surrogate's scale to the response's unit."""
+        low, high = (float(scale.from_fit(mean + sign * half_width)) for sign in (-1.0, 1.0))
+        return cls(float(scale.from_fit(mean)), (high - low) / 2.0)
 
     def __str__(self) -> str:
         if not np.isfinite(self.value):
@@ -159,11 +166,8 @@ class Findings:
 
     def _intervals(self, mean: Array, half_width: Array) -> dict[str, Interval]:
         """Take means and half widths, (m,), from the surrogates' scales to the responses' units."""
-        intervals = {}
-        for i, (name, scale) in enumerate(self.campaign.scales.items()):
-            low, high = (float(scale.from_fit(mean[i] + sign * half_width[i])) for sign in (-1.0, 1.0))
-            intervals[name] = Interval(float(scale.from_fit(mean[i])), (high - low) / 2.0)
-        return intervals
+        values = zip(self.campaign.scales.items(), mean, half_width, strict=True)
+        return {name: Interval.of(scale, middle, width) for (name, scale), middle, width in values}
 
     @cached_property
     def confirmed(self) -> list[Confirmed]:
@@ -189,9 +193,8 @@ class Findings:
 
     def _confirm(self, role: str) -> Confirmed:
         mine = self._runs_of(role)
-        numbers = [each.trial.number for each in mine]
         setting = np.array(mine[0].trial.setting)
-        rows = np.isin(self.data.numbers, numbers)
+        rows = np.isin(self.data.numbers, [each.trial.number for each in mine])
         y, variance = self.data.y[rows], self.data.variance[rows]
         known = np.isfinite(y)
         counts = np.where(known.any(axis=0), known.sum(axis=0), np.nan)

@@ -35,9 +35,7 @@ class BadFormula(ValueError):
 def parse(text: str) -> ast.expr:
     """Parse a formula of numbers, names, ``+ - * / **``, brackets and a few functions.
 
-    Raises
-    ------
-    BadFormula : it is something else.
+    Raises BadFormula for something else.
     """
     if len(text) > LONGEST:
         raise BadFormula(f'"{text[:20]}..." has {len(text)} characters; {LONGEST} are the most')
@@ -61,10 +59,8 @@ def names_in(expression: ast.expr) -> set[str]:
 def value(expression: ast.expr, factors: Mapping[str, float]) -> float:
     """Compute a formula for values of the factors.
 
-    Raises
-    ------
-    BadFormula : it divides by zero there, has no finite real value, or gives a function other arguments than
-        it takes.
+    Raises BadFormula where it divides by zero, has no finite real value, or gives a function other arguments
+    than it takes.
     """
     try:
         result = _value(expression, factors)

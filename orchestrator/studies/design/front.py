@@ -19,8 +19,7 @@ def nondominated(gains: Array, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bo
 
 def hypervolume(gains: Array, reference: Array) -> float:
     """Compute the area above the reference, (2,), that points, (2, n), dominate."""
-    empty = np.empty((2, 0))
-    total, front = 0.0, empty
+    total, front = 0.0, np.empty((2, 0))
     for point in gains.T:
         total += float(improvements(front, reference, point[:, None])[0])
         front = np.column_stack([front, point])

@@ -30,9 +30,7 @@ class GaussianProcess:
     def fit(self, x: Array, y: Array, variance: Array, seed: int) -> FittedProcess:
         """Fit by maximum likelihood of the lengths and the variance.
 
-        Raises
-        ------
-        TooFewPoints : a response is known at fewer points than its plane has terms.
+        Raises TooFewPoints where a response is known at fewer points than its plane has terms.
         """
         processes = [_fit_one(x, y[:, i], variance[:, i], seed) for i in range(y.shape[1])]
         return FittedProcess(processes, len(x))

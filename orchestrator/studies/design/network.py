@@ -33,9 +33,7 @@ class Network:
     def fit(self, x: Array, y: Array, variance: Array, seed: int) -> FittedNetwork:
         """Train the members, each with a split and a start of its own.
 
-        Raises
-        ------
-        TooFewPoints : fewer than 14 points have all responses.
+        Raises TooFewPoints where fewer than 14 points have all responses.
         """
         known = np.isfinite(y).all(axis=1)
         count = int(known.sum())

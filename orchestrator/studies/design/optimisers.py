@@ -104,7 +104,6 @@ class Gradient:
 
     def propose(self, fitted: Fitted, aim: Aim, space: Space, done: Array, rng: np.random.Generator) -> Array:
         """Propose the setting with the best predicted goal among those predicted to keep the limits."""
-
         return self._search(fitted, aim, space, rng, 0.0)
 
     def recommend(
@@ -118,7 +117,6 @@ class Gradient:
         self, fitted: Fitted, aim: Aim, space: Space, rng: np.random.Generator, margin: float
     ) -> Array:
         """Search for the best predicted goal where limits are kept by so many standard deviations."""
-
         spread = np.maximum(predict_each(fitted, space.sample(SPREAD, 1))[0].std(axis=1), 1e-300)
         goal = aim.goals[0]
 

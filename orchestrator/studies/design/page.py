@@ -24,9 +24,8 @@ SHOWN = (
     (
         "trade_off",
         "Trade-off",
-        "The line is what the surrogate expects at best, with its 95 % band. Small dots are "
-        "random settings, as "
-        "predicted; points with bars are runs.",
+        "The line is what the surrogate expects at best, with its 95 % band. Small dots are random "
+        "settings, as predicted; points with bars are runs.",
     ),
     (
         "effects",
@@ -138,14 +137,12 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
     for name, factor in zip(findings.responses, findings.data.widened, strict=True):
         if factor > WIDENED:
             yield (
-                f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own "
-                "intervals say; all "
-                "intervals are widened by this factor."
+                f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own intervals "
+                "say; all intervals are widened by this factor."
             )
-    fitted = findings.fitted
-    if fitted is None:
+    if findings.fitted is None:
         return
-    mean, deviation = fitted.left_out()
+    mean, deviation = findings.fitted.left_out()
     residual = np.abs(findings.data.y - mean) / np.sqrt(deviation**2 + findings.data.variance)
     for row, column in zip(*np.nonzero(residual > OUTLIER), strict=True):
         yield (
@@ -162,9 +159,8 @@ def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
         quality, lack = surface.quality(), surface.lack_of_fit()
         words = (
             f"R² {quality['r2']:.3f}, adjusted {quality['r2_adjusted']:.3f}, predicted "
-            f"{quality['r2_predicted']:.3f}; "
-            f"F {quality['f']:.4g}, p {quality['p']:.2g}; standard error of one run "
-            f"{quality['standard_error']:.3g}."
+            f"{quality['r2_predicted']:.3f}; F {quality['f']:.4g}, p {quality['p']:.2g}; "
+            f"standard error of one run {quality['standard_error']:.3g}."
         )
         if lack is not None:
             verdict = (
@@ -202,8 +198,7 @@ def published_in_words(findings: Findings) -> Iterator[str]:
         yield (
             f"{source}, {response}: every printed p implies a standard error of one run, and all must "
             f"agree with each other and with the surface's. They imply {min(implied):.3g} to "
-            f"{max(implied):.3g}; the surface has {own:.3g}. "
-            f"The table {verdict} from the data."
+            f"{max(implied):.3g}; the surface has {own:.3g}. The table {verdict} from the data."
         )
     for source, response in dict.fromkeys((row["source"], row["response"]) for row in formulas):
         row = next(row for row in formulas if (row["source"], row["response"]) == (source, response))
@@ -223,8 +218,8 @@ def scope(findings: Findings) -> str:
     level = f"level {file.level}" if file.level else "its default level"
     case = findings.campaign.study.path(file.case).resolve().name
     return (
-        f"All of it holds for the case {case} at {level}: a "
-        "computation with the effects and meshes of that level, not a measurement on a machine."
+        f"All of it holds for the case {case} at {level}: a computation with the effects and meshes of "
+        "that level, not a measurement on a machine."
     )
 
 
@@ -262,10 +257,8 @@ def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path
         published_words=list(published_in_words(findings)),
         failures=[row for row in point_rows(findings) if row["why_no_data"]],
         provenance=f"{len(findings.campaign.outcomes)} runs, of which {len(findings.data.x)} are data. "
-        "The tables "
-        "are points.csv, costs.csv, fit.json, front.csv and best.csv beside this page; each "
-        "run has a folder in "
-        "runs/.",
+        "The tables are points.csv, costs.csv, fit.json, front.csv and best.csv beside this page; each run "
+        "has a folder in runs/.",
     )
 
 

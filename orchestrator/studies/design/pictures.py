@@ -44,18 +44,16 @@ def draw_all(findings: Findings, folder: Path) -> dict[str, Path]:
 def label_of(findings: Findings, response: int) -> str:
     """Return a response's name with its unit."""
     name = findings.responses[response]
-    unit = findings.campaign.study.file.responses[name].unit
-    return f"{name} / {_bracketed(unit)}" if unit else name
+    return _with_unit(name, findings.campaign.study.file.responses[name].unit)
 
 
 def factor_label(findings: Findings, name: str) -> str:
     """Return a factor's name with its unit."""
-    unit = findings.campaign.study.file.factors[name].unit
-    return f"{name} / {_bracketed(unit)}" if unit else name
+    return _with_unit(name, findings.campaign.study.file.factors[name].unit)
 
 
-def _bracketed(unit: str) -> str:
-    return f"({unit})" if "/" in unit else unit
+def _with_unit(name: str, unit: str) -> str:
+    return " / ".join(filter(None, [name, f"({unit})" if "/" in unit else unit]))
 
 
 def _own(findings: Findings, response: int, fitted: Array) -> Array:
@@ -74,11 +72,8 @@ def _trade_off(findings: Findings) -> Any:
     axis.plot(
         *places, ".", ms=2, color=GREY, label=f"{len(findings.random_settings)} random settings, predicted"
     )
-    x, y = findings.data.y[:, second], findings.data.y[:, first]
-    errors = HALF_WIDTH * np.sqrt(findings.data.variance[:, [second, first]].T)
-    (x, dx), (y, dy) = (
-        _with_bars(findings, r, v, e) for r, v, e in ((second, x, errors[0]), (first, y, errors[1]))
-    )
+    widths = HALF_WIDTH * np.sqrt(findings.data.variance)
+    (x, dx), (y, dy) = (_with_bars(findings, r, findings.data.y[:, r], widths[:, r]) for r in (second, first))
     axis.errorbar(x, y, dy, dx, "o", ms=3, lw=0.6, color=BLUE, label="runs")
     if len(findings.front):
         mean, deviation = predict_each(findings.fitted, findings.front)
@@ -114,10 +109,8 @@ def _with_bars(findings: Findings, response: int, y: Array, width: Array) -> tup
 def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
     """Average predictions over random settings in bins of a factor.
 
-    Returns
-    -------
-    the bins' middles, (b,), in the factor's unit; means and mean 95 % half widths, (b, m), on the surrogates'
-    scales.  Averages over settings of the space also hold where factors are ordered.
+    Return the bins' middles, (b,), in the factor's unit; means and mean 95 % half widths, (b, m), on the
+    surrogates' scales.  Averages over settings of the space also hold where factors are ordered.
     """
     assert findings.fitted is not None
     x = findings.random_settings
@@ -265,14 +258,8 @@ def _progress(findings: Findings) -> Any:
         if mine.any():
             axis.plot(findings.data.numbers[mine], y[mine], "o", ms=4, color=colour, label=stage)
     numbers, best = zip(*progress(findings), strict=True)
-    axis.step(
-        numbers,
-        _own(findings, goal.response, np.array(best)),
-        where="post",
-        color=BLACK,
-        lw=1,
-        label="best so far",
-    )
+    best_own = _own(findings, goal.response, np.array(best))
+    axis.step(numbers, best_own, where="post", color=BLACK, lw=1, label="best so far")
     axis.set(xlabel="run", ylabel=label_of(findings, goal.response), title="Progress")
     axis.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return drawn

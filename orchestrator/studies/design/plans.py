@@ -22,10 +22,7 @@ def box_behnken(factors: int, centres: int = 3) -> Array:
     """List the Box-Behnken design, (runs, factors): the middles of the cube's edges, and the centre.
 
     Source: G. E. P. Box, D. W. Behnken, Technometrics 2 (1960) 455, doi:10.1080/00401706.1960.10489912.
-
-    Raises
-    ------
-    ValueError : there is no such design for this number of factors (3 to 7).
+    Raises ValueError where there is no such design for this number of factors (3 to 7).
     """
     if not 3 <= factors <= MOST_BOX_BEHNKEN:
         raise ValueError(

@@ -16,9 +16,7 @@ from orchestrator.studies.design.quadratic import Surface, Term, model_matrix
 def term(text: str, factors: Sequence[str]) -> Term:
     """Parse ``1``, ``a``, ``a*b`` or ``a**2`` into the numbers of the factors whose product it is.
 
-    Raises
-    ------
-    BadFormula : it is something else, or names an unknown factor.
+    Raises BadFormula for something else and for an unknown factor.
     """
     if text.strip() == "1":
         return ()

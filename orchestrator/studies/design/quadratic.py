@@ -54,9 +54,7 @@ class Quadratic:
     def fit(self, x: Array, y: Array, variance: Array, seed: int) -> FittedQuadratic:
         """Fit each response.
 
-        Raises
-        ------
-        TooFewPoints : a response is known at no more points than the quadratic has terms.
+        Raises TooFewPoints where a response is known at no more points than the quadratic has terms.
         """
         terms = quadratic_terms(x.shape[1])
         return FittedQuadratic([Surface.fit(x, y[:, i], terms) for i in range(y.shape[1])], len(x))
@@ -96,9 +94,7 @@ class Surface:
     def fit(cls, x: Array, y: Array, terms: list[Term]) -> Surface:
         """Fit the terms to a response, (n,), which may hold values that are not numbers.
 
-        Raises
-        ------
-        TooFewPoints : there are fewer points with a response than terms, plus one for the error.
+        Raises TooFewPoints where there are fewer points with a response than terms, plus one for the error.
         """
         known = np.isfinite(y)
         matrix = model_matrix(x[known], terms)

@@ -15,7 +15,6 @@ from orchestrator.case.load import read_tables
 from orchestrator.case.scalars import Value, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
-from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.study_file import Study
@@ -50,16 +49,14 @@ class Runs:
     def check(self) -> None:
         """Check the centre and the corners of the ranges as cases.
 
-        Raises
-        ------
-        CaseError : with the settings that no case can have, and why.
+        Raises CaseError with the settings that no case can have, and why.
         """
         problems: list[CaseProblem] = []
-        corners = [np.zeros(self._study.space.factors), *self._study.corners()]
-        for corner in corners:
-            named = self._named(corner)
+        for corner in (np.zeros(self._study.space.factors), *self._study.corners()):
+            setting = self._study.actual(corner)
+            named = ", ".join(f"{name} = {value:g}" for name, value in setting.items())
             try:
-                self._runs.check(self._study.overlays(self._study.actual(corner)))
+                self._runs.check(self._study.overlays(setting))
             except BadFormula as error:
                 problems.append(CaseProblem(("set",), f"{named}: {error}"))
             except CaseError as error:
@@ -102,9 +99,7 @@ class Runs:
     def finished(self, trials: Iterable[Trial]) -> list[Outcome]:
         """Return the outcomes of the trials that have been run to their end; nothing is run.
 
-        Raises
-        ------
-        FolderUnusable : a run is of another case than the study's.
+        Raises FolderUnusable where a run is of another case than the study's.
         """
         outcomes = (self._make(trial, may_run=False) for trial in trials)
         return [outcome for outcome in outcomes if outcome.status not in UNFINISHED]
@@ -136,7 +131,8 @@ class Runs:
         if state != trust.DONE:
             why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or state)
             return Outcome(trial, state, why, **cost)
-        responses, unsteady = {}, not _is_steady(summary)
+        steady = (summary.get("results") or {}).get("steady") or {}  # of the material
+        responses, unsteady = {}, not steady.get("is_steady")
         for name, table in self._study.file.responses.items():
             if table.steady and unsteady:
                 continue
@@ -151,12 +147,6 @@ class Runs:
             return "the run did not become steady"
         return f"the run does not tell {', '.join(self._study.file.responses)}"
 
-    def _named(self, corner: Array) -> str:
-        values = self._study.space.actual(corner)
-        return ", ".join(
-            f"{name} = {value:g}" for name, value in zip(self._study.file.factors, values, strict=True)
-        )
-
 
 def _deviation(result: Value) -> float | None:
     """Return the standard deviation of a run's value; None if the run tells nothing of it.
@@ -166,12 +156,6 @@ def _deviation(result: Value) -> float | None:
     if result.standard_error or not result.half_width:
         return result.standard_error or result.counting
     return result.half_width / HALF_WIDTH
-
-
-def _is_steady(summary: dict[str, Any]) -> bool:
-    """Return whether the material of a run became steady."""
-    steady = (summary.get("results") or {}).get("steady") or {}
-    return bool(steady.get("is_steady"))
 
 
 def _cost(summary: dict[str, Any]) -> dict[str, Any]:

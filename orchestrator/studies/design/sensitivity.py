@@ -18,10 +18,8 @@ CONSTANT = 1e-9  # range over size of a response that no factor changes
 def sobol_indices(fitted: Fitted, factors: int, samples: int = 1024, seed: int = 1) -> Array:
     """Compute first-order and total Sobol indices over the coded cube with their 95 % half widths.
 
-    Returns
-    -------
-    (m, 4, factors): first order, its half width, total, its half width, of each response; all zero of a
-    response that is predicted to be constant.
+    Return (m, 4, factors): first order, its half width, total, its half width, of each response; all zero of
+    a response that is predicted to be constant.
 
     Source: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259, doi:10.1016/j.cpc.2009.09.018;
     SALib does it.

@@ -40,9 +40,7 @@ class DesignStudy:
     def check(self) -> None:
         """Check that there is a case to run, that published tables can be read, and every corner as a case.
 
-        Raises
-        ------
-        CaseError : with what is wrong.
+        Raises CaseError with what is wrong.
         """
         if self.study.file.table:
             hint = "flipflow study fit takes it"
@@ -54,9 +52,7 @@ class DesignStudy:
         """Check the study, run the centre, the plan and, with ``search``, the search and the
         confirming runs; yield a line for each.
 
-        Raises
-        ------
-        CaseError : as :meth:`check`, and where the centre does not have a response.
+        Raises CaseError as :meth:`check`, and where the centre does not have a response.
         """
         self.check()
         with study_folder(self.folder):
@@ -111,9 +107,7 @@ class DesignStudy:
     def write(self) -> Iterator[str | Table | Path]:
         """Write tables, pictures and the page from the outcomes; yield what is said and the files.
 
-        Raises
-        ------
-        FolderUnusable : there are no data at all.
+        Raises FolderUnusable where there are no data at all.
         """
         findings = Findings(self.campaign)
         if not len(findings.data.x):

@@ -223,9 +223,7 @@ class Study:
     def overlays(self, setting: Mapping[str, float]) -> list[str]:
         """List the ``--set`` overlays of a setting in the factors' units.
 
-        Raises
-        ------
-        BadFormula : a formula has no value there.
+        Raises BadFormula where a formula has no value.
         """
         actual = dict(setting)
         for name, expression in self.derived.items():
@@ -268,9 +266,7 @@ class Study:
 def read_study(path: Path) -> Study:
     """Read the file of a study, or ``study.toml`` in a folder.
 
-    Raises
-    ------
-    CaseError : with every problem of the file.
+    Raises CaseError with every problem of the file.
     """
     path = path / "study.toml" if path.is_dir() else path
     try:

@@ -20,18 +20,14 @@ class Fitted(Protocol):
     def predict(self, x: Array) -> tuple[Array, Array]:
         """Predict the responses at settings, (p, f), without the noise of a run.
 
-        Returns
-        -------
-        means, (m, p), and the covariances of their errors, (m, p, p).
+        Return means, (m, p), and the covariances of their errors, (m, p, p).
         """
         ...
 
     def left_out(self) -> tuple[Array, Array]:
         """Predict each response of the data from the others (leave-one-out).
 
-        Returns
-        -------
-        means, (n, m), and standard deviations of the errors without the noise of the run, (n, m);
+        Return means, (n, m), and standard deviations of the errors without the noise of the run, (n, m);
         not a number where a response is missing.
         """
         ...

@@ -19,10 +19,7 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
     """Return one outcome for each row of the study's table, which stands at ``key`` of its file.
 
     An empty cell of a response is a response that was not measured; rows without any are no data.
-
-    Raises
-    ------
-    CaseError : the file cannot be read, lacks a column, or a cell of a factor is not a number.
+    Raises CaseError where the file cannot be read, lacks a column, or a cell of a factor is not a number.
     """
     file, path = study.file, study.path(study.file.table)
     try:
@@ -62,11 +59,7 @@ def read_published(study: Study) -> list[list[Outcome]]:
     """Return the outcomes of each published table of the study, in the order of its file; none where a
     published result has no table.
 
-    A table has a column with the name of the response.
-
-    Raises
-    ------
-    CaseError : as :func:`read_table`.
+    A table has a column with the name of the response.  Raises CaseError as :func:`read_table`.
     """
     outcomes = []
     for place, table in enumerate(study.file.published):

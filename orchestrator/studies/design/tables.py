@@ -15,7 +15,7 @@ from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text
 from orchestrator.studies.design.campaign import BEST, role_of
 from orchestrator.studies.design.data import Data
-from orchestrator.studies.design.findings import Confirmed, Findings, Interval
+from orchestrator.studies.design.findings import HALF_WIDTH, Confirmed, Findings, Interval
 from orchestrator.studies.design.published import compare_formula, implied_errors
 from orchestrator.studies.design.quadratic import Surface, Term, model_matrix, quadratic_terms
 from orchestrator.studies.design.table_data import read_published
@@ -77,24 +77,19 @@ def point_rows(findings: Findings) -> list[Row]:
                 error = float(np.sqrt(data.variance[place, i]))
                 row[f"{name} deviation"] = error / float(scale.slope(measured.value))
             if name in trial.predicted:
-                row |= _intervals({name: interval_of(scale, *trial.predicted[name])}, " predicted")
+                mean, deviation = trial.predicted[name]
+                predicted = Interval.of(scale, mean, HALF_WIDTH * deviation)
+                row |= _intervals({name: predicted}, " predicted")
         rows.append(row)
     return rows
-
-
-def interval_of(scale: Any, mean: float, deviation: float) -> Interval:
-    """Return a prediction on a surrogate's scale as a 95 % interval in the response's unit."""
-    low, high = (float(scale.from_fit(mean + sign * 1.96 * deviation)) for sign in (-1.0, 1.0))
-    return Interval(float(scale.from_fit(mean)), (high - low) / 2.0)
 
 
 def cost_rows(findings: Findings) -> list[Row]:
     """Return the wall and processor time of each trial, apart from ``points.csv``, which is the same however
     often the study was interrupted."""
-    outcomes = sorted(findings.campaign.outcomes, key=lambda each: each.trial.number)
     return [
         {"trial": each.trial.number, "wall_s": each.wall_s, "processor_s": each.processor_s}
-        for each in outcomes
+        for each in sorted(findings.campaign.outcomes, key=lambda each: each.trial.number)
     ]
 
 
@@ -142,7 +137,6 @@ def surface_table(surface: Surface, findings: Findings) -> dict[str, Any]:
         for row, b in zip(surface.anova(), actual, strict=True)
     ]
     variance, first, total = surface.sobol_indices()
-    studentised = surface.studentised_residuals()
     return {
         **surface.quality(),
         "residual_degrees_of_freedom": float(surface.fitted.df_resid),
@@ -150,7 +144,7 @@ def surface_table(surface: Surface, findings: Findings) -> dict[str, Any]:
         "lack_of_fit": surface.lack_of_fit(),
         "sequential": surface.sequential(),
         "residuals": surface.fitted.resid.tolist(),
-        "studentised_residuals": studentised.tolist(),
+        "studentised_residuals": surface.studentised_residuals().tolist(),
         "sobol": {
             "variance": variance,
             "first": dict(zip(factors, first.tolist(), strict=True)),
@@ -168,10 +162,7 @@ def term_name(term: Term, factors: Sequence[str]) -> str:
 
 def _setting_row(findings: Findings, setting: Array) -> Row:
     """Return a setting and its predicted responses."""
-    row: Row = dict(findings.campaign.study.actual(setting))
-    for name, interval in findings.predict(setting).items():
-        row |= {name: interval.value, f"{name} half width": interval.half_width}
-    return row
+    return findings.campaign.study.actual(setting) | _intervals(findings.predict(setting), "")
 
 
 def best_rows(findings: Findings) -> list[Row]:
@@ -240,6 +231,7 @@ def _published_effects(findings: Findings, response: str, outcomes: list[Outcome
 def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> Iterator[Path]:
     """Write a level file for each best setting that was confirmed, which ``flipflow run CASE --level FILE``
     takes."""
+    study = findings.campaign.study
     for number, (name, setting) in enumerate(findings.best.items()):
         confirmed = [each for each in findings.confirmed if each.role == role_of(BEST, name)]
         if confirmed and not confirmed[0].why_not:
@@ -247,12 +239,7 @@ def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> I
             about = (
                 f"recommended by a design study{f' for {name}' if name else ''}, measured by runs of its own"
             )
-            write_text(
-                file,
-                level_text(
-                    loaded, findings.campaign.study.overlays(findings.campaign.study.actual(setting)), about
-                ),
-            )
+            write_text(file, level_text(loaded, study.overlays(study.actual(setting)), about))
             yield file
 
 

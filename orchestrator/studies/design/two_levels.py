@@ -29,10 +29,7 @@ class TwoLevels:
         """Fit the factor of each response by weighted least squares, and the correction to the rest.
 
         A cheap level that does not make predictions of left-out runs better is left out: its factor is 0.
-
-        Raises
-        ------
-        TooFewPoints : the correction has more terms than there are points.
+        Raises TooFewPoints where the correction has more terms than there are points.
         """
         mean = self.cheap.predict(x)[0].T
         factor = np.array([_factor(mean[:, i], y[:, i], variance[:, i]) for i in range(y.shape[1])])
