@@ -105,7 +105,8 @@ class ContactSearch {
       candidate.insert(candidate.end(), {one.triangle, one.image});
       distance.push_back(one.distance_m);
     }
-    saved.reals["since_search_m"] = {since_search_, bed_at_search_.x, bed_at_search_.y, bed_at_search_.z};
+    saved.reals["since_search_m"] = {since_search_};
+    saved.reals["bed_at_search_m"] = {bed_at_search_.x, bed_at_search_.y, bed_at_search_.z};
   }
 
   // A new grid is made at the next search: any that holds finds the same triangles.
@@ -120,7 +121,7 @@ class ContactSearch {
     for (size_t k = 0; k < distance.size(); ++k)
       candidates_.push_back({number(candidate[2 * k]), number(candidate[2 * k + 1]), distance[k]});
     since_search_ = saved.real("since_search_m")[0];
-    bed_at_search_ = from(&saved.real("since_search_m")[1]);
+    bed_at_search_ = from(saved.real("bed_at_search_m").data());
     no_grid_ = true;
   }
 

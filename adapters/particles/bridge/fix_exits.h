@@ -20,7 +20,7 @@ namespace flipflow {
 //
 // It acts where LIGGGHTS is about to sort particles and to list neighbours anew, so it costs a
 // look at each particle then and nothing else.  A particle is out at the latest when it, or any
-// other, has moved half a skin since the last listing.
+// other, has moved half the largest diameter since the last listing (BedMotion in fix_surface.cpp).
 class FixExits : public LAMMPS_NS::Fix {
  public:
   struct Box {
