@@ -89,8 +89,9 @@ def _pictures_beside(comparison: Comparison) -> dict[str, list[tuple[str, str]]]
 
 def _draw(comparison: Comparison, readers: Sequence[RunReader]) -> Iterator[tuple[str, Any]]:
     """Yield the name and the figure of each overlaid plot for which two or more runs have data."""
-    if any(change is not None for row in _headline(comparison) for change in row.changes()[1:]):
-        yield "changes", _draw_changes(comparison)
+    short = [row for row in comparison.results if row.is_short]
+    if rows := [row for row in short if any(share is not None for share in row.changes()[1:])]:
+        yield "changes", _draw_changes(comparison, rows)
     drawings: dict[str, tuple[Callable[[RunReader], bool], Callable[..., Any]]] = {
         "orbits of the frames in the last cycle": (lambda run: run.has("frames"), _draw_orbits),
         "mass on the deck over time": (lambda run: run.has("bed/mass_kg"), _draw_mass),
@@ -106,13 +107,8 @@ def _draw(comparison: Comparison, readers: Sequence[RunReader]) -> Iterator[tupl
             yield name, draw(pairs)
 
 
-def _headline(comparison: Comparison) -> list[Any]:
-    return [row for row in comparison.results if row.is_short]
-
-
-def _draw_changes(comparison: Comparison) -> Any:
-    """Draw the relative change of each result with a short name from the first run, with its interval."""
-    rows = [row for row in _headline(comparison) if any(c is not None for c in row.changes()[1:])]
+def _draw_changes(comparison: Comparison, rows: Sequence[Any]) -> Any:
+    """Draw the relative changes of ``rows``, results with short names, from the first run, with intervals."""
     fig, ((axes,),) = figure(1, 1, WIDE, 0.9 + 0.3 * len(rows))
     offsets = np.linspace(-0.2, 0.2, len(comparison.runs) - 1) if len(comparison.runs) > 2 else [0.0]
     for run, offset in enumerate(offsets, start=1):

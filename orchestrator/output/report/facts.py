@@ -24,10 +24,9 @@ def machine_facts(run: RunReader) -> Facts:
     screen, panels = run.case.screen, single_panels(run.case)
     yield "deck", f"inclined by {screen.inclination_deg:g}°, {len(panels)} panels"
     if panels:
-        tables = [panel.table for panel in panels]
         sizes = {
-            f"{1e3 * table.length_m:g} × {1e3 * table.width_m:g} × {1e3 * table.thickness_m:g} mm"
-            for table in tables
+            f"{1e3 * p.table.length_m:g} × {1e3 * p.table.width_m:g} × {1e3 * p.table.thickness_m:g} mm"
+            for p in panels
         }
         yield "panels, free length × width × thickness", "; ".join(sorted(sizes))
     for pattern in dict.fromkeys(p.apertures for p in panels if p.apertures is not None):

@@ -215,8 +215,7 @@ def draw_partition(screening: dict[str, Any]) -> Any:
         axes.axvline(1e3 * screening["cut_size_m"], color=OVER, ls="--", label="cut size")
     if table["d50_m"]["value"] is not None:
         axes.plot(1e3 * table["d50_m"]["value"], 50, "D", color="#a23b72", label="d50")
-    axes.set(title="partition curve", xlabel="diameter / mm", ylabel="share of mass / %")
-    axes.set(ylim=(0, 105))
+    axes.set(title="partition curve", xlabel="diameter / mm", ylabel="share of mass / %", ylim=(0, 105))
     axes.legend(loc="upper left", ncols=2, bbox_to_anchor=(0, -0.18))
     return fig
 
@@ -292,12 +291,11 @@ def draw_course(course: dict[str, Any], share_of_width: float) -> Any:
     """Draw the amplitude of the frames against each other and the mass on the full deck, over time."""
     fig, axes = figure(1, 1, WIDE, 3.2)
     ax, end_s = axes[0, 0], np.asarray(course["end_s"])
-    highest_mm = 0.0
+    highest_mm = 1e3 * max((max(pair["along_m"]) for pair in course["relative"].values()), default=0.0)
     for name, pair in course["relative"].items():
         width_mm = [1e3 * (width or 0.0) for width in pair["half_width_m"]]
         along_mm = 1e3 * np.asarray(pair["along_m"])
         ax.errorbar(end_s, along_mm, width_mm, marker="o", ms=3, lw=1, capsize=2, label=name)
-        highest_mm = max(highest_mm, float(along_mm.max()))
     ax.set(
         xlabel="time / s",
         ylabel="amplitude along / mm",
@@ -368,8 +366,7 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
         panel: [name for name, probe in run.case.probes.items() if probe.panel == panel]
         for panel in run.names("panels")
     }
-    equipped = {panel: names for panel, names in on_panels.items() if len(names) >= FEWEST_PROBES}
-    if equipped:
+    if equipped := {panel: names for panel, names in on_panels.items() if len(names) >= FEWEST_PROBES}:
         yield "panel_instants", draw_panel_instants(run, equipped)
 
 

@@ -215,8 +215,5 @@ def _origin_of_bed(folder: Path) -> str:
 def _short_names(runs: Sequence[RunResults]) -> list[str]:
     """Return the last parts of the folders' paths, as many of them as tell all runs apart."""
     parts = [run.folder.resolve().parts for run in runs]
-    for count in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(each[-count:]) for each in parts]
-        if len(set(names)) == len(names):
-            break
-    return names
+    longer = (["/".join(each[-count:]) for each in parts] for count in range(1, max(map(len, parts)) + 1))
+    return next(names for names in longer if len(set(names)) == len(names))

@@ -106,7 +106,8 @@ def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) 
     """Return the sum of ``part`` over the sum of ``whole``, both (times,); no value if the latter is 0."""
     sums = np.array([_sum_by_cycle(part, cycle), _sum_by_cycle(whole, cycle)]).T
     if not is_steady:
-        return Estimate(share(*sums.sum(axis=0)))
+        value = share(*sums.sum(axis=0))
+        return Estimate(value if np.isfinite(value) else None)
     return estimate(lambda total: share(*total), batch_sums(sums))
 
 

@@ -127,8 +127,7 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     imbalance = (in_kg - gone_kg) / in_kg
     slope_kg = float(np.polyfit(np.arange(last - first), mean_kg[window], 1)[0])
     drift = slope_kg * (last - first) / in_kg
-    reason = _why_not_steady(imbalance, drift, last - first, held_kg[last], gone_kg)
-    if reason:
+    if reason := _why_not_steady(imbalance, drift, last - first, held_kg[last], gone_kg):
         return SteadyState(0, cycles, reason, imbalance, drift)
     return SteadyState(first, last, "", imbalance, drift)
 

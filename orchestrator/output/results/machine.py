@@ -36,7 +36,6 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
     probes = [name for name, probe in run.case.probes.items() if probe.frame and run.has(f"probes/{name}")]
     moved_m = {name: run.read(f"frames/{name}/displacement_m") for name in frames}
     moved_m |= {name: run.read(f"probes/{name}/position_m") for name in probes}
-    pairs = relative_motions_m(run)
     time_s = run.series_s()
 
     def harmonics(motions: dict[str, Array]) -> dict[str, Harmonic]:
@@ -45,7 +44,7 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
             for name, place_m in motions.items()
         }
 
-    single, relative = harmonics(moved_m), harmonics(pairs)
+    single, relative = harmonics(moved_m), harmonics(relative_motions_m(run))
     return {
         "frames": {name: motion.orbit() for name, motion in single.items()},
         "relative": {

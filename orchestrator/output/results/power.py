@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, share
-from orchestrator.output.results.events import Events, per_cycle
+from orchestrator.output.results.estimate import Estimate, ratio_by_cycles
+from orchestrator.output.results.events import Events
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
@@ -29,9 +29,10 @@ def power_metrics(
     if wanted.sum() < 2:
         return None
     lasting_s = np.diff(time_s[wanted])
+    cycle = np.arange(len(lasting_s))
 
     def mean_W(work_J: Array) -> Estimate:
-        return _ratio(work_J, lasting_s, is_steady)
+        return ratio_by_cycles(work_J, lasting_s, cycle, is_steady)
 
     work_J = {
         name.removesuffix("_J"): np.diff(run.read(f"energy_cycles/{name}")[wanted])
@@ -52,22 +53,12 @@ def power_metrics(
     }
     if events is not None:
         fed_kg = _fed_kg(events, number[wanted])
-        table["drives_J_per_kg"] = _ratio(drives_J, fed_kg, is_steady)
+        table["drives_J_per_kg"] = ratio_by_cycles(drives_J, fed_kg, cycle, is_steady)
     return table
 
 
 def _fed_kg(events: Events, number: Array) -> Array:
     """Return the mass fed in the cycles that end with the later ones of the ``number``-th cycles' ends."""
-    later = events.fed.time_s > 0
-    fed_kg = per_cycle(events.fed.time_s[later], events.fed.mass_kg[later], events.edges_s)[:, 0]
+    fed_kg = events.balance_kg[0]
     summed_kg = np.concatenate([[0.0], np.cumsum(fed_kg)])
     return np.diff(summed_kg[np.minimum(number, len(fed_kg)).astype(int)])
-
-
-def _ratio(part: Array, whole: Array, is_steady: bool) -> Estimate:
-    """Return the sum of ``part`` over the sum of ``whole``, both (cycles,)."""
-    sums = np.column_stack([part, whole])
-    if not is_steady:
-        value = share(*sums.sum(axis=0))
-        return Estimate(value if np.isfinite(value) else None)
-    return estimate(lambda total: share(*total), batch_sums(sums))

@@ -72,10 +72,6 @@ def counting_deviations(mass_kg: Array, group: Indices, exits: Exits) -> dict[st
     return table
 
 
-def _known(value: float) -> float | None:
-    return value if np.isfinite(value) else None
-
-
 def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, float]:
     """Return the shares of the section at ``place`` of ``sections`` (numbers of exits).
 
@@ -163,11 +159,10 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
         "fine_particles": int((counted & (fine == FINE)).sum()),
         **_flows(events, out_kg),
     }
-    names = PLACEMENTS if cut_m is not None else PLACEMENTS[:1]
     chance = counting_deviations(removed.mass_kg[counted], group[counted], exits)
-    table |= {
-        f"{name}_percent": replace(placement(name), counting=_known(100.0 * chance[name])) for name in names
-    }
+    for name in PLACEMENTS if cut_m is not None else PLACEMENTS[:1]:
+        counting = 100.0 * chance[name] if np.isfinite(chance[name]) else None
+        table[f"{name}_percent"] = replace(placement(name), counting=counting)
     if cut_m is not None:
         table["recovered_percent"] = _recovery(events, out_kg, cut_m)
     table["sections"] = _sections(events, out_kg, cut_m is not None)

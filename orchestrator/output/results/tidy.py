@@ -174,28 +174,21 @@ def _read(folder: Path) -> RunResults:
         raise FolderUnusable(f"{folder}: is no run that has ended: it has no {SUMMARY}")
     summary = RunReader(folder).summary
     status = str(summary.get("status", "unknown"))
-    results = tidy_results(summary)
+    results, tables = tidy_results(summary), summary.get("results") or {}
     if not results:
-        why = json.dumps((summary.get("results") or {}).get("missing") or {"status": status})
+        why = json.dumps(tables.get("missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
-    level = str(summary.get("level") or "")
-    tables = summary.get("results") or {}
+    unsteady = str((tables.get("steady") or {}).get("reason") or "")
     return RunResults(
         folder=folder,
         case=str(summary.get("case", folder.name)),
-        level=level,
+        level=str(summary.get("level") or ""),
         status=status,
         results=results,
         share_of_width=float(tables.get("share_of_width", 1.0)),
-        unsteady=_why_unsteady(tables.get("steady") or {}),
+        unsteady="" if unsteady == BATCH else unsteady,  # a batch never could be steady
         unsettled=str((tables.get("motion") or {}).get("reason") or ""),
     )
-
-
-def _why_unsteady(steady: dict[str, Any]) -> str:
-    """Return why a run is not steady; empty if it is, or if it never could be: nothing was fed."""
-    reason = str(steady.get("reason") or "")
-    return "" if reason == BATCH else reason
 
 
 def doubtful(runs: Sequence[RunResults]) -> list[str]:
