@@ -346,27 +346,21 @@ class _Drawing:
         normal = np.array([-along[1], along[0]])
         start, end = one + offset * normal, two + offset * normal
         over = math.copysign(0.012 * self._size, offset) * normal
+        gap = math.copysign(0.01 * self._size, offset) * normal
         for point, foot in ((one, start), (two, end)):
-            gap = math.copysign(0.01 * self._size, offset) * normal
             line = np.array([point + gap, foot + over])
             self._axes.plot(*line.T, color=DIMENSION, lw=0.5, zorder=3)
             self._lines.append(line)
         self._arrow(start, end, DIMENSION, "<|-|>", 0.8)
-        angle = math.degrees(math.atan2(along[1], along[0]))
-        angle = (angle + 90) % 180 - 90
-        written = self._axes.text(
-            *((start + end) / 2),
-            text,
-            rotation=angle,
-            rotation_mode="anchor",
-            ha="center",
-            va="center",
-            fontsize=8.5,
-            color=DIMENSION,
-            zorder=15,
-            bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": "none"},
-        )
-        self._texts.append(written)
+        angle = (math.degrees(math.atan2(along[1], along[0])) + 90) % 180 - 90
+        turned = {"rotation": angle, "rotation_mode": "anchor"}
+        self._write((start + end) / 2, text, 0.2, ha="center", **turned)
+
+    def _write(self, at: Array, text: str, pad: float, **style: Any) -> None:
+        """Write the text of a dimension in a white box, which is wider than the text by ``pad``."""
+        box = {"boxstyle": f"round,pad={pad}", "fc": "white", "ec": "none"}
+        style |= {"va": "center", "fontsize": 8.5, "color": DIMENSION, "zorder": 15, "bbox": box}
+        self._texts.append(self._axes.text(*at, text, **style))
 
     @property
     def _is_straight(self) -> bool:
@@ -397,17 +391,7 @@ class _Drawing:
         self._axes.add_patch(arc)
         middle = math.radians(180 - inclination_deg / 2)
         place = at + 1.02 * radius * np.array([math.cos(middle), math.sin(middle)])
-        written = self._axes.text(
-            *place,
-            f"{inclination_deg:g}°",
-            fontsize=8.5,
-            color=DIMENSION,
-            ha="right",
-            va="center",
-            zorder=15,
-            bbox={"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none"},
-        )
-        self._texts.append(written)
+        self._write(place, f"{inclination_deg:g}°", 0.1, ha="right")
         self._lines.append(level)
 
     def label(self) -> None:
