@@ -45,14 +45,11 @@ def _code(error: Exception) -> int | None:
     from orchestrator.output.records.run_folder import FolderUnusable
     from orchestrator.ports.plans import SolverFailed, SolverMissing
 
-    codes = {
-        CaseError: WRONG,
-        FolderUnusable: WRONG,
-        SolverMissing: MISSING,
-        SolverFailed: FAILED,
-        MemoryError: WRONG,
-    }
-    return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
+    if isinstance(error, SolverMissing):
+        return MISSING
+    if isinstance(error, SolverFailed):
+        return FAILED
+    return WRONG if isinstance(error, CaseError | FolderUnusable | MemoryError) else None
 
 
 def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:

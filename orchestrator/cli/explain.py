@@ -82,13 +82,11 @@ def judge_effects(
     """
     if pairs is None:
         pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
-
-    def here(judged: Judged) -> Judged:
-        present = judged.present and judged.effect not in loaded.left_out
-        return with_doubt(replace(judged, present=present))
-
     effects = weigh_effects(loaded.described, pairs, asked)
-    return {name: here(judged) for name, judged in effects.items()}
+    return {
+        name: with_doubt(replace(judged, present=judged.present and name not in loaded.left_out))
+        for name, judged in effects.items()
+    }
 
 
 def effects_table(effects: Mapping[str, Judged], columns: tuple[str, ...]) -> Table:

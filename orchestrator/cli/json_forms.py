@@ -55,12 +55,11 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
     case = loaded.case
     stability = stability_report(case)
     costed, at_start = with_scheme(case, stability.scheme), particles_at_start(case)
-    solvers = {"frames": case.frames.solver, "panel": case.panel.solver, "particles": case.particles.solver}
     return {
         "case": loaded.name,
         "level": loaded.level or None,
         "title": case.title,
-        "solvers": solvers,
+        "solvers": {part: getattr(case, part).solver for part in ("frames", "panel", "particles")},
         "frames": [*case.screen.frames],
         "panels": [panel.name for panel in single_panels(case)],
         "particles_at_start": at_start,
@@ -102,11 +101,6 @@ def explain_form(loaded: JudgedCase, effects: Sequence[Judged]) -> dict[str, Any
             for judged in effects
         },
     }
-
-
-def list_form(folder: Path) -> dict[str, Any]:
-    """Return the cases of a folder, with their titles and levels."""
-    return {"cases": [*cases_in(folder)]}
 
 
 def cases_in(folder: Path) -> Iterator[dict[str, Any]]:

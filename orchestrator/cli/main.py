@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -183,15 +184,14 @@ def check(
             from orchestrator.cli.json_forms import check_form, print_json
 
             print_json(check_form(loaded))
+        parts = [overview(loaded, detail)] if html is not None or not as_json else []
+        if ranks is not None:
+            network = Network(latency, bandwidth)
+            parts.append(scaling_lines(loaded.case, particles_at_start(loaded.case), ranks, network))
         lines = []
-        for line in overview(loaded, detail) if html is not None or not as_json else ():
+        for line in chain.from_iterable(parts):
             lines.append(line)
             if not as_json:
-                CONSOLE.print(line)
-        if ranks is not None and not as_json:
-            network = Network(latency, bandwidth)
-            for line in scaling_lines(loaded.case, particles_at_start(loaded.case), ranks, network):
-                lines.append(line)
                 CONSOLE.print(line)
         if html is not None:
             from orchestrator.cli.show import write_check_page
@@ -374,9 +374,9 @@ def list_cases(
     if not folder.is_dir():
         refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
     if as_json:
-        from orchestrator.cli.json_forms import list_form, print_json
+        from orchestrator.cli.json_forms import cases_in, print_json
 
-        print_json(list_form(folder))
+        print_json({"cases": [*cases_in(folder)]})
         return
     for line in _case_lines(folder):
         CONSOLE.print(line)

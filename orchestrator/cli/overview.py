@@ -49,11 +49,14 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     yield from lines_at_start(
         account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
     )
-    if loaded.choice.undecided and (names := _tried_before(loaded)):
-        yield (
-            f'effects = "auto" cannot decide about {", ".join(names)}: '
-            "a run begins with short runs with and without each"
-        )
+    if loaded.choice.undecided:
+        from orchestrator.studies.pairs import effects_to_try
+
+        if names := effects_to_try(loaded):
+            yield (
+                f'effects = "auto" cannot decide about {", ".join(names)}: '
+                "a run begins with short runs with and without each"
+            )
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
     if defaults := [*taken_defaults(loaded.layers.merged)]:
@@ -64,12 +67,6 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     for warning in [*warnings(loaded), *stability.warnings(), *missing_solvers(case)]:
         yield f"warning: {warning}"
     yield "the case can be run"
-
-
-def _tried_before(loaded: JudgedCase) -> tuple[str, ...]:
-    from orchestrator.studies.pairs import effects_to_try
-
-    return effects_to_try(loaded)
 
 
 def _machine(loaded: JudgedCase) -> Iterator[str]:
