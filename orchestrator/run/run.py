@@ -180,9 +180,8 @@ class Run:
     ) -> None:
         """Record sync point ``done``, before which each particle took ``steps`` steps.
 
-        ``before`` is the state at the sync point before it.
-
-        Every ``_every``-th sync point is an output time, and so is the last one.
+        ``before`` is the state at the sync point before it.  Every ``_every``-th sync point is an output
+        time, and so is the last one.
         """
         time_s = float(done * exact(self._interval_s))
         figures = self._progress.figures
