@@ -219,7 +219,7 @@ def _report(proposal: Proposal, folder: Path) -> None:
     """Print what is proposed, and the next commands."""
     from orchestrator.preflight.cost import in_words
 
-    CONSOLE.print(f"{folder.name}: {proposal.title}")
+    CONSOLE.print(f"{folder.name}: {proposal.wishes.title}")
     for line in proposal.remarks:
         CONSOLE.print(f"  {line}")
     CONSOLE.print(f"written: {folder} with {', '.join(proposal.files)}")

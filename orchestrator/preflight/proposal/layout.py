@@ -17,6 +17,7 @@ from orchestrator.case.file.deck_layout import beams
 from orchestrator.case.tables.deck import Deck
 from orchestrator.case.tables.quantities import Box, Vector
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import AperturePattern
 from orchestrator.preflight.proposal.wishes import Wishes
 from orchestrator.preflight.scene.moved_panel import sine_arch_m
 
@@ -32,18 +33,6 @@ There is fine, near-mesh and coarse material, and two fifths of the mass can pas
 CHUTE_SLOPE_DEG = 45.0
 FALL_M, FLIGHT_M, THROW_M = 0.5, 3.5, 2.5
 """What is so far beyond the deck's end has left it at any height; the box ends so far behind and above it."""
-
-
-@dataclass(frozen=True)
-class Openings:
-    """A regular pattern of openings and the strips without openings around it."""
-
-    length_m: float
-    width_m: float
-    pitch_along_m: float
-    pitch_across_m: float
-    margin_along_m: float
-    margin_across_m: float
 
 
 @dataclass(frozen=True)
@@ -75,7 +64,7 @@ class Layout:
     pitch_m: float
     corner_m: Vector
     beams_m: Array
-    openings: Openings
+    openings: AperturePattern
     sizes_m: tuple[tuple[float, float, float], ...]
 
     @property
@@ -200,10 +189,8 @@ class Layout:
         corners_m = np.array([corner for row in self.exits for corner in row.box_m])
         above_m = np.add(self.hood.corner_m, (0.0, 0.0, 1.5))
         x_m, _, z_m = np.vstack([corners_m, above_m, self.beams_m]).T
-        along_m, up_m = (
-            x_m * math.cos(turn) + z_m * math.sin(turn),
-            z_m * math.cos(turn) - x_m * math.sin(turn),
-        )
+        along_m = x_m * math.cos(turn) + z_m * math.sin(turn)
+        up_m = z_m * math.cos(turn) - x_m * math.sin(turn)
         low = (along_m.min() - 0.3, -0.6, up_m.min() - 0.1)
         high = (along_m.max() + 0.3, self.wishes.width_m + 0.6, up_m.max() + 0.5)
         return _floats(low, 2), _floats(high, 2)
@@ -223,8 +210,7 @@ def panel_length_m(wishes: Wishes) -> float:
 
 def lay_out(wishes: Wishes) -> Layout:
     """Return the layout of a deck for the wishes, whose panels must have a positive length."""
-    openings, sizes_m = openings_of(wishes), _sizes_m(wishes)
-    panel_m = panel_length_m(wishes)
+    panel_m, smaller_m = panel_length_m(wishes), wishes.smaller_m
     slopes_deg = wishes.slopes_deg
     panels_per_slope = tuple(len(part) for part in np.array_split(range(wishes.panels), len(slopes_deg)))
     inclination_deg = round(float(np.average(slopes_deg, weights=panels_per_slope)), 2)
@@ -253,15 +239,16 @@ def lay_out(wishes: Wishes) -> Layout:
         pitch_m=deck.pitch_m,
         corner_m=corner_m,
         beams_m=beams_m + corner_m,
-        openings=openings,
-        sizes_m=sizes_m,
+        openings=openings_of(wishes),
+        sizes_m=tuple((low * smaller_m, high * smaller_m, share) for low, high, share in SIZES),
     )
 
 
-def openings_of(wishes: Wishes) -> Openings:
+def openings_of(wishes: Wishes) -> AperturePattern:
     """Return the pattern of the openings, with round pitches."""
     land_m = max(LAND * wishes.opening_m, THINNEST_LAND_M)
-    return Openings(
+    return AperturePattern(
+        shape="rectangle",
         length_m=wishes.opening_length_m,
         width_m=wishes.opening_m,
         pitch_along_m=round_up(wishes.opening_length_m + land_m, 5e-4),
@@ -269,11 +256,6 @@ def openings_of(wishes: Wishes) -> Openings:
         margin_along_m=0.03,
         margin_across_m=0.03,
     )
-
-
-def _sizes_m(wishes: Wishes) -> tuple[tuple[float, float, float], ...]:
-    a = wishes.smaller_m
-    return tuple((low * a, high * a, share) for low, high, share in SIZES)
 
 
 def round_up(value: float, step: float) -> float:

@@ -18,9 +18,7 @@ from orchestrator.preflight.cost import particles_at_start, predicted_parts_s
 from orchestrator.preflight.proposal.layout import Layout
 
 DRAFT_S = 300.0  # processor time that a draft may take as predicted
-CROSSING_M_PER_S = (
-    0.8  # speed along the deck for which durations and times are planned, thrown beds are faster
-)
+CROSSING_M_PER_S = 0.8  # along the deck, for planned durations and times; thrown beds are faster
 BALANCED_TURNS = 30  # of the shaft, over which what leaves a draft's deck balances its feed
 LONGEST_INTERVAL_S = 2e-4
 DRAFT_PA, STUDY_PA = 2e7, 5e7  # In softer contacts, stones press grains half way into each other.
@@ -36,10 +34,8 @@ COARSER = (
 )
 """Finest diameter over the smaller side of the openings, share of the throughput, and share of the time
 that a steady state takes, from the best draft down."""
-COARSE_CELLS, FINE_CELLS = (
-    (16, 0.025),
-    (22, 0.018),
-)  # along a panel: at least so many, and their largest length
+COARSE_CELLS, FINE_CELLS = (16, 0.025), (22, 0.018)
+"""Cells along a panel: at least so many, and their largest length."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from orchestrator.case.file.errors import CaseProblem
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.proposal import machine, two_mass
 from orchestrator.preflight.proposal.layout import AROUND_M, Layout, openings_of, panel_length_m
-from orchestrator.preflight.proposal.wishes import TEMPLATES, Wishes, down, problem, up
+from orchestrator.preflight.proposal.wishes import Wishes, down, problem, up
 
 LARGEST_STRAIN = 0.06  # of a panel at full stroke
 LARGEST_SHAKE_G = 15.0  # of the driven frame
@@ -37,7 +37,7 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
             largest_mm = down(1e3 * LARGEST_STRAIN * panel_m)
             yield problem("stroke", what, f"up to {largest_mm:g} mm, or take longer panels: --length")
     yield from _shaking(wishes)
-    if TEMPLATES[wishes.template].has_material:
+    if wishes.has_material:
         largest_kg_per_s = (
             PACKED * wishes.density_kg_per_m3 * wishes.width_m * TRANSPORT_M_PER_S * DEEPEST_BED_M
         )
@@ -74,8 +74,7 @@ def _shaking(wishes: Wishes) -> Iterator[CaseProblem]:
     """Yield a problem for a stroke at which the driven frame would break; a crank gives it half of that."""
     if wishes.template == "test-rig":
         return
-    is_free = TEMPLATES[wishes.template].is_free
-    share = two_mass.amplitudes_m(1.0, machine.RATIO)[1] if is_free else 0.5
+    share = two_mass.amplitudes_m(1.0, machine.RATIO)[1] if wishes.is_free else 0.5
     largest_m = LARGEST_SHAKE_G * STANDARD_GRAVITY_M_PER_S2 / wishes.speed_rad_per_s**2 / share
     if wishes.stroke_m > largest_m:
         shake_g = LARGEST_SHAKE_G * wishes.stroke_m / largest_m

@@ -126,8 +126,7 @@ def _bushings(layout: Layout, rows: int, total_N_per_m: Vector, loss_factor: flo
     sides_m = (-0.1, layout.wishes.width_m + 0.1)
     positions_m = tuple((round(x, 3), y, 0.0) for y in sides_m for x in along_m)
     x, y, z = (round_to(total / len(positions_m), 3) for total in total_N_per_m)
-    damping = (round_to(loss_factor * k / layout.wishes.speed_rad_per_s, 3) for k in (x, y, z))
-    c_x, c_y, c_z = damping
+    c_x, c_y, c_z = (round_to(loss_factor * k / layout.wishes.speed_rad_per_s, 3) for k in (x, y, z))
     return Bushings((x, y, z), (c_x, c_y, c_z), positions_m)
 
 

@@ -6,14 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from statistics import fmean
 
-import numpy as np
-
 from orchestrator.case.deck.panels import axes
-from orchestrator.ports import Array
 from orchestrator.preflight.proposal.layout import Layout
 from orchestrator.preflight.proposal.levels import Level
 from orchestrator.preflight.proposal.machine import Machine
-from orchestrator.preflight.proposal.wishes import TEMPLATES, Template, Wishes
+from orchestrator.preflight.proposal.wishes import Wishes
 from orchestrator.preflight.scene.scene import Scene
 
 
@@ -34,31 +31,6 @@ class Proposal:
     remarks: tuple[str, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
 
-    @property
-    def title(self) -> str:
-        """The title of the case."""
-        return title(self.wishes)
-
-    @property
-    def template(self) -> Template:
-        """The template of the case."""
-        return TEMPLATES[self.wishes.template]
-
-    @property
-    def along(self) -> Array:
-        """The direction of the deck in the world (3,)."""
-        return np.asarray(axes(self.scene.case)[:, 0])
-
-    @property
-    def normal(self) -> Array:
-        """The direction normal to the deck in the world (3,), upwards."""
-        return np.asarray(axes(self.scene.case)[:, 2])
-
-    @property
-    def panels_N_per_m(self) -> float:
-        """The stiffness of all panels along the deck, as springs."""
-        return panels_N_per_m(self.scene)
-
 
 def panels_N_per_m(moved: Scene) -> float:
     """Return the stiffness of all panels along the deck, as springs."""
@@ -69,11 +41,3 @@ def panels_N_per_m(moved: Scene) -> float:
 def mean_stroke_m(moved: Scene) -> float:
     """Return the mean amplitude of the panels' ends against each other, each along its panel."""
     return fmean(panel.stroke_m for panel in moved.panels)
-
-
-def title(wishes: Wishes) -> str:
-    """Return the title of the case."""
-    panels = f"{wishes.panels} panels" if wishes.panels > 1 else "one panel"
-    where = f"{panels} of {wishes.width_m:g} m width"
-    under = f" under {wishes.material}" if TEMPLATES[wishes.template].has_material else ""
-    return f"{TEMPLATES[wishes.template].title}: {where}{under}"

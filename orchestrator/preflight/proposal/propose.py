@@ -25,7 +25,7 @@ from orchestrator.preflight.proposal import levels, limits
 from orchestrator.preflight.proposal.case_files import fill_templates, toml_answer
 from orchestrator.preflight.proposal.layout import CHUTE_SLOPE_DEG, CLAMP_M, THICKNESS_M, Layout, lay_out
 from orchestrator.preflight.proposal.machine import ISOLATION, RATIO, RUN_UP_CYCLES, Machine, propose_machine
-from orchestrator.preflight.proposal.proposal import Proposal, mean_stroke_m, panels_N_per_m, title
+from orchestrator.preflight.proposal.proposal import Proposal, mean_stroke_m, panels_N_per_m
 from orchestrator.preflight.proposal.remarks import remarks
 from orchestrator.preflight.proposal.wishes import TEMPLATES, ImpossibleWishes, Wishes, read_wishes
 from orchestrator.preflight.scene.scene import scene
@@ -78,14 +78,13 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
     Raises ImpossibleWishes with every reason why no such machine can be, and CaseError if the proposed
     case has problems that the wishes did not reveal.
     """
-    template = TEMPLATES[wishes.template]
     if problems := [*limits.find_impossible(wishes)]:
         raise ImpossibleWishes(problems)
     layout = lay_out(wishes)
     with TemporaryDirectory() as temporary:
         name = Path(folder).name
         case = _Draft(Path(temporary) / name, layout, _first_values(layout, name))
-        machine = _tune(case) if template.is_free else None
+        machine = _tune(case) if wishes.is_free else None
         draft = _choose_draft(case)
         _with_safe_interval(case, "study", levels.study(layout))
         judged = {level: case.judge(level) for level in LEVELS}
@@ -119,7 +118,7 @@ def _first_values(layout: Layout, name: str) -> dict[str, Any]:
         "feed": slug(wishes.material),
         "panel_material": PANEL_MATERIAL,
         "layout": layout,
-        "title": title(wishes),
+        "title": wishes.title,
         "words": ", ".join(f"{name} {text}" for name, text in wishes.answers.items()),
         "machine": None,
         "is_heavy": False,

@@ -7,18 +7,18 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.checks.motion import NEAR
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.proposal.levels import DRAFT_S
 from orchestrator.preflight.proposal.limits import PACKED
 from orchestrator.preflight.proposal.machine import round_to
+from orchestrator.preflight.proposal.proposal import Proposal, panels_N_per_m
 from orchestrator.preflight.scene.frame_modes import frame_modes
 
 if TYPE_CHECKING:
     from orchestrator.preflight.proposal.layout import Layout
-    from orchestrator.preflight.proposal.proposal import Proposal
     from orchestrator.preflight.proposal.wishes import Wishes
 
 USUAL_STRAINS, USUAL_SHAKE_G = (0.005, 0.03), 6.0
@@ -53,7 +53,7 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
     )
     if proposal.machine is not None:
         yield from _machine(proposal)
-    if proposal.template.has_material:
+    if wishes.has_material:
         yield from _material(proposal)
     yield from _doubts_about_the_deck(wishes, layout)
 
@@ -82,8 +82,9 @@ def _machine(proposal: Proposal) -> Iterator[str]:
     machine = proposal.machine
     assert machine is not None, "only free frames have a machine"
     (shaking,) = proposal.scene.shaken
+    along, _, normal = axes(proposal.scene.case).T
     sizes_m = {
-        name: [abs(shaking.amplitude_m[name] @ axis) for axis in (proposal.along, proposal.normal)]
+        name: [abs(shaking.amplitude_m[name] @ axis) for axis in (along, normal)]
         for name in ("driving", "driven")
     }
     amplitudes_m = {name: along_m for name, (along_m, _) in sizes_m.items()}
@@ -101,11 +102,12 @@ def _machine(proposal: Proposal) -> Iterator[str]:
             f"{round_to(machine.usual_driven_kg, 3):g} kg (driven): the panels are so stiff for this speed "
             "that lighter frames would need no bushings; longer or thinner panels, or a higher speed, help"
         )
-    total_N_per_m = machine.shear.total_N_per_m[0] + proposal.panels_N_per_m
+    held_N_per_m = panels_N_per_m(proposal.scene)
+    total_N_per_m = machine.shear.total_N_per_m[0] + held_N_per_m
     yield (
         f"springs: {len(machine.shear.positions_m)} shear bushings of "
         f"{round_to(machine.shear.stiffness_N_per_m[0] / 1e3, 3):g} kN/m along the deck; the panels hold "
-        f"{proposal.panels_N_per_m / total_N_per_m:.0%} of the stiffness there"
+        f"{held_N_per_m / total_N_per_m:.0%} of the stiffness there"
     )
     yield from resonances(proposal)
     shake_g = amplitudes_m["driven"] * shaking.speed_rad_per_s**2 / STANDARD_GRAVITY_M_PER_S2

@@ -191,6 +191,18 @@ class Wishes:
         return TEMPLATES[self.template].is_free
 
     @property
+    def has_material(self) -> bool:
+        """Whether material is fed."""
+        return TEMPLATES[self.template].has_material
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        panels = f"{self.panels} panels" if self.panels > 1 else "one panel"
+        under = f" under {self.material}" if self.has_material else ""
+        return f"{TEMPLATES[self.template].title}: {panels} of {self.width_m:g} m width{under}"
+
+    @property
     def smaller_m(self) -> float:
         """The smaller side of the openings, which decides what passes."""
         return min(self.opening_m, self.opening_length_m)
