@@ -7,7 +7,6 @@ slack for half of each cycle pulls in the other half only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,22 +84,21 @@ def frame_modes(scene: Scene) -> tuple[FrameMode, ...]:
     machine = linear_frames.linearise(loaded, coordinates, linear_frames.numbers(plan, tuple(names)))
     square, shapes = scipy.linalg.eigh(machine.stiffness, machine.mass)
     turn = axes(scene.case)
-
-    def modes() -> Iterator[FrameMode]:
-        for number, square_per_s2 in enumerate(square):
-            shape = shapes[:, number].reshape(len(names), -1, 3)
-            rate_rad_per_s = math.sqrt(max(float(square_per_s2), 0.0))
-            damping = float(shapes[:, number] @ machine.damping @ shapes[:, number])
-            yield FrameMode(
-                frequency_Hz=rate_rad_per_s / (2 * math.pi),
-                damping_ratio=damping / (2 * rate_rad_per_s) if rate_rad_per_s > 0 else 0.0,
-                frames=tuple(names),
-                displacement=shape[:, 0] @ turn,
-                rotation=shape[:, 1] @ turn if rotates else np.zeros((len(names), 3)),
-                energy=_energy_shares(shape, machine.mass, turn),
-            )
-
-    return tuple(modes())
+    modes = []
+    for square_per_s2, column in zip(square.tolist(), shapes.T, strict=True):
+        shape = column.reshape(len(names), -1, 3)
+        rate_rad_per_s = math.sqrt(max(square_per_s2, 0.0))
+        damping = float(column @ machine.damping @ column)
+        mode = FrameMode(
+            frequency_Hz=rate_rad_per_s / (2 * math.pi),
+            damping_ratio=damping / (2 * rate_rad_per_s) if rate_rad_per_s > 0 else 0.0,
+            frames=tuple(names),
+            displacement=shape[:, 0] @ turn,
+            rotation=shape[:, 1] @ turn if rotates else np.zeros((len(names), 3)),
+            energy=_energy_shares(shape, machine.mass, turn),
+        )
+        modes.append(mode)
+    return tuple(modes)
 
 
 def _energy_shares(shape: Array, mass: Array, turn: Array) -> Array:
@@ -108,12 +106,8 @@ def _energy_shares(shape: Array, mass: Array, turn: Array) -> Array:
 
     Masses and moments about the deck axes count alone; products of inertia are left out of the shares.
     """
-    frames, kinds, _ = shape.shape
-    each = 3 * kinds
-    energy = np.zeros((frames, 6))
-    for frame in range(frames):
-        own = mass[each * frame : each * (frame + 1), each * frame : each * (frame + 1)]
-        for kind in range(kinds):
-            block = turn.T @ own[3 * kind : 3 * kind + 3, 3 * kind : 3 * kind + 3] @ turn
-            energy[frame, 3 * kind : 3 * kind + 3] = np.diag(block) * (shape[frame, kind] @ turn) ** 2
+    own = np.einsum("fkifkj->fkij", mass.reshape(shape.shape * 2))
+    kinetic = np.einsum("ia,fkij,ja->fka", turn, own, turn) * (shape @ turn) ** 2
+    energy = np.zeros((len(shape), 6))
+    energy[:, : shape[0].size] = kinetic.reshape(len(shape), -1)
     return np.asarray(energy / energy.sum())
