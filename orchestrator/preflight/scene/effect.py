@@ -100,14 +100,6 @@ def has_part(case: Case, part: Part) -> bool:
     return {"particles": has_particles(case), "panels": bool(case.screen.panels)}.get(part, True)
 
 
-def _always(case: Case) -> bool:
-    return True
-
-
-def _never(case: Case) -> str:
-    return ""
-
-
 def _nothing(case: Case) -> Overlay:
     return {}
 
@@ -134,8 +126,8 @@ class Effect:
 
     part: Part
     judge: Judge
-    described: Callable[[Case], bool] = _always
-    left_out: Callable[[Case], str] = _never
+    described: Callable[[Case], bool] = lambda case: True
+    left_out: Callable[[Case], str] = lambda case: ""
     overlay: Callable[[Case], Overlay] = _nothing
     needs: tuple[str, ...] = ()
     laws: Mapping[str, Overlay] = field(default_factory=dict)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from orchestrator.case.deck.panels import axes, single_panels, walls
 from orchestrator.case.deck.triangle_grid import grid
@@ -122,8 +121,10 @@ class Flights:
         """Return what a particle that starts at a place (3,) with a velocity (3,) meets first."""
         times_s = self._times_s(velocity_m_per_s)[:, None]
         path_m = start_m + velocity_m_per_s * times_s + self._gravity_m_per_s2 / 2 * times_s**2
-        low_m, high_m = self._domain_m
-        outside = ~_within(path_m @ self._turn.T, low_m, high_m, self._open_sides)
+        in_world_m = path_m @ self._turn.T
+        beyond = (in_world_m < self._domain_m[0]) | (in_world_m > self._domain_m[1])
+        beyond[:, 1] &= not self._open_sides  # periodic sides leave y out
+        outside = beyond.any(axis=1)
         events: list[tuple[float, str, str]] = [(len(path_m) - 1.0, "nothing", "")]
         if outside.any():
             events.append((float(np.argmax(outside)), "outside", ""))
@@ -155,18 +156,11 @@ class Flights:
         return np.asarray(times_s[times_s <= LONGEST_S])
 
 
-def _within(places_m: Array, low_m: Array, high_m: Array, open_sides: bool) -> npt.NDArray[np.bool_]:
-    """Return which places (n, 3) are in a box; ``open_sides`` leaves y out, as periodic sides do."""
-    within = (places_m >= low_m) & (places_m <= high_m)
-    if open_sides:
-        within[:, 1] = True
-    return np.asarray(within.all(axis=1))
-
-
 def _first_inside(path_m: Array, box_m: Array, open_sides: bool) -> float:
     """Return the first place of a path (n, 3), as number of its piece and share, in a box; else infinity.
 
-    A piece is inside from its latest entry between two sides to its earliest departure.
+    A piece is inside from its latest entry between two sides to its earliest departure.  ``open_sides``
+    leaves y out, as periodic sides do.
     """
     start_m, step_m = path_m[:-1], np.diff(path_m, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -82,8 +82,7 @@ class MovedPanel:
     def whole_mass_kg(self) -> float:
         """The mass of the panel including the parts under the clamps."""
         clamps_m2 = 2 * self.panel.rectangle.clamp_m * self.panel.rectangle.width_m
-        law, thickness_m = self.material, self.panel.table.thickness_m
-        return self.free_mass_kg + law.density_kg_per_m3 * thickness_m * clamps_m2
+        return self.free_mass_kg + self.material.density_kg_per_m3 * self.panel.table.thickness_m * clamps_m2
 
     @property
     def frequency_rad_per_s(self) -> float:

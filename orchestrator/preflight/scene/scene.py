@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -34,9 +33,6 @@ from orchestrator.ports.plans import FramesPlan
 from orchestrator.preflight.scene.moved_panel import MovedPanel, change_of_response
 from orchestrator.preflight.scene.observed import Observed
 from orchestrator.preflight.scene.shaking import PanelSpring, Shaking, solve_shakings
-
-if TYPE_CHECKING:
-    from orchestrator.ports.adapters import FramesAdapter
 
 RESONANT = (0.7, 1.4)  # over the lowest frequency: an oscillator may respond twice as much or more
 ROUNDS = 200  # largest number of iterations between panels' stiffness and frames' stroke
@@ -189,16 +185,13 @@ def scene(case: Case) -> Scene:
 
 def _moving_plan(case: Case) -> FramesPlan:
     """Return the plan of a solver that leaves out no frames' motion, whatever the level's solver does."""
-
-    def moves_all(frames: FramesAdapter) -> bool:
-        return frames.moved_by_forces and frames.drives and frames.rotates and frames.motors
-
+    every = (case.frames.model_copy(update={"solver": name}) for name in solvers.names("frames"))
     able = next(
-        name
-        for name in solvers.names("frames")
-        if moves_all(cast("FramesAdapter", solvers.adapter("frames", name)))
+        frames
+        for frames in every
+        if (can := frames.adapter).moved_by_forces and can.drives and can.rotates and can.motors
     )
-    case = case.model_copy(update={"frames": case.frames.model_copy(update={"solver": able})})
+    case = case.model_copy(update={"frames": able})
     return frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
 
 
