@@ -137,11 +137,8 @@ def predicted_parts_s(
         "frames": case.frames.adapter.cost(_frames_work(case, intervals)),
     }
     if particles and case.particles.adapter is not None:
-        work = _particles_work(case, mean, tries.particles, triangles)
-        work = replace(
-            work, thrown=transport_m_per_s >= THIN, particle_steps=share.particles * work.particle_steps
-        )
-        costs["particles"] = case.particles.adapter.cost(work)
+        work = _particles_work(case, share.particles * mean, tries.particles, triangles)
+        costs["particles"] = case.particles.adapter.cost(replace(work, thrown=transport_m_per_s >= THIN))
     parts_s = {"start": IMPORT_S + MESHED_S * triangles, "particles": 0.0}
     parts_s |= {part: cost.stepping_s for part, cost in costs.items()}
     for part, each_s in INTERVAL_S.items():

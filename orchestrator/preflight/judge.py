@@ -25,6 +25,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks import TABLE_RULES
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
+    FLAT,
     can_leave_out,
     find_dispensable,
     find_left_out,
@@ -38,17 +39,7 @@ from orchestrator.preflight.judgement.weighing import is_undecided, weigh_effect
 
 KEY: Key = ("effects",)
 OF_LAW = {law: name for name, effect in EFFECTS.items() for law in effect.laws}
-NUMERICS = (
-    "coupling",
-    "exchange",
-    "frames",
-    "panel",
-    "particles",
-    "output",
-    "checkpoint",
-    "slice",
-    "monitor",
-)
+NUMERICS = (*FLAT, "coupling", "output", "checkpoint", "slice", "monitor")
 NO_PHYSICS = (*NUMERICS, "effects", "effects_for")
 
 

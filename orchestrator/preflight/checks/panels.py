@@ -50,11 +50,8 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
         yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted")
     needed_m = span + 2 * panel.clamp_m
     if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < needed_m:
-        what, hint = (
-            f"{panel.pitch_m:g} m lets neighbours overlap",
-            f"span and two clamps need {needed_m:g} m",
-        )
-        yield CaseProblem((*key, "pitch_m"), what, hint)
+        what = f"{panel.pitch_m:g} m lets neighbours overlap"
+        yield CaseProblem((*key, "pitch_m"), what, f"span and two clamps need {needed_m:g} m")
 
 
 def panel_integrator(case: Case) -> Iterator[CaseProblem]:
@@ -144,7 +141,7 @@ def mesh_memory(case: Case) -> Iterator[CaseProblem]:
         what = f"{along} x {across} cells on each of {len(panels)} panels need {allowed}"
         yield CaseProblem(("panel", "cells"), what, "some ten to thirty along are usual")
         return
-    cells, unknowns = (sum(size.cells for size in sizes), UNKNOWNS * sum(size.nodes for size in sizes))
+    cells, unknowns = sum(size.cells for size in sizes), UNKNOWNS * sum(size.nodes for size in sizes)
     fits = max(panel.rectangle.width_m for panel in panels) * LARGEST_MESHES_GIB / needed_GiB
     hint = f'panels {int(1e3 * fits)} mm wide would fit: take a slice, or panel.solver = "sheet"'
     what = f"{cells} cells and {unknowns} unknowns on all panels need {allowed}"

@@ -153,10 +153,7 @@ def why_left_out(case: Case, name: str) -> str:
 
 def find_left_out_by_level(bare: Case, at_level: Case) -> dict[str, str]:
     """Return the reasons why a level leaves effects out of the bare case, by effect."""
-    before, after = (
-        missing_features(bare) | find_left_out(bare),
-        missing_features(at_level) | find_left_out(at_level),
-    )
+    before, after = (missing_features(case) | find_left_out(case) for case in (bare, at_level))
     reasons = {name: why for name, why in after.items() if name not in before}
     for name, effect in EFFECTS.items():
         if effect.overlay(bare) and effect.is_described(bare) and not effect.described(at_level):
