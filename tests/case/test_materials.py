@@ -18,7 +18,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.hardness import youngs_modulus_Pa
 from orchestrator.case.file.loss_curve import moduli
 from orchestrator.case.file.plausible import RANGES
-from orchestrator.case.materials.library import UnknownMaterial, find, materials, pairs, slug, sources
+from orchestrator.case.materials.library import find, materials, pairs, slug, sources
 from orchestrator.case.tables.case import Case
 from orchestrator.cli.main import app
 from orchestrator.output.records.run_folder import resolved_case
@@ -182,14 +182,10 @@ def test_the_resolved_case_has_all_numbers(tmp_path: Path, monkeypatch: pytest.M
     given = load_case(tmp_path, NAMED.replace('"limestone"', '"moist limestone"') + PLATE)
     table = resolved_case(given)
     assert "moist limestone" not in json.dumps(table)
-    monkeypatch.setattr("orchestrator.case.materials.fill_in.find", find_nothing)
+    monkeypatch.setattr("orchestrator.case.materials.fill_in.look_up", lambda name: None)
     again = load_case(tmp_path / "again", table).case
     assert again.materials == given.case.materials
     assert again.contacts == given.case.contacts
-
-
-def find_nothing(name: str) -> Any:
-    raise UnknownMaterial
 
 
 @pytest.mark.parametrize(

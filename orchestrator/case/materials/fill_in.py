@@ -12,14 +12,7 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.layers import REPLACED_BY
-from orchestrator.case.materials.library import (
-    NamedMaterial,
-    UnknownMaterial,
-    contact_keys,
-    find,
-    slug,
-    suggest,
-)
+from orchestrator.case.materials.library import NamedMaterial, contact_keys, look_up, slug, suggest
 
 
 def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -35,14 +28,15 @@ def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         return dict(table)
     if problems := [*_unknown_models(given)]:
         raise CaseError(problems)
-    renamed = {name: slug(name) for name in {*_referenced(table), *given} if _is_named(name)}
+    names = {*given, *(name for _, name in _references(table, ""))}
+    renamed = {name: slug(name) for name in names if look_up(name) is not None}
     case = _with_names(table, renamed)
     materials: dict[str, Any] = {renamed.get(name, name): row for name, row in given.items()}
     original = {new: name for name, new in renamed.items()}
     known: dict[str, NamedMaterial] = {}
     for name in dict.fromkeys([*materials, *renamed.values()]):
         row = materials.get(name, {})
-        if isinstance(row, Mapping) and (library := _library_material(row, original.get(name, name))):
+        if isinstance(row, Mapping) and (library := look_up(str(row.get("like", original.get(name, name))))):
             own = {key: value for key, value in row.items() if key != "like"}
             if (filled := _filled(library.keys(), own)) != row:  # else it is a material of the user's own
                 materials[name], known[name] = filled, library
@@ -55,31 +49,9 @@ def _unknown_models(given: Mapping[str, Any]) -> Iterator[CaseProblem]:
     """Yield a problem for each material that is ``like`` one that the library does not have."""
     for name, row in given.items():
         like = row.get("like") if isinstance(row, Mapping) else None
-        if isinstance(like, str) and not _is_named(like):
+        if isinstance(like, str) and look_up(like) is None:
             what = f'no material "{like}" in the library'
             yield CaseProblem(("materials", name, "like"), what, suggest(like))
-
-
-def _is_named(name: str) -> bool:
-    """Return whether the library has a material of this name."""
-    try:
-        find(name)
-    except UnknownMaterial:
-        return False
-    return True
-
-
-def _library_material(row: Mapping[str, Any], name: str) -> NamedMaterial | None:
-    """Return the library's material that a table of ``materials`` is or is like; None if there is none."""
-    try:
-        return find(str(row.get("like", name)))
-    except UnknownMaterial:
-        return None
-
-
-def _referenced(table: Mapping[str, Any]) -> set[str]:
-    """Return all names of materials that tables of a case refer to."""
-    return {word for _, word in _references(table, "")}
 
 
 def _references(value: Any, key: str) -> Iterator[tuple[str, str]]:

@@ -151,13 +151,18 @@ def _named_with_another_hardness(base: str) -> str:
     return next((name for name in names if re.match(rf"{re.escape(name)} \d", base)), "")
 
 
-def no_grains(name: str) -> str | None:
-    """Return the library's own name of a material that is no grains; None for grains and unknown names."""
+def look_up(name: str) -> NamedMaterial | None:
+    """Return the material that a name denotes; None if the library does not have it."""
     try:
-        material = find(name).material
+        return find(name)
     except UnknownMaterial:
         return None
-    return None if material.kind == "grains" else material.name
+
+
+def no_grains(name: str) -> str | None:
+    """Return the library's own name of a material that is no grains; None for grains and unknown names."""
+    named = look_up(name)
+    return None if named is None or named.material.kind == "grains" else named.material.name
 
 
 def suggest(name: str, others: Iterable[str] = ()) -> str:
