@@ -13,18 +13,20 @@ from orchestrator.ports import Array, Motion, Particles
 from orchestrator.ports.plans import ParticleList
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_plans import INTERVAL_S, flat, make_plan, spheres, still, travel
+from tests.saved_states import differences
 
 ALONG = np.array([2.0, 0.5, -3.0])
 """The velocity in m/s with which everything moves."""
+UP = np.array([0.0, 0.0, 1.0])
 
 
 def clouds() -> ParticleList:
-    """Return two clouds of 27 spheres each, 5 mm wide and 2 mm apart, that fly through each other at 4 m/s."""
+    """Return two clouds of 27 spheres each, 5 mm wide and 2 mm apart; they meet at 4 m/s."""
     line_m = 7e-3 * np.arange(3)
     grid_m = np.stack(np.meshgrid(line_m, line_m, line_m, indexing="ij"), axis=-1).reshape(-1, 3)
-    other_m = grid_m + [0.021, 1e-3, 5e-4]
+    other_m = grid_m + np.array([0.021, 1e-3, 5e-4])
     velocity_m_per_s = np.repeat([[2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]], 27, axis=0)
-    return spheres(np.concatenate([grid_m, other_m]) + [0.0, 0.0, 0.03], velocity_m_per_s)
+    return spheres(np.concatenate([grid_m, other_m]) + 0.03 * UP, velocity_m_per_s)
 
 
 def test_the_skin_widens_with_the_step_and_narrows_with_fine_grains() -> None:
@@ -44,7 +46,7 @@ def test_a_bed_that_moves_as_one_is_seldom_listed(tmp_path: Path) -> None:
     """In 100 intervals of 0.05 ms at 3.64 m/s it goes 18 mm, and half the largest diameter, 2.5 mm, between
     two listings, but for half a skin, 0.3 mm at most; LIGGGHTS by itself would list it every 0.3 mm."""
     solver = solver_adapter("liggghts").build(make_plan(flat(), spheres(grid(), ALONG), folder=tmp_path))
-    away = Motion(flat().position_m - [0.0, 0.0, 0.09], np.zeros((81, 3)))
+    away = Motion(flat().position_m - 0.09 * UP, np.zeros((81, 3)))
     listed, listings = listed_at_m(solver), 0
     for index in range(100):
         travel(solver, lambda _: away, range(index, index + 1))
@@ -70,15 +72,15 @@ def test_a_bed_that_falls_as_one_meets_the_surface(tmp_path: Path) -> None:
     """The surface is searched again as the bed comes near, though its own neighbours stay the same: they fall
     1.5 mm, three skins, and bounce as on a surface that comes up to them."""
     here = flat()
-    bed = spheres(grid()[:9] + [0.0, 0.0, 1.5e-3 - 1e-2 + 2.5e-3])
+    bed = spheres(grid()[:9] - 6e-3 * UP)
 
     def rising(time_s: float) -> Motion:
-        return Motion(here.position_m + [0.0, 0.0, 3.0 * time_s], np.tile([0.0, 0.0, 3.0], (81, 1)))
+        return Motion(here.position_m + 3.0 * time_s * UP, np.tile(3.0 * UP, (81, 1)))
 
     solver = solver_adapter("liggghts").build(make_plan(here, bed, folder=tmp_path / "rising"))
     risen_N = travel(solver, rising, range(40))
     solver.close()
-    falling = replace(bed, velocity_m_per_s=bed.velocity_m_per_s - [0.0, 0.0, 3.0])
+    falling = replace(bed, velocity_m_per_s=bed.velocity_m_per_s - 3.0 * UP)
     solver = solver_adapter("liggghts").build(make_plan(here, falling, folder=tmp_path / "falling"))
     fallen_N = travel(solver, lambda _: still(here), range(40))
     solver.close()
@@ -86,11 +88,25 @@ def test_a_bed_that_falls_as_one_meets_the_surface(tmp_path: Path) -> None:
     np.testing.assert_allclose(fallen_N, risen_N, atol=1e-6)
 
 
+@pytest.mark.solver
+def test_a_restored_bed_knows_where_it_was_searched(tmp_path: Path) -> None:
+    """Or it might meet the surface unseen; after 0.6 ms at 3 m/s, searches are 0.3 mm of its way apart."""
+    falling = make_plan(flat(), spheres(grid(), -3.0 * UP), folder=tmp_path)
+    solver, other = (solver_adapter("liggghts").build(falling) for _ in range(2))
+    travel(solver, lambda _: still(flat()), range(12))
+    saved = solver.save()
+    other.restore(saved)
+    assert saved["engine"]["bed_at_search_m"][2] < -1e-3
+    assert differences(saved, other.save(), "restored") == []
+    solver.close()
+    other.close()
+
+
 def grid() -> Array:
     """Return places of 3 x 3 x 3 spheres, 6 mm apart, the lowest ones 10 mm above the surface, (27, 3)."""
     line_m = 6e-3 * np.arange(3)
     layers = np.stack(np.meshgrid(line_m, line_m, line_m, indexing="ij"), axis=-1).reshape(-1, 3)
-    ordered: Array = layers[np.argsort(layers[:, 2], kind="stable")] + [-6e-3, -6e-3, 1e-2]
+    ordered: Array = layers[np.argsort(layers[:, 2], kind="stable")] + np.array([-6e-3, -6e-3, 1e-2])
     return ordered
 
 
@@ -98,7 +114,7 @@ def places_after(bed: ParticleList, along_m_per_s: Array, folder: Path) -> Array
     """Return where the particles (n, 3) are after 100 intervals, in order; the surface is far below."""
     moving = replace(bed, velocity_m_per_s=bed.velocity_m_per_s + along_m_per_s)
     solver = solver_adapter("liggghts").build(make_plan(flat(), moving, folder=folder))
-    away = Motion(flat().position_m - [0.0, 0.0, 0.09], np.zeros((81, 3)))
+    away = Motion(flat().position_m - 0.09 * UP, np.zeros((81, 3)))
     travel(solver, lambda _: away, range(100))
     places_m = solver.snapshot().position_m
     solver.close()

@@ -96,8 +96,8 @@ def skin_m(plan: ParticlesPlan) -> float:
     """Return the skin: the gap up to which two particles are listed as neighbours.
 
     With a wide one each step has more pairs to look at; with a narrow one neighbours are listed more often.
-    The skin has the least cost for a thrown bed of the particles at the start, or, where there are none, of the
-    largest ones (docs/measured/cost.md compares skins).
+    The skin has the least cost for a thrown bed of the particles at the start or, without any, of the largest
+    ones (docs/measured/cost.md compares skins).
     """
     largest_m = plan.largest_diameter_m
     diameter_m = plan.particles.diameter_m if len(plan.particles) else np.array([largest_m])
