@@ -74,20 +74,17 @@ def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) ->
 
     Raises CaseError with every problem of the options.
     """
-    keys: list[str] = []
-    columns: list[tuple[str, ...]] = []
+    varied: list[Vary] = []
     problems: list[CaseProblem] = []
     for text in vary:
         try:
-            key, values = (
-                _random_values(text, number, np.random.default_rng([seed, len(keys)]))
-                if how is Arrangement.RANDOM
-                else _given_values(text)
-            )
-            keys.append(key)
-            columns.append(values)
+            if how is Arrangement.RANDOM:
+                varied.append(_random_values(text, number, np.random.default_rng([seed, len(varied)])))
+            else:
+                varied.append(parse_vary(text))
         except CaseError as error:
             problems += error.problems
+    keys, columns = [each.key for each in varied], [each.values for each in varied]
     problems += [_wrong(key, "is varied twice") for key in sorted({k for k in keys if keys.count(k) > 1})]
     if not problems and how is Arrangement.LIST and len({len(values) for values in columns}) > 1:
         counts = ", ".join(f"{key} has {len(values)}" for key, values in zip(keys, columns, strict=True))
@@ -100,13 +97,8 @@ def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) ->
     return SweepPlan(tuple(keys), tuple(dict.fromkeys(settings)))
 
 
-def _given_values(text: str) -> tuple[str, tuple[str, ...]]:
-    vary = parse_vary(text)
-    return vary.key, vary.values
-
-
-def _random_values(text: str, number: int, generator: np.random.Generator) -> tuple[str, tuple[str, ...]]:
-    """Return the key and ``number`` random values, of a range 'key=first:last' or of a list 'key=a,b,c'.
+def _random_values(text: str, number: int, generator: np.random.Generator) -> Vary:
+    """Return the key with ``number`` random values, of a range 'key=first:last' or of a list 'key=a,b,c'.
 
     The same seed gives the same values, and a larger number continues them.  Raises CaseError.
     """
@@ -119,9 +111,10 @@ def _random_values(text: str, number: int, generator: np.random.Generator) -> tu
         if not first < last:
             raise CaseError([_wrong(text, "is no range: the first number must be the smaller one")])
         drawn = generator.uniform(first, last, number)
-        return key, tuple(_rounded(value, first, last) for value in drawn.tolist())
+        return Vary(key, tuple(_rounded(value, first, last) for value in drawn.tolist()))
     vary = parse_vary(text)
-    return vary.key, tuple(vary.values[k] for k in generator.integers(len(vary.values), size=number))
+    chosen = generator.integers(len(vary.values), size=number)
+    return Vary(vary.key, tuple(vary.values[k] for k in chosen))
 
 
 def _rounded(value: float, first: float, last: float) -> str:
