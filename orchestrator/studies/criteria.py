@@ -270,10 +270,8 @@ def wanted_runs(
         if wanted.interval_over_safe is not None:
             sets += interval_sets(study, sets, wanted.interval_over_safe)
         vary = parse_vary(wanted.vary) if wanted.vary else None
-        if vary is None:
-            points = [study.point(name, sets)]
-        else:
-            points = vary.points(replace(study, out=study.folder / name), sets)
+        own = replace(study, out=study.folder / name)
+        points = vary.points(own, sets) if vary else [study.point(name, sets)]
         points = [replace(each, ended=ended) for each in points]
         if wanted.resume_at_s is not None:
             points = [_interrupted(each, wanted.resume_at_s) for each in points]

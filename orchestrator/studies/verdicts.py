@@ -230,16 +230,9 @@ def write_verdicts(results: Sequence[CriterionResult], folder: Path, name: str) 
 
 def verdict_markdown(results: Sequence[CriterionResult]) -> str:
     """Return the table of verdicts in Markdown for the manual."""
-    head = ("case, run", "criterion", "why", "asked for", "measured", "")
+    columns = ("criterion", "why", "asked for", "measured")
     rows = (
-        (
-            f"{each.case}, {each.run}",
-            each.row.what,
-            each.row.why,
-            each.band_in_words,
-            each.value_in_words,
-            each.verdict,
-        )
+        (f"{each.case}, {each.run}", *(str(each.cells[name]) for name in columns), each.verdict)
         for each in results
     )
-    return markdown_table(head, rows)
+    return markdown_table(("case, run", *columns, ""), rows)
