@@ -43,6 +43,7 @@ from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase, load_judged
 
 MAIN = "from orchestrator.cli.main import main; main()"
+ONE_THREAD = {"OMP_NUM_THREADS": "1"}  # environment of a run: others run beside it
 MOST_VALUES = 1000
 WAIT_S = 0.5  # between two looks at a run of a study that was killed
 PER_RUN_MIB = 1000  # memory of a run: a run with sheets and tens of thousands of particles takes less
@@ -98,9 +99,8 @@ class Crew:
             "processes": False,
             "memory_limit": None,
             "dashboard_address": None,
-            "scheduler_kwargs": {
-                "dashboard_address": "127.0.0.1:0"
-            },  # any free port, reachable from this machine only
+            # any free port, reachable from this machine only
+            "scheduler_kwargs": {"dashboard_address": "127.0.0.1:0"},
         }
         with dask.config.set(QUIET), Client(self.scheduler) if self.scheduler else Client(**here) as client:
             waiting, running = iter(work), as_completed()
@@ -268,9 +268,8 @@ def run_in_scratch(
     with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
         folder = Path(scratch) / "run"
         words = ("-c", MAIN, *run_words(case, level, sets, folder))
-        alone = {"OMP_NUM_THREADS": "1"}
         try:
-            done = python(*words, alone=True, capture_output=True, env=alone, timeout=patience_s)
+            done = python(*words, alone=True, capture_output=True, env=ONE_THREAD, timeout=patience_s)
         except subprocess.TimeoutExpired:
             raise RunFailed(f"took more than {patience_s:g} s and was ended") from None
         try:
@@ -319,9 +318,8 @@ def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:
     with log.open("w", encoding="utf-8") as text:
         for words in commands:
             if words and code == 0:
-                code = python(
-                    *("-c", MAIN, *words), stdout=text, stderr=subprocess.STDOUT, env={"OMP_NUM_THREADS": "1"}
-                ).returncode
+                done = python("-c", MAIN, *words, stdout=text, stderr=subprocess.STDOUT, env=ONE_THREAD)
+                code = done.returncode
     how = f"killed ({signal.Signals(-code).name})" if code < 0 else status(folder)
     return f"{folder.name}: {how}" + (f" ({log})" if code else "")
 

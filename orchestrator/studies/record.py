@@ -45,7 +45,6 @@ class Window:
     rate ``rate_per_s``.
     """
 
-    cycles: int
     sampled_s: Array
     length_s: float
     share: Array
@@ -151,7 +150,7 @@ def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
     angle_s = length_s * np.arange(samples) / samples
     sampled_s = start_s + (angle_s - (start_s - machine.zero_s)) % length_s
     turn = np.pi * np.clip(1 - (end_s - sampled_s) / fade_s, 0.0, 1.0)
-    return Window(cycles, sampled_s, length_s, (1 - np.cos(turn)) / 2, np.pi / (2 * fade_s) * np.sin(turn))
+    return Window(sampled_s, length_s, (1 - np.cos(turn)) / 2, np.pi / (2 * fade_s) * np.sin(turn))
 
 
 def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, float]:

@@ -25,10 +25,8 @@ from orchestrator.preflight.stability.report import case_with_scheme
 
 SCHEME_ORDERS = {"particles-first": 2.0, "serial-staggered": 1.0, "aitken": 2.0, "quasi-newton": 2.0}
 """The orders of the position by scheme (docs/theory/coupling.md); no orders are derived for other schemes."""
-WITHOUT_PARTICLES = (
-    "particles-first",
-    "serial-staggered",
-)  # without particles the other schemes equal the first
+# without particles the other schemes equal the first
+WITHOUT_PARTICLES = ("particles-first", "serial-staggered")
 USUAL_CELLS = (22, 8)  # a sheet's default cells
 PLAYED_BACK = 0.5  # fidelity: above a rigid panel, below any panel that bends
 USUAL_SHARE = 0.8  # the part of the largest step that solvers choose by themselves: 0.8 or a little more
@@ -257,9 +255,8 @@ def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> Refin
     adapter, own = _adapter("panel", name), name == case.panel.solver
     solver: tuple[str, ...] = ()
     if not own:
-        integrator = (
-            "implicit" if adapter.mesh_size else "explicit"
-        )  # explicit steps would follow the smallest cell
+        # explicit steps would follow the smallest cell
+        integrator = "implicit" if adapter.mesh_size else "explicit"
         solver = (f"panel.solver={name}", f"panel.integrator={integrator}", "panel.step_s=0")
     settings = []
     for degree in _degrees(points):
@@ -421,9 +418,8 @@ def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
         raise NotOffered(f"solver {case.particles.solver} knows no slice between periodic sides")
     own_m = case.whole_machine.slice.width_m if case.whole_machine.slice else high - low
     every_m = {degree: own_m * 2.0**degree for degree in _degrees(points)}
-    widths_m = {
-        degree: width_m for degree, width_m in every_m.items() if width_m <= (high - low) * (1 + 1e-9)
-    }
+    most_m = (high - low) * (1 + 1e-9)
+    widths_m = {degree: width_m for degree, width_m in every_m.items() if width_m <= most_m}
     if len(widths_m) < 2:
         raise NotOffered("there is one width only")
     settings = _settings(widths_m, "{:.3g} m", "slice.width_m={:.6g}", lambda width_m: own_m / width_m)

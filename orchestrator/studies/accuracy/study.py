@@ -358,8 +358,8 @@ def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
                 yield study.combine(ALONE, {series.axis: complete})
             except CaseError as error:
                 settings = {series.axis: setting}
-                name, why = folder_name(ALONE, settings), str(error.problems[0])
-                yield Combination(ALONE, name, settings, omitted=why)
+                why = str(error.problems[0])
+                yield Combination(ALONE, folder_name(ALONE, settings), settings, omitted=why)
 
 
 def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
