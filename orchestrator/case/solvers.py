@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, Literal, cast
 
@@ -58,7 +58,7 @@ def names(port: Port) -> tuple[str, ...]:
     folder = import_module(f"adapters.{port}")
     own = {module.name for module in iter_modules(folder.__path__)} - folder.SHARED
     own_solvers = {name.replace("_", "-") for name in own if not name.startswith("_")}
-    return tuple(sorted(own_solvers | {entry.name for entry in _entry_points(port)}))
+    return tuple(sorted(own_solvers | entry_points(group=f"flipflow.{port}").names))
 
 
 @cache
@@ -67,14 +67,11 @@ def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
 
     Raises SolverMissing if the solver belongs to an installed package and cannot be loaded.
     """
-    for entry in _entry_points(port):
-        if entry.name == solver:
-            try:
-                return cast("Adapter[Any, Any, Any]", entry.load())
-            except (ImportError, AttributeError) as error:
-                raise SolverMissing(
-                    f"the solver {solver} of {entry.value} cannot be loaded: {error}"
-                ) from error
+    for entry in entry_points(group=f"flipflow.{port}", name=solver):
+        try:
+            return cast("Adapter[Any, Any, Any]", entry.load())
+        except (ImportError, AttributeError) as error:
+            raise SolverMissing(f"the solver {solver} of {entry.value} cannot be loaded: {error}") from error
     module = import_module(f"adapters.{port}.{solver.replace('-', '_')}")
     return cast("Adapter[Any, Any, Any]", module.ADAPTER)
 
@@ -104,8 +101,3 @@ def open_solver(port: Port, solver: str, plan: Any) -> Any:
     except ValueError as error:
         refusal = CaseProblem((port,), f"{solver} cannot take this case", str(error))
         raise CaseError([refusal]) from error
-
-
-def _entry_points(port: Port) -> tuple[EntryPoint, ...]:
-    """Return the entry points of the port's solvers in installed packages."""
-    return tuple(entry_points(group=f"flipflow.{port}"))
