@@ -48,6 +48,11 @@ class SinglePanel:
     rectangle: Rectangle
     apertures: AperturePattern | None
 
+    @property
+    def material_share(self) -> float:
+        """The share of material in the panel's free area."""
+        return self.apertures.material_share(self.rectangle) if self.apertures else 1.0
+
 
 def single_panels(case: Case) -> tuple[SinglePanel, ...]:
     """Return all panels, in the order of the case.  A row's frames alternate from panel to panel."""
@@ -157,9 +162,8 @@ def stiffest_Pa_per_m(case: Case, panel: SinglePanel) -> float:
 
 def areal_mass_kg_per_m2(case: Case, panel: SinglePanel) -> float:
     """Return the panel's mass over its area; the area includes the openings."""
-    solid = 1.0 if panel.apertures is None else panel.apertures.material_share(panel.rectangle)
     density_kg_per_m3 = case.materials[panel.table.material].density_kg_per_m3
-    return density_kg_per_m3 * panel.table.thickness_m * solid
+    return density_kg_per_m3 * panel.table.thickness_m * panel.material_share
 
 
 def _stop(case: Case, panel: SinglePanel, name: str, row: Stop) -> StopPlan:

@@ -26,7 +26,7 @@ Share = Callable[[AperturePattern | None, Rectangle], float]
 
 def judge(scene: Scene) -> Verdict:
     """Judge the openings by the particles that fit through, the open share, and the change of the stroke."""
-    open_share = 1 - min(panel.material_share for panel in scene.panels)
+    open_share = 1 - min(panel.panel.material_share for panel in scene.panels)
     if open_share == 0:
         unknown = "the case names no openings: which the deck has is not said"
         return compare("open share", None, unknown, cost=COST)

@@ -62,16 +62,10 @@ class MovedPanel:
         return max(0.0, self.tension_m + self.stroke_m) / self.length_m
 
     @property
-    def material_share(self) -> float:
-        """The share of material in the panel's free area."""
-        pattern = self.panel.apertures
-        return pattern.material_share(self.panel.rectangle) if pattern else 1.0
-
-    @property
     def mass_kg_per_m2(self) -> float:
         """The mass per area of the free panel, including the area of its openings."""
         thickness_m = self.panel.table.thickness_m
-        return self.material.density_kg_per_m3 * thickness_m * self.material_share
+        return self.material.density_kg_per_m3 * thickness_m * self.panel.material_share
 
     @property
     def free_mass_kg(self) -> float:
