@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -57,19 +58,14 @@ def _read(path: Path) -> Any:
     """Return the table as a DataFrame.  Raises UnreadableBed."""
     import pandas as pd  # It is imported here because most cases have no table of particles.
 
-    read = {".csv": _read_csv, ".parquet": pd.read_parquet}.get(path.suffix.lower())
+    read_csv = partial(pd.read_csv, comment="#", skipinitialspace=True)
+    read = {".csv": read_csv, ".parquet": pd.read_parquet}.get(path.suffix.lower())
     if read is None:
         raise UnreadableBed(f'{path}: "{path.suffix}" is no kind of table; a .csv or .parquet file is wanted')
     try:
         return read(path)
     except (OSError, ValueError, ImportError) as error:
         raise UnreadableBed(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
-
-
-def _read_csv(path: Path) -> Any:
-    import pandas as pd
-
-    return pd.read_csv(path, comment="#", skipinitialspace=True)
 
 
 def _wrong_columns(table: Any) -> Iterator[str]:
@@ -85,8 +81,7 @@ def _wrong_columns(table: Any) -> Iterator[str]:
 
 
 def _wrong_cells(table: Any) -> Iterator[str]:
-    """Yield a text for each column with a cell that is not a finite number, or not a plausible
-    diameter."""
+    """Yield a text for each column with a cell that is not a finite number, or not a plausible diameter."""
     import pandas as pd
 
     for name in NUMBERS:

@@ -6,18 +6,18 @@ of its datasets and attributes are the fields of ``CarriedBed``.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.case.tables.carried_bed import COLUMNS, CarriedBed
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports import ParticleSnapshot
 
 FORMAT = 1
 """Version of the file, in its attribute ``format_version``."""
 BED = "bed.h5"
-COLUMNS = ("material", "position_m", "velocity_m_per_s", "spin_rad_per_s", "diameter_m", "density_kg_per_m3")
 
 
 class UnreadableBed(Exception):
@@ -38,8 +38,7 @@ def from_snapshot(
 def keep_used_materials(bed: CarriedBed) -> CarriedBed:
     """Return the bed with the names of those materials only that one of its particles has."""
     used, material = np.unique(bed.material, return_inverse=True)
-    fields = {**vars(bed), "materials": tuple(bed.materials[k] for k in used), "material": material}
-    return CarriedBed(**fields)
+    return replace(bed, materials=tuple(bed.materials[k] for k in used), material=material)
 
 
 def write(path: Path, bed: CarriedBed) -> None:

@@ -9,6 +9,8 @@ import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices
 
+COLUMNS = ("material", "position_m", "velocity_m_per_s", "spin_rad_per_s", "diameter_m", "density_kg_per_m3")
+
 
 @dataclass(frozen=True, eq=False)
 class CarriedBed:
@@ -45,9 +47,7 @@ class CarriedBed:
 
     def part(self, rows: npt.NDArray[np.bool_]) -> CarriedBed:
         """Return the particles of some rows."""
-        columns = ("material", "position_m", "velocity_m_per_s", "spin_rad_per_s", "diameter_m")
-        chosen = {name: getattr(self, name)[rows] for name in (*columns, "density_kg_per_m3")}
-        return replace(self, **chosen)
+        return replace(self, **{name: getattr(self, name)[rows] for name in COLUMNS})
 
     def diameters_m(self, material: str) -> Array:
         """Return the diameters of the particles of a material."""
