@@ -151,12 +151,9 @@ class RateFeed:
     def _draw(self) -> None:
         """Draw particles until the next one would exceed the mass that is due."""
         drawn_m = []
-        while True:
-            next_kg = self.next_kg
-            if self._drawn_kg.sum() + next_kg / 2.0 > self.due_kg:
-                break
+        while self._drawn_kg.sum() + self.next_kg / 2.0 <= self.due_kg:
             drawn_m.append(float(self._next_m))
-            self._drawn_kg[self._class] += next_kg
+            self._drawn_kg[self._class] += self.next_kg
             self._next_m = self._diameter_m()
         self._waiting_m = np.append(self._waiting_m, drawn_m)
 

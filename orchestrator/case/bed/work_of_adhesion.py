@@ -113,12 +113,10 @@ def _contradictions(case: Case) -> Iterator[CaseProblem]:
 
 def _resolve(row: Contact, case: Case, grains_m: Mapping[str, float]) -> Contact:
     """Return a contact with its work of adhesion; unchanged if it has a Bond number but no grain."""
-    if row.moisture is not None:
-        work_J_per_m2: float | None = MOISTURES_J_PER_M2[row.moisture]
-    elif row.bond_number is not None:
+    if row.moisture is None:
         work_J_per_m2 = _work_of_bond_number(row, case, grains_m)
     else:
-        return row
+        work_J_per_m2 = MOISTURES_J_PER_M2[row.moisture]
     if work_J_per_m2 is None:
         return row
     ways = dict.fromkeys(("bond_number", "bond_diameter_m", "moisture"))
@@ -126,13 +124,12 @@ def _resolve(row: Contact, case: Case, grains_m: Mapping[str, float]) -> Contact
 
 
 def _work_of_bond_number(row: Contact, case: Case, grains_m: Mapping[str, float]) -> float | None:
-    """Return the work of adhesion in J/m2 of a Bond number; None if the pair has no grain.
+    """Return the work of adhesion in J/m2 of a Bond number; None without one, or if the pair has no grain.
 
     Of two grains of different materials, the lighter one is weighed.
     """
-    assert row.bond_number is not None
     known = [name for name in row.between if name in grains_m]
-    if not known:
+    if row.bond_number is None or not known:
         return None
     diameters_m = [row.bond_diameter_m or grains_m[name] for name in known]
     weight_N = min(

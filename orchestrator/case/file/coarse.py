@@ -62,17 +62,15 @@ def _across_openings(case: Case) -> list[CaseProblem]:
     if not openings_m:
         return []
     limit_m = FAR_LARGER * max(openings_m)
-    problems = []
-    for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
-        for name, row in rows.items():
-            smallest_m = _smallest_m(row)
-            if smallest_m < limit_m:
-                problems.append(_too_fine(f"bed.{kind}.{name}", smallest_m, limit_m))
-    if case.bed.carried is not None:
-        smallest_m = float(case.bed.carried.diameter_m.min()) / case.particles.coarse_graining
-        if smallest_m < limit_m:
-            problems.append(_too_fine(f"the bed from {case.bed.carried.source}", smallest_m, limit_m))
-    return problems
+    smallest_m = {
+        f"bed.{kind}.{name}": _smallest_m(row)
+        for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
+        for name, row in rows.items()
+    }
+    if (carried := case.bed.carried) is not None:
+        real_m = float(carried.diameter_m.min()) / case.particles.coarse_graining
+        smallest_m[f"the bed from {carried.source}"] = real_m
+    return [_too_fine(source, size_m, limit_m) for source, size_m in smallest_m.items() if size_m < limit_m]
 
 
 def _too_fine(source: str, smallest_m: float, limit_m: float) -> CaseProblem:
