@@ -168,11 +168,6 @@ def _find_recording(panel: SinglePanel, recorded: Mapping[str, RecordedShape]) -
 
 def shape_of(panel: SinglePanel) -> dict[str, float]:
     """Return the lengths that a panel must share with its recording."""
-    at = panel.rectangle
-    return {
-        "length_m": at.length_m,
-        "span_m": at.span_m,
-        "width_m": at.width_m,
-        "clamp_m": at.clamp_m,
-        "thickness_m": panel.table.thickness_m,
-    }
+    lengths = ("length_m", "span_m", "width_m", "clamp_m")
+    of_rectangle = {name: getattr(panel.rectangle, name) for name in lengths}
+    return of_rectangle | {"thickness_m": panel.table.thickness_m}

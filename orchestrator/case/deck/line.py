@@ -74,8 +74,7 @@ def _flow(centre_lines: Sequence[Array], middles: list[Array]) -> Array | None:
     """
     if len(middles) > 1:
         spread = np.array(middles) - np.mean(middles, axis=0)
-        chord = np.linalg.svd(spread[:, :2])[2][0]
-        chord = np.array([chord[0], chord[1], 0.0])
+        chord = np.append(np.linalg.svd(spread[:, :2])[2][0], 0.0)
     else:
         chord = centre_lines[0][-1] - centre_lines[0][0]
         chord = chord - (chord @ UP) * UP

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -162,9 +163,7 @@ def _triangulate(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
         numbers = []
         for loop in loops:
             points = [model.addPoint(s, y, 0.0) for s, y in loop]
-            lines = [
-                model.addLine(start, end) for start, end in zip(points, [*points[1:], points[0]], strict=True)
-            ]
+            lines = [model.addLine(start, end) for start, end in pairwise([*points, points[0]])]
             numbers.append(model.addCurveLoop(lines))
         area = model.addPlaneSurface(numbers)
         free = [model.addPoint(s, y, 0.0) for s, y in inner]

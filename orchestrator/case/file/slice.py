@@ -83,15 +83,14 @@ def cut_to_slice(case: Case) -> Case:
     if problems := _problems(case):
         raise CaseError(problems)
     y_m, part = bounds_m(case), share(case)
-    domain_m = case.domain_m
-    if case.slice.sides == "periodic":
-        domain_m = _box_between(domain_m, y_m)
-    update: dict[str, object] = {
-        "screen": _cut_screen(case.screen, part, y_m),
-        "bed": _cut_bed(case.bed, part, y_m),
-        "domain_m": domain_m,
-    }
-    return case.cut_to(update)
+    periodic = case.slice.sides == "periodic"
+    return case.cut_to(
+        {
+            "screen": _cut_screen(case.screen, part, y_m),
+            "bed": _cut_bed(case.bed, part, y_m),
+            "domain_m": _box_between(case.domain_m, y_m) if periodic else case.domain_m,
+        }
+    )
 
 
 def _problems(case: Case) -> list[CaseProblem]:

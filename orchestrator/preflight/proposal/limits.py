@@ -46,11 +46,8 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
             what = (
                 f"{3.6 * wishes.throughput_kg_per_s:.4g} t/h lie {depth_m:.2g} m deep on {wishes.width_m:g} m"
             )
-            yield problem(
-                "throughput",
-                what,
-                f"this width carries {down(3.6 * largest_kg_per_s):g} t/h, or take a wider deck",
-            )
+            hint = f"this width carries {down(3.6 * largest_kg_per_s):g} t/h, or take a wider deck"
+            yield problem("throughput", what, hint)
 
 
 def _openings(wishes: Wishes, panel_m: float) -> Iterator[CaseProblem]:

@@ -25,7 +25,7 @@ from orchestrator.case.bed.contact_times import (
 )
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.preflight.scene.scene import Scene, bed_kg
+from orchestrator.preflight.scene.scene import Scene, bed_kg, deck_m2
 from orchestrator.preflight.stability import limits
 from orchestrator.preflight.stability.modes import FrameMatrices, areal_kg_per_m2, lightest_point_kg
 
@@ -205,8 +205,7 @@ def _seats(
     """
     case, exchange = scene.case, scene.case.exchange
     yields = case.panel.adapter.yields
-    area_m2 = sum(p.panel.rectangle.span_m * p.panel.rectangle.width_m for p in scene.panels)
-    all_kg, touches_of = bed_kg(case), cache(partial(touches, scene))
+    all_kg, area_m2, touches_of = bed_kg(case), deck_m2(case), cache(partial(touches, scene))
     for name, panel in case.screen.panels.items():
         touching = touches_of(panel.material)
         alone_kg = lightest_point_kg(case, name) if yields and touching else 0.0
