@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -111,14 +111,10 @@ class MaterialMonitor:
 
 @dataclass
 class Amount:
-    """The number of particles and their mass."""
+    """The number of particles and their mass, as ``summary.json`` has them."""
 
     number: int = 0
     mass_kg: float = 0.0
-
-    def figures(self) -> dict[str, Any]:
-        """Return the amount as a table of ``summary.json``."""
-        return {"number": self.number, "mass_kg": self.mass_kg}
 
     def add(self, particles: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
         """Add these rows of the particles, by default all."""
@@ -186,17 +182,17 @@ class MaterialBook:
     def figures(self) -> dict[str, Any]:
         """Return the totals as a table of ``summary.json``."""
         return {
-            "fed": self.fed.figures(),
-            "on_deck": self.on_deck.figures(),
-            "lost": self.lost.figures(),
-            "escaped": self.escaped.figures(),
+            "fed": asdict(self.fed),
+            "on_deck": asdict(self.on_deck),
+            "lost": asdict(self.lost),
+            "escaped": asdict(self.escaped),
             "deepest_overlaps": self.deepest.figures(),
             "crossings": self.crossings.figures(),
             "feeds": {
                 feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg} for feed in self.feed.feeds
             },
             "exits": {
-                plan.name: {"product": plan.product, **amount.figures()}
+                plan.name: {"product": plan.product, **asdict(amount)}
                 for plan, amount in zip(self.exits, self.through, strict=True)
             },
         }
