@@ -21,8 +21,8 @@ struct Spheres {
 // it may touch for a while, as Verlet lists do; the touches of a step come from that list.
 //
 // A list is good while sphere and surface together move less than its margin.  Neighbours are listed
-// anew when a particle moved half a skin against the bed (BedMotion in fix_surface.cpp); this search lets surface and bed
-// move another half.
+// anew when a particle moved half a skin against the bed (BedMotion in fix_surface.cpp); this search
+// lets surface and bed move another half against each other.
 class ContactSearch {
  public:
   struct Near {  // a sphere with candidates first ... end

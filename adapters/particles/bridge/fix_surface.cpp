@@ -32,24 +32,24 @@ struct BedMotion {
   Vec3 common_m = {0, 0, 0};
   double farthest_m = 0.0;
 
-  // `enough_m`: a larger bound for the farthest is not good enough, and is replaced by the true one.
-  BedMotion(LAMMPS &lmp, double enough_m) {
+  // `most_m`: how far a particle may move besides; a bound for the farthest that is larger is replaced by the
+  // true one.  `in_all_m`: how far it may move in all.
+  BedMotion(LAMMPS &lmp, double most_m, double in_all_m) {
     const Atom &atom = *lmp.atom;
     double **const listed = listed_at(lmp);
-    double most[6] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // forth and back
+    double way[6] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // forth and back
     for (int i = 0; i < atom.nlocal; ++i)
       for (int c = 0; c < 3; ++c) {
-        const double way_m = atom.x[i][c] - listed[i][c];
-        most[c] = std::max(most[c], way_m);
-        most[3 + c] = std::max(most[3 + c], -way_m);
+        const double moved_m = atom.x[i][c] - listed[i][c];
+        way[c] = std::max(way[c], moved_m);
+        way[3 + c] = std::max(way[3 + c], -moved_m);
       }
-    MPI_Allreduce(MPI_IN_PLACE, most, 6, MPI_DOUBLE, MPI_MAX, lmp.world);
-    if (most[0] == -HUGE_VAL) return;  // nobody is there
-    const Vec3 forth = from(most), back = -1.0 * from(most + 3), middle = 0.5 * (forth + back);
-    const double limit_m = 0.5 * lmp.neighbor->cutneighmax - lmp.neighbor->skin;
-    common_m = std::min(1.0, limit_m / norm(middle)) * middle;
+    MPI_Allreduce(MPI_IN_PLACE, way, 6, MPI_DOUBLE, MPI_MAX, lmp.world);
+    if (way[0] == -HUGE_VAL) return;  // nobody is there
+    const Vec3 forth = from(way), back = -1.0 * from(way + 3), middle = 0.5 * (forth + back);
+    common_m = std::min(1.0, (in_all_m - most_m) / norm(middle)) * middle;
     farthest_m = 0.5 * norm(forth - back) + norm(middle - common_m);
-    if (farthest_m <= enough_m) return;
+    if (farthest_m <= most_m) return;
     double farthest2 = 0.0;
     for (int i = 0; i < atom.nlocal; ++i) {
       const Vec3 besides = from(atom.x[i]) - from(listed[i]) - common_m;
@@ -150,9 +150,10 @@ void FixSurface::end_sums(double step_s) {
 }
 
 void FixSurface::post_integrate() {
-  const BedMotion bed(*lmp, 0.5 * neighbor->skin);
+  const double most_m = 0.5 * neighbor->skin;
+  const BedMotion bed(*lmp, most_m, largest_radius_);
   search_.bed_moved(bed.common_m);
-  if (bed.farthest_m > 0.5 * neighbor->skin) next_reneighbor = update->ntimestep;
+  if (bed.farthest_m > most_m) next_reneighbor = update->ntimestep;
 }
 
 void FixSurface::pre_neighbor() {

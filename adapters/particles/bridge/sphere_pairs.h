@@ -83,7 +83,10 @@ class SpherePairs : public LIGGGHTS::PairStyles::IGranularPairStyle {
     const LAMMPS_NS::Atom &atom = *lmp_.atom;
     const double factor = lmp_.neighbor->contactDistanceFactor;
     const Vec3 here = from(atom.x[pair_.i]);
-    if (static_cast<int>(to_meet_.size()) < count) to_meet_.resize(count), untouched_.resize(count);
+    if (static_cast<int>(to_meet_.size()) < count) {
+      to_meet_.resize(count);
+      untouched_.resize(count);
+    }
     const int *const touched = flags ? flags : untouched_.data();
     int meet = 0;
     for (int n = 0; n < count; ++n) {
