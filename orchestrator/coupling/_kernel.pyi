@@ -26,8 +26,9 @@ class PointMatrix:
     def transposed_times(self, values: Array) -> Array:
         """Return the transposed matrix times ``values`` (rows, 3), (width, 3)."""
 
-def handed_over(load: Load, start: Motion, end: Motion, length_s: float) -> tuple[Array, Array, float]:
-    """Return what a mean load hands over in an interval in which its points move from ``start`` to ``end``.
+def add_handed_over(sums: Array, load: Load, start: Motion, end: Motion, length_s: float) -> None:
+    """Add to ``sums`` (7,) what a mean load hands over in an interval in which its points move from ``start``
+    to ``end``.
 
     It is the impulse (3,) in N s, the angular impulse (3,) about the world's origin in N m s, and the sum of
     the sizes of all components of the impulse at all points, in which loads that cancel each other count.

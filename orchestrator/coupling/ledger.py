@@ -124,13 +124,16 @@ class Ledger:
         added to the sizes.
         """
         frames, panel, particles = self._members.frames, self._members.panel, self._members.particles
-        ports = {"frames": [frames.received_N_s], "panel": [panel.received_N_s, -panel.given_N_s]}
+        received_N_s, given_N_s = panel.received.impulse_N_s, panel.given.impulse_N_s
+        onto_frames_N_s = frames.received.impulse_N_s
+        ports = {"frames": [onto_frames_N_s], "panel": [received_N_s, -given_N_s]}
         in_transit = pending.reaction_N_s - self._opening_pending.reaction_N_s
-        crossing = {"panel-frames": [panel.given_N_s, -frames.received_N_s, -in_transit]}
+        crossing = {"panel-frames": [given_N_s, -onto_frames_N_s, -in_transit]}
         if particles is not None:
-            ports["particles"] = [-particles.given_N_s]
+            from_particles_N_s = particles.given.impulse_N_s
+            ports["particles"] = [-from_particles_N_s]
             in_transit = pending.load_N_s - self._opening_pending.load_N_s
-            crossing["particles-panel"] = [particles.given_N_s, -panel.received_N_s, -in_transit]
+            crossing["particles-panel"] = [from_particles_N_s, -received_N_s, -in_transit]
         residual = {name: _relative(terms, ROUNDED * panel.through_N_s) for name, terms in crossing.items()}
         for name, member in self._members.by_name().items():
             now, opening = member.account(), self._opening[name]
@@ -148,7 +151,11 @@ class Ledger:
         """
         frames, panel = self._members.frames, self._members.panel
         in_transit = pending.reaction_N_m_s - self._opening_pending.reaction_N_m_s
-        residual = {"panel-frames": _relative([panel.given_N_m_s, -frames.received_N_m_s, -in_transit])}
+        residual = {
+            "panel-frames": _relative(
+                [panel.given.moment_N_m_s, -frames.received.moment_N_m_s, -in_transit]
+            )
+        }
         for member, account in self._accounts().items():
             angular, opening = account.angular, self._opening[member].angular
             if angular is None or opening is None:
@@ -162,7 +169,7 @@ class Ledger:
             residual[member] = _relative(terms)
             if member == "particles":
                 in_transit = pending.load_N_m_s - self._opening_pending.load_N_m_s
-                terms = [-received["surface"], -panel.received_N_m_s, -in_transit]
+                terms = [-received["surface"], -panel.received.moment_N_m_s, -in_transit]
                 residual["particles-panel"] = _relative(terms)
         return residual
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from orchestrator.coupling._kernel import handed_over
+from orchestrator.coupling._kernel import add_handed_over
 from orchestrator.coupling.wrappers import FramesWrapper, PanelWrapper, ParticlesWrapper
 from orchestrator.ports import (
     Array,
@@ -54,7 +54,7 @@ class Stopwatch:
     def run(self, part: str, member: object, interval: Interval) -> TimedPart:
         """Return the context of a member's run over an interval, which is repeated if its last run was over
         the same one."""
-        repeated = self._last.get(id(member)) == interval
+        repeated = self._last.get(id(member)) is interval
         self._last[id(member)] = interval
         return TimedPart(self, part, repeated)
 
@@ -63,8 +63,10 @@ class Stopwatch:
         now = time.perf_counter()
         if self.open:
             part, repeated = self.open[-1]
-            for book in (self.wall_s, self.repeated_s)[: 1 + repeated]:
-                book[part] = book.get(part, 0.0) + now - self._since_s
+            spent_s = now - self._since_s
+            self.wall_s[part] = self.wall_s.get(part, 0.0) + spent_s
+            if repeated:
+                self.repeated_s[part] = self.repeated_s.get(part, 0.0) + spent_s
         self._since_s = now
 
 
@@ -85,23 +87,47 @@ class TimedPart:
         self._stopwatch.open.pop()
 
 
+@dataclass(frozen=True)
+class Meter:
+    """The impulse that loads have handed over since t = 0: ``sums`` (7,) of ``add_handed_over``."""
+
+    sums: Array = field(default_factory=lambda: np.zeros(7))
+
+    def add(self, load: Load, start: Motion, end: Motion, length_s: float) -> None:
+        """Add a mean load over an interval in which its points moved from ``start`` to ``end``."""
+        add_handed_over(self.sums, load, start, end, length_s)
+
+    @property
+    def impulse_N_s(self) -> Array:
+        """The impulse (3,)."""
+        return self.sums[:3].copy()
+
+    @property
+    def moment_N_m_s(self) -> Array:
+        """The angular impulse (3,) about the world's origin."""
+        return self.sums[3:6].copy()
+
+    @property
+    def through_N_s(self) -> float:
+        """The sum of the sizes of all components at all points, in which loads that cancel each other
+        count."""
+        return float(self.sums[6])
+
+
 class MeteredFrames(FramesWrapper):
     """Frames with a meter.
 
-    ``received_N_s`` (3,) is the impulse of the panels on the frames since t = 0, ``through_N_s`` the sum of
-    its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` has the last load on the
-    frames, and the motion to which it led.
+    ``received`` meters the panels' load on the frames; ``last`` has the last load, and the motion to which it
+    led.
     """
 
-    BOOKS = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
+    BOOKS = ("received", "_now")
     last: tuple[Load, Motion]
 
     def __init__(self, frames: Frames, name: str, stopwatch: Stopwatch) -> None:
         super().__init__(frames)
         self._name, self._stopwatch = name, stopwatch
-        self.received_N_s: Array = np.zeros(3)
-        self.through_N_s = 0.0
-        self.received_N_m_s: Array = np.zeros(3)
+        self.received = Meter()
 
     def initial(self) -> Motion:
         with solver_failure_context(self._name, None):
@@ -111,12 +137,14 @@ class MeteredFrames(FramesWrapper):
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             motion = super().advance(interval, reaction)
-        impulse_N_s, moment_N_m_s, size_N_s = handed_over(reaction, self._now, motion, interval.length_s)
-        self.received_N_s = self.received_N_s + impulse_N_s
-        self.received_N_m_s = self.received_N_m_s + moment_N_m_s
-        self.through_N_s += size_N_s
+        self.received.add(reaction, self._now, motion, interval.length_s)
         self.last, self._now = (reaction, motion), motion
         return motion
+
+    @property
+    def through_N_s(self) -> float:
+        """The sum of the sizes of the impulses that crossed."""
+        return self.received.through_N_s
 
     def ahead(self, interval: Interval) -> Known | None:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
@@ -170,30 +198,16 @@ class TimedPanel(PanelWrapper):
 class MeteredPanel(TimedPanel):
     """A panel with a meter.
 
-    ``received_N_s`` (3,) is the impulse from the particles, ``given_N_s`` (3,) the impulse to the frames,
-    since t = 0; ``through_N_s`` is the sum of the sizes of both; ``received_N_m_s`` and ``given_N_m_s`` (3,)
-    are their moments about the world's origin; ``last`` has the last motion of the clamps, the load under
-    which it happened, and the resulting state.
+    ``received`` meters the particles' load, and ``given`` the load on the frames; ``last`` has the last
+    motion of the clamps, the load under which it happened, and the resulting state.
     """
 
-    BOOKS = (
-        "received_N_s",
-        "given_N_s",
-        "through_N_s",
-        "received_N_m_s",
-        "given_N_m_s",
-        "_surface",
-        "_clamps",
-    )
+    BOOKS = ("received", "given", "_surface", "_clamps")
     last: tuple[Motion, Load, PanelState]
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
         super().__init__(panel, name, part, stopwatch)
-        self.received_N_s: Array = np.zeros(3)
-        self.given_N_s: Array = np.zeros(3)
-        self.through_N_s = 0.0
-        self.received_N_m_s: Array = np.zeros(3)
-        self.given_N_m_s: Array = np.zeros(3)
+        self.received, self.given = Meter(), Meter()
         self._clamps = Motion(panel.mount.position_m, np.zeros_like(panel.mount.position_m))
 
     def initial(self) -> PanelState:
@@ -203,20 +217,16 @@ class MeteredPanel(TimedPanel):
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         state = super().advance(interval, clamps, load)
-        impulse_N_s, moment_N_m_s, received = handed_over(
-            load, self._surface, state.surface, interval.length_s
-        )
-        self.received_N_s = self.received_N_s + impulse_N_s
-        self.received_N_m_s = self.received_N_m_s + moment_N_m_s
-        impulse_N_s, moment_N_m_s, given = handed_over(
-            state.reaction, self._clamps, clamps, interval.length_s
-        )
-        self.given_N_s = self.given_N_s + impulse_N_s
-        self.given_N_m_s = self.given_N_m_s + moment_N_m_s
-        self.through_N_s += received + given
+        self.received.add(load, self._surface, state.surface, interval.length_s)
+        self.given.add(state.reaction, self._clamps, clamps, interval.length_s)
         self._surface, self._clamps = state.surface, clamps
         self.last = clamps, load, state
         return state
+
+    @property
+    def through_N_s(self) -> float:
+        """The sum of the sizes of the impulses that crossed, on both sides."""
+        return self.received.through_N_s + self.given.through_N_s
 
     def save(self) -> Saved:
         return save_attributes(self, *self.BOOKS) | {"inner": super().save()}
@@ -229,21 +239,17 @@ class MeteredPanel(TimedPanel):
 class MeteredParticles(ParticlesWrapper):
     """Particles with a meter.
 
-    ``given_N_s`` (3,) is the impulse of the particles on the surface since t = 0, ``through_N_s`` the sum of
-    its sizes; ``last`` has the last path of the surface, and the load on it.  Their ``feed`` is saved with
-    them: particles that step back are fed again.  ``runs`` counts all intervals run, including those that
-    were taken back.
+    ``given`` meters their load on the surface; ``last`` has the last path of the surface, and the load on it.
+    Their ``feed`` is saved with them: particles that step back are fed again.  ``runs`` counts all intervals
+    run, including those that were taken back.
     """
 
-    BOOKS = ("given_N_s", "through_N_s")
     last: tuple[HermitePath, Load]
 
     def __init__(self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch) -> None:
         super().__init__(particles)
         self._feed, self._name, self._stopwatch = feed, name, stopwatch
-        self.runs = 0
-        self.given_N_s: Array = np.zeros(3)
-        self.through_N_s = 0.0
+        self.runs, self.given = 0, Meter()
 
     def initial(self) -> Load:
         with solver_failure_context(self._name, None):
@@ -253,11 +259,14 @@ class MeteredParticles(ParticlesWrapper):
         with self._stopwatch.run("particles", self, interval), solver_failure_context(self._name, interval):
             load = super().advance(interval, path)
         self.last = path, load
-        impulse_N_s, _, size_N_s = handed_over(load, path.start, path.end, interval.length_s)
-        self.given_N_s = self.given_N_s + impulse_N_s
-        self.through_N_s += size_N_s
+        self.given.add(load, path.start, path.end, interval.length_s)
         self.runs += 1
         return load
+
+    @property
+    def through_N_s(self) -> float:
+        """The sum of the sizes of the impulses that crossed."""
+        return self.given.through_N_s
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
         with self._stopwatch("particles"):
@@ -265,10 +274,10 @@ class MeteredParticles(ParticlesWrapper):
 
     def save(self) -> Saved:
         inner = {"inner": super().save(), "feed": self._feed.save()}
-        return save_attributes(self, *self.BOOKS) | inner
+        return save_attributes(self, "given") | inner
 
     def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *self.BOOKS)
+        restore_attributes(self, saved, "given")
         super().restore(saved["inner"])
         self._feed.restore(saved["feed"])
 

@@ -43,7 +43,7 @@ def run(folder: Path, frames: str, panel: str, particles: str, intervals: int) -
         residuals = machine.momentum_residual()
         assert max(residuals.values()) < 1e-11, residuals
         assert ("particles" in residuals) == (particles != "none")
-        assert machine.machine.members.frames.received_N_s.any()
+        assert machine.machine.members.frames.received.impulse_N_s.any()
 
 
 @pytest.mark.parametrize("particles", PARTICLES)

@@ -28,5 +28,5 @@ def test_momentum_to_rounding(tmp_path: Path, scheme: str, integrator: str) -> N
         assert set(residuals) == {"frames", "panel", "particles", "panel-frames", "particles-panel"}
         assert max(residuals.values()) < 1e-12, residuals
         # the bed was really thrown: it gave the panels more than a third of its first momentum
-        given_N_s = run.machine.members.particles.given_N_s
+        given_N_s = run.machine.members.particles.given.impulse_N_s
         assert abs(given_N_s[2]) > 0.005

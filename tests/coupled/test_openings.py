@@ -53,4 +53,4 @@ def test_fines_fall_through_a_shaken_screen_and_the_books_close(tmp_path: Path, 
         small = now.diameter_m < 0.006
         assert not below[~small].any()
         assert below[small].sum() > 5
-        assert machine.machine.members.frames.received_N_s.any()
+        assert machine.machine.members.frames.received.impulse_N_s.any()

@@ -50,7 +50,9 @@ def test_matrices_that_are_none_and_values_of_another_shape_are_refused() -> Non
 
 def test_what_a_load_hands_over_is_its_integral_along_the_path() -> None:
     start, end, force_N = Motion(field(), field()), Motion(field(), field()), forces()
-    impulse_N_s, moment_N_m_s, size_N_s = _kernel.handed_over(Load(force_N), start, end, LENGTH_S)
+    sums = np.ones(7)
+    _kernel.add_handed_over(sums, Load(force_N), start, end, LENGTH_S)
+    impulse_N_s, moment_N_m_s, size_N_s = np.split(sums - 1.0, [3, 6])
     path = HermitePath(start, end, LENGTH_S)
     nodes, weights = np.polynomial.legendre.leggauss(2)  # exact for cubic paths
     places_m = (path.position_m((1 + node) / 2) for node in nodes)
@@ -61,6 +63,8 @@ def test_what_a_load_hands_over_is_its_integral_along_the_path() -> None:
     np.testing.assert_allclose(moment_N_m_s, integral_N_m_s, rtol=1e-12)
     np.testing.assert_allclose(impulse_N_s, LENGTH_S * force_N.sum(axis=0), rtol=1e-12)
     assert size_N_s == pytest.approx(LENGTH_S * np.abs(force_N).sum(), rel=1e-12)
+    with pytest.raises(ValueError, match="sums: 7 numbers wanted"):
+        _kernel.add_handed_over(np.zeros(6), Load(force_N), start, end, LENGTH_S)
 
 
 def through_J(force_N: Array, moved_m: Array) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.coupling.ledger import Ledger
-from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles, MeteredSolvers
+from orchestrator.coupling.metered import Meter, MeteredFrames, MeteredPanel, MeteredParticles, MeteredSolvers
 from orchestrator.coupling.schemes.scheme import Pending
 from orchestrator.ports import Account, Array
 
@@ -28,11 +28,9 @@ class Member:
     lost_J: float = 0.0
     supplied_J: float = 0.0
     work_J: dict[str, float] = field(default_factory=dict)
-    received_N_s: Array = field(default_factory=lambda: np.zeros(3))
-    given_N_s: Array = field(default_factory=lambda: np.zeros(3))
+    received: Meter = field(default_factory=Meter)
+    given: Meter = field(default_factory=Meter)
     through_N_s: float = 0.0
-    received_N_m_s: Array = field(default_factory=lambda: np.zeros(3))
-    given_N_m_s: Array = field(default_factory=lambda: np.zeros(3))
 
     def account(self) -> Account:
         return Account(
@@ -45,6 +43,11 @@ class Member:
         )
 
 
+def metered(impulse_N_s: float) -> Meter:
+    """An impulse along x through the world's origin that was handed over."""
+    return Meter(np.array([impulse_N_s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+
+
 def members() -> tuple[Member, Member, Member]:
     """Frames, panel and particles, with something in every book."""
     frames = Member(1.0, 2.0, 3.0, 4.0, 5.0, {"reaction": 6.0})
@@ -53,10 +56,10 @@ def members() -> tuple[Member, Member, Member]:
 
 
 def opened(frames: Member, panel: Member, particles: Member, pending: Pending) -> Ledger:
-    metered = MeteredSolvers(
+    solvers = MeteredSolvers(
         cast(MeteredFrames, frames), cast(MeteredPanel, panel), cast(MeteredParticles, particles)
     )
-    return Ledger(metered, pending)
+    return Ledger(solvers, pending)
 
 
 def pending(load: float, reaction: float) -> Pending:
@@ -70,10 +73,10 @@ def test_what_was_in_transit_at_the_start_counts() -> None:
     of which 9 and 2 are: the frames received 43."""
     frames, panel, particles = members()
     ledger = opened(frames, panel, particles, pending(1.0, 2.0))
-    particles.given_N_s, particles.momentum = along_x(30.0), particles.momentum - 30.0
-    panel.received_N_s, panel.given_N_s = along_x(27.0), along_x(50.0)
+    particles.given, particles.momentum = metered(30.0), particles.momentum - 30.0
+    panel.received, panel.given = metered(27.0), metered(50.0)
     panel.momentum += 27.0 - 50.0
-    frames.received_N_s, frames.momentum = along_x(43.0), frames.momentum + 43.0
+    frames.received, frames.momentum = metered(43.0), frames.momentum + 43.0
     residuals = ledger.momentum_residual(pending(4.0, 9.0))
     assert residuals == dict.fromkeys(residuals, 0.0)
     assert set(residuals) == {"frames", "panel", "particles", "panel-frames", "particles-panel"}

@@ -112,7 +112,7 @@ def test_loads_are_recorded_as_means_of_the_whole_interval(tmp_path: Path) -> No
         INTERVALS,
         each=lambda seen: recorded.append(seen.panel.reaction.force_N[0, 0]),
     )
-    received = machine.members.frames.received_N_s[0]
+    received = machine.members.frames.received.impulse_N_s[0]
     assert LONG_s * sum(recorded) == pytest.approx(received, rel=1e-12)
 
 

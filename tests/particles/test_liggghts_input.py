@@ -23,7 +23,7 @@ boundary        m m m           # grows with the particles (m): none can be lost
 hard_particles  yes
 region          box block -0.025 0.025 -0.025 0.025 -0.005 0.015 units box
 create_box      2 box
-neighbor        0.000572 bin
+neighbor        0.000434 bin
 neigh_modify    delay 0
 
 fix youngs      all property/global youngsModulus peratomtype 2000000000.0 30000000.0

@@ -42,6 +42,26 @@ def test_the_skin_widens_with_the_step_and_narrows_with_fine_grains() -> None:
 
 
 @pytest.mark.solver
+@pytest.mark.parametrize("most", [3, 700])
+def test_everybody_who_touches_is_listed(tmp_path: Path, most: int) -> None:
+    """Whatever the sizes, and though one flies far away, so that cells would be many for so few."""
+    random = np.random.default_rng(5)
+    diameter_m = np.where(random.random(most) < 0.5, 1e-2, random.uniform(0.5e-3, 1e-2, most))
+    position_m = random.uniform([-0.03, -0.03, 0.02], [0.03, 0.03, 0.08], (most, 3))
+    position_m[:2] = position_m[2] + [[0.0, 0.0, 2e-4], [3e-4, 0.0, 0.0]]
+    position_m[-1] = [-0.09, 0.09, -0.09]
+    given = replace(spheres(position_m), diameter_m=diameter_m)
+    solver = solver_adapter("liggghts").build(make_plan(flat(), given, folder=tmp_path))
+    found = solver.snapshot().contacts
+    solver.close()
+    apart_m = np.linalg.norm(position_m[:, None] - position_m, axis=-1)
+    touching = apart_m < (diameter_m[:, None] + diameter_m) / 2
+    np.testing.assert_array_equal(found, touching.sum(axis=1) - 1)
+    assert found[:2].all()
+    assert not found[-1]
+
+
+@pytest.mark.solver
 def test_a_bed_that_moves_as_one_is_seldom_listed(tmp_path: Path) -> None:
     """In 100 intervals of 0.05 ms at 3.64 m/s it goes 18 mm, and half the largest diameter, 2.5 mm, between
     two listings, but for half a skin, 0.3 mm at most; LIGGGHTS by itself would list it every 0.3 mm."""

@@ -15,6 +15,7 @@
 #include "lammps.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "pair_lists.h"
 #include "saved_particles.h"
 #include "update.h"
 
@@ -71,6 +72,10 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
   const QuietErrors quiet;
   lammps_ = new LAMMPS(static_cast<int>(arguments.size()), arguments.data(), communicator);
   register_contact_models(as_packaged);
+  if (!as_packaged) {
+    delete lammps_->neighbor;
+    lammps_->neighbor = new PairLists(lammps_);
+  }
   lammps_->neighbor->register_contact_dist_factor(contact_distance_factor);
   FixStyles &styles = *(lammps_->modify->*style_table());
   styles["wall/gran/flipflow"] = &create_fix<FixSurface>;

@@ -13,7 +13,7 @@ from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
 
 # LIGGGHTS wants a word of confirmation outside of these moduli
 SOFTEST_PA, HARDEST_PA = 5e6, 1e9
-LISTING, LOOKED_AT = 90.0, 0.9
+LISTING, LOOKED_AT = 50.0, 0.35
 """The cost of listing a particle's neighbours, and of each other one that is looked at for that, over what a
 pair that is near but does not touch costs in a step."""
 FILLED, SPEED_M_PER_S = 0.2, 1.0
@@ -105,7 +105,7 @@ def skin_m(plan: ParticlesPlan) -> float:
     skins_m = largest_m * np.geomspace(*SKINS, 100)
     mean_m = np.mean(diameter_m)
     near = 2.0 / 3.0 * math.pi * per_m3 * ((mean_m + skins_m) ** 3 - mean_m**3)
-    looked_at = per_m3 * (2.5 * (largest_m + skins_m)) ** 3  # in five bins of half a cutoff along each axis
+    looked_at = per_m3 * 20.25 * (largest_m + skins_m) ** 3  # in nine rows, each 2.25 cutoffs long
     listings_per_step = 2.0 * SPEED_M_PER_S * plan.step_s / skins_m
     cost = near + (LISTING + LOOKED_AT * looked_at) * listings_per_step
     return float(f"{skins_m[np.argmin(cost)]:.3g}")

@@ -94,14 +94,9 @@ class PointMatrix {
   size_t width_;
 };
 
-Doubles vector(const double values[3]) {
-  Doubles array(3);
-  std::copy(values, values + 3, array.mutable_data());
-  return array;
-}
-
-py::tuple handed_over(const py::object &load, const py::object &start, const py::object &end,
-                      double length_s) {
+void add_handed_over(Doubles sums, const py::object &load, const py::object &start, const py::object &end,
+                     double length_s) {
+  if (sums.size() != 7) throw py::value_error("sums: 7 numbers wanted");
   const auto field = [](const py::object &record, const char *name) {
     return record.attr(name).cast<Doubles>();
   };
@@ -115,7 +110,7 @@ py::tuple handed_over(const py::object &load, const py::object &start, const py:
   const double *to = vectors(end_m, points, "end.position_m");
   const double *to_rate = vectors(end_m_per_s, points, "end.velocity_m_per_s");
   long double sum_N[3] = {};  // the clamps of a taut panel pull against each other: little is left
-  double impulse[3], moment[3] = {}, size = 0.0;
+  double moment[3] = {}, size = 0.0;
   for (size_t i = 0; i < 3 * points; i += 3) {
     const double *f = force + i;
     if (is_zero(f)) continue;
@@ -130,8 +125,12 @@ py::tuple handed_over(const py::object &load, const py::object &start, const py:
     }
     size += length_s * size_of(f);
   }
-  for (int c = 0; c < 3; ++c) impulse[c] = static_cast<double>(length_s * sum_N[c]);
-  return py::make_tuple(vector(impulse), vector(moment), size);
+  double *total = sums.mutable_data();
+  for (int c = 0; c < 3; ++c) {
+    total[c] += static_cast<double>(length_s * sum_N[c]);
+    total[3 + c] += moment[c];
+  }
+  total[6] += size;
 }
 
 // Sums of works in an interval: see `Works` in _kernel.pyi.
@@ -222,7 +221,8 @@ PYBIND11_MODULE(_kernel, module) {
            arg("entries"), arg("width"))
       .def("times", &PointMatrix::times, arg("values"))
       .def("transposed_times", &PointMatrix::transposed_times, arg("values"));
-  module.def("handed_over", &handed_over, arg("load"), arg("start"), arg("end"), arg("length_s"));
+  module.def("add_handed_over", &add_handed_over, arg("sums").noconvert(), arg("load"), arg("start"), arg("end"),
+             arg("length_s"));
   module.def("contact_works", &contact_works, py::kw_only(), arg("load_N"), arg("load_before_N"),
              arg("load_twice_before_N"), arg("panel_load_N"), arg("before_m"), arg("after_m"),
              arg("path_start_m"), arg("path_end_m"), arg("path_before_m"), arg("least_m"));
