@@ -37,16 +37,18 @@ def plate_m(height_m: float) -> Array:
     return np.column_stack([corners, np.full(4, height_m)])
 
 
+def search(plate_drawn_m: Array, drawn_m: Array = DRAWN_M) -> Penetrations:
+    plate = SurfaceBody("plate", np.array([[0, 1, 2], [0, 2, 3]]) + len(drawn_m))
+    panel = ProbedPanel(0, np.column_stack([FREE, FREE]), THICK_M)
+    all_drawn_m = np.vstack([drawn_m, plate_drawn_m])
+    return Penetrations(all_drawn_m, [SurfaceBody("deck", CELLS.triangles), plate], [panel])
+
+
 def found(
     now_m: Array, plate_now_m: Array, plate_drawn_m: Array | None = None, drawn_m: Array = DRAWN_M
 ) -> Penetration | None:
     drawn_plate_m = plate_now_m if plate_drawn_m is None else plate_drawn_m
-    points = len(drawn_m)
-    plate = SurfaceBody("plate", np.array([[0, 1, 2], [0, 2, 3]]) + points)
-    panel = ProbedPanel(0, np.column_stack([FREE, FREE]), THICK_M)
-    all_drawn_m = np.vstack([drawn_m, drawn_plate_m])
-    looked = Penetrations(all_drawn_m, [SurfaceBody("deck", CELLS.triangles), plate], [panel])
-    return looked.deepest(np.vstack([now_m, plate_now_m]))
+    return search(drawn_plate_m, drawn_m).deepest(np.vstack([now_m, plate_now_m]))
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -104,8 +106,32 @@ def test_a_side_plate_at_the_edge_or_through_the_panel_as_drawn_is_taken_as_mean
         assert found(hanging_m(sag_m), upright + np.array([0.0, across_m, 0.0])) is None
 
 
-def test_a_plate_in_the_panels_plane_has_no_side() -> None:
-    assert found(hanging_m(0.01), plate_m(0.0)) is None
+@pytest.mark.parametrize("above_m", [0.0, -1e-6])
+def test_a_plate_in_the_panels_plane_has_no_side(above_m: float) -> None:
+    assert found(hanging_m(0.01), plate_m(above_m)) is None
+
+
+def test_a_triangle_that_turns_far_aside_of_a_point_is_not_gone_through() -> None:
+    """The point stays at y = 2 and the triangle below -1; only the triangle's own sight leads through it."""
+    drawn_m = np.array([[-1, 2, -1], [-1, -1, 2], [-2, -1, 2], [0, -2, -2]], dtype=float)
+    now_m = np.array([[2, 2, 1], [-1, -2, 1], [2, -1, -2], [-1, -1, -1]], dtype=float)
+    bodies = [
+        SurfaceBody("deck", np.empty((0, 3), dtype=np.int64)),
+        SurfaceBody("plate", np.array([[1, 2, 3]])),
+    ]
+    looked = Penetrations(drawn_m, bodies, [ProbedPanel(0, np.array([[0, 0]]), 4.0)])  # nothing is too far
+    assert looked.deepest(now_m) is None
+
+
+def test_a_list_has_what_may_meet_before_it_is_made_anew() -> None:
+    """Panel and plate, 7 mm apart as drawn, both move by 3.9 mm: by less than the skin of a thickness."""
+    lasting = search(plate_m(-0.007))
+    assert lasting.deepest(np.vstack([DRAWN_M, plate_m(-0.007)])) is None
+    listed = lasting._pairs
+    through = lasting.deepest(np.vstack([hanging_m(0.0039), plate_m(-0.0031)]))
+    assert lasting._pairs is listed
+    assert through is not None
+    assert through.depth_m == pytest.approx(0.0008, abs=1e-9)
 
 
 def test_one_panel_through_another() -> None:
@@ -123,6 +149,25 @@ def test_one_panel_through_another() -> None:
         assert {deepest.panel, deepest.surface} == {"upper", "lower"}
         assert deepest.depth_m == pytest.approx(depth_m, rel=0.05)
     assert looked.deepest(np.vstack([hanging_m(0.03), hanging_m(0.03, lower_m)])) is None
+
+
+def test_a_search_finds_what_a_new_one_finds_whatever_it_has_seen_before() -> None:
+    """A panel and a plate below it that sink, rise and drift, in steps within the skin of a list and beyond
+    it; the second place is the one of a list, from which the panel goes through the plate at once."""
+    lasting, lists, depths = search(plate_m(-0.02)), [], []
+    for sag_m, up_m, aside_m in (
+        *((0.0, 0.0, 0.0), (0.015, 0.0, 0.0), (0.039, 0.0, 0.0), (0.03, 0.002, 0.01), (0.025, 0.01, 0.03)),
+        *((0.03, -0.015, 0.0), (-0.02, 0.0, 0.0), (0.3, 0.0, 0.1), (0.019, 0.0, 0.0), (0.021, 0.0, 0.0)),
+    ):
+        now_m = np.vstack([hanging_m(sag_m), plate_m(-0.02 + up_m) + np.array([aside_m, 0, 0])])
+        before = getattr(lasting, "_pairs", None)
+        through = lasting.deepest(now_m)
+        assert through == search(plate_m(-0.02)).deepest(now_m)
+        lists.append(lasting._pairs is not before)
+        depths.append(through.depth_m if through else 0.0)
+    assert lists[:3] == [True, True, False]
+    assert lists[-3:] == [True, True, True]  # after the throw no list lasts
+    assert np.array(depths) == pytest.approx([0, 0, 0.019, 0.012, 0.015, 0, 0, 0.28, 0, 0.001], abs=1e-9)
 
 
 @pytest.mark.parametrize(("points", "boxes"), [(40, 30), (1, 1), (7, 0)])

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,7 @@ from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import foot_on_triangle
 
 IN_PLANE = 1e-3  # of its thickness: a panel drawn nearer to a surface's plane is on neither side
+FAR = 20  # thicknesses: pairs are not listed for longer motions, since they would be too many
 ON_RIM = 1e-9  # share of a corner: rounding on an edge that two triangles share
 
 
@@ -53,6 +55,21 @@ class Penetration:
     thicknesses: float
 
 
+class ListedPairs(NamedTuple):
+    """Pairs (k,) of a point of a panel and a triangle that may meet before the next list.
+
+    ``panel`` has the panels' numbers, and ``ends`` (k, 2) the points whose middles are looked at.
+    ``triangles`` (m,) has the numbers of all triangles, and ``of_pair`` the place of each pair's own one
+    among these; over its plane the point was drawn at the height ``was_m``.
+    """
+
+    panel: Indices
+    ends: Indices
+    triangles: Indices
+    of_pair: Indices
+    was_m: Array
+
+
 class Penetrations:
     """A search for panels that have gone through a surface since they were drawn.
 
@@ -76,14 +93,61 @@ class Penetrations:
         self._points = [np.unique(body.triangles) for body in bodies]
         self._drawn_boxes_m = self._boxes_of_bodies(drawn_m)
         self._drawn_triangles_m = boxes_of(drawn_m[self._triangles])
-        self._drawn_middles_m = [middles_m(panel, drawn_m) for panel in panels]
+        self._thickness_m = np.array([panel.thickness_m for panel in panels])
+        self._listed_m, self._skin_m = drawn_m, np.full(3, -1.0)  # so that the first search makes a list
 
     def deepest(self, position_m: Array) -> Penetration | None:
-        """Return the deepest penetration with the points at ``position_m`` (n, 3); None without any."""
-        boxes_m = np.stack([self._drawn_boxes_m, self._boxes_of_bodies(position_m)])
-        panels = zip(self._panels, self._drawn_middles_m, strict=True)
-        deepest = (self._deepest_of(panel, drawn_m, position_m, boxes_m) for panel, drawn_m in panels)
-        return max(filter(None, deepest), key=lambda each: each.thicknesses, default=None)
+        """Return the deepest penetration with the points at ``position_m`` (n, 3); None without any.
+
+        The pairs of points and triangles that may have met are listed with a skin, and listed anew when a
+        point has moved along an axis by more than the skin since (Verlet's lists).
+        """
+        moved_m = np.abs(position_m - self._listed_m).max(axis=0, initial=0.0)
+        if (moved_m > self._skin_m).any():
+            self._list_pairs(position_m, moved_m)
+        pairs = self._pairs
+        corners = self._triangles[pairs.triangles]
+        is_m = height_m(position_m[corners], pairs.of_pair, middles_m(pairs.ends, position_m))
+        crossed = np.flatnonzero(pairs.was_m * is_m < 0.0)
+        if not len(crossed):
+            return None
+        was_m, is_m, panel = pairs.was_m[crossed], is_m[crossed], pairs.panel[crossed]
+        triangle, corners = pairs.triangles[pairs.of_pair[crossed]], corners[pairs.of_pair[crossed]]
+        points_m = [middles_m(pairs.ends[crossed], at_m) for at_m in (self._drawn_m, position_m)]
+        corners_m = [at_m[corners] for at_m in (self._drawn_m, position_m)]
+        beyond = are_beyond(
+            np.stack([points_m] * 2, axis=2), np.stack([boxes_of(each) for each in corners_m])
+        )
+        before, after = (foot_on_triangle(*each).share for each in zip(corners_m, points_m, strict=True))
+        on_plane = before + (was_m / (was_m - is_m))[:, None] * (after - before)
+        through = np.flatnonzero(~beyond & (on_plane >= -ON_RIM).all(axis=1))
+        if not len(through):
+            return None
+        thicknesses = np.abs(is_m) / self._thickness_m[panel]
+        deepest = through[np.argmax(thicknesses[through])]
+        name = self._bodies[self._panels[panel[deepest]].body].name
+        surface = self._bodies[self._body[triangle[deepest]]].name
+        return Penetration(name, surface, float(abs(is_m[deepest])), float(thicknesses[deepest]))
+
+    def _list_pairs(self, position_m: Array, moved_m: Array) -> None:
+        """List the pairs that may meet before a point has moved by more than a new skin.
+
+        The skin is twice the motion ``moved_m`` (3,) since the last list and the smallest thickness of a
+        panel, or nothing along an axis on which that would be far.
+        """
+        least_m = self._thickness_m.min(initial=np.inf)
+        skin_m = 2 * moved_m + least_m
+        self._listed_m, self._skin_m = position_m.copy(), np.where(skin_m > FAR * least_m, 0.0, skin_m)
+        around_m = 2.001 * np.outer([-1, 1], self._skin_m)  # both move; more than twice, for rounding
+        boxes_m = np.stack([self._drawn_boxes_m, self._boxes_of_bodies(position_m) + around_m])
+        none = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
+        near = [self._near(panel, position_m, boxes_m, around_m) for panel in self._panels]
+        number = np.repeat(np.arange(len(near)), [len(triangle) for _, triangle in near])
+        ends, triangle = (np.concatenate(each) for each in zip(none, *near, strict=True))
+        triangles, of_pair = np.unique(triangle, return_inverse=True)
+        was_m = height_m(self._drawn_m[self._triangles[triangles]], of_pair, middles_m(ends, self._drawn_m))
+        beside = np.abs(was_m) > IN_PLANE * self._thickness_m[number]
+        self._pairs = ListedPairs(number[beside], ends[beside], triangles, of_pair[beside], was_m[beside])
 
     def _boxes_of_bodies(self, position_m: Array) -> Array:
         """Return the lowest and highest corners (bodies, 2, 3) of the boxes around all bodies; of NaN
@@ -94,61 +158,32 @@ class Penetrations:
                 box_m[:] = position_m[points].min(axis=0), position_m[points].max(axis=0)
         return boxes_m
 
-    def _deepest_of(
-        self, panel: ProbedPanel, drawn_m: Array, position_m: Array, boxes_m: Array
-    ) -> Penetration | None:
-        """Return the deepest penetration of one panel, whose middles were drawn at ``drawn_m``; None without
-        any."""
-        now_m = middles_m(panel, position_m)
-        row, triangle = self._near(panel, np.stack([drawn_m, now_m]), position_m, boxes_m)
-        used, of_row = np.unique(triangle, return_inverse=True)
-        was_m, is_m = (
-            height_m(points[self._triangles[used]], of_row, place_m[row])
-            for points, place_m in ((self._drawn_m, drawn_m), (position_m, now_m))
-        )
-        crossed = (was_m * is_m < 0.0) & (np.abs(was_m) > IN_PLANE * panel.thickness_m)
-        if not crossed.any():
-            return None
-        row, triangle = row[crossed], triangle[crossed]
-        was_m, is_m = was_m[crossed], is_m[crossed]
-        corners = self._triangles[triangle]
-        before = foot_on_triangle(self._drawn_m[corners], drawn_m[row]).share
-        after = foot_on_triangle(position_m[corners], now_m[row]).share
-        on_plane = before + (was_m / (was_m - is_m))[:, None] * (after - before)
-        through = np.flatnonzero((on_plane >= -ON_RIM).all(axis=1))
-        if not len(through):
-            return None
-        deepest = through[np.argmax(np.abs(is_m[through]))]
-        depth_m = float(abs(is_m[deepest]))
-        surface = self._bodies[self._body[triangle[deepest]]].name
-        name = self._bodies[panel.body].name
-        return Penetration(name, surface, depth_m, depth_m / panel.thickness_m)
-
     def _near(
-        self, panel: ProbedPanel, points_m: Array, position_m: Array, boxes_m: Array
+        self, panel: ProbedPanel, position_m: Array, boxes_m: Array, around_m: Array
     ) -> tuple[Indices, Indices]:
-        """Return pairs of a point (row) and a triangle (number) that the point may have gone through.
+        """Return the ends (k, 2) of a panel's points and the triangles (k,) through which they may go.
 
-        ``points_m`` (2, n, 3) are the panel's points as drawn and now, ``boxes_m`` (2, bodies, 2, 3) the
-        boxes around all bodies.  What is beyond the same side of a box before and after was beyond it all
-        the way: so whole bodies drop out first, then triangles, then single points.
+        ``boxes_m`` (2, bodies, 2, 3) are the boxes around all bodies, as drawn and now; ``around_m`` (2, 3)
+        is added to the boxes around the triangles now.  What is beyond the same side of a box before and
+        after was beyond it all the way: so whole bodies drop out first, then triangles, then single points.
         """
-        if not points_m.shape[1]:
-            return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-        around_m = np.stack([points_m.min(axis=1), points_m.max(axis=1)], axis=1)[:, None]
-        bodies = ~are_beyond(around_m, boxes_m)
+        if not len(panel.pairs):
+            return panel.pairs, np.empty(0, dtype=np.int64)
+        points_m = np.stack([middles_m(panel.pairs, at_m) for at_m in (self._drawn_m, position_m)])
+        panel_m = np.stack([points_m.min(axis=1), points_m.max(axis=1)], axis=1)[:, None]
+        bodies = ~are_beyond(panel_m, boxes_m)
         bodies[panel.body] = False
         triangles = np.flatnonzero(bodies[self._body])
         corners = self._triangles[triangles]
-        boxes_m = np.stack([self._drawn_triangles_m[triangles], boxes_of(position_m[corners])])
-        met = ~are_beyond(around_m, boxes_m)
+        boxes_m = np.stack([self._drawn_triangles_m[triangles], boxes_of(position_m[corners]) + around_m])
+        met = ~are_beyond(panel_m, boxes_m)
         row, column = pairs_that_meet(points_m, boxes_m[:, met])
-        return row, triangles[met][column]
+        return panel.pairs[row], triangles[met][column]
 
 
-def middles_m(panel: ProbedPanel, position_m: Array) -> Array:
-    """Return the middles (k, 3) of a panel's pairs of points; all points are at ``position_m`` (n, 3)."""
-    first, second = position_m[panel.pairs[:, 0]], position_m[panel.pairs[:, 1]]
+def middles_m(pairs: Indices, position_m: Array) -> Array:
+    """Return the middles (k, 3) of pairs (k, 2) of points; all points are at ``position_m`` (n, 3)."""
+    first, second = position_m[pairs[:, 0]], position_m[pairs[:, 1]]
     return np.asarray((first + second) / 2.0)
 
 
