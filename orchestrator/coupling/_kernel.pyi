@@ -6,7 +6,7 @@ another shape.
 
 from __future__ import annotations
 
-from orchestrator.ports import Array, Indices, Load, Motion
+from orchestrator.ports import Array, Indices, InterfaceData, Load, Motion
 
 Works = tuple[float, float, float, float]
 """Of an interval: the work of a load on all points in J; the sum of the sizes of its components in N; and at
@@ -36,38 +36,39 @@ def add_handed_over(sums: Array, load: Load, start: Motion, end: Motion, length_
     """
 
 def contact_works(
+    intervals: list[InterfaceData],
     *,
-    load_N: Array,
+    counted: int,
+    before_m: Array,
+    path_before_m: Array,
     load_before_N: Array,
     load_twice_before_N: Array,
-    panel_load_N: Array,
-    before_m: Array,
-    after_m: Array,
-    path_start_m: Array,
-    path_end_m: Array,
-    path_before_m: Array,
-    least_m: float,
-) -> Works:
-    """Return the works between particles and panels, by the formula of ``monitor/interface_work.py``.
+    slow_m_per_s: float,
+) -> list[Works]:
+    """Return the works between particles and panels in successive intervals, by the formula of
+    ``monitor/interface_work.py``.
 
-    The surface goes from ``before_m`` to ``after_m``; the particles see it jump from ``path_before_m`` to
-    ``path_start_m``, and go to ``path_end_m``.  The points of ``path_before_m`` and of the two older loads
-    count; they are the surface's first.  In the absolute work every point counts as moved by ``least_m``
-    more.
+    Before the first one, the surface is at ``before_m``, the particles' last path has ended at
+    ``path_before_m``, and the last two loads were those given.  The first ``counted`` points count.  In the
+    absolute work every point counts as faster by ``slow_m_per_s``.
     """
 
 def clamp_works(
+    intervals: list[InterfaceData],
     *,
-    reaction_N: Array,
-    frames_load_N: Array,
+    counted: int,
     before_m: Array,
-    after_m: Array,
-    missed_m: Array,
-    missed_before_m: Array,
-    least_m: float,
-) -> Works:
-    """Return the works between panels and frames, by the formula of ``monitor/interface_work.py``.
+    target_before_m: Array,
+    slow_m_per_s: float,
+) -> list[Works]:
+    """Return the works between panels and frames in successive intervals, by the formula of
+    ``monitor/interface_work.py``.
 
-    The frames go from ``before_m`` to ``after_m``, and miss where the panels' clamps were told to go by
-    ``missed_m``.  The points of ``missed_m`` count; they are the clamps' first.
+    Before the first one, the frames are at ``before_m``, and the panels' clamps were told to go to
+    ``target_before_m``.  The first ``counted`` points count.  In the absolute work every point counts as
+    faster by ``slow_m_per_s``.
     """
+
+def sizes_and_changes(values: list[Array]) -> list[tuple[float, float]]:
+    """Return, for each of successive values (points, 3) after the first two, the sum of its squares and the
+    size of the largest component of the second difference that ends with it."""

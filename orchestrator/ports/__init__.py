@@ -39,6 +39,7 @@ from orchestrator.ports.interface_records import (
     HermitePath,
     Indices,
     Inertia,
+    InterfaceData,
     Known,
     Load,
     Motion,

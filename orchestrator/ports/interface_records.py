@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -381,3 +381,17 @@ class HermitePath:
     def at(self, fraction: float) -> Motion:
         """Return places and velocities at ``fraction`` of the time."""
         return Motion(self.position_m(fraction), self.velocity_m_per_s(fraction))
+
+
+class InterfaceData(NamedTuple):
+    """The data that crossed both interfaces in an interval of ``length_s``, under any scheme.
+
+    ``frames`` has the frames' load and motion.  ``panel`` has the prescribed motion of the panels' clamps,
+    the load on the panels, and the panels' state at the end.  ``particles`` has the path that the
+    particles saw and their load, or is None without particles.
+    """
+
+    length_s: float
+    frames: tuple[Load, Motion]
+    panel: tuple[Motion, Load, PanelState]
+    particles: tuple[HermitePath, Load] | None

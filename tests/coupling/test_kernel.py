@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse import csr_array, random
 
 from orchestrator.coupling import _kernel
-from orchestrator.ports import Array, HermitePath, Load, Motion
+from orchestrator.ports import Array, HermitePath, InterfaceData, Load, Motion, PanelState
 
 POINTS, COUNTED, LENGTH_S, LEAST_M = 40, 25, 2e-3, 1e-4
 GENERATOR = np.random.default_rng(7)
@@ -72,61 +72,91 @@ def through_J(force_N: Array, moved_m: Array) -> float:
     return float((np.abs(force_N) * (np.abs(moved_m) + LEAST_M)).sum())
 
 
-def contacts() -> dict[str, Any]:
-    """The arguments of ``contact_works``, with other loads on the panel than those of the particles."""
-    loads = {"load_N": forces(), "panel_load_N": forces()}
-    older = {"load_before_N": forces()[:COUNTED], "load_twice_before_N": forces()[:COUNTED]}
-    places = {name: field() for name in ("before_m", "after_m", "path_start_m", "path_end_m")}
-    return loads | older | places | {"path_before_m": field()[:COUNTED], "least_m": LEAST_M}
+def at_points(points: int) -> tuple[Motion, Load]:
+    """A motion of that many points, and loads that most of them do not have."""
+    position_m, velocity_m_per_s = GENERATOR.normal(size=(2, points, 3))
+    force_N = GENERATOR.normal(size=(points, 3)) * (GENERATOR.random(points) < 0.3)[:, None]
+    return Motion(position_m, velocity_m_per_s), Load(force_N)
+
+
+def interval_data() -> InterfaceData:
+    """An interval in which no two loads and no two places are equal."""
+    (start, load), (end, panel_load), (surface, _) = (at_points(POINTS) for _ in range(3))
+    (target, reaction), (clamps, frames_load) = (at_points(POINTS) for _ in range(2))
+    state = PanelState(surface, reaction)
+    particles = HermitePath(start, end, LENGTH_S), load
+    return InterfaceData(LENGTH_S, (frames_load, clamps), (target, panel_load, state), particles)
+
+
+INTERVALS = [interval_data() for _ in range(3)]
+SLOW = {"counted": COUNTED, "slow_m_per_s": LEAST_M / LENGTH_S}
+CONTACTS = {name: field() for name in ("before_m", "path_before_m", "load_before_N", "load_twice_before_N")}
+CLAMPS = {name: field() for name in ("before_m", "target_before_m")}
 
 
 def test_works_of_contacts_are_those_of_the_formula() -> None:
-    given = contacts()
-    load_N, moved_m = given["load_N"], given["after_m"] - given["before_m"]
-    some = slice(COUNTED)
-    jump_m = given["path_start_m"][some] - given["path_before_m"]
-    jumped_N = (2 * load_N[some] + 5 * given["load_before_N"] - given["load_twice_before_N"]) / 6
-    way_m = (given["path_end_m"] - given["path_start_m"])[some]
-    created_J = (given["panel_load_N"][some] * moved_m[some]).sum()
-    created_J -= (load_N[some] * way_m).sum() + (jumped_N * jump_m).sum()
-    expected = (
-        (load_N * moved_m).sum(),
-        np.abs(load_N).sum(),
-        created_J,
-        through_J(load_N[some], moved_m[some]),
-    )
-    assert _kernel.contact_works(**given) == pytest.approx(expected, rel=1e-12)
-
-
-def clamps() -> dict[str, Any]:
-    """The arguments of ``clamp_works``, with another load on the frames than the panels' reaction."""
-    places = {name: field() for name in ("reaction_N", "frames_load_N", "before_m", "after_m")}
-    return places | {"missed_m": field()[:COUNTED], "missed_before_m": field()[:COUNTED], "least_m": LEAST_M}
+    """Each interval begins where the one before it has ended."""
+    some, expected = slice(COUNTED), []
+    before_m, left_m = CONTACTS["before_m"], CONTACTS["path_before_m"]
+    first_N, second_N = CONTACTS["load_before_N"], CONTACTS["load_twice_before_N"]
+    for data in INTERVALS:
+        assert data.particles is not None
+        path, load_N = data.particles[0], data.particles[1].force_N
+        start_m, end_m = path.start.position_m, path.end.position_m
+        moved_m = data.panel[2].surface.position_m - before_m
+        jumped_N = (2 * load_N + 5 * first_N - second_N) / 6
+        created_J = (
+            data.panel[1].force_N * moved_m - load_N * (end_m - start_m) - jumped_N * (start_m - left_m)
+        )
+        expected.append(
+            (
+                (load_N * moved_m).sum(),
+                np.abs(load_N).sum(),
+                created_J[some].sum(),
+                through_J(load_N[some], moved_m[some]),
+            )
+        )
+        before_m, left_m, first_N, second_N = data.panel[2].surface.position_m, end_m, load_N, first_N
+    np.testing.assert_allclose(_kernel.contact_works(INTERVALS, **CONTACTS, **SLOW), expected, rtol=1e-11)
 
 
 def test_works_of_clamps_are_those_of_the_formula() -> None:
-    given = clamps()
-    reaction_N, moved_m = given["reaction_N"], given["after_m"] - given["before_m"]
-    some = slice(COUNTED)
-    created_J = ((given["frames_load_N"] - reaction_N)[some] * moved_m[some]).sum()
-    created_J += (reaction_N[some] * (given["missed_m"] - given["missed_before_m"])).sum()
-    expected = (
-        (reaction_N * moved_m).sum(),
-        np.abs(reaction_N).sum(),
-        created_J,
-        through_J(reaction_N[some], moved_m[some]),
-    )
-    assert _kernel.clamp_works(**given) == pytest.approx(expected, rel=1e-12)
+    some, expected = slice(COUNTED), []
+    before_m, target_before_m = CLAMPS["before_m"], CLAMPS["target_before_m"]
+    for data in INTERVALS:
+        (frames_load, clamps), (target, _, state) = data.frames, data.panel
+        reaction_N, moved_m = state.reaction.force_N, clamps.position_m - before_m
+        missed_m, missed_before_m = clamps.position_m - target.position_m, before_m - target_before_m
+        created_J = (frames_load.force_N - reaction_N) * moved_m + reaction_N * (missed_m - missed_before_m)
+        expected.append(
+            (
+                (reaction_N * moved_m).sum(),
+                np.abs(reaction_N).sum(),
+                created_J[some].sum(),
+                through_J(reaction_N[some], moved_m[some]),
+            )
+        )
+        before_m, target_before_m = clamps.position_m, target.position_m
+    np.testing.assert_allclose(_kernel.clamp_works(INTERVALS, **CLAMPS, **SLOW), expected, rtol=1e-11)
+
+
+def test_sizes_and_second_differences_of_values() -> None:
+    values = [field() for _ in range(5)]
+    expected = [
+        (np.square(v).sum(), np.abs(d).max())
+        for v, d in zip(values[2:], np.diff(values, 2, axis=0), strict=True)
+    ]
+    np.testing.assert_allclose(_kernel.sizes_and_changes(values), expected, rtol=1e-12)
+    with pytest.raises(ValueError, match=r"^values: shape \(39, 3\) wanted"):
+        _kernel.sizes_and_changes([*values[:2], values[2][:-1], values[3]])
 
 
 @pytest.mark.parametrize(
-    ("works", "given"), [(_kernel.contact_works, contacts()), (_kernel.clamp_works, clamps())]
+    ("works", "given"), [(_kernel.contact_works, CONTACTS), (_kernel.clamp_works, CLAMPS)]
 )
 def test_an_array_of_another_shape_is_refused_by_its_name(works: Any, given: dict[str, Any]) -> None:
-    sizing = ("path_before_m", "missed_m")
-    for name in given.keys() - {"least_m", "load_N", "reaction_N", *sizing}:
+    for name in given.keys() - {"before_m"}:
         with pytest.raises(ValueError, match=rf"^{name}: shape \(\d+, 3\) wanted"):
-            works(**given | {name: given[name][:-1]})
-    for name in given.keys() & set(sizing):
-        with pytest.raises(ValueError, match=f"^{name}: more points than"):
-            works(**given | {name: np.ones((POINTS + 1, 3))})
+            works(INTERVALS, **given | {name: given[name][:-1]}, **SLOW)
+    with pytest.raises(ValueError, match=r"^force_N: shape \(39, 3\) wanted"):
+        works(INTERVALS, **{name: each[:-1] for name, each in given.items()}, **SLOW)

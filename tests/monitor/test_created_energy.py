@@ -23,6 +23,7 @@ from tests.coupled.machines import opened
 from tests.coupled.screen import CASE
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.monitor.machines import on_a_line
+from tests.saved_states import differences
 
 ALL = slice(None)
 
@@ -59,7 +60,7 @@ def test_an_elastic_impact_has_as_much_more_energy_as_was_created(
     work, before_J = ContactWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(3 * per_contact):
         state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)
-        work.add(interface_data(machine.members, length_s))
+        work.add([interface_data(machine.members, length_s)])
     gained_J = energy_J(sphere, plate, frame) - before_J
     assert gained_J > 1e-4
     assert work.balance.created_J == pytest.approx(gained_J, rel=within)
@@ -76,7 +77,7 @@ def test_a_frame_on_a_panel_too(scheme: str) -> None:
     work, before_J = ClampWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(400):
         state = machine.scheme.advance(machine.solvers, Interval(index, 0.1), state)
-        work.add(interface_data(machine.members, 0.1))
+        work.add([interface_data(machine.members, 0.1)])
     gained_J = energy_J(sphere, plate, frame) - before_J
     assert abs(gained_J) > 1e-6
     assert work.balance.created_J == pytest.approx(gained_J, rel=0.1, abs=2e-6)
@@ -94,14 +95,38 @@ def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
         for _ in range(200):
             run.advance(1)
             interval = interface_data(run.machine.members, run.interval_s)
-            contacts.add(interval)
-            clamps.add(interval)
+            contacts.add([interval])
+            clamps.add([interval])
         said = run.energy_J("created")
     # off by 9e-5, 9e-5, 3e-7 and 1e-8 of what went through contacts, and by 5e-7 at most at clamps
     for work, interface, off in ((contacts, "particles-panel", 2e-4), (clamps, "panel-frames", 1e-6)):
         balance = work.balance
         ledger_J = said[f"created.{interface}"]
         assert balance.created_J == pytest.approx(ledger_J, rel=0, abs=off * balance.through_J)
+
+
+def test_how_many_intervals_are_booked_at_once_makes_no_difference(tmp_path: Path) -> None:
+    """One by one, all together, and with a checkpoint after the third; the first points count."""
+    sets: Sequence[str] = [*CHEAP, "particles.solver=spheres", "coupling.scheme=serial-staggered"]
+    with opened(load_case(tmp_path, CASE, sets)) as run:
+        start, intervals = run.state, []
+        for _ in range(120):
+            run.advance(1)
+            intervals.append(interface_data(run.machine.members, run.interval_s))
+    for kind, points in ((ContactWork, slice(40)), (ClampWork, slice(20))):
+        one_by_one, together, resumed, other = (kind(start, points) for _ in range(4))
+        for interval in intervals:
+            one_by_one.add([interval])
+        together.add(intervals)
+        other.add(intervals[:3])
+        resumed.restore(other.save())
+        resumed.add(intervals[3:])
+        for work in (one_by_one, together, resumed):
+            work.begin_anew()
+        assert one_by_one.balance.created_J != 0.0
+        assert one_by_one.balance.through_J > 0.0
+        for other in (together, resumed):
+            assert differences(one_by_one.save(), other.save()) == []
 
 
 def test_a_share_of_what_went_through() -> None:
@@ -146,7 +171,7 @@ def test_walls_count_in_what_went_through() -> None:
     work = ContactWork(state, slice(0, 0))
     for index in range(60):
         state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)
-        work.add(interface_data(machine.members, length_s))
+        work.add([interface_data(machine.members, length_s)])
     given_J = 0.5 * plate.mass_kg * plate.v**2
     assert work.exchange.scale_J == pytest.approx(given_J, rel=1e-3)
     assert work.balance.through_J == 0.0

@@ -14,6 +14,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.limits import light_point_s
 from orchestrator.run.monitor.items import Alternation
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
+from tests.saved_states import differences
 from tests.stability.growth import CONTACT, Line, limit_s
 
 POINTS, LOUD = 50, 0.1
@@ -25,7 +26,7 @@ def worst(velocities_m_per_s: Iterable[Array]) -> float:
     steps = iter(velocities_m_per_s)
     watched, found = Alternation(next(steps), LOUD), 0.0
     for velocity_m_per_s in steps:
-        watched.add(velocity_m_per_s)
+        watched.add([velocity_m_per_s])
         found = max(found, watched.share())
     return found
 
@@ -68,25 +69,42 @@ def test_rounding_that_grows_at_rest_is_too_slow_to_count() -> None:
 def test_it_begins_anew_with_intervals_of_another_length() -> None:
     watched = Alternation(np.zeros((1, 3)), LOUD)
     for n in range(20):
-        watched.add(np.full((1, 3), (-1.2) ** n))
+        watched.add([np.full((1, 3), (-1.2) ** n)])
     assert watched.share() > LOUD
     watched.begin_anew()
     assert watched.share() == 0.0
     for n in range(6):  # not yet as often as needed
-        watched.add(np.full((1, 3), (-1.2) ** n))
+        watched.add([np.full((1, 3), (-1.2) ** n)])
     assert watched.share() == 0.0
 
 
 def test_it_is_restored() -> None:
     watched, other = (Alternation(np.zeros((2, 3)), LOUD) for _ in range(2))
     for n in range(7):
-        watched.add(np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]]))
+        watched.add([np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]])])
     other.restore(watched.save())
     for n in range(7, 12):
         for one in (watched, other):
-            one.add(np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]]))
+            one.add([np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]])])
         assert watched.share() == other.share()
     assert watched.share() > LOUD
+
+
+@pytest.mark.parametrize("cut", [1, 4, 9, 23])
+def test_how_many_sync_points_come_at_once_makes_no_difference(cut: int) -> None:
+    """Second differences that alternate and grow, are too small to count, and then reverse once."""
+    growing = 2 * (-1.2) ** np.arange(12)
+    changes = np.concatenate([[0.0, 0.0], growing, [0.0, 1.0, -20.0, 0.0, 1.0]])
+    velocities = [np.array([[0.0, 0.0, v], [5.0, 0.0, 0.0]]) for v in changes.cumsum().cumsum()]
+    whole, one_by_one, shares = Alternation(velocities[0], LOUD), Alternation(velocities[0], LOUD), []
+    for first in range(0, len(velocities), cut):
+        whole.add(velocities[first : first + cut])
+        for velocity in velocities[first : first + cut]:
+            one_by_one.add([velocity])
+            shares.append(one_by_one.share())
+        assert differences(one_by_one.save(), whole.save()) == []
+    assert shares[13] > LOUD
+    assert shares[14:] == [0.0] * 5
 
 
 def held_down(damping_N_s_per_m: float, v: float) -> tuple[Sphere, HungPlate, FreeFrame]:
@@ -109,6 +127,6 @@ def test_the_real_limit_of_a_light_point(damping_N_s_per_m: float, of_the_limit:
     for index in range(60):
         interval = Interval(index, interval_s)
         state = advance(solvers, interval, state)
-        watched.add(state.panel.surface.velocity_m_per_s)
+        watched.add([state.panel.surface.velocity_m_per_s])
         share = max(share, watched.share())
     assert (share > LOUD) is found

@@ -2,6 +2,7 @@
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +25,6 @@ const double *vectors(const Doubles &array, size_t points, const char *name) {
   return array.data();
 }
 
-bool is_zero(const double *vector) { return vector[0] == 0.0 && vector[1] == 0.0 && vector[2] == 0.0; }
-
 double dot(const double *one, const double *other) {
   return one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
 }
@@ -33,6 +32,8 @@ double dot(const double *one, const double *other) {
 double size_of(const double *vector) {
   return std::abs(vector[0]) + std::abs(vector[1]) + std::abs(vector[2]);
 }
+
+bool is_zero(const double *vector) { return size_of(vector) == 0.0; }  // one branch instead of three
 
 // A sparse matrix that takes vectors at points to vectors at others: row i has the entries from
 // starts[i] up to starts[i + 1].
@@ -94,12 +95,14 @@ class PointMatrix {
   size_t width_;
 };
 
+Doubles field(const py::object &record, const char *name) {
+  const py::object value = record.attr(name);
+  return py::isinstance<Doubles>(value) ? py::reinterpret_borrow<Doubles>(value) : value.cast<Doubles>();
+}
+
 void add_handed_over(Doubles sums, const py::object &load, const py::object &start, const py::object &end,
                      double length_s) {
   if (sums.size() != 7) throw py::value_error("sums: 7 numbers wanted");
-  const auto field = [](const py::object &record, const char *name) {
-    return record.attr(name).cast<Doubles>();
-  };
   const Doubles force_N = field(load, "force_N");
   const Doubles start_m = field(start, "position_m"), start_m_per_s = field(start, "velocity_m_per_s");
   const Doubles end_m = field(end, "position_m"), end_m_per_s = field(end, "velocity_m_per_s");
@@ -154,59 +157,99 @@ struct Difference {
       : at{after[0] - before[0], after[1] - before[1], after[2] - before[2]} {}
 };
 
-py::tuple contact_works(const Doubles &load_N, const Doubles &load_before_N, const Doubles &load_twice_before_N,
-                        const Doubles &panel_load_N, const Doubles &before_m, const Doubles &after_m,
-                        const Doubles &path_start_m, const Doubles &path_end_m, const Doubles &path_before_m,
-                        double least_m) {
-  const size_t all = load_N.shape(0), counted = path_before_m.shape(0);
-  if (counted > all) throw py::value_error("path_before_m: more points than the surface has");
-  const double *load = vectors(load_N, all, "load_N");
-  const double *first = vectors(load_before_N, counted, "load_before_N");
-  const double *second = vectors(load_twice_before_N, counted, "load_twice_before_N");
-  const double *panel_load = vectors(panel_load_N, all, "panel_load_N");
-  const double *before = vectors(before_m, all, "before_m"), *after = vectors(after_m, all, "after_m");
-  const double *start = vectors(path_start_m, all, "path_start_m");
-  const double *end = vectors(path_end_m, all, "path_end_m");
-  const double *left = vectors(path_before_m, counted, "path_before_m");
-  Works works;
-  for (size_t i = 0; i < 3 * all; i += 3) {
-    const bool counts = i < 3 * counted;
-    const bool is_pushed = !is_zero(load + i);
-    if (!is_pushed && (!counts || (is_zero(first + i) && is_zero(second + i) && is_zero(panel_load + i))))
-      continue;
-    const Difference moved(after + i, before + i);
-    works.exchanged_J += dot(load + i, moved.at);
-    works.size_N += size_of(load + i);
-    if (!counts) continue;
-    const Difference way(end + i, start + i), jump(start + i, left + i);
-    const double jumps_J = 2 * dot(load + i, jump.at) + 5 * dot(first + i, jump.at) - dot(second + i, jump.at);
-    works.created_J += dot(panel_load + i, moved.at) - dot(load + i, way.at) - jumps_J / 6;
-    works.through_J += through(load + i, moved.at, least_m);
-  }
-  return works.as_tuple();
+// The vectors of a record's attribute, (points, 3), which live as long as `held`.
+const double *read(std::vector<Doubles> &held, const py::object &record, const char *name, size_t points) {
+  held.push_back(field(record, name));
+  return vectors(held.back(), points, name);
 }
 
-py::tuple clamp_works(const Doubles &reaction_N, const Doubles &frames_load_N, const Doubles &before_m,
-                      const Doubles &after_m, const Doubles &missed_m, const Doubles &missed_before_m,
-                      double least_m) {
-  const size_t all = reaction_N.shape(0), counted = missed_m.shape(0);
-  if (counted > all) throw py::value_error("missed_m: more points than the clamps have");
-  const double *reaction = vectors(reaction_N, all, "reaction_N");
-  const double *frames_load = vectors(frames_load_N, all, "frames_load_N");
-  const double *before = vectors(before_m, all, "before_m"), *after = vectors(after_m, all, "after_m");
-  const double *missed = vectors(missed_m, counted, "missed_m");
-  const double *missed_before = vectors(missed_before_m, counted, "missed_before_m");
-  Works works;
-  for (size_t i = 0; i < 3 * all; i += 3) {
-    const Difference moved(after + i, before + i);
-    works.exchanged_J += dot(reaction + i, moved.at);
-    works.size_N += size_of(reaction + i);
-    if (i >= 3 * counted) continue;
-    const Difference late(frames_load + i, reaction + i), more(missed + i, missed_before + i);
-    works.created_J += dot(late.at, moved.at) + dot(reaction + i, more.at);
-    works.through_J += through(reaction + i, moved.at, least_m);
+py::list contact_works(const py::list &intervals, size_t counted, const Doubles &before_m,
+                       const Doubles &path_before_m, const Doubles &load_before_N,
+                       const Doubles &load_twice_before_N, double slow_m_per_s) {
+  const size_t points = before_m.shape(0);
+  const double *before = vectors(before_m, points, "before_m");
+  const double *left = vectors(path_before_m, points, "path_before_m");
+  const double *first = vectors(load_before_N, points, "load_before_N");
+  const double *second = vectors(load_twice_before_N, points, "load_twice_before_N");
+  std::vector<Doubles> held;
+  py::list result;
+  for (const py::handle interval : intervals) {
+    const py::tuple particles = interval.attr("particles"), panel = interval.attr("panel");
+    const double least_m = slow_m_per_s * interval.attr("length_s").cast<double>();
+    const double *load = read(held, particles[1], "force_N", points);
+    const double *start = read(held, particles[0].attr("start"), "position_m", points);
+    const double *end = read(held, particles[0].attr("end"), "position_m", points);
+    const double *panel_load = read(held, panel[1], "force_N", points);
+    const double *after = read(held, panel[2].attr("surface"), "position_m", points);
+    Works works;
+    for (size_t point = 0; point < points; ++point) {
+      const size_t i = 3 * point;
+      const double older_N = size_of(first + i) + size_of(second + i) + size_of(panel_load + i);
+      if (size_of(load + i) + older_N == 0.0) continue;  // most points
+      const Difference moved(after + i, before + i);
+      works.exchanged_J += dot(load + i, moved.at);
+      works.size_N += size_of(load + i);
+      if (point >= counted) continue;
+      const Difference way(end + i, start + i), jump(start + i, left + i);
+      const double jumps_J = 2 * dot(load + i, jump.at) + 5 * dot(first + i, jump.at) - dot(second + i, jump.at);
+      works.created_J += dot(panel_load + i, moved.at) - dot(load + i, way.at) - jumps_J / 6;
+      works.through_J += through(load + i, moved.at, least_m);
+    }
+    result.append(works.as_tuple());
+    before = after, left = end, second = first, first = load;
   }
-  return works.as_tuple();
+  return result;
+}
+
+py::list clamp_works(const py::list &intervals, size_t counted, const Doubles &before_m,
+                     const Doubles &target_before_m, double slow_m_per_s) {
+  const size_t points = before_m.shape(0);
+  const double *before = vectors(before_m, points, "before_m");
+  const double *target_before = vectors(target_before_m, points, "target_before_m");
+  std::vector<Doubles> held;
+  py::list result;
+  for (const py::handle interval : intervals) {
+    const py::tuple frames = interval.attr("frames"), panel = interval.attr("panel");
+    const double least_m = slow_m_per_s * interval.attr("length_s").cast<double>();
+    const double *frames_load = read(held, frames[0], "force_N", points);
+    const double *after = read(held, frames[1], "position_m", points);
+    const double *target = read(held, panel[0], "position_m", points);
+    const double *reaction = read(held, panel[2].attr("reaction"), "force_N", points);
+    Works works;
+    for (size_t i = 0; i < 3 * points; i += 3) {
+      const Difference moved(after + i, before + i);
+      works.exchanged_J += dot(reaction + i, moved.at);
+      works.size_N += size_of(reaction + i);
+      if (i >= 3 * counted) continue;
+      const Difference late(frames_load + i, reaction + i), missed(after + i, target + i);
+      const Difference more(missed.at, Difference(before + i, target_before + i).at);
+      works.created_J += dot(late.at, moved.at) + dot(reaction + i, more.at);
+      works.through_J += through(reaction + i, moved.at, least_m);
+    }
+    result.append(works.as_tuple());
+    before = after, target_before = target;
+  }
+  return result;
+}
+
+py::list sizes_and_changes(const std::vector<Doubles> &values) {
+  py::list result;
+  for (size_t k = 2; k < values.size(); ++k) {
+    const size_t points = values[k].shape(0);
+    const double *second = vectors(values[k - 2], points, "values");
+    const double *first = vectors(values[k - 1], points, "values");
+    const double *now = vectors(values[k], points, "values");
+    double squares[3] = {}, largest[3] = {};
+    for (size_t i = 0; i < 3 * points; i += 3)
+      for (int c = 0; c < 3; ++c) {
+        const double change = std::abs((now[i + c] - first[i + c]) - (first[i + c] - second[i + c]));
+        squares[c] += now[i + c] * now[i + c];
+        largest[c] = change > largest[c] ? change : largest[c];
+      }
+    result.append(py::make_tuple(squares[0] + squares[1] + squares[2],
+                                 std::max({largest[0], largest[1], largest[2]})));
+  }
+  return result;
 }
 
 }  // namespace
@@ -223,9 +266,9 @@ PYBIND11_MODULE(_kernel, module) {
       .def("transposed_times", &PointMatrix::transposed_times, arg("values"));
   module.def("add_handed_over", &add_handed_over, arg("sums").noconvert(), arg("load"), arg("start"), arg("end"),
              arg("length_s"));
-  module.def("contact_works", &contact_works, py::kw_only(), arg("load_N"), arg("load_before_N"),
-             arg("load_twice_before_N"), arg("panel_load_N"), arg("before_m"), arg("after_m"),
-             arg("path_start_m"), arg("path_end_m"), arg("path_before_m"), arg("least_m"));
-  module.def("clamp_works", &clamp_works, py::kw_only(), arg("reaction_N"), arg("frames_load_N"), arg("before_m"),
-             arg("after_m"), arg("missed_m"), arg("missed_before_m"), arg("least_m"));
+  module.def("contact_works", &contact_works, arg("intervals"), py::kw_only(), arg("counted"), arg("before_m"),
+             arg("path_before_m"), arg("load_before_N"), arg("load_twice_before_N"), arg("slow_m_per_s"));
+  module.def("clamp_works", &clamp_works, arg("intervals"), py::kw_only(), arg("counted"), arg("before_m"),
+             arg("target_before_m"), arg("slow_m_per_s"));
+  module.def("sizes_and_changes", &sizes_and_changes, arg("values"));
 }

@@ -20,7 +20,6 @@ docs/theory/stability.md derives both; tests/monitor compares both with the ledg
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -29,25 +28,11 @@ from orchestrator.coupling._kernel import clamp_works, contact_works
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import MeteredSolvers
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.ports import HermitePath, Load, Motion, PanelState
+from orchestrator.ports import InterfaceData
 from orchestrator.ports.state import SavedAttributes
 
 SLOW_M_PER_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # factor by which the weight of an interval in recent sums falls with each later interval
-
-
-class InterfaceData(NamedTuple):
-    """The data that crossed both interfaces in an interval of ``length_s``, under any scheme.
-
-    ``frames`` has the frames' load and motion.  ``panel`` has the prescribed motion of the panels' clamps,
-    the load on the panels, and the panels' state at the end.  ``particles`` has the path that the
-    particles saw and their load, or is None without particles.
-    """
-
-    length_s: float
-    frames: tuple[Load, Motion]
-    panel: tuple[Motion, Load, PanelState]
-    particles: tuple[HermitePath, Load] | None
 
 
 def interface_data(members: MeteredSolvers, length_s: float) -> InterfaceData:
@@ -127,87 +112,89 @@ class Balance:
         self.recent_through_J = self.newest_J = 0.0
 
 
+def book(
+    balance: Balance,
+    exchange: ExchangedEnergy,
+    intervals: list[InterfaceData],
+    works: list[tuple[float, float, float, float]],
+) -> None:
+    """Add the works of successive intervals at an interface to its balance and its exchanged energy."""
+    for data, (exchanged_J, size_N, created_J, through_J) in zip(intervals, works, strict=True):
+        exchange.add(exchanged_J, size_N, data.length_s)
+        balance.add(created_J, through_J)
+
+
 class ContactWork(SavedAttributes):
     """The work between particles and panels; ``exchange`` covers all that particles touch, with walls.
 
     The panels' points come first among the surface's.
     """
 
-    STATE = ("balance", "exchange", "_whole_m", "_path_end_m", "_load_N", "_load_before_N")
+    STATE = ("balance", "exchange", "_surface_m", "_path_end_m", "_load_N", "_load_before_N")
     LEDGER_NAME = "particles-panel"
 
     def __init__(self, start: State, points: slice) -> None:
         """Start at the state ``start``; ``points`` are the points of the surface that count."""
-        self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
-        self._whole_m = start.panel.surface.position_m
-        self._path_end_m = self._whole_m[points]
-        self._load_N = self._load_before_N = start.load.force_N[points]
+        self.balance, self.exchange = Balance(), ExchangedEnergy()
+        self._surface_m = self._path_end_m = start.panel.surface.position_m
+        self._load_N = self._load_before_N = start.load.force_N
+        self._counted = len(self._load_N[points])
 
-    def add(self, data: InterfaceData) -> None:
-        """Book an interval."""
-        assert data.particles is not None
-        path, load = data.particles
-        _, panel_load, state = data.panel
-        whole_m, points = state.surface.position_m, self._points
-        exchanged_J, size_N, created_J, through_J = contact_works(
-            load_N=load.force_N,
+    def add(self, intervals: list[InterfaceData]) -> None:
+        """Book successive intervals, at least one."""
+        works = contact_works(
+            intervals,
+            counted=self._counted,
+            before_m=self._surface_m,
+            path_before_m=self._path_end_m,
             load_before_N=self._load_N,
             load_twice_before_N=self._load_before_N,
-            panel_load_N=panel_load.force_N,
-            before_m=self._whole_m,
-            after_m=whole_m,
-            path_start_m=path.start.position_m,
-            path_end_m=path.end.position_m,
-            path_before_m=self._path_end_m,
-            least_m=SLOW_M_PER_S * data.length_s,
+            slow_m_per_s=SLOW_M_PER_S,
         )
-        self.exchange.add(exchanged_J, size_N, data.length_s)
-        self.balance.add(created_J, through_J)
-        self._whole_m, self._path_end_m = whole_m, path.end.position_m[points]
-        self._load_before_N, self._load_N = self._load_N, load.force_N[points]
+        book(self.balance, self.exchange, intervals, works)
+        for data in intervals[-2:]:
+            assert data.particles is not None
+            path, load = data.particles
+            self._load_before_N, self._load_N = self._load_N, load.force_N
+        self._surface_m, self._path_end_m = data.panel[2].surface.position_m, path.end.position_m
 
     def begin_anew(self) -> None:
         """Forget recent intervals: the next ones have another length."""
-        late_m = self._whole_m[self._points] - self._path_end_m
-        self.balance.begin_anew(float(np.vdot(self._load_N, late_m)))
+        late_m = (self._surface_m - self._path_end_m)[: self._counted]
+        self.balance.begin_anew(float(np.vdot(self._load_N[: self._counted], late_m)))
 
 
 class ClampWork(SavedAttributes):
     """The work between panels and frames; ``exchange`` covers everything that frames carry, with walls."""
 
-    STATE = ("balance", "exchange", "_clamps_m", "_missed_m", "_at_end_J")
+    STATE = ("balance", "exchange", "_clamps_m", "_target_m", "_reaction_N")
     LEDGER_NAME = "panel-frames"
 
     def __init__(self, start: State, points: slice) -> None:
         """Start at the state ``start``; ``points`` are the points of the clamps that count."""
-        self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
-        self._clamps_m = start.clamps.position_m
-        self._missed_m = np.zeros_like(self._clamps_m[points])
-        self._at_end_J = 0.0  # R.e of the last interval
+        self.balance, self.exchange = Balance(), ExchangedEnergy()
+        self._clamps_m = self._target_m = start.clamps.position_m
+        self._reaction_N = start.panel.reaction.force_N
+        self._counted = len(self._reaction_N[points])
 
-    def add(self, data: InterfaceData) -> None:
-        """Book an interval."""
-        frames_load, clamps = data.frames
-        target, _, state = data.panel
-        reaction_N, points = state.reaction.force_N, self._points
-        missed_m = clamps.position_m[points] - target.position_m[points]
-        exchanged_J, size_N, created_J, through_J = clamp_works(
-            reaction_N=reaction_N,
-            frames_load_N=frames_load.force_N,
+    def add(self, intervals: list[InterfaceData]) -> None:
+        """Book successive intervals, at least one."""
+        works = clamp_works(
+            intervals,
+            counted=self._counted,
             before_m=self._clamps_m,
-            after_m=clamps.position_m,
-            missed_m=missed_m,
-            missed_before_m=self._missed_m,
-            least_m=SLOW_M_PER_S * data.length_s,
+            target_before_m=self._target_m,
+            slow_m_per_s=SLOW_M_PER_S,
         )
-        self.exchange.add(exchanged_J, size_N, data.length_s)
-        self.balance.add(created_J, through_J)
-        self._clamps_m, self._missed_m = clamps.position_m, missed_m
-        self._at_end_J = float(np.vdot(reaction_N[points], missed_m))
+        book(self.balance, self.exchange, intervals, works)
+        target, _, state = intervals[-1].panel
+        self._clamps_m, self._target_m = intervals[-1].frames[1].position_m, target.position_m
+        self._reaction_N = state.reaction.force_N
 
     def begin_anew(self) -> None:
         """Forget recent intervals: the next ones have another length."""
-        self.balance.begin_anew(self._at_end_J)
+        missed_m = (self._clamps_m - self._target_m)[: self._counted]
+        self.balance.begin_anew(float(np.vdot(self._reaction_N[: self._counted], missed_m)))
 
 
 Works = dict[str, ContactWork | ClampWork]

@@ -9,9 +9,9 @@ from typing import ClassVar, NamedTuple
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.ports import Saved
+from orchestrator.ports import InterfaceData, Saved
 from orchestrator.ports.particle_records import BedSnapshot
-from orchestrator.run.monitor.interface_work import InterfaceData, Works
+from orchestrator.run.monitor.interface_work import Works
 
 
 class Observation(NamedTuple):
@@ -58,8 +58,11 @@ class MonitorItem:
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
 
-    def add_interval(self, data: InterfaceData) -> None:
-        """Add the data that crossed the interfaces in an interval; called for every interval in order."""
+    def add_intervals(self, intervals: list[InterfaceData]) -> None:
+        """Add the data that crossed the interfaces in the intervals since the last call, in order.
+
+        How many intervals come at once must make no difference.
+        """
 
     def observe(self) -> Iterable[Observation]:
         """Return the observations to judge now, at most five sync intervals after the last call."""

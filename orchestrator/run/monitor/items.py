@@ -20,11 +20,12 @@ from orchestrator.case.file.errors import CaseProblem, did_you_mean
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import MonitorSettings, Then
+from orchestrator.coupling._kernel import sizes_and_changes
 from orchestrator.coupling.ledger import created_shares
 from orchestrator.coupling.machine import PanelPoints
-from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports import Array, Indices, InterfaceData, Saved
 from orchestrator.ports.state import SavedAttributes
-from orchestrator.run.monitor.interface_work import SLOW_M_PER_S, InterfaceData, exchanged_J
+from orchestrator.run.monitor.interface_work import SLOW_M_PER_S, exchanged_J
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
 
 
@@ -107,9 +108,9 @@ class Alternation(SavedAttributes):
     """
 
     STATE = (
+        "_now_m_per_s",
         "_before_m_per_s",
-        "_step_m_per_s",
-        "_change_m_per_s",
+        "_twice_before_m_per_s",
         "_first",
         "_turns",
         "_quick_m_per_s",
@@ -122,56 +123,35 @@ class Alternation(SavedAttributes):
         self._begin(velocity_m_per_s)
 
     def _begin(self, velocity_m_per_s: Array) -> None:
-        self._before_m_per_s = velocity_m_per_s
-        self._step_m_per_s, self._change_m_per_s = np.zeros((2, *velocity_m_per_s.shape))
-        # to allocate arrays anew would take longer than to fill them
-        self._room: tuple[Array, Array] = (np.empty_like(velocity_m_per_s), np.empty_like(velocity_m_per_s))
+        self._now_m_per_s = self._before_m_per_s = self._twice_before_m_per_s = velocity_m_per_s
         self._first: Array = np.zeros(len(velocity_m_per_s))
         self._turns: Indices = np.zeros(len(velocity_m_per_s), dtype=np.int64)
 
-    def add(self, velocity_m_per_s: Array) -> None:
-        """Add the velocities (points, 3) at the next sync point."""
-        step_m_per_s, change_m_per_s = self._room
-        np.subtract(velocity_m_per_s, self._before_m_per_s, out=step_m_per_s)
-        np.subtract(step_m_per_s, self._step_m_per_s, out=change_m_per_s)
-        if points := len(velocity_m_per_s):
-            quick_m_per_s = sqrt(square_sum(velocity_m_per_s) / points)
-            self._quick_m_per_s = max(self._quick_m_per_s, quick_m_per_s)
-            self._count(change_m_per_s, self._loud(change_m_per_s))
-        self._before_m_per_s, self._room = (velocity_m_per_s, (self._step_m_per_s, self._change_m_per_s))
-        self._step_m_per_s, self._change_m_per_s = step_m_per_s, change_m_per_s
+    def add(self, velocities_m_per_s: list[Array]) -> None:
+        """Add the velocities (points, 3) at successive sync points."""
+        last = [self._twice_before_m_per_s, self._before_m_per_s, self._now_m_per_s, *velocities_m_per_s]
+        points = max(1, len(self._now_m_per_s))
+        for number, (squares, change_m_per_s) in enumerate(sizes_and_changes(last[1:])):
+            self._quick_m_per_s = max(self._quick_m_per_s, sqrt(squares / points))
+            if change_m_per_s > 4 * self._least * self._quick_m_per_s:
+                self._count(np.diff(last[number : number + 4], n=2, axis=0))
+            else:
+                self._growing_m_per_s = 0.0
+                self._turns.fill(0)
+        self._twice_before_m_per_s, self._before_m_per_s, self._now_m_per_s = last[-3:]
 
-    def _loud(self, change_m_per_s: Array) -> bool:
-        """Return whether a component alternates fast enough to count.
+    def _count(self, changes_m_per_s: Array) -> None:
+        """Count the successive reversals of each point, and find the fastest growing point.
 
-        The norm of all components is an upper bound for each of them, and the quickest test.
+        ``changes_m_per_s`` (2, points, 3) are the last two second differences.
         """
-        least_m_per_s = 4 * self._least * self._quick_m_per_s
-        if square_sum(change_m_per_s) < least_m_per_s**2:
-            return False
-        return bool(max(change_m_per_s.max(), -change_m_per_s.min()) > least_m_per_s)
-
-    def _count(self, change_m_per_s: Array, loud: bool) -> None:
-        """Count the successive reversals of each point, and find the fastest growing point."""
-        self._growing_m_per_s = 0.0
-        if not loud:
-            if self._turns.any():
-                self._turns = np.zeros_like(self._turns)
-            return
-        square, before, along = (
-            np.einsum("ij,ij->i", *pair)
-            for pair in (
-                (change_m_per_s, change_m_per_s),
-                (self._change_m_per_s, self._change_m_per_s),
-                (change_m_per_s, self._change_m_per_s),
-            )
-        )
+        before, square = np.einsum("nij,nij->ni", changes_m_per_s, changes_m_per_s)
+        along = np.einsum("ij,ij->i", *changes_m_per_s)
         turned = (along < -ROUND * np.sqrt(square * before)) & (square > before)
         self._turns = (self._turns + 1) * turned
         self._first = np.where(self._turns > 1, self._first, square)
         grows = (self._turns >= TURNS) & (square > GROWTH**2 * self._first)
-        if grows.any():
-            self._growing_m_per_s = float(np.sqrt(square[grows].max())) / 4
+        self._growing_m_per_s = float(np.sqrt(square[grows].max(initial=0.0))) / 4
 
     def share(self) -> float:
         """Return the speed of the fastest point that alternates and grows, over the surface's largest speed.
@@ -183,7 +163,7 @@ class Alternation(SavedAttributes):
     def begin_anew(self) -> None:
         """Forget recent intervals: the next ones have another length."""
         self._growing_m_per_s = 0.0
-        self._begin(self._before_m_per_s)
+        self._begin(self._now_m_per_s)
 
 
 def square_sum(values: Array) -> float:
@@ -208,8 +188,8 @@ class GrowingModes(MonitorItem):
         velocity_m_per_s = subject.start.panel.surface.velocity_m_per_s[self._panels]
         self._modes = Alternation(velocity_m_per_s, subject.case.monitor.largest_growing_share)
 
-    def add_interval(self, data: InterfaceData) -> None:
-        self._modes.add(data.panel[2].surface.velocity_m_per_s[self._panels])
+    def add_intervals(self, intervals: list[InterfaceData]) -> None:
+        self._modes.add([data.panel[2].surface.velocity_m_per_s[self._panels] for data in intervals])
 
     def observe(self) -> Iterator[Observation]:
         yield Observation(self._modes.share())

@@ -16,17 +16,12 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import first_rank_does, is_first
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_s
-from orchestrator.ports import Saved
+from orchestrator.ports import InterfaceData, Saved
 from orchestrator.ports.clock import Interval, steps_in
 from orchestrator.ports.particle_records import BedSnapshot
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.ports.state import restore_attributes, save_attributes
-from orchestrator.run.monitor.interface_work import (
-    InterfaceData,
-    exchanged_J,
-    interface_data,
-    interface_works,
-)
+from orchestrator.run.monitor.interface_work import exchanged_J, interface_data, interface_works
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
 from orchestrator.run.monitor.items import ItemLimit, all_items, item_limit, square_sum, unknown_items
 from orchestrator.run.monitor.pace import Pace
@@ -193,12 +188,12 @@ class Monitor:
             self._add_pending()
 
     def _add_pending(self) -> None:
-        for data in self._pending:
+        pending, self._pending = self._pending, []
+        if pending:
             for work in self._works.values():
-                work.add(data)
+                work.add(pending)
             for limited in self._items.values():
-                limited.item.add_interval(data)
-        self._pending.clear()
+                limited.item.add_intervals(pending)
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
         """Return the gravest reaction that is due, and its reason."""
