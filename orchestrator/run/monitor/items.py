@@ -172,6 +172,12 @@ def square_sum(values: Array) -> float:
     return float(flat.dot(flat))
 
 
+def lengths(vectors: Array) -> Array:
+    """Return the lengths (n,) of vectors (n, 3), equal to NumPy's ``norm`` to the bit and in less time."""
+    x, y, z = vectors.T
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
+
+
 class GrowingModes(MonitorItem):
     """The largest speed of a point that alternates and grows, over the panels' largest speed so far."""
 
@@ -221,10 +227,10 @@ class LongSteps(MonitorItem):
             return
         particles, surface = output.bed.particles, output.state.panel.surface
         radius_m = particles.diameter_m / 2
-        share = self._step_s * np.linalg.norm(particles.velocity_m_per_s, axis=1) / radius_m
+        share = self._step_s * lengths(particles.velocity_m_per_s) / radius_m
         farthest = int(np.argmax(share))
         yield Observation(float(share[farthest]), f"particle {particles.id[farthest]}")
-        fastest_m_per_s = np.linalg.norm(surface.velocity_m_per_s, axis=1).max(initial=0.0)
+        fastest_m_per_s = lengths(surface.velocity_m_per_s).max(initial=0.0)
         yield Observation(float(self._step_s * fastest_m_per_s / radius_m.min()), "the surface")
 
 
@@ -260,7 +266,7 @@ class StretchedPanels(MonitorItem):
 def largest_stretch(panel: PanelPoints, surface_m: Array) -> float:
     """Return the largest strain of an edge of the panel's triangles, from its stress-free length."""
     ends_m = surface_m[panel.edges]
-    length_m = np.linalg.norm(ends_m[:, 1] - ends_m[:, 0], axis=1)
+    length_m = lengths(ends_m[:, 1] - ends_m[:, 0])
     return float((length_m / panel.edge_length_m).max()) - 1.0
 
 
