@@ -152,9 +152,7 @@ class Ledger:
         frames, panel = self._members.frames, self._members.panel
         in_transit = pending.reaction_N_m_s - self._opening_pending.reaction_N_m_s
         residual = {
-            "panel-frames": _relative(
-                [panel.given.moment_N_m_s, -frames.received.moment_N_m_s, -in_transit]
-            )
+            "panel-frames": _relative([panel.given.moment_N_m_s, -frames.received.moment_N_m_s, -in_transit])
         }
         for member, account in self._accounts().items():
             angular, opening = account.angular, self._opening[member].angular

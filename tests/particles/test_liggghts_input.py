@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from adapters.particles.liggghts.input import bin_size_m, contact_model, input_text, smallest_box_m
+from adapters.particles.liggghts.input import bin_size_m, contact_model, cutoff_m, input_text, smallest_box_m
 from orchestrator.ports.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 
@@ -24,7 +24,8 @@ hard_particles  yes
 region          box block -0.025 0.025 -0.025 0.025 -0.005 0.015 units box
 create_box      2 box
 neighbor        0.000434 bin
-neigh_modify    delay 0
+neigh_modify    delay 0 binsize 0.00272
+atom_modify     sort 1000 0.00272
 
 fix youngs      all property/global youngsModulus peratomtype 2000000000.0 30000000.0
 fix poisson     all property/global poissonsRatio peratomtype 0.3 0.48
@@ -92,10 +93,9 @@ def test_on_more_than_two_ranks_the_box_does_not_shrink():
     np.testing.assert_allclose(smallest_box_m(on[3]), [[-50.005] * 3, [50.005] * 3])
 
 
-def test_few_particles_in_a_large_box_get_large_bins():
-    """Of a cutoff of 6.5 mm a half is 3.25 mm; one particle wants bins of 9.2 mm in 5e-5 m3, and of 157 mm in
-    0.25 m3."""
-    assert bin_size_m(5e-5, 6.5e-3, 1) == pytest.approx(2 * 3.25e-3, rel=1e-12)
-    assert bin_size_m(5e-5, 6.5e-3, 0) == bin_size_m(5e-5, 6.5e-3, 1)
-    assert bin_size_m(5e-5, 6.5e-3, 100) == 0.0  # LIGGGHTS's own
-    assert bin_size_m(0.25, 6.5e-3, 1) == pytest.approx(32 * 3.25e-3, rel=1e-12)
+def test_a_large_box_gets_large_bins():
+    """Half a cutoff where there is room for that: a cube of 1 m has four million bins of 6.3 mm."""
+    plan = make_plan(flat(), spheres([0.0, 0.03, 0.05]))
+    assert bin_size_m(plan) == pytest.approx(cutoff_m(plan) / 2, rel=1e-2)
+    large = replace(plan, particles=spheres([[0.0, 0.0, 0.5], [0.5, 0.5, 1.0], [-0.5, -0.5, 0.0]]))
+    assert bin_size_m(large) == pytest.approx(6.3e-3, rel=1e-2)

@@ -7,14 +7,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from adapters.particles.liggghts import input as liggghts_input
-from adapters.particles.liggghts.input import bin_size_m, cutoff_m, smallest_box_m
 from orchestrator.ports.clock import Interval
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
@@ -65,18 +62,6 @@ def test_liggghts_steps_back_bit_for_bit(changes: dict[str, Any]) -> None:
     assert hesitating("liggghts", bed_plan(**changes), 110) == []
 
 
-@pytest.mark.solver
-def test_liggghts_goes_on_and_steps_back_with_other_bins(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The bins shrink while particles are fed."""
-    monkeypatch.setattr(liggghts_input, "BINS_PER_PARTICLE", 0.17)
-    plan = bed_plan()
-    present, box_m3 = len(plan.particles), float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
-    sizes_m = [bin_size_m(box_m3, cutoff_m(plan), number) for number in (present, 2 * present)]
-    assert sizes_m[0] > sizes_m[1] > 0
-    assert resumed("liggghts", plan, 70, 110) == []
-    assert hesitating("liggghts", plan, 110) == []
-
-
 @pytest.mark.parametrize("changes", OF_SPHERES.values(), ids=OF_SPHERES)
 def test_spheres_step_back_bit_for_bit(changes: dict[str, Any]) -> None:
     assert hesitating("spheres", bed_plan(layers=1, **changes), 20) == []
@@ -121,21 +106,3 @@ def test_two_ranks_go_on_bit_for_bit() -> None:
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == [[], []]
-
-
-def test_neighbours_and_memory_have_bins_of_one_size() -> None:
-    """LIGGGHTS clears the bins by which it sorts particles in memory, too: for few small particles on a large
-    machine that was two thirds of a step's time."""
-    from adapters.particles.liggghts.particles import Liggghts
-
-    said: list[str] = []
-    solver = Liggghts.__new__(Liggghts)
-    solver._bin_m, solver._engine = 0.0, SimpleNamespace(command=said.append)
-    for size_m in (0.02, 0.02, 0.0):
-        solver._set_bins(size_m)
-    assert said == [
-        "neigh_modify binsize 0.02",
-        "atom_modify sort 1000 0.02",
-        "neigh_modify binsize 0.0",
-        "atom_modify sort 1000 0.0",
-    ]

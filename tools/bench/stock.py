@@ -1,8 +1,9 @@
 """LIGGGHTS alone: a bed on rigid walls that LIGGGHTS itself makes of the surface's triangles.
 
 The walls are LIGGGHTS's ``mesh/surface``, one for each material.  They stand still, or all move to and fro
-as one (``move/mesh wiggle``).  Contact laws, steps, skin and bins are those of the case.  The laws run as the
-package has them; of ``jkr``, which it lacks, the law is ours and the loop over pairs the package's.
+as one (``move/mesh wiggle``).  Contact laws and steps are those of the case, skin and bins those that suit
+LIGGGHTS.  The laws run as the package has them; of ``jkr``, which it lacks, the law is ours and the loop over
+pairs the package's.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ from adapters.particles._liggghts import Engine
 from adapters.particles.liggghts.engine import contact_distance_factor, create_particles
 from adapters.particles.liggghts.input import (
     FIRST_EVALUATION,
-    bin_commands,
-    bin_size_m,
     contact_model,
+    cutoff_m,
     input_text,
+    skin_m,
     smallest_box_m,
     words,
 )
@@ -42,6 +43,9 @@ MARGIN_M = 0.1
 """The distance from surface and bed to the sides of the box."""
 ROOM_M = 1e-6
 """The least distance of the meshes from periodic sides."""
+LISTED = 90.0, 0.7
+"""The costs of LIGGGHTS's own lists of neighbours for ``skin_m``: each of both has the skin that suits it."""
+BINS_PER_PARTICLE = 64
 LARGEST_M = 0.1
 """The largest length of a triangle of the meshes."""
 FACET = """\
@@ -148,8 +152,7 @@ def stock_engine(
     for line in stock_input(plan, wiggle, folder):
         engine.command(line)
     create_particles(engine, plan.particles, 1)
-    for line in bin_commands(_bins_m(plan)):
-        engine.command(line)
+    engine.command(f"neigh_modify binsize {_bins_m(plan)!r}")
     engine.command(FIRST_EVALUATION)
     return engine
 
@@ -171,6 +174,8 @@ def stock_input(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> Ite
                 yield f"region box block {box} units box"
             case ["fix", "surface"]:
                 yield from _stock_walls(plan, wiggle, folder)
+            case ["neighbor", _]:
+                yield f"neighbor {skin_m(plan, *LISTED)!r} bin"
             case ["fix", "exits"]:
                 yield "thermo_modify lost ignore"
             case _:
@@ -214,5 +219,8 @@ def _write_stl(path: Path, corners_m: Array) -> None:
 
 
 def _bins_m(plan: ParticlesPlan) -> float:
+    """Return the size of the bins in which LIGGGHTS finds neighbours: half a cutoff, as by default, or more.
+
+    There are at most ``BINS_PER_PARTICLE`` in all, which it clears for every list."""
     box_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
-    return bin_size_m(box_m3, plan.largest_diameter_m, len(plan.particles))
+    return max(cutoff_m(plan) / 2.0, float(np.cbrt(box_m3 / (BINS_PER_PARTICLE * len(plan.particles)))))

@@ -6,6 +6,7 @@
 #include "atom.h"
 #include "error.h"
 #include "fix_contact_history.h"
+#include "modify.h"
 
 namespace flipflow {
 
@@ -33,6 +34,7 @@ void PairLists::list_pairs(NeighList *list) {
   const double largest_m = all > 0 ? *std::max_element(atom->radius, atom->radius + all) : 0.0;
   lay_out_cells(all, 2.0 * largest_m * contactDistanceFactor + skin);
   sort_into_cells(all);
+  if (modify->n_fixes_style("neighlist/mesh") > 0) bin_atoms();  // LIGGGHTS's own walls look there
   list->ipage->reset();
   if (list->fix_history) {
     list->listgranhistory->ipage->reset();

@@ -20,10 +20,9 @@ FILLED, SPEED_M_PER_S = 0.2, 1.0
 """The share of space that a thrown bed fills, and how fast its particles move against each other."""
 SKINS = 0.05, 0.6
 """The least and the largest skin, as shares of the largest diameter."""
-# LIGGGHTS would take 400 and more for few particles on a deck, and clearing them cost a tenth of such runs
-SORTED_EVERY = 1000
-"""Number of steps after which LIGGGHTS sorts particles in memory by their bins; its own default."""
-BINS_PER_PARTICLE = 64
+MOST_BINS = 4e6
+"""The largest number of bins in the box at the start. LIGGGHTS sorts particles in memory by them, every
+thousand steps, and clears them all; for small grains on a large machine they would be too many to count."""
 
 INPUT = """\
 # Particles on a moving, deforming surface: input for LIGGGHTS-PUBLIC 3.8.0, written by flipflow.
@@ -38,7 +37,8 @@ boundary        {boundary}           # grows with the particles (m): none can be
 {confirmations}{processors}region          box block {box} units box
 create_box      {types} box
 neighbor        {skin} bin
-neigh_modify    delay 0
+neigh_modify    delay 0 binsize {bins}
+atom_modify     sort 1000 {bins}
 
 fix youngs      all property/global youngsModulus peratomtype {youngs}
 fix poisson     all property/global poissonsRatio peratomtype {poisson}
@@ -92,7 +92,7 @@ def ranks(plan: ParticlesPlan) -> int:
     return 1 if plan.communicator is None else int(plan.communicator.size)
 
 
-def skin_m(plan: ParticlesPlan) -> float:
+def skin_m(plan: ParticlesPlan, listing: float = LISTING, each_looked_at: float = LOOKED_AT) -> float:
     """Return the skin: the gap up to which two particles are listed as neighbours.
 
     With a wide one each step has more pairs to look at; with a narrow one neighbours are listed more often.
@@ -107,7 +107,7 @@ def skin_m(plan: ParticlesPlan) -> float:
     near = 2.0 / 3.0 * math.pi * per_m3 * ((mean_m + skins_m) ** 3 - mean_m**3)
     looked_at = per_m3 * 20.25 * (largest_m + skins_m) ** 3  # in nine rows, each 2.25 cutoffs long
     listings_per_step = 2.0 * SPEED_M_PER_S * plan.step_s / skins_m
-    cost = near + (LISTING + LOOKED_AT * looked_at) * listings_per_step
+    cost = near + (listing + each_looked_at * looked_at) * listings_per_step
     return float(f"{skins_m[np.argmin(cost)]:.3g}")
 
 
@@ -145,6 +145,7 @@ def input_text(plan: ParticlesPlan) -> str:
         box=words(smallest_box_m(plan).T.round(12)),
         types=len(youngs),
         skin=words(np.array(skin_m(plan))),
+        bins=words(np.array(bin_size_m(plan))),
         youngs=words(np.array(youngs)),
         poisson=words(np.array([material.poisson_ratio for material in plan.materials])),
         restitution=words(plan.restitution),
@@ -155,22 +156,10 @@ def input_text(plan: ParticlesPlan) -> str:
     )
 
 
-def bin_size_m(box_m3: float, cutoff_m: float, particles: int) -> float:
-    """Return the size of LIGGGHTS's bins for a number of particles; 0 stands for its own, half a cutoff.
-
-    LIGGGHTS clears every bin when it lists neighbours, so few particles in a large box get larger bins,
-    doubled as often as needed.  ``box_m3`` is the volume of the smallest box, which never changes.
-    """
-    usual_m = cutoff_m / 2.0
-    wanted_m = math.cbrt(box_m3 / (BINS_PER_PARTICLE * max(particles, 1)))
-    doublings = math.floor(math.log2(wanted_m / usual_m))
-    return usual_m * 2.0**doublings if doublings > 0 else 0.0
-
-
-def bin_commands(size_m: float) -> list[str]:
-    """Return the commands that set the size of the bins in which LIGGGHTS lists neighbours and sorts
-    particles in memory; 0 stands for LIGGGHTS's own."""
-    return [f"neigh_modify binsize {size_m!r}", f"atom_modify sort {SORTED_EVERY} {size_m!r}"]
+def bin_size_m(plan: ParticlesPlan) -> float:
+    """Return the size of the bins in which LIGGGHTS sorts particles in memory: half a cutoff, or larger."""
+    box_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
+    return float(f"{max(cutoff_m(plan) / 2.0, math.cbrt(box_m3 / MOST_BINS)):.3g}")
 
 
 def _processors(plan: ParticlesPlan) -> str:

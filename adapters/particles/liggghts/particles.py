@@ -8,7 +8,6 @@ docs/theory/particle_surface_contact.md.
 from __future__ import annotations
 
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -41,7 +40,7 @@ try:
     from mpi4py import MPI
 
     from adapters.particles.liggghts.engine import begin_path, create_particles, floats, parts, start_engine
-    from adapters.particles.liggghts.input import bin_commands, bin_size_m, cutoff_m, smallest_box_m
+    from adapters.particles.liggghts.input import cutoff_m
 except ImportError as missing:
     raise SolverMissing(
         "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
@@ -64,9 +63,7 @@ class Liggghts:
         self._plan = plan
         self._comm: Any = plan.communicator or MPI.COMM_SELF
         self._ledger = ParticleLedger(plan, self._comm)
-        self._created, self._bin_m = 0, 0.0
-        box_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
-        self._bins_for = partial(bin_size_m, box_m3, cutoff_m(plan))
+        self._created = 0
         self._deepest, self._crossings = Overlaps(), Crossings.none()
         self._unprepared = False
         self._removed: list[Removed] = []
@@ -106,7 +103,6 @@ class Liggghts:
             begin_path(self._engine, path, interval.length_s, steps)
             self._balance(interval)
             self._feed(interval)
-            self._set_bins(self._bins_for(self._created - self._ledger.removed_count))
             self._prepare()
             self._engine.run(steps=steps, step_s=interval.length_s / steps)
         except RuntimeError as error:
@@ -185,14 +181,12 @@ class Liggghts:
             "engine": self._engine.save(),
             "ledger": self._ledger.save(),
             "created": np.array(self._created),
-            "bin_m": np.array(self._bin_m),
             "deepest": as_arrays(self._deepest_of_rank()),
             "crossings": as_arrays(self._crossings),
             "removed": as_arrays(sort_removed(self._removed)),
         }
 
     def restore(self, saved: Saved) -> None:
-        self._set_bins(float(saved["bin_m"]))
         self._engine.restore(saved["engine"])
         self._ledger.restore(saved["ledger"])
         self._created = int(saved["created"])
@@ -205,14 +199,6 @@ class Liggghts:
     def close(self) -> None:
         del self._engine
         self._opened.close()
-
-    def _set_bins(self, size_m: float) -> None:
-        """Set the size of the bins in which LIGGGHTS lists neighbours and sorts particles, from the next list
-        on; 0 stands for LIGGGHTS's own."""
-        if size_m != self._bin_m:
-            for line in bin_commands(size_m):
-                self._engine.command(line)
-            self._bin_m = size_m
 
     def _summed(self, by_point: Array) -> Array:
         self._comm.Allreduce(MPI.IN_PLACE, by_point)
