@@ -20,7 +20,7 @@ FILLED, SPEED_M_PER_S = 0.2, 1.0
 """The share of space that a thrown bed fills, and how fast its particles move against each other."""
 SKINS = 0.05, 0.6
 """The least and the largest skin, as shares of the largest diameter."""
-MOST_BINS = 4e6
+MOST_BINS = 1e6
 """The largest number of bins in the box at the start. LIGGGHTS sorts particles in memory by them, every
 thousand steps, and clears them all; for small grains on a large machine they would be too many to count."""
 
