@@ -18,7 +18,7 @@ from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import BedSnapshot, Overlaps
 from orchestrator.ports.penetration import Penetrations
 from orchestrator.run.monitor import items
-from orchestrator.run.monitor.item import OutputTime, Subject
+from orchestrator.run.monitor.item import MonitorItem, OutputTime, Subject
 from orchestrator.run.monitor.items import all_items, item_limit, largest_stretch
 from orchestrator.run.monitor.monitor import LimitedItem
 
@@ -108,3 +108,8 @@ def test_each_is_found_alone(
 
 def test_no_particles_is_no_trouble(monkeypatch: pytest.MonkeyPatch) -> None:
     assert alarms(state(), BALLS.part(slice(0)), 0.0, monkeypatch) == []
+
+
+def test_an_item_with_an_older_call_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"Old\.add_interval\(data\) is now add_intervals\(intervals\)"):
+        type("Old", (MonitorItem,), {"add_interval": lambda _, data: None})

@@ -55,6 +55,10 @@ class MonitorItem:
     message: ClassVar[str]
     """The message about a value beyond the limit, with places for ``{value}`` and ``{where}``."""
 
+    def __init_subclass__(cls) -> None:
+        if hasattr(cls, "add_interval"):  # or it would never be called
+            raise TypeError(f"{cls.__name__}.add_interval(data) is now add_intervals(intervals)")
+
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
 
