@@ -110,17 +110,24 @@ def like(present: Any, saved: Any) -> Any:
 
 
 class SavedAttributes:
-    """A solver whose state is the attributes named in ``STATE``, and that holds nothing open."""
+    """A solver whose state is the attributes named in ``STATE``, and that holds nothing open.
+
+    ``PARTS`` names the attributes that are ``Restorable`` themselves, whose states belong to its own.
+    """
 
     STATE: ClassVar[tuple[str, ...]] = ()
+    PARTS: ClassVar[tuple[str, ...]] = ()
 
     def save(self) -> Saved:
-        """Return copies of the attributes."""
-        return save_attributes(self, *self.STATE)
+        """Return copies of the attributes, and the states of the parts."""
+        parts = {name.lstrip("_"): getattr(self, name).save() for name in self.PARTS}
+        return save_attributes(self, *self.STATE) | parts
 
     def restore(self, saved: Saved) -> None:
         """Take the solver back to a saved state."""
         restore_attributes(self, saved, *self.STATE)
+        for name in self.PARTS:
+            getattr(self, name).restore(saved[name.lstrip("_")])
 
     def close(self) -> None:
         """Do nothing, since nothing is open."""

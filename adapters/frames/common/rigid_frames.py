@@ -34,6 +34,7 @@ class RigidFrames(SavedAttributes):
     """
 
     COORDINATES: ClassVar[tuple[int, ...]]
+    PARTS = ("_ledger",)
     _ledger: FramesLedger
 
     def __init__(self, plan: FramesPlan) -> None:
@@ -58,11 +59,10 @@ class RigidFrames(SavedAttributes):
         shafts = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
         turning: Saved = {"shafts": shafts} if shafts else {}
         elements: Saved = {"hysteresis": self._hysteresis.save()} if self._hysteresis else {}
-        return super().save() | {"ledger": self._ledger.save()} | turning | elements
+        return super().save() | turning | elements
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
-        self._ledger.restore(saved["ledger"])
         for number, shaft in enumerate(self._shafts):
             shaft.restore(saved["shafts"][str(number)])
         if self._hysteresis:

@@ -43,9 +43,6 @@ class RigidSurface(AccountedPanel):
         moved_m = clamps.position_m - self._clamps.position_m
         return clamps, load_N, -float(np.vdot(load_N, moved_m))
 
-    def _masses(self) -> tuple[Array, Array]:
-        return self._surface.position_m, self._surface.velocity_m_per_s
-
 
 class CarriedSurface(AccountedPanel):
     """A ``Panel`` of prescribed shape: surface = N clamps, with N = 1 unless ``carried`` gives another.
@@ -86,9 +83,6 @@ class CarriedSurface(AccountedPanel):
         middle_s = (interval.start_s + interval.end_s) / 2
         reaction_N = self._transposed @ through_N + self._pull_N(middle_s)
         return surface, reaction_N, self._clamps_work_J(clamps, surface, load_N, through_N, reaction_N)
-
-    def _masses(self) -> tuple[Array, Array]:
-        return self._surface.position_m, self._surface.velocity_m_per_s
 
     def _place(self, clamps: Motion, time_s: float) -> Motion:
         """Return the surface between clamps with the given motion."""

@@ -11,10 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.ports import Array, Saved
-from orchestrator.ports.state import restore_attributes, save_attributes
-
-_STATE = ("_stress", "energy_J", "lost_J")
+from orchestrator.ports import Array
+from orchestrator.ports.state import SavedAttributes
 
 
 def check_branches(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
@@ -26,13 +24,15 @@ def check_branches(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Ar
     return ratio, time_s
 
 
-class Branches:
+class Branches(SavedAttributes):
     """All branches on one field of ``size`` strain components.
 
     Call ``begin`` with a step's length, then ``end`` with the changes of strain and elastic stress
     in it.  Between the two the overstress is ``share * (elastic stress) + history``.  Strain and
     stress may be any two vectors whose product is an energy.
     """
+
+    STATE = ("_stress", "energy_J", "lost_J")
 
     def __init__(self, branches: tuple[tuple[float, float], ...], size: int) -> None:
         self.ratio, self.time_s = check_branches(branches)
@@ -64,12 +64,6 @@ class Branches:
             stress *= decay
             np.multiply(stress_change, gain, out=self._change)
             stress += self._change
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_STATE)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
 
     def _book(self, cross: Array, square: float) -> None:
         """Book the work of each branch on the linear path, less the energy that it stores, as lost."""

@@ -18,7 +18,6 @@ from orchestrator.ports import (
     Mount,
     PanelState,
     Restorable,
-    Saved,
     check_point_count,
 )
 from orchestrator.ports.clock import Interval
@@ -29,8 +28,9 @@ from orchestrator.ports.state import SavedAttributes
 class AccountedPanel(SavedAttributes, ABC):
     """A ``Panel`` with momentum and energy accounts, whose motion a subclass computes.
 
-    A subclass moves the panel in ``_move`` and returns its masses in ``_masses``.  It sets ``_surface``, the
-    present motion of the surface, and ``_rest_m`` (masses, 3), where the potential of gravity is zero.
+    A subclass moves the panel in ``_move``, and returns its masses in ``_masses`` if they are not at the
+    points of the surface.  It sets ``_surface``, the present motion of the surface, and ``_rest_m``
+    (masses, 3), where the potential of gravity is zero.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("_clamps", "_surface", "_elapsed_s", "_received_J")
@@ -83,9 +83,9 @@ class AccountedPanel(SavedAttributes, ABC):
         clamps on the panel in J.
         """
 
-    @abstractmethod
     def _masses(self) -> tuple[Array, Array]:
         """Return positions and velocities (masses, 3) of the points to which ``mass_kg`` belongs."""
+        return self._surface.position_m, self._surface.velocity_m_per_s
 
 
 @dataclass
@@ -141,6 +141,8 @@ class Body(Restorable, Protocol):
 class BodyPanel(AccountedPanel):
     """A panel that a deformable body carries; the body is at rest when t = 0."""
 
+    PARTS = ("_body",)
+
     def __init__(self, plan: PanelPlan, mount: Mount, body: Body) -> None:
         super().__init__(f"panel {plan.name}", mount, body.mass_kg, plan.gravity_m_per_s2)
         self._body, self._rest_m = body, body.position_m.copy()
@@ -149,13 +151,6 @@ class BodyPanel(AccountedPanel):
         account = super().account()
         stored_J = {**account.stored_J, **self._body.stored_J()}
         return replace(account, stored_J=stored_J, lost_J={"panel_damping": self._body.lost_J()})
-
-    def save(self) -> Saved:
-        return super().save() | {"body": self._body.save()}
-
-    def restore(self, saved: Saved) -> None:
-        super().restore(saved)
-        self._body.restore(saved["body"])
 
     def close(self) -> None:
         self._body.close()

@@ -19,8 +19,8 @@ from scipy.sparse import csr_matrix, diags
 
 from adapters.panel.common.maxwell import Branches
 from adapters.panel.finite_element.compiled import assembled_matrix
-from orchestrator.ports import Array, Saved
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports import Array
+from orchestrator.ports.state import SavedAttributes
 
 # 3 is the least with which the matrix has no negative eigenvalue (docs/theory/panel_sheet.md).
 PENALTY = 4.0
@@ -112,7 +112,7 @@ class Product:
             made.destroy()
 
 
-class Bending:
+class Bending(SavedAttributes):
     """The force and energy of a constant stiffness matrix with Maxwell branches of its own.
 
     ``flat_m`` (nodes, 3) are positions without bending: the matrix acts on the difference from them, which
@@ -120,6 +120,9 @@ class Bending:
     displacement, so their overstress does not turn with the sheet: good while rotations within a relaxation
     time are small.
     """
+
+    STATE = ("_position_m", "_elastic_N")
+    PARTS = ("branches",)
 
     def __init__(self, matrix: csr_matrix, flat_m: Array, branches: tuple[tuple[float, float], ...]) -> None:
         self.matrix = matrix
@@ -151,13 +154,6 @@ class Bending:
         )
         self._position_m[:] = position_m
         self._elastic_N[:] = self._trial_N
-
-    def save(self) -> Saved:
-        return save_attributes(self, "_position_m", "_elastic_N") | {"branches": self.branches.save()}
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_position_m", "_elastic_N")
-        self.branches.restore(saved["branches"])
 
     def close(self) -> None:
         self._multiply.close()

@@ -9,7 +9,7 @@ import numpy as np
 from adapters.panel.common.panel import HeldForce
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
-from orchestrator.ports import Array, HermitePath, Indices, Saved
+from orchestrator.ports import Array, HermitePath, Indices
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.ports.state import SavedAttributes
@@ -58,6 +58,7 @@ class StructureBody(SavedAttributes):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("position_m", "velocity_m_per_s", "internal_N")
+    PARTS: ClassVar[tuple[str, ...]] = ("_structure",)
 
     def __init__(self, structure: Structure, surface: Indices, resting_m: Array, step_s: float) -> None:
         self._structure, self._step_s = structure, step_s
@@ -72,13 +73,6 @@ class StructureBody(SavedAttributes):
 
     def lost_J(self) -> float:
         return self._structure.lost_J()
-
-    def save(self) -> Saved:
-        return super().save() | {"structure": self._structure.save()}
-
-    def restore(self, saved: Saved) -> None:
-        super().restore(saved)
-        self._structure.restore(saved["structure"])
 
     def close(self) -> None:
         self._structure.close()
@@ -133,6 +127,7 @@ class GeneralizedAlpha(StructureBody):
     """
 
     STATE = (*StructureBody.STATE, "_filtered_N", "_factorised_for_s")
+    PARTS = (*StructureBody.PARTS, "_tangent")  # which Newton's iteration keeps for many steps
 
     def __init__(
         self,
@@ -166,14 +161,6 @@ class GeneralizedAlpha(StructureBody):
                     f"the step halved {HALVINGS} times: {failure}"
                 ) from failure
         return on_held
-
-    def save(self) -> Saved:
-        """Save the tangent, too, which Newton's iteration keeps for many steps."""
-        return super().save() | {"tangent": self._tangent.save()}
-
-    def restore(self, saved: Saved) -> None:
-        super().restore(saved)
-        self._tangent.restore(saved["tangent"])
 
     def close(self) -> None:
         self._tangent.close()

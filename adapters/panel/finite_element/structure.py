@@ -17,7 +17,7 @@ from adapters.panel.common.maxwell import Branches
 from adapters.panel.finite_element.bending import Bending
 from adapters.panel.finite_element.compiled import expression, form, function_space
 from orchestrator.ports import Array, Indices, Saved
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes, save_attributes
 
 
 def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
@@ -48,8 +48,11 @@ class Law:
     branches: tuple[tuple[float, float], ...]
 
 
-class ViscousStrain:
+class ViscousStrain(SavedAttributes):
     """Maxwell branches at the quadrature points of a law's strain, whose past decides their force."""
+
+    STATE = ("_before",)
+    PARTS = ("branches",)
 
     def __init__(self, law: Law) -> None:
         mesh = law.position.function_space.mesh
@@ -90,13 +93,6 @@ class ViscousStrain:
         np.subtract(now, self._before, out=self._change)
         self._before[:] = now
         self.branches.end(self._change * self._weight, self._change)
-
-    def save(self) -> Saved:
-        return save_attributes(self, "_before") | {"branches": self.branches.save()}
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_before")
-        self.branches.restore(saved["branches"])
 
 
 class Structure:
