@@ -100,12 +100,7 @@ class Overlaps:
 
     def figures(self) -> dict[str, float]:
         """Return the table in ``summary.json``."""
-        return {
-            "between_m": self.between_m,
-            "between_per_diameter": self.between_per_diameter,
-            "surface_m": self.surface_m,
-            "surface_per_diameter": self.surface_per_diameter,
-        }
+        return dict(vars(self))
 
     def deepest(self, other: Overlaps) -> Overlaps:
         """Return the deepest contacts of two records together."""

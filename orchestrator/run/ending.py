@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
 from typing import Any
@@ -18,7 +19,7 @@ from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import summary, trust
 from orchestrator.output.records.history import write_accelerations, write_results
 from orchestrator.output.records.run_folder import HISTORY, LOG
-from orchestrator.output.results.compute import compute_results, describe_error, to_json
+from orchestrator.output.results.compute import compute_results, record_error, to_json
 from orchestrator.output.results.machine import acceleration_series, band_hz, point_ranges
 from orchestrator.output.results.observed import check_effects_by_run
 from orchestrator.output.results.run_reader import RunReader
@@ -132,19 +133,9 @@ class Ending:
                 self.console.print(line)
 
 
-@contextmanager
-def _record_error(failed: dict[str, str], part: str) -> Iterator[None]:
-    """Record in ``failed`` an error that prevents a part of the results, log its traceback, and go on.
-
-    An OSError is raised again, since then nothing more can be written.
-    """
-    try:
-        yield
-    except OSError:
-        raise
-    except Exception as error:
-        LOG.exception("no %s", part)
-        failed[part] = describe_error(error)
+def _record_error(failed: dict[str, str], part: str) -> AbstractContextManager[None]:
+    """Record in ``failed`` an error that prevents a part of the results, log its traceback, and go on."""
+    return record_error(failed, part, partial(LOG.exception, "no %s", part))
 
 
 def _draw_pictures(folder: Path) -> None:

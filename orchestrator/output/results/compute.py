@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -64,22 +65,26 @@ def _gather(run: RunReader) -> dict[str, Any]:
     return table
 
 
+def _record_failure(table: dict[str, Any], part: str) -> AbstractContextManager[None]:
+    """Record an error that prevents a part in ``table["failed"]``, and leave the part out of the table."""
+    return record_error(table["failed"], part, partial(table.pop, part, None))
+
+
 @contextmanager
-def _record_failure(table: dict[str, Any], part: str) -> Iterator[None]:
-    """Record in ``table["failed"]`` an error that prevents a part, and go on; an OSError is raised."""
+def record_error(failed: dict[str, str], part: str, react: Callable[[], object]) -> Iterator[None]:
+    """Call ``react`` after an error that prevents a part, record the error in ``failed``, and go on.
+
+    An OSError is raised again, since then nothing more can be written.
+    """
     try:
         yield
     except OSError:
         raise
     except Exception as error:
-        table.pop(part, None)
-        table["failed"][part] = describe_error(error)
-
-
-def describe_error(error: Exception) -> str:
-    """Return the type and the message of an error with the line of the program that raised it."""
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
+        react()
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        raised = f"{Path(place.filename).name}, line {place.lineno}"
+        failed[part] = f"{type(error).__name__}: {error} ({raised})"
 
 
 def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:

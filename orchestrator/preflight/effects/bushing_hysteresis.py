@@ -30,15 +30,10 @@ def overlay(case: Case) -> Overlay:
     return overlay_of_rows("screen.bushings", curved, {"curves": None})
 
 
-def describes_curves(case: Case) -> bool:
-    """Return whether a bushing has a measured curve."""
-    return any(bushing.curves for bushing in case.screen.bushings.values())
-
-
 EFFECT = Effect(
     part="frames",
     judge=judge,
-    described=describes_curves,
+    described=lambda case: any(row.curves for row in case.screen.bushings.values()),
     overlay=overlay,
     needs=("frame-dynamics",),
     key="screen.bushings.<name>.curves",
