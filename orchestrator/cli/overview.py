@@ -8,14 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.bed.contact_times import shortest_rayleigh_s
-from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.file.base import case_folders
 from orchestrator.case.file.bushing_curve import compare_with_points
 from orchestrator.case.file.loss_curve import compare_with_curve, curve_points, moduli
-from orchestrator.case.solver_plans import material_numbers, meshes, particle_step_s
+from orchestrator.case.solver_plans import meshes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverMissing
@@ -137,10 +136,9 @@ def _triangles_on_panels(case: Case) -> str:
 
 def _particles(loaded: JudgedCase) -> Iterator[str]:
     case = loaded.case
-    count = len(initial_particles(case, material_numbers(case)))
     feeds = "".join(f", {feed.rate_kg_per_s:g} kg/s fed" for feed in case.bed.feeds.values())
     step_s = particle_step_s(case)
-    yield f"  particles  {count} at the start{feeds} ({case.particles.solver})"
+    yield f"  particles  {particles_at_start(case)} at the start{feeds} ({case.particles.solver})"
     for line in fines(case, "next-class"):
         yield f"  sizes      {line}"
     if (carried := case.bed.carried) is not None:

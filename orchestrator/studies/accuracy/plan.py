@@ -20,15 +20,14 @@ from typing import Any
 from scipy.optimize import brentq
 
 from orchestrator.case import solvers
-from orchestrator.case.bed.sources import initial_particles, largest_diameter_m
+from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, full_width_m
-from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s
+from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s, particles_at_start
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
@@ -189,7 +188,7 @@ def filling(case: Case, study_s: float) -> Callable[[float], float]:
     """
     if not case.bed.feeds:
         return lambda duration_s: 1.0
-    at_start = len(initial_particles(case, material_numbers(case)).diameter_m)
+    at_start = particles_at_start(case)
     bed = likely_transport_m_per_s(case, at_start)
 
     def mean(duration_s: float) -> float:
