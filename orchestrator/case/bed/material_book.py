@@ -19,7 +19,7 @@ from orchestrator.case.tables.numerics import MonitorSettings
 from orchestrator.ports import Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ExitPlan, SolverFailed
-from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes, as_arrays, like
 
 LOG = logging.getLogger("flipflow")
 LEAST_SHARE = 0.5  # An inlet that takes less than this share of the mass due in ``jam_s`` is jammed.
@@ -123,14 +123,14 @@ class Amount:
         self.mass_kg += float(np.sum(sphere_mass_kg(diameter_m, density_kg_per_m3)))
 
 
-_SINCE_START = ("fed", "on_deck", "lost", "escaped", "deepest", "crossings")
-
-
-class MaterialBook:
+class MaterialBook(SavedAttributes):
     """The totals since t = 0, which are updated at output times on rank 0.
 
     The state of the ``feed`` is saved with the particles that it feeds.
     """
+
+    STATE = ("fed", "on_deck", "lost", "escaped", "deepest", "crossings")
+    PARTS = ("_monitor",)
 
     def __init__(self, feed: Feeds, exits: tuple[ExitPlan, ...], monitor: MaterialMonitor) -> None:
         self.feed, self.exits, self._monitor = feed, exits, monitor
@@ -170,14 +170,12 @@ class MaterialBook:
     def save(self) -> Saved:
         """Return the totals and the monitor's state for a checkpoint."""
         through = {str(number): as_arrays(amount) for number, amount in enumerate(self.through)}
-        books = {"monitor": self._monitor.save(), "through": through}
-        return save_attributes(self, *_SINCE_START) | books
+        return super().save() | {"through": through}
 
     def restore(self, saved: Saved) -> None:
         """Restore the totals and the monitor's state from a checkpoint."""
-        restore_attributes(self, saved, *_SINCE_START)
+        super().restore(saved)
         self.through = [like(amount, saved["through"][str(n)]) for n, amount in enumerate(self.through)]
-        self._monitor.restore(saved["monitor"])
 
     def figures(self) -> dict[str, Any]:
         """Return the totals as a table of ``summary.json``."""

@@ -20,7 +20,7 @@ from orchestrator.ports import InterfaceData, Saved
 from orchestrator.ports.clock import Interval, steps_in
 from orchestrator.ports.particle_records import BedSnapshot
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes, restore_attributes, save_attributes
 from orchestrator.run.monitor.interface_work import exchanged_J, interface_data, interface_works
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
 from orchestrator.run.monitor.items import ItemLimit, all_items, item_limit, square_sum, unknown_items
@@ -49,8 +49,11 @@ class Alarm(NamedTuple):
     new: bool
 
 
-class LimitedItem:
+class LimitedItem(SavedAttributes):
     """An item with its limit, its largest value, how often it was beyond the limit, and when it first was."""
+
+    STATE = ("_worst", "_times", "_first_s")
+    PARTS = ("item",)
 
     def __init__(self, item: MonitorItem, limit: ItemLimit) -> None:
         self.item, self._limit = item, limit
@@ -75,15 +78,6 @@ class LimitedItem:
         """Return the table of the item for ``summary.json``."""
         first_s = self._first_s if self._times else None
         return {"worst": self._worst, "limit": self._limit.limit, "times": self._times, "first_s": first_s}
-
-    def save(self) -> Saved:
-        """Return the observations so far and the item's memory for a checkpoint."""
-        return save_attributes(self, "_worst", "_times", "_first_s") | {"item": self.item.save()}
-
-    def restore(self, saved: Saved) -> None:
-        """Restore the memory that ``save`` returned."""
-        restore_attributes(self, saved, "_worst", "_times", "_first_s")
-        self.item.restore(saved.get("item", {}))
 
 
 class Monitor:
