@@ -54,6 +54,11 @@ class ComparedResult:
         return (None, *(None if other is None else judge_difference(first, other) for other in others))
 
     @property
+    def differs(self) -> bool:
+        """True if a run differs from the first by more than chance, or if no interval can tell."""
+        return bool({MORE, UNKNOWN} & set(self.verdicts))
+
+    @property
     def is_short(self) -> bool:
         """True for a result with a short name."""
         return any(result is not None and result.is_short for result in self.results)
