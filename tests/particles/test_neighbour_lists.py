@@ -10,7 +10,7 @@ import pytest
 
 from adapters.particles.liggghts.input import SKINS, skin_m
 from orchestrator.ports import Array, Motion, Particles
-from orchestrator.ports.plans import ParticleList
+from orchestrator.ports.plans import ParticleList, SolverFailed
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_plans import INTERVAL_S, flat, make_plan, spheres, still, travel
 from tests.saved_states import differences
@@ -53,12 +53,27 @@ def test_everybody_who_touches_is_listed(tmp_path: Path, most: int) -> None:
     given = replace(spheres(position_m), diameter_m=diameter_m)
     solver = solver_adapter("liggghts").build(make_plan(flat(), given, folder=tmp_path))
     found = solver.snapshot().contacts
+    assert found is not None
     solver.close()
     apart_m = np.linalg.norm(position_m[:, None] - position_m, axis=-1)
     touching = apart_m < (diameter_m[:, None] + diameter_m) / 2
     np.testing.assert_array_equal(found, touching.sum(axis=1) - 1)
     assert found[:2].all()
     assert not found[-1]
+
+
+@pytest.mark.solver
+def test_more_neighbours_than_can_be_listed_are_refused(tmp_path: Path) -> None:
+    """Six thousand grains of 1 mm on a ball of 50 mm; three thousand are listed."""
+    turns = np.pi * (1 + np.sqrt(5)) * np.arange(6000)
+    height = np.linspace(-1.0, 1.0, 6000)
+    across = np.sqrt(1 - height**2)
+    shell = np.stack([across * np.cos(turns), across * np.sin(turns), height], axis=1)
+    diameter_m = np.full(6001, 1e-3)
+    diameter_m[0] = 0.05
+    ball = replace(spheres(np.vstack([0.0 * UP, 0.0254 * shell]) + 0.05 * UP), diameter_m=diameter_m)
+    with pytest.raises(SolverFailed, match="more neighbours than LIGGGHTS lists for one: sizes differ"):
+        solver_adapter("liggghts").build(make_plan(flat(), ball, folder=tmp_path))
 
 
 @pytest.mark.solver

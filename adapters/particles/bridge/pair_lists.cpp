@@ -42,7 +42,8 @@ void PairLists::list_pairs(NeighList *list) {
   }
   for (int i = 0; i < atom->nlocal; ++i) {
     const int count = find_neighbours(i);
-    if (count > list->oneatom) error->one(FLERR, "a particle has too many neighbours");
+    if (count > list->oneatom)
+      error->one(FLERR, "a particle has more neighbours than LIGGGHTS lists for one: sizes differ too much");
     list->ilist[i] = i;
     list->numneigh[i] = count;
     list->firstneigh[i] = list->ipage->get(count);
