@@ -25,10 +25,6 @@ const double *vectors(const Doubles &array, size_t points, const char *name) {
   return array.data();
 }
 
-double dot(const double *one, const double *other) {
-  return one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
-}
-
 double size_of(const double *vector) {
   return std::abs(vector[0]) + std::abs(vector[1]) + std::abs(vector[2]);
 }
@@ -136,26 +132,24 @@ void add_handed_over(Doubles sums, const py::object &load, const py::object &sta
   total[6] += size;
 }
 
-// Sums of works in an interval: see `Works` in _kernel.pyi.
+// Sums of works in an interval, over coordinates of points: see `Works` in _kernel.pyi.
 struct Works {
   double exchanged_J = 0.0, size_N = 0.0, created_J = 0.0, through_J = 0.0;
 
   py::tuple as_tuple() const { return py::make_tuple(exchanged_J, size_N, created_J, through_J); }
 };
 
-// The absolute work along each axis of a force on a point, which counts as moved by `least_m` more.
-double through(const double *force_N, const double *moved_m, double least_m) {
-  double sum_J = 0.0;
-  for (int c = 0; c < 3; ++c) sum_J += std::abs(force_N[c]) * (std::abs(moved_m[c]) + least_m);
-  return sum_J;
+// Books the work of a load on coordinates that went from `before_m` to `after_m`, and its size.
+void book_exchanged(Works &works, const double *load_N, const double *before_m, const double *after_m,
+                   size_t coordinates) {
+  double exchanged_J = 0.0, size_N = 0.0;
+#pragma omp simd reduction(+ : exchanged_J, size_N)
+  for (size_t i = 0; i < coordinates; ++i) {
+    exchanged_J += load_N[i] * (after_m[i] - before_m[i]);
+    size_N += std::abs(load_N[i]);
+  }
+  works.exchanged_J = exchanged_J, works.size_N = size_N;
 }
-
-struct Difference {
-  double at[3];
-
-  Difference(const double *after, const double *before)
-      : at{after[0] - before[0], after[1] - before[1], after[2] - before[2]} {}
-};
 
 // The vectors of a record's attribute, (points, 3), which live as long as `held`.
 const double *read(std::vector<Doubles> &held, const py::object &record, const char *name, size_t points) {
@@ -182,19 +176,16 @@ py::list contact_works(const py::list &intervals, size_t counted, const Doubles 
     const double *panel_load = read(held, panel[1], "force_N", points);
     const double *after = read(held, panel[2].attr("surface"), "position_m", points);
     Works works;
-    for (size_t point = 0; point < points; ++point) {
-      const size_t i = 3 * point;
-      const double older_N = size_of(first + i) + size_of(second + i) + size_of(panel_load + i);
-      if (size_of(load + i) + older_N == 0.0) continue;  // most points
-      const Difference moved(after + i, before + i);
-      works.exchanged_J += dot(load + i, moved.at);
-      works.size_N += size_of(load + i);
-      if (point >= counted) continue;
-      const Difference way(end + i, start + i), jump(start + i, left + i);
-      const double jumps_J = 2 * dot(load + i, jump.at) + 5 * dot(first + i, jump.at) - dot(second + i, jump.at);
-      works.created_J += dot(panel_load + i, moved.at) - dot(load + i, way.at) - jumps_J / 6;
-      works.through_J += through(load + i, moved.at, least_m);
+    book_exchanged(works, load, before, after, 3 * points);
+    double created_J = 0.0, through_J = 0.0;
+#pragma omp simd reduction(+ : created_J, through_J)
+    for (size_t i = 0; i < 3 * counted; ++i) {
+      const double moved_m = after[i] - before[i], jump_m = start[i] - left[i];
+      const double jumps_N = (2 * load[i] + 5 * first[i] - second[i]) / 6;
+      created_J += panel_load[i] * moved_m - load[i] * (end[i] - start[i]) - jumps_N * jump_m;
+      through_J += std::abs(load[i]) * (std::abs(moved_m) + least_m);
     }
+    works.created_J = created_J, works.through_J = through_J;
     result.append(works.as_tuple());
     before = after, left = end, second = first, first = load;
   }
@@ -216,16 +207,16 @@ py::list clamp_works(const py::list &intervals, size_t counted, const Doubles &b
     const double *target = read(held, panel[0], "position_m", points);
     const double *reaction = read(held, panel[2].attr("reaction"), "force_N", points);
     Works works;
-    for (size_t i = 0; i < 3 * points; i += 3) {
-      const Difference moved(after + i, before + i);
-      works.exchanged_J += dot(reaction + i, moved.at);
-      works.size_N += size_of(reaction + i);
-      if (i >= 3 * counted) continue;
-      const Difference late(frames_load + i, reaction + i), missed(after + i, target + i);
-      const Difference more(missed.at, Difference(before + i, target_before + i).at);
-      works.created_J += dot(late.at, moved.at) + dot(reaction + i, more.at);
-      works.through_J += through(reaction + i, moved.at, least_m);
+    book_exchanged(works, reaction, before, after, 3 * points);
+    double created_J = 0.0, through_J = 0.0;
+#pragma omp simd reduction(+ : created_J, through_J)
+    for (size_t i = 0; i < 3 * counted; ++i) {
+      const double moved_m = after[i] - before[i];
+      const double missed_more_m = (after[i] - target[i]) - (before[i] - target_before[i]);
+      created_J += (frames_load[i] - reaction[i]) * moved_m + reaction[i] * missed_more_m;
+      through_J += std::abs(reaction[i]) * (std::abs(moved_m) + least_m);
     }
+    works.created_J = created_J, works.through_J = through_J;
     result.append(works.as_tuple());
     before = after, target_before = target;
   }
@@ -239,15 +230,13 @@ py::list sizes_and_changes(const std::vector<Doubles> &values) {
     const double *second = vectors(values[k - 2], points, "values");
     const double *first = vectors(values[k - 1], points, "values");
     const double *now = vectors(values[k], points, "values");
-    double squares[3] = {}, largest[3] = {};
-    for (size_t i = 0; i < 3 * points; i += 3)
-      for (int c = 0; c < 3; ++c) {
-        const double change = std::abs((now[i + c] - first[i + c]) - (first[i + c] - second[i + c]));
-        squares[c] += now[i + c] * now[i + c];
-        largest[c] = change > largest[c] ? change : largest[c];
-      }
-    result.append(py::make_tuple(squares[0] + squares[1] + squares[2],
-                                 std::max({largest[0], largest[1], largest[2]})));
+    double squares = 0.0, largest = 0.0;
+#pragma omp simd reduction(+ : squares) reduction(max : largest)
+    for (size_t i = 0; i < 3 * points; ++i) {
+      squares += now[i] * now[i];
+      largest = std::max(largest, std::abs((now[i] - first[i]) - (first[i] - second[i])));
+    }
+    result.append(py::make_tuple(squares, largest));
   }
   return result;
 }
