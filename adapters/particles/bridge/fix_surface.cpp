@@ -20,7 +20,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 constexpr size_t kMostContacts = 16;  // deepest first; a sphere has no room for more
-constexpr size_t kAhead = 4;          // spheres whose histories and candidates are on their way from memory
+constexpr size_t kAhead = 4;          // spheres whose data are on their way from memory
 
 // How the particles of all ranks moved since their neighbours were last listed: all by `common_m`, which is
 // the middle of the box around their ways, and each by no more than `farthest_m` besides.
@@ -190,12 +190,19 @@ template <class Worn>
 void FixSurface::touch_all(Worn &worn) {
   const auto &near = search_.near();
   for (size_t k = 0; k < near.size(); ++k) {
-    if (k + kAhead < near.size()) {
-      history_.fetch(near[k + kAhead].sphere);
-      search_.fetch(near[k + kAhead]);
-    }
+    if (k + 2 * kAhead < near.size()) history_.fetch_place(near[k + 2 * kAhead].sphere);
+    if (k + kAhead < near.size()) fetch(near[k + kAhead]);
     touch(near[k], worn);
   }
+}
+
+// Asks memory for what is soon wanted of a sphere.
+void FixSurface::fetch(const ContactSearch::Near &near) const {
+  const int i = near.sphere;
+  history_.fetch(i);
+  search_.fetch(near);
+  for (const double *const *of : {atom->x, atom->v, atom->omega, atom->f, atom->torque})
+    __builtin_prefetch(of[0] + 3 * i);
 }
 
 void FixSurface::search() {

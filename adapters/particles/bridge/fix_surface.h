@@ -101,6 +101,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void search();
   template <class Worn>
   void touch_all(Worn &worn);
+  void fetch(const ContactSearch::Near &near) const;
   template <class Worn>
   void touch(const ContactSearch::Near &near, Worn &worn);
   void keep_necks(int i);
