@@ -160,3 +160,5 @@ def test_an_array_of_another_shape_is_refused_by_its_name(works: Any, given: dic
             works(INTERVALS, **given | {name: given[name][:-1]}, **SLOW)
     with pytest.raises(ValueError, match=r"^force_N: shape \(39, 3\) wanted"):
         works(INTERVALS, **{name: each[:-1] for name, each in given.items()}, **SLOW)
+    with pytest.raises(ValueError, match=r"^counted: more than there are points"):
+        works(INTERVALS, **given, **SLOW | {"counted": len(given["before_m"]) + 1})

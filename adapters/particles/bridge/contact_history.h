@@ -48,7 +48,7 @@ class ContactHistory {
 
   double *values(int i, int contact) { return &records_[i][contact * record_ + 3]; }
 
-  // Asks memory where the records of particle i are, and later for them, which are soon wanted.
+  // Asks memory for the records of particle i, which are soon wanted, and first for where they are.
   void fetch_place(int i) const { __builtin_prefetch(&records_[i]); }
   void fetch(int i) const {
     constexpr int kLine = 64 / sizeof(double);

@@ -161,6 +161,7 @@ py::list contact_works(const py::list &intervals, size_t counted, const Doubles 
                        const Doubles &path_before_m, const Doubles &load_before_N,
                        const Doubles &load_twice_before_N, double slow_m_per_s) {
   const size_t points = before_m.shape(0);
+  if (counted > points) throw py::value_error("counted: more than there are points");
   const double *before = vectors(before_m, points, "before_m");
   const double *left = vectors(path_before_m, points, "path_before_m");
   const double *first = vectors(load_before_N, points, "load_before_N");
@@ -195,6 +196,7 @@ py::list contact_works(const py::list &intervals, size_t counted, const Doubles 
 py::list clamp_works(const py::list &intervals, size_t counted, const Doubles &before_m,
                      const Doubles &target_before_m, double slow_m_per_s) {
   const size_t points = before_m.shape(0);
+  if (counted > points) throw py::value_error("counted: more than there are points");
   const double *before = vectors(before_m, points, "before_m");
   const double *target_before = vectors(target_before_m, points, "target_before_m");
   std::vector<Doubles> held;
