@@ -42,21 +42,29 @@ def test_the_skin_widens_with_the_step_and_narrows_with_fine_grains() -> None:
 
 
 @pytest.mark.solver
+@pytest.mark.parametrize("periodic_y", [False, True])
 @pytest.mark.parametrize("most", [3, 700])
-def test_everybody_who_touches_is_listed(tmp_path: Path, most: int) -> None:
-    """Whatever the sizes, and though one flies far away, so that cells would be many for so few."""
+def test_everybody_who_touches_is_listed(tmp_path: Path, most: int, periodic_y: bool) -> None:
+    """Whatever the sizes, across a periodic side, too, and though one flies far away, so that cells would be
+    many for so few."""
     random = np.random.default_rng(5)
     diameter_m = np.where(random.random(most) < 0.5, 1e-2, random.uniform(0.5e-3, 1e-2, most))
     position_m = random.uniform([-0.03, -0.03, 0.02], [0.03, 0.03, 0.08], (most, 3))
     position_m[:2] = position_m[2] + [[0.0, 0.0, 2e-4], [3e-4, 0.0, 0.0]]
-    position_m[-1] = [-0.09, 0.09, -0.09]
+    position_m[:2, 1] = -0.0299, 0.0299 if periodic_y else -0.0299
+    position_m[-1] = [-0.09, 0.0, -0.09]
     given = replace(spheres(position_m), diameter_m=diameter_m)
-    solver = solver_adapter("liggghts").build(make_plan(flat(), given, folder=tmp_path))
+    plan = make_plan(flat(0.03), given, folder=tmp_path)
+    if periodic_y:
+        plan = replace(plan, domain_m=plan.domain_m * [1.0, 0.3, 1.0], periodic_y=True)
+    solver = solver_adapter("liggghts").build(plan)
     found = solver.snapshot().contacts
     assert found is not None
     solver.close()
-    apart_m = np.linalg.norm(position_m[:, None] - position_m, axis=-1)
-    touching = apart_m < (diameter_m[:, None] + diameter_m) / 2
+    apart_m = position_m[:, None] - position_m
+    if periodic_y:
+        apart_m[..., 1] -= 0.06 * np.round(apart_m[..., 1] / 0.06)
+    touching = np.linalg.norm(apart_m, axis=-1) < (diameter_m[:, None] + diameter_m) / 2
     np.testing.assert_array_equal(found, touching.sum(axis=1) - 1)
     assert found[:2].all()
     assert not found[-1]

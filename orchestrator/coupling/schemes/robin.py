@@ -112,7 +112,7 @@ class SurfaceCompliance:
         by the sizes of the shapes, which is never less than the matrix.
         """
         right_side, at = self._on_masses(excess_N), touched.number
-        free = 2 / length_s * self.inertia.mass_kg[:, None] / share
+        free = np.outer(self.inertia.mass_kg, 2 / (length_s * share))
         resisting = np.zeros_like(excess_N)
         resisting[at] = self.size[at] * np.einsum("pii->p", touched.impedance_N_s_per_m)[:, None]
         lumped = free + self.sizes.transposed_times(resisting)
@@ -131,8 +131,8 @@ class SurfaceCompliance:
         it.  The share is ``before`` if the load did not change.
         """
         on_masses_N = self._on_masses(more.force_N)
-        free = length_s / 2 * np.einsum("mk,mk,m->k", on_masses_N, on_masses_N, 1.0 / self.inertia.mass_kg)
-        real, share = np.einsum("pk,pk,p->k", more.force_N, gave_m_per_s, self._counts), before.copy()
+        free = length_s / 2 * (1.0 / self.inertia.mass_kg @ on_masses_N**2)
+        real, share = self._counts @ (more.force_N * gave_m_per_s), before.copy()
         np.divide(real, free, out=share, where=free > 0)
         return np.clip(share, LEAST_SHARE, 1.0)
 
