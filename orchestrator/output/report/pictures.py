@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap
 from scipy.integrate import trapezoid
 
 from orchestrator.case.deck.panels import single_panels
@@ -24,6 +26,7 @@ from orchestrator.output.results.run_reader import RunReader
 COLUMNS = 4  # panels or bushings side by side
 LOWEST = 3.8  # inches: least height, at which a single row of panels is legible
 MOMENTS = 8  # of a cycle
+PROGRESS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.9, 256)))  # without pale colours
 INSTANTS = 4  # of a cycle, for panels with probes
 FEWEST_PROBES = 3  # on a panel or on frames, for a picture of their motion
 MM_IN_1000_H = 1e6  # 1 m/h
@@ -74,9 +77,13 @@ def draw_panel_shapes(run: RunReader) -> Any:
         for number in last[np.linspace(0, len(last) - 1, min(MOMENTS, len(last))).astype(int)]:
             phase = time_s[number] / run.cycle_s % 1.0 if run.is_driven else time_s[number] / time_s[-1]
             line_mm = 1e3 * lines_m[number]
-            colour = colormaps["twilight_shifted"](0.1 + 0.8 * phase)  # a cyclic map, like the phase
-            ax.plot(line_mm @ at.along, line_mm @ at.normal, lw=1.1, color=colour)
+            ax.plot(line_mm @ at.along, line_mm @ at.normal, lw=1.1, color=PROGRESS(phase))
         ax.set(title=name, xlabel="along / mm")
+    fig.colorbar(
+        ScalarMappable(cmap=PROGRESS),
+        ax=axes,
+        label="share of the cycle" if run.is_driven else "share of the run",
+    )
     return fig
 
 
