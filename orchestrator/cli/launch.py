@@ -58,6 +58,8 @@ KILLED = "the run had been killed, or the machine stopped: nothing says how it e
 DONE, BROKEN = 0, 1
 OUT = "out of memory"
 AT_ONCE = 128 + signal.SIGINT
+RANK_0_FIRST_S = 3.0  # rank 0 closes its files within that time
+SUMMARY_WRITTEN_S = 3600.0  # the results of a long run take minutes
 
 
 def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
@@ -348,10 +350,14 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
 def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
     """End all ranks, wherever they wait; the first rank that fails prints the reason.
 
-    A run that is refused before it has computed anything leaves no folder.
+    Where all ranks fail alike that is rank 0, which alone has the figures of the summary.  A run that is
+    refused before it has computed anything leaves no folder.
     """
-    if not run_folder.claim(folder / "failure.txt", reason, world.rank if world else 0):
-        time.sleep(60)  # the rank that failed first ends this one as soon as its summary is written
+    rank = world.rank if world else 0
+    if rank > 0:
+        time.sleep(RANK_0_FIRST_S)
+    if not run_folder.claim(folder / "failure.txt", reason, rank):
+        time.sleep(SUMMARY_WRITTEN_S)  # the rank that failed first then ends this one
     else:
         LOG.error(reason)
         console = _console()

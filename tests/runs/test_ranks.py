@@ -43,6 +43,22 @@ def broken(self, interval, clamps, load):
     return advance(self, interval, clamps, load)
 strip.Strip.advance = broken
 """
+ALL_RANKS_FAIL = """
+import time
+from mpi4py import MPI
+from orchestrator.output.records.recorder import Recorder
+from orchestrator.ports.plans import SolverFailed
+from orchestrator.run import run
+close = Recorder.close
+def broken(observed, time_s, advice):
+    if time_s > 2.5e-4:
+        raise SolverFailed("on purpose")
+def close_slowly(self):
+    if MPI.COMM_WORLD.rank == 0:
+        time.sleep(0.5)
+    close(self)
+run.check_speeds, Recorder.close = broken, close_slowly
+"""
 ONE_RANK_LACKS_A_SOLVER = """
 import os, sys
 if os.environ["OMPI_COMM_WORLD_RANK"] == "1":
@@ -113,6 +129,16 @@ def test_a_failure_on_one_rank_ends_both_with_one_message(
     assert said in left_usable(folder, "failed")["reason"]
     wait_until(lambda: of(folder) == [])
     assert time.time() - (folder / "failure.txt").stat().st_mtime < ENDED_S
+
+
+def test_rank_0_sums_up_where_all_ranks_fail_alike(tmp_path: Path) -> None:
+    """It alone has the figures, though it has more to close than the others."""
+    folder = tmp_path / "run"
+    done = flipflow(*run_words("quickstart", folder, SHORT), before=ALL_RANKS_FAIL, ranks=2)
+    assert done.returncode == 4, done.stderr
+    assert done.stderr.count("on purpose") == 1
+    assert left_usable(folder, "failed")["particles"] == 100
+    wait_until(lambda: of(folder) == [])
 
 
 def test_a_rank_that_is_killed_takes_the_others_with_it(tmp_path: Path) -> None:
