@@ -15,8 +15,9 @@ from flipflow.run import Run, make_run
 from orchestrator.case.file.base import CASE_FILE, lay_chain, level_names, read_chain
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.load import choose_level
+from orchestrator.cli.console import find_all_problems
 from orchestrator.output.records.run_folder import resolved_case
-from orchestrator.preflight.check import find_problems, warnings
+from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.run.progress import ProgressReport
 
@@ -82,13 +83,13 @@ class Case:
         be run.
         """
         try:
-            return [str(problem) for problem in find_problems(self._judged)]
+            return [str(problem) for problem in find_all_problems(self._judged)]
         except CaseError as error:
             return [str(problem) for problem in error.problems]
 
     def warnings(self) -> list[str]:
         """Return what is allowed but doubtful in the case.  Raises CaseError if the case cannot be run."""
-        if problems := find_problems(self._judged):
+        if problems := find_all_problems(self._judged):
             raise CaseError(problems)
         return list(warnings(self._judged))
 
@@ -118,7 +119,7 @@ class Case:
         RunInterrupted
             Ctrl-C ended the run, which can be resumed.
         """
-        if problems := find_problems(self._judged):
+        if problems := find_all_problems(self._judged):
             raise CaseError(problems)
         level = ("--level", self.level) if self.level else ()
         sets = tuple(word for line in self.overrides for word in ("--set", line))

@@ -49,7 +49,9 @@ def _code(error: Exception) -> int | None:
         return MISSING
     if isinstance(error, SolverFailed):
         return FAILED
-    return WRONG if isinstance(error, CaseError | FolderUnusable | MemoryError) else None
+    if isinstance(error, BrokenPipeError):  # who reads the output has gone
+        return None
+    return WRONG if isinstance(error, CaseError | FolderUnusable | MemoryError | OSError) else None
 
 
 def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:

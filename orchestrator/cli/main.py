@@ -353,10 +353,7 @@ def record(
 
     with reported_errors():
         recording = record_panels(run, cycles)
-    try:
         recordings.write(out, recording.file)
-    except OSError as error:
-        refuse(str(error))
     if not is_trusted(state := status(run)):
         CONSOLE.print(f"warning: the run is {state}: {run / SUMMARY} says why")
     for name, share in recording.change.items():

@@ -23,6 +23,7 @@ def choose_settings(
     overrides: list[str],
 ) -> Plan:
     """Return the plan that follows from a stored study and a short run on this machine."""
+    at_level = f" --level {loaded.level}" if loaded.level else ""
     with reported_errors():
         measured = find_study(loaded, given)
         if measured is None:
@@ -30,7 +31,7 @@ def choose_settings(
             refuse(
                 f"no study of {loaded.name}, level {loaded.level or 'none'}: its error is not "
                 f"known; as it is it would take about {in_words(longest_s)} here. First: flipflow "
-                f"study accuracy {case} --level {loaded.level}"
+                f"study accuracy {case}{at_level}"
             )
         if measured.is_empty:
             refuse(

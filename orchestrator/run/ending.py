@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import time
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -62,7 +61,7 @@ class Ending:
             "cycle_s": cycle_s(case),
             "stability": self.stability.as_json(),
             "wall_s": wall_s,
-            "processor_s": time.process_time(),
+            "processor_s": progress.processor_s,
             "processor_before_s": progress.processor_before_s,
             "peak_memory_MiB": getrusage(RUSAGE_SELF).ru_maxrss / 1024,
             "wall_by_part_s": summary.wall_by_part_s(stopwatch, wall_s),

@@ -29,13 +29,18 @@ class Progress:
         self.stopwatch = Stopwatch()
         self.particle_steps = 0
         self.figures: dict[str, Any] = {"sync_intervals": 0, "simulated_s": 0.0, "particles": 0}
-        self._started_s, self._before_s = time.perf_counter(), 0.0
+        self._started_s, self._before_s, self._processor_earlier_s = time.perf_counter(), 0.0, 0.0
         self.processor_before_s = time.process_time()  # for imports, which the wall time leaves out
 
     @property
     def wall_s(self) -> float:
         """The wall time of this process and of earlier ones up to their last checkpoints."""
         return self._before_s + time.perf_counter() - self._started_s
+
+    @property
+    def processor_s(self) -> float:
+        """The processor time of the same processes; like ``processor_before_s`` with their starts."""
+        return self._processor_earlier_s + time.process_time()
 
     @property
     def done(self) -> int:
@@ -58,6 +63,8 @@ class Progress:
             "figures": self.figures,
             "particle_steps": self.particle_steps,
             "wall_s": self.wall_s,
+            "processor_s": self.processor_s,
+            "processor_before_s": self.processor_before_s,
             "wall_by_part_s": self.stopwatch.wall_s,
             "repeated_by_part_s": self.stopwatch.repeated_s,
         }
@@ -67,6 +74,8 @@ class Progress:
         self.figures = dict(saved["figures"])
         self.particle_steps = saved["particle_steps"]
         self._before_s = saved["wall_s"]
+        self._processor_earlier_s = saved.get("processor_s", 0.0)  # older checkpoints have none
+        self.processor_before_s += saved.get("processor_before_s", 0.0)
         books = {"wall_by_part_s": self.stopwatch.wall_s, "repeated_by_part_s": self.stopwatch.repeated_s}
         for name, book in books.items():
             for part, time_s in saved.get(name, {}).items():  # older checkpoints have no repeats

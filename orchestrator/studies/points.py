@@ -291,8 +291,8 @@ def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
             raise FolderUnusable(f"{each.folder}: a run is at work there; wait for its end")
         (done if each.done() else waiting).append(each)
     yield from (f"{each.folder.name}: done before" for each in done)
-    beside = min(crew.workers, len(waiting))
     if waiting:
+        beside = min(crew.size(), len(waiting))
         yield from crew.each(partial(_run, (p.words, p.then), p.folder.resolve(), beside) for p in waiting)
 
 
@@ -403,7 +403,7 @@ def _range(text: str, values: str) -> tuple[str, ...]:
         first, last, step = (Fraction(split_quantity(part)[0]) for part in parts)
     except (ValueError, ZeroDivisionError):
         raise _wrong(text, "is no range of numbers") from None
-    if step == 0 or (last - first) / step < 0 or (last - first) / step > MOST_VALUES:
+    if step == 0 or (last - first) / step < 0 or (last - first) / step >= MOST_VALUES:
         raise _wrong(text, f"is no range of 1 to {MOST_VALUES} values")
     count = int((last - first) / step) + 1
     unit = split_quantity(parts[-1])[1]

@@ -69,7 +69,7 @@ def percent(share: float | None) -> str:
     """Return a share in per cent with two digits, or an empty text for no share."""
     if share is None:
         return ""
-    return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
+    return f"{100 * share:.2g} %" if abs(share) < 0.1 else f"{100 * share:.0f} %"
 
 
 def figure_parts(count: int, columns: int, width: float, height: float) -> tuple[Any, list[Any]]:

@@ -93,6 +93,10 @@ def test_problems_are_lines_and_nothing_is_run(tmp_path: Path) -> None:
     with pytest.raises(flipflow.CaseError, match="sulver"):
         case.run(tmp_path / "run")
     assert not (tmp_path / "run").exists()
+    unknown = flipflow.load(EMPTY, "draft").change({"monitor.items.nosuch.warn": 1.0})
+    assert any("nosuch" in line for line in unknown.check())
+    with pytest.raises(flipflow.CaseError, match="nosuch"):
+        unknown.run(tmp_path / "run")
     with pytest.raises(flipflow.CaseError, match="no such case"):
         flipflow.load(tmp_path)
     with pytest.raises(flipflow.CaseError, match="draft"):

@@ -82,15 +82,14 @@ def test_a_surface_with_other_bytes(data: Any, tmp_path: Path) -> None:
 
 @pytest.mark.solver
 @FEWER
-@given(drawn=spoilt_tables(CASES), command=st.sampled_from(["run", "run", "bench", "sweep"]))
+@given(drawn=spoilt_tables(CASES), command=st.sampled_from(["run", "run", "accuracy"]))
 def test_a_run_of_a_case_with_other_values(drawn: Any, command: str, tmp_path: Path) -> None:
     """What the check lets through does not break what comes after it."""
     place, level = place_of(tmp_path), drawn[1]
     lay_out(place, *drawn)
     words = {
         "run": ["run", "case", "--out", "run", "--level", level],
-        "bench": ["bench", "case", "--intervals", "1", "--level", level],
-        "sweep": ["study", "sweep", "case", "--vary", "x=", "--level", level, "--out", "run"],
+        "accuracy": ["study", "accuracy", "case", "--dry", "--out", "run", "--level", level],
     }[command]
     tried(place, words, OF_A_RUN)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import pytest
 
-from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
 from tests.cases import CASE, LEVEL, case_folder, complaints, load_case, loaded, only_complaint
@@ -148,3 +149,11 @@ def test_files_that_are_no_case_are_mistakes_of_the_user(tmp_path: Path) -> None
     assert "twice" in refused(tmp_path)
     (tmp_path / "case.toml").write_text("default_level = 3")
     assert "no level 3" in refused(tmp_path)
+
+
+def test_an_error_of_a_case_is_the_same_in_another_process() -> None:
+    """Ranks and workers hand errors on."""
+    error = CaseError([CaseProblem(("duration_s",), "is wrong"), CaseProblem(("panel", "cells"), "too")])
+    same = pickle.loads(pickle.dumps(error))
+    assert (str(same), same.problems) == (str(error), error.problems)
+    assert "2 problems" in str(same)

@@ -64,6 +64,7 @@ def test_each_point_has_a_folder_of_its_own_and_its_keys(tmp_path: Path) -> None
         ((f"{SPEED}=1,2", f"{SLOPE}=3"), "list", f"{SPEED} has 2, {SLOPE} has 1"),
         ((f"{SPEED}=1:1000:1", f"{SLOPE}=1:2:1"), "grid", "makes more than 1000 settings"),
         ((f"{SPEED}=2:1",), "random", "the first number must be the smaller one"),
+        ((f"{SPEED}=0:1000:1",), "grid", "is no range of 1 to 1000 values"),
         ((f"{SPEED}=a:b",), "random", "is no range of numbers"),
         (("x", "y="), "grid", "2 problems"),
     ],

@@ -16,6 +16,7 @@ from orchestrator.studies.design.campaign import NEAR_A_FAILURE, Campaign
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers
 from orchestrator.studies.design.study_file import Study
+from orchestrator.studies.design.surrogates import TooFewPoints
 from orchestrator.studies.design.tables import write_tables
 from orchestrator.studies.design.trials import Measured, Outcome, Trial
 from tests.design.campaigns import Killed, NoisyFunction, belt, belt_truth, campaign, run_all
@@ -420,3 +421,13 @@ def test_a_folder_with_trials_of_other_factors_is_refused(tmp_path: Path) -> Non
     )
     with pytest.raises(FolderUnusable, match=r"slope, stroke.*slope, mass.*--out"):
         run_all(other, tmp_path)
+
+
+def test_a_cheap_level_without_data_ends_the_search(tmp_path: Path) -> None:
+    study = belt(tmp_path, cheap={"level": "draft", "runs": 4})
+    whole = campaign(study, tmp_path)
+    cheap = [Outcome(Trial(n, "cheap", (0.0, 0.0), 0), "failed", "on purpose") for n in range(4)]
+    whole.outcomes = [Outcome(Trial(9, "plan", (0.0, 0.0), 0), "done", "", {"speed": Measured(1.0)})]
+    whole.outcomes += cheap
+    with pytest.raises(TooFewPoints, match="no run at the cheap level gave data"):
+        whole.fit()

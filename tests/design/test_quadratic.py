@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.studies.design.quadratic import Quadratic, Surface, Term, quadratic_terms
+from orchestrator.studies.design.plans import box_behnken
+from orchestrator.studies.design.quadratic import Quadratic, Surface, Term, model_matrix, quadratic_terms
 from orchestrator.studies.design.surrogates import TooFewPoints
 from tests.design.table5 import RESPONSES, surface, table_5
 
@@ -236,3 +237,21 @@ def test_a_constant_response_has_a_surface_that_explains_nothing() -> None:
     assert len(fitted.anova()) == 21
     assert np.isfinite(fitted.studentised_residuals()).all()
     assert fitted.lack_of_fit() is None
+
+
+def test_a_single_centre_of_a_box_behnken_design_is_not_judged_by_the_others() -> None:
+    """Without it nothing tells the squares from the constant; the other points are predicted as by a fit
+    without each."""
+    x = np.vstack([box_behnken(3, centres=0), np.zeros((1, 3))])
+    y = 1.0 + x @ [1.0, 2.0, 3.0] + 0.1 * np.random.default_rng(2).standard_normal(len(x))
+    fitted = Surface.fit(x, y, quadratic_terms(3))
+    mean, deviation = fitted.left_out()
+    assert np.isnan([mean[-1], deviation[-1]]).all()
+    assert np.isfinite([mean[:-1], deviation[:-1]]).all()
+    others = np.arange(len(x)) > 0
+    matrix = model_matrix(x, quadratic_terms(3))
+    without = np.linalg.lstsq(matrix[others], y[others], rcond=None)[0]
+    assert mean[0] == pytest.approx(matrix[0] @ without, rel=1e-9)
+    told = ((y - y.mean())[:-1] ** 2).sum()
+    expected = 1.0 - ((y - mean)[:-1] ** 2).sum() / told
+    assert fitted.quality()["r2_predicted"] == pytest.approx(expected, rel=1e-12)

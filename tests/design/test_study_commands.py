@@ -150,3 +150,36 @@ def test_the_file_of_a_study_is_not_written_over_by_its_own_folder(tmp_path: Pat
     assert done.exit_code == 0, done.output
     assert file.read_text() == text
     assert "points.csv" in contents(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("added", "words"),
+    [
+        ('[cheap]\nlevel = "drft"\nruns = 4', ["drft", "draft"]),
+        ('[cheap]\nlevel = "draft"\nruns = 4\noverrides = ["duraton_s=0.1"]', ["duraton_s", "duration_s"]),
+        ('[simpler]\nrate = "sqrt(amplitude - 10)"', ["amplitude = 4, rate = 40: ", "has no value"]),
+        (
+            '[simpler]\nrate = "10 * amplitude"',
+            ["amplitude = 12, rate = 40: rate = 120 of [simpler] is out of its range"],
+        ),
+    ],
+    ids=["cheap level", "cheap override", "simpler without a value", "simpler out of range"],
+)
+def test_what_only_later_stages_need_is_checked_first(added: str, words: list[str], tmp_path: Path) -> None:
+    write_plates(tmp_path, ("[search]", f"{added}\n[search]"))
+    done = study("design")
+    assert done.exit_code == 2, done.output
+    for word in words:
+        assert word in done.output
+    assert contents(tmp_path) == {"study.toml"}
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
+    """By the file system, whatever the user may do."""
+    (tmp_path / "belt.csv").write_text("slope,stroke,speed,share\n10,2,0.5,80\n30,2,1.9,45\n")
+    own: dict[str, Any] = {"case": None, "set": {}, "responses/speed/result": None}
+    write_study(tmp_path, table="belt.csv", **own, **{"responses/share/result": None})
+    done = study("fit", "--out", "/proc/nowhere")
+    assert done.exit_code == 2
+    assert "/proc/nowhere" in done.output
+    assert "Traceback" not in done.output

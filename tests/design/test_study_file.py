@@ -120,6 +120,10 @@ WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
         {"ordered": [["slope", "strok"]]},
         ['ordered.0: no factor "strok"; did you mean "stroke"?'],
     ),
+    "a derived number with the name of a constant": (
+        {"derived": {"pi": "3"}},
+        ["derived.pi: pi is a constant of formulas"],
+    ),
     "a simpler design with an unknown factor": (
         {"simpler": {"stroke": "slop"}},
         ['simpler.stroke: "slop" is no factor of the simpler design', "slope"],

@@ -132,3 +132,10 @@ def test_a_wrong_published_table_is_told_before_anything_runs(tmp_path: Path) ->
     with pytest.raises(CaseError, match=r'published\.0\.table: belt.csv has no column "speed".*sped'):
         list(DesignStudy(study, Crew(), tmp_path / "out").run(search=False))
     assert not (tmp_path / "out").exists()
+
+
+def test_two_responses_may_share_a_column(tmp_path: Path) -> None:
+    """The same numbers, on a plain scale and as shares of a whole."""
+    shared = {"responses/speed/result": "share", "responses/share/scale": "percent"}
+    first, *_ = read_table(study_of(tmp_path, HEAD + ROWS, **shared))
+    assert {name: each.value for name, each in first.responses.items()} == {"speed": 80.0, "share": 80.0}

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+import time
+
+import pytest
 
 from orchestrator.run.progress import Progress
 
 
 def test_a_resumed_run_goes_on_counting_its_time() -> None:
-    """In the whole, by part, and what is repeated, which checkpoints of older versions do not have."""
+    """In the whole, by part, that of the processor, and what is repeated; checkpoints of older versions do
+    not have the last two."""
     stopped = Progress()
     stopped.stopwatch.wall_s |= {"panel": 3.0, "coupling": 1.0}
     stopped.stopwatch.repeated_s |= {"panel": 1.5}
     stopped.figures["particles"] = 10
     stopped.count_sync_point(4, 0.25, 7)
-    saved = json.loads(json.dumps(stopped.as_json()))
+    saved = json.loads(json.dumps(stopped.as_json())) | {"processor_s": 50.0, "processor_before_s": 2.0}
     resumed = Progress()
     resumed.stopwatch.wall_s["panel"] = 0.5
     resumed.restore(saved)
@@ -22,7 +26,10 @@ def test_a_resumed_run_goes_on_counting_its_time() -> None:
     assert resumed.stopwatch.repeated_s == {"panel": 1.5}
     assert (resumed.done, resumed.simulated_s, resumed.particle_steps) == (4, 0.25, 70)
     assert resumed.wall_s >= saved["wall_s"]
-    del saved["repeated_by_part_s"]
+    assert 50.0 < resumed.processor_s == pytest.approx(50.0 + time.process_time(), abs=0.1)
     older = Progress()
+    assert resumed.processor_before_s == pytest.approx(2.0 + older.processor_before_s, abs=0.1)
+    for name in ("repeated_by_part_s", "processor_s", "processor_before_s"):
+        del saved[name]
     older.restore(saved)
     assert (older.stopwatch.wall_s["panel"], older.stopwatch.repeated_s) == (3.0, {})

@@ -78,6 +78,10 @@ class CaseError(Exception):
             lines.append(f"  and {count - MOST} more")
         super().__init__("\n".join(lines))
 
+    def __reduce__(self) -> tuple[type[CaseError], tuple[tuple[CaseProblem, ...]]]:
+        """Return what another process or rank makes the error of."""
+        return type(self), (self.problems,)
+
 
 def dotted_key(key: Key) -> str:
     """Join a key by dots, as ``--set`` takes it: ('bed', 'sizes', 0, 'm') becomes bed.sizes.0.m."""

@@ -31,8 +31,8 @@ REPEATS = (2, 6)  # runs of each setting that is confirmed: at least, at most
 FIRST_NEW_SEED = 1000  # of runs that confirm; equal for all settings, so that they are compared in pairs
 CONFIRMING = 2  # stream of random numbers that choose what is confirmed
 FEWEST_EXPLAINED = 0.5  # of a goal's variance, by leave-one-out
-NEAR_A_FAILURE = 0.1  # of the coded range: there nothing more is proposed
-SAME = 1e-6  # of the coded range: settings no farther apart are one
+NEAR_A_FAILURE = 0.1  # coded, a twentieth of the range: there nothing more is proposed
+SAME = 1e-6  # coded: settings no farther apart are one
 BEST, CENTRE, SIMPLER = "best", "centre", "simpler"
 
 
@@ -133,6 +133,8 @@ class Campaign:
         seed = self.study.file.seed
         if self.study.file.cheap is not None:
             below = Data.of([each for each in self.outcomes if each.trial.stage == "cheap"], self.scales)
+            if not len(below.x):
+                raise TooFewPoints("no run at the cheap level gave data")
             cheap = surrogate.fit(below.x, below.y, below.variance, seed)
             surrogate = TwoLevels(cheap, surrogate)
         return surrogate.fit(data.x, data.y, data.variance, seed)

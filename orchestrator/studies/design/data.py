@@ -37,7 +37,8 @@ class Data:
     def of(cls, outcomes: Sequence[Outcome], scales: Mapping[str, Scale]) -> Data:
         """Collect the outcomes that are data; a response that a run does not have is not a number."""
         rows = sorted((each for each in outcomes if each.is_data), key=lambda each: each.trial.number)
-        x = np.array([each.trial.setting for each in rows])
+        factors = len(outcomes[0].trial.setting) if outcomes else 0
+        x = np.array([each.trial.setting for each in rows]).reshape(len(rows), factors)
         y, variance = np.full((2, len(rows), len(scales)), np.nan)
         for i, each in enumerate(rows):
             for j, (name, scale) in enumerate(scales.items()):

@@ -19,6 +19,7 @@ from scipy import stats
 from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints
 
+NEEDED = 1e-8  # of leverage short of 1: without the point there are too few for the terms
 QUALITY = (  # what is told of a surface
     "r2",
     "r2_adjusted",
@@ -116,10 +117,13 @@ class Surface:
         return matrix @ self.fitted.params, matrix @ self.fitted.cov_params() @ matrix.T
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each of its points from the others: mean and standard deviation of the mean's error."""
+        """Predict each of its points from the others: mean and standard deviation of the mean's error.
+
+        A point without which the surface could not be fitted, such as a single centre, has none of both.
+        """
         leverage = self.fitted.get_influence().hat_matrix_diag
-        residual = self.fitted.resid / (1.0 - leverage)
-        return self.y - residual, np.sqrt(self.fitted.scale * leverage / (1.0 - leverage))
+        rest = np.where(leverage < 1.0 - NEEDED, 1.0 - leverage, np.nan)
+        return self.y - self.fitted.resid / rest, np.sqrt(self.fitted.scale * leverage / rest)
 
     @property
     def is_constant(self) -> bool:
@@ -136,12 +140,13 @@ class Surface:
         """Compute R squared, adjusted and predicted (PRESS), and the F test of the whole surface."""
         if self.is_constant:
             return dict.fromkeys(QUALITY, 0.0) | {"p": 1.0}
-        press = float(((self.y - self.left_out()[0]) ** 2).sum())
-        total = float(self.fitted.centered_tss)
+        missed, total = self.y - self.left_out()[0], float(self.fitted.centered_tss)
+        press, told = float(np.nansum(missed**2)), np.isfinite(missed)
+        predicted = 1.0 - press / float(((self.y - self.y.mean())[told] ** 2).sum())
         values = (
             self.fitted.rsquared,
             self.fitted.rsquared_adj,
-            1.0 - press / total,
+            predicted,
             total,
             self.fitted.ssr,
             press,

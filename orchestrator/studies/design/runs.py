@@ -18,7 +18,7 @@ from orchestrator.output.records.summary import worked_by_part_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.study_file import Study
-from orchestrator.studies.design.trials import Measured, Outcome, Trial
+from orchestrator.studies.design.trials import Measured, Outcome, Stage, Trial
 from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
 
 UNFINISHED = ("missing", "interrupted")
@@ -47,7 +47,7 @@ class Runs:
         return self._runs.check(self._study.overlays(self._study.actual(np.zeros(self._study.space.factors))))
 
     def check(self) -> None:
-        """Check the centre and the corners of the ranges as cases.
+        """Check the centre and the corners of the ranges as cases, the centre at the cheap level, too.
 
         Raises CaseError with the settings that no case can have, and why.
         """
@@ -56,6 +56,7 @@ class Runs:
             setting = self._study.actual(corner)
             named = ", ".join(f"{name} = {value:g}" for name, value in setting.items())
             try:
+                self._study.check_simpler(corner)
                 self._runs.check(self._study.overlays(setting))
             except BadFormula as error:
                 problems.append(CaseProblem(("set",), f"{named}: {error}"))
@@ -66,6 +67,8 @@ class Runs:
         if problems:
             raise CaseError(problems)
         self._check_names()
+        runs, overlays = self._at_stage("cheap", self._study.actual(np.zeros(self._study.space.factors)))
+        runs.check(overlays)
 
     def _raise_if_never_a_case(self, error: CaseError) -> None:
         """Raise the problems of the case without the formulas where ``error`` is one of them."""
@@ -94,35 +97,43 @@ class Runs:
 
     def outcomes(self, wanted: Iterable[Trial]) -> Iterator[Outcome]:
         """Run the trials that are not done, and yield the outcome of each."""
-        yield from self._runs.crew.each(partial(self._make, trial) for trial in wanted)
+        beside = self.side_by_side  # asked here: a worker may not reach the scheduler
+        yield from self._runs.crew.each(partial(self._make, trial, beside) for trial in wanted)
 
     def finished(self, trials: Iterable[Trial]) -> list[Outcome]:
         """Return the outcomes of the trials that have been run to their end; nothing is run.
 
         Raises FolderUnusable where a run is of another case than the study's.
         """
-        outcomes = (self._make(trial, may_run=False) for trial in trials)
+        outcomes = (self._make(trial) for trial in trials)
         return [outcome for outcome in outcomes if outcome.status not in UNFINISHED]
 
-    def _make(self, trial: Trial, may_run: bool = True) -> Outcome:
+    def _make(self, trial: Trial, beside: int = 0) -> Outcome:
+        """Return the outcome of a trial, which is run if ``beside``, the number of runs at a time, is above
+        0."""
         try:
             point = self._point(trial)
         except (CaseError, BadFormula) as error:
             why = str(error.problems[0]) if isinstance(error, CaseError) else str(error)
             return Outcome(trial, "refused", why)
-        if not point.done() and may_run:
-            run_point(point, self.side_by_side)
+        if not point.done() and beside:
+            run_point(point, beside)
         return self._outcome(trial, point)
 
     def _point(self, trial: Trial) -> Point:
-        overlays = self._study.overlays(trial.values)
-        runs, cheap = self._runs, self._study.file.cheap
-        if trial.stage == "cheap" and cheap is not None:
-            runs, overlays = replace(runs, level=cheap.level), [*overlays, *cheap.overrides]
+        runs, overlays = self._at_stage(trial.stage, trial.values)
         seeds = seed_sets(self.centre.case, trial.seed)
         steady = all(table.steady for table in self._study.file.responses.values())
         free = ("duration_s",) if steady else ()  # short and long runs tell the same, each with its noise
         return replace(runs.point(trial.name, [*overlays, *seeds]), ended=has_ended, free=free)
+
+    def _at_stage(self, stage: Stage, setting: Mapping[str, float]) -> tuple[CaseStudy, list[str]]:
+        """Return the runs of a stage, and the overlays of a setting there; without a cheap level, the
+        study's."""
+        overlays, cheap = self._study.overlays(setting), self._study.file.cheap
+        if stage != "cheap" or cheap is None:
+            return self._runs, overlays
+        return replace(self._runs, level=cheap.level), [*overlays, *cheap.overrides]
 
     def _outcome(self, trial: Trial, point: Point) -> Outcome:
         summary = summary_of(point.folder)

@@ -37,6 +37,7 @@ POSSIBLE = {  # limits on each scale: above, below, and both in words
     "logarithm": (0.0, math.inf, "above 0"),
 }
 GOAL = re.compile(r"(maximise|maximize|minimise|minimize) +(\S+)")
+ROUNDING = 1e-9  # of coded settings
 NO_RESPONSE = -1  # of a limit that names none
 COLUMNS = ("trial", "stage", "role", "seed", "status", "why_no_data", "particle_steps")  # of points.csv
 LIMIT = re.compile(r"(\S+) *(>=|<=) *(.+)")
@@ -253,6 +254,14 @@ class Study:
         """Return the part of the space that simpler designs are: its factors follow from the others."""
         return SimplerSpace(self.space.low, self.space.high, self.space.chains, self._simplify)
 
+    def check_simpler(self, coded: Array) -> None:
+        """Raise BadFormula where the formulas of ``simpler`` make no design of a setting, (factors,)."""
+        simple = self._simplify(self.space.ordered(coded[None]))[0]
+        moved = np.abs(self.space.ordered(simple[None])[0] - simple)
+        if moved.max() > ROUNDING:
+            name, value = list(self.actual(simple).items())[int(moved.argmax())]
+            raise BadFormula(f"{name} = {value:g} of [simpler] is out of its range or order")
+
     def _simplify(self, coded: Array) -> Array:
         """Put the formulas of ``simpler`` into settings, (n, factors)."""
         names, actual = list(self.file.factors), self.space.actual(coded)
@@ -325,9 +334,9 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
 
 def _check_names(file: StudyFile, problems: list[CaseProblem]) -> None:
     """Check that every column of the tables, and every word of a formula, has one meaning."""
-    for name in file.factors:
-        if name in formulas.CONSTANTS:
-            problems.append(CaseProblem(("factors", name), f"{name} is a constant of formulas"))
+    for kind in ("factors", "derived"):
+        for name in getattr(file, kind).keys() & set(formulas.CONSTANTS):
+            problems.append(CaseProblem((kind, name), f"{name} is a constant of formulas"))
     for kind in ("factors", "responses"):
         for name in getattr(file, kind).keys() & set(COLUMNS):
             hint = f"other names than {', '.join(COLUMNS)} are wanted"

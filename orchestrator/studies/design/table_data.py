@@ -38,7 +38,8 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
         problems.append(CaseProblem(key, f"{path.name} has no rows"))
     if problems:
         raise CaseError(problems)
-    numbers = table[[*file.factors, *columns.values(), *optional]].apply(pd.to_numeric, errors="coerce")
+    wanted = dict.fromkeys([*file.factors, *columns.values(), *optional])  # two responses may share a column
+    numbers = table[[*wanted]].apply(pd.to_numeric, errors="coerce")
     numbers = numbers.replace([np.inf, -np.inf], np.nan)
     text = numbers.isna() & table[numbers.columns].notna()
     text[list(file.factors)] |= numbers[list(file.factors)].isna()
