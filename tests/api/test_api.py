@@ -85,6 +85,9 @@ def test_another_file_is_not_taken_for_the_case_beside_it(tmp_path: Path) -> Non
         flipflow.load(tmp_path / "other.toml")
 
 
+ITEM = "monitor.items.nosuch"
+
+
 def test_problems_are_lines_and_nothing_is_run(tmp_path: Path) -> None:
     case = flipflow.load(EMPTY, "draft").change({"panel.sulver": "rigid", "duration_s": -1})
     problems = case.check()
@@ -93,7 +96,7 @@ def test_problems_are_lines_and_nothing_is_run(tmp_path: Path) -> None:
     with pytest.raises(flipflow.CaseError, match="sulver"):
         case.run(tmp_path / "run")
     assert not (tmp_path / "run").exists()
-    unknown = flipflow.load(EMPTY, "draft").change({"monitor.items.nosuch.warn": 1.0})
+    unknown = flipflow.load(EMPTY, "draft").change({f"{ITEM}.limit": 1.0, f"{ITEM}.then": "warn"})
     assert any("nosuch" in line for line in unknown.check())
     with pytest.raises(flipflow.CaseError, match="nosuch"):
         unknown.run(tmp_path / "run")
