@@ -364,7 +364,9 @@ def record(
 
 @app.command(name="list")
 def list_cases(
-    folder: Annotated[Path, typer.Argument(help="folder that holds cases")] = Path("cases"),
+    folder: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="folder that holds cases")] = Path(
+        "cases"
+    ),
     as_json: AsJson = False,
 ) -> None:
     """List cases with their titles and levels."""

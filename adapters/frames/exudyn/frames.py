@@ -40,7 +40,7 @@ class ExudynFrames(RigidFrames):
     """A solver of ``Frames`` by Exudyn.
 
     With ``plan.step_s`` = 0 the step is 0.05 over the highest natural frequency, exciter speed or drive
-    speed.  Its relative error in a frequency is (w h)^2 / 24 = 1e-4.
+    speed.  Its relative error in a frequency is (w h)^2 / 12 = 2e-4.
     """
 
     COORDINATES = linear_frames.SPACE

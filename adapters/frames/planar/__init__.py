@@ -236,7 +236,7 @@ def objections(plan: FramesPlan) -> Iterator[Objection]:
     for exciter in plan.exciters:
         if exciter.motor is not None and (exciter.axis[0] or exciter.axis[2]):
             what = "turns a shaft that is not across the deck, which planar frames know alone"
-            hint = "axis = [0, 1, 0], or another frames.solver, without slip"
+            hint = 'axis = [0, 1, 0], or frames.solver = "exudyn"'
             yield Objection(what, hint, ("screen", "exciters", exciter.name, "motor"))
 
 

@@ -54,7 +54,9 @@ SHOWN = {
 
 def command(
     crew: Crew,
-    cases: Annotated[Path, typer.Argument(help="folder with the benchmarks")] = Path("cases/hard"),
+    cases: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="folder with the benchmarks")] = Path(
+        "cases/hard"
+    ),
     part: Annotated[str, typer.Option("--part", help="hard, map, or both with a comma between")] = "hard,map",
     base: Annotated[
         str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")

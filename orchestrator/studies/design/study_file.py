@@ -148,7 +148,8 @@ class StudyFile(Table):
     responses: Annotated[dict[Name, ResponseTable], Len(1)]
     """What is measured, by name."""
     goals: tuple[OneLine, ...] = ()
-    """One or two of ``maximise RESPONSE``, ``minimise RESPONSE``."""
+    """One or two of ``maximise RESPONSE``, ``minimise RESPONSE``.  The recommended setting has the best
+    first one; ``whale`` and ``gradient`` search for that alone."""
     limits: tuple[OneLine, ...] = ()
     """``RESPONSE >= VALUE``, ``RESPONSE <= VALUE``.  In one of them, several values with commas ask for the
     best setting at each."""
