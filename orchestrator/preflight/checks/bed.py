@@ -311,10 +311,12 @@ def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
 
 
 SAME_PLACE_M = 1e-6  # neighbouring exits may share a face
+THICKNESS = 0.55  # of the largest diameter: at the latest after half of it, a particle is looked for in exits
 
 
 def exits(case: Case) -> Iterator[CaseProblem]:
-    """Check that exits are boxes that particles can reach, apart from each other and from all panels."""
+    """Check that exits are boxes that particles can reach and do not miss, apart from each other and from
+    all panels."""
     boxes_m = {name: np.array(row.box_m) for name, row in case.screen.exits.items()}
     for name, box_m in boxes_m.items():
         key: Key = ("screen", "exits", name, "box_m")
@@ -325,6 +327,10 @@ def exits(case: Case) -> Iterator[CaseProblem]:
         low, high = np.array(case.domain_m)
         if ((corners_m < low).all(axis=0) | (corners_m > high).all(axis=0)).any():
             yield CaseProblem(key, "is outside domain_m: no particle gets there")
+        least_m = THICKNESS * largest_diameter_m(case) if has_particles(case) else 0.0
+        if (thin_m := float(np.ptp(box_m, axis=0).min())) < least_m:
+            what = f"is {thin_m:g} m thin: the fastest particles may go through it and not be taken out"
+            yield CaseProblem(key, what, f"make it {least_m:.3g} m thick or more")
         for panel in single_panels(case):  # straight between its clamps, in deck axes
             r = panel.rectangle
             ends_m = r.mounted(np.array(list(product((0.0, r.length_m), (0.0, r.width_m)))))
