@@ -22,9 +22,9 @@ AT = Rectangle(
 NONE = np.empty(0, dtype=np.int64)
 
 
-def record() -> tuple[WearRecord, TriangleSurface]:
+def record(cells: tuple[int, int] = (16, 8)) -> tuple[WearRecord, TriangleSurface]:
     """A panel behind two points of something else."""
-    made = grid(AT, (16, 8))
+    made = grid(AT, cells)
     position_m = np.vstack([np.full((2, 3), 9.0), AT.mounted(made.coordinates_m)])
     triangles = made.triangles + 2
     surface = TriangleSurface(position_m, triangles, np.zeros(len(triangles), dtype=np.int64))
@@ -68,4 +68,19 @@ def test_a_spot_is_in_its_patch() -> None:
     worn_m3 = np.zeros(len(surface.position_m))
     worn_m3[np.argmin(np.linalg.norm(surface.position_m - spot_m, axis=1))] = 1e-9
     depth_m = np.asarray(wear.groups(worn_m3)["wear/deck"]["depth_m"])
-    assert np.argwhere(depth_m > 0).tolist() == [[5, 1]]
+    assert np.unravel_index(depth_m.argmax(), PATCHES) == (5, 1)
+    assert (depth_m > 0).sum() <= 4  # a cell around the spot reaches into patches beside it
+
+
+@pytest.mark.parametrize("cells", [(16, 2), (7, 3), (20, 5)])
+def test_patches_divide_a_panel_evenly_whatever_its_cells(cells: tuple[int, int]) -> None:
+    """A depth that grows from side to side is in each patch that of its middle."""
+    wear, surface = record(cells)
+    across_m = (surface.position_m - AT.corner_m) @ AT.across
+    worn_m3 = across_m * point_area_m2(surface)
+    depth_m = np.asarray(wear.groups(worn_m3)["wear/deck"]["depth_m"])
+    middles_m = 0.2 * (np.arange(4) + 0.5) / 4
+    np.testing.assert_allclose(depth_m, np.tile(middles_m, (8, 1)), rtol=0.02)
+    mirrored = (0.2 - across_m) * point_area_m2(surface)
+    other_m = np.asarray(wear.groups(mirrored)["wear/deck"]["depth_m"])
+    np.testing.assert_allclose(other_m[:, ::-1], depth_m, rtol=0.02)

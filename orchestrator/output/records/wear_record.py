@@ -11,13 +11,15 @@ from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import Rectangle, TriangleSurface
 
 PATCHES = (8, 4)  # along and across a panel: each patch is large enough to be hit often
+PARTS = 8  # of each side of a triangle, by the middles of which its area is divided among patches
 
 
 class WearRecord:
     """A record of the depth of wear, which is the worn volume over the area at t = 0.
 
-    Each corner of a triangle has a third of the triangle's area.  The patches divide the free length and the
-    width of a panel evenly; a point under a clamp counts to the nearest patch.
+    Each corner of a triangle has a third of the triangle's area, and between points the depth is linear.  The
+    patches divide the free length and the width of a panel evenly; what lies under a clamp counts to the
+    nearest patch.
     """
 
     def __init__(
@@ -25,7 +27,7 @@ class WearRecord:
     ) -> None:
         self._area_m2 = point_area_m2(surface)
         self._panels = {
-            panel.name: (panel.surface, _patch(surface.position_m[panel.surface], rectangle))
+            panel.name: (panel.surface, _area_of_patches_m2(surface, panel.surface, rectangle))
             for panel, rectangle in zip(panels, rectangles, strict=True)
         }
 
@@ -37,17 +39,16 @@ class WearRecord:
     def groups(self, worn_m3: Array) -> dict[str, Mapping[str, Array | float]]:
         """Return the group ``wear/<name>`` of each panel: ``worn_m3``, ``mean_m``, and ``depth_m`` by patch.
 
-        The depth has the shape ``PATCHES``, and is NaN where a patch has no point.
+        The depth has the shape ``PATCHES``, and is NaN where a patch has no triangle.
         """
         groups: dict[str, Mapping[str, Array | float]] = {}
-        for name, (points, patch) in self._panels.items():
-            worn, area = (
-                np.bincount(patch, values[points], PATCHES[0] * PATCHES[1]).reshape(PATCHES)
-                for values in (worn_m3, self._area_m2)
-            )
-            depth_m = np.divide(worn, area, out=np.full(PATCHES, np.nan), where=area > 0)
-            whole = {"worn_m3": float(worn.sum()), "mean_m": float(worn.sum() / area.sum())}
-            groups[f"wear/{name}"] = {**whole, "depth_m": depth_m}
+        point_depth_m = self.point_depth_m(worn_m3)
+        for name, (points, area_m2) in self._panels.items():
+            of_patch_m2, worn = area_m2.sum(axis=1), float(worn_m3[points].sum())
+            depth_m = np.full(len(of_patch_m2), np.nan)
+            np.divide(area_m2 @ point_depth_m[points], of_patch_m2, out=depth_m, where=of_patch_m2 > 0)
+            whole = {"worn_m3": worn, "mean_m": worn / float(self._area_m2[points].sum())}
+            groups[f"wear/{name}"] = {**whole, "depth_m": depth_m.reshape(PATCHES)}
         return groups
 
 
@@ -59,8 +60,32 @@ def point_area_m2(surface: TriangleSurface) -> Array:
     return np.bincount(points, thirds_m2, len(surface.position_m)).astype(np.float64)
 
 
+def _area_of_patches_m2(surface: TriangleSurface, points: slice, at: Rectangle) -> Array:
+    """Return the area (patches, points) that each of the panel's ``points`` has in each patch."""
+    number = np.full(len(surface.position_m), -1)
+    number[points] = np.arange(len(number[points]))
+    corners = number[surface.triangles]
+    corners = corners[(corners >= 0).all(axis=1)]
+    a, b, c = (surface.position_m[points][corners[:, k]] for k in range(3))
+    triangle_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    weights = _middles()
+    patch = _patch(weights @ np.stack([a, b, c], axis=1), at)
+    area_m2 = np.zeros((PATCHES[0] * PATCHES[1], len(number[points])))
+    shares_m2 = triangle_m2[:, None, None] / len(weights) * weights
+    np.add.at(area_m2, (patch[..., None], corners[:, None, :]), shares_m2)
+    return area_m2
+
+
+def _middles() -> Array:
+    """Return the middles of ``PARTS``^2 equal parts of a triangle, as weights of its corners (parts, 3)."""
+    lower = [(3 * i + 1, 3 * j + 1) for i in range(PARTS) for j in range(PARTS - i)]
+    upper = [(3 * i + 2, 3 * j + 2) for i in range(PARTS) for j in range(PARTS - i - 1)]
+    second, third = np.array(lower + upper).T / (3 * PARTS)
+    return np.stack([1 - second - third, second, third], axis=1)
+
+
 def _patch(position_m: Array, at: Rectangle) -> Indices:
-    """Return the number (points,) of each point's patch, from its place at t = 0."""
+    """Return the number (...) of the patch of each place (..., 3) on the panel at t = 0."""
     from_corner_m = position_m - at.corner_m
     shares = (from_corner_m @ at.along / at.span_m, from_corner_m @ at.across / at.width_m)
     row, column = (
