@@ -126,6 +126,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *deck.panels_out_of_line(case),
         *deck.openings_and_particles(case),
         *leaks.leaks(case, loaded.folder),
+        *steps.rounded_times(case),
         *motion.resonances(shaken),
         *motion.normal_strokes(shaken),
         *motion.missing_damping(case, shaken),

@@ -78,7 +78,8 @@ def bed_cost(case: Case, at_start: int, transport_m_per_s: float) -> BedCost:
     for inlet in inlets(case, material_numbers(case)).values():
         there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stays_s) for t in time_s]
         count += np.array(there_kg) / mean_mass_kg(inlet.sizes, inlet.density_kg_per_m3)
-    steps = math.ceil(case.duration_s / particle_step_s(case))
+    interval_s = case.coupling.sync_interval_s
+    steps = steps_in(case.duration_s, interval_s) * steps_in(interval_s, particle_step_s(case))
     return BedCost(float(count.max()), float(count.mean()), steps)
 
 

@@ -96,6 +96,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (EXIT.replace("-0.3]]", "-0.6]]"), "under.box_m: is empty"),
         (EXIT.replace("-0.5], [1, 1, -0.3", "-1.5], [1, 1, -1.3"), "is outside domain_m"),
         (EXIT.replace("-0.3]]", "0.1]]"), "under.box_m: panel deck reaches into it"),
+        (EXIT.replace("-0.3]]", "-0.49]]"), "0.01 m thin: the fastest particles may go through it"),
         # sizes of values
         ("screen.panels.deck.thickness_m=4", "looks like mm: that is 0.004 in thickness_m"),
         ("materials.coal.density_kg_per_m3=1.43", "looks like g/cm3: that is 1430"),
@@ -348,3 +349,12 @@ def test_contacts_that_cannot_carry_an_impact_are_a_warning(
     soft = f"particles.largest_youngs_modulus_Pa={youngs_modulus_Pa}"
     found = warnings(loaded(tmp_path, [soft]))
     assert any("particles are expected to sink into what they meet" in one for one in found) is said
+
+
+def test_times_that_are_rounded_to_sync_intervals_are_said(tmp_path: Path) -> None:
+    sets = ("coupling.sync_interval_s=1.3e-4", "output.series_s=7e-4", "output.interval_s=0.0143")
+    said = [line for line in warned(tmp_path, *sets) if "is taken as" in line]
+    assert said == [
+        "duration_s = 0.1 s is taken as 0.1001 s, a whole number of sync intervals of 0.00013 s",
+        "output.series_s = 0.0007 s is taken as 0.00078 s, a whole number of sync intervals of 0.00013 s",
+    ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import h5py
@@ -13,7 +14,9 @@ import pytest
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.carry import read_run
 from orchestrator.case.tables.carried_bed import CarriedBed
+from orchestrator.output.records.snapshots import in_single_precision, particle_mesh
 from orchestrator.ports import Array
+from orchestrator.ports.particle_records import ParticleSnapshot
 from orchestrator.ports.physics import sphere_mass_kg
 from tests.cases import CASE, case_folder
 from tests.runs.outside import flipflow, has_results, run_words, said_plainly
@@ -139,3 +142,16 @@ def test_states_between_checkpoints_come_from_the_pictures_of_the_run(runs: tupl
     )
     assert checked.returncode == 0, checked.stderr
     assert "particles_00002.vtu, at t = 0.02 s" in checked.stdout
+
+
+def test_a_time_without_particles_is_refused(runs: tuple[Path, Path], tmp_path: Path) -> None:
+    first = shutil.copytree(runs[0], tmp_path / "first")
+    places, number, whole = np.empty((0, 3)), np.empty(0), np.empty(0, dtype=np.int64)
+    nobody = ParticleSnapshot(whole, places, places, places, number, number, whole)
+    file = first / "particles/particles_00002.vtu"
+    meshio.write(file, in_single_precision(particle_mesh(nobody)), compression=None)
+    words = ("--set", f"bed.from_run={first}", "--set", "bed.from_time_s=0.021")
+    checked = flipflow("check", str(first), *words)
+    assert checked.returncode == 2, checked.stderr
+    assert "particles_00002.vtu: there are no particles at that time" in checked.stderr
+    said_plainly(checked)

@@ -148,6 +148,8 @@ def _read_state(run: Path, state: RecordedState) -> CarriedBed:
             coarse_graining=case.particles.coarse_graining,
             source=str(state.file),
         )
+    except IndexError:
+        raise UnreadableBed(f"{state.file}: there are no particles at that time") from None
     except (OSError, KeyError, ValueError, meshio.ReadError) as error:
         raise UnreadableBed(f"{state.file}: cannot be read ({error})") from None
     return saved_bed.keep_used_materials(bed)

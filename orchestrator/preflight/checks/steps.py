@@ -9,7 +9,10 @@ from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, short
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.solver_plans import panel_plans, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
+
+ROUNDED = 1e-6  # change of a time that is not said, as a share of it
 
 
 def particle_step(case: Case) -> Iterator[CaseProblem]:
@@ -54,6 +57,20 @@ def panel_step(case: Case) -> Iterator[CaseProblem]:
         what = f"{case.panel.step_s:g} s is above the limit {limit_s:.3g} s of panel.solver "
         hint = f"take {0.9 * limit_s:.2g} s, or 0 for the solver's own"
         yield CaseProblem(("panel", "step_s"), what + case.panel.solver, hint)
+
+
+def rounded_times(case: Case) -> Iterator[str]:
+    """Yield warnings about times that are longer in the run, which has whole sync intervals."""
+    interval_s, output = case.coupling.sync_interval_s, case.output
+    times_s = {"duration_s": case.duration_s, "output.interval_s": output.interval_s}
+    times_s |= {"output.series_s": output.series_s, "output.shapes_s": output.shapes_s}
+    for key, wanted_s in times_s.items():
+        taken_s = steps_in(wanted_s, interval_s) * interval_s
+        if wanted_s > 0 and taken_s - wanted_s > ROUNDED * wanted_s:
+            yield (
+                f"{key} = {wanted_s:g} s is taken as {taken_s:.6g} s, a whole number of sync intervals of "
+                f"{interval_s:g} s"
+            )
 
 
 def whole_times(case: Case) -> Iterator[CaseProblem]:
