@@ -121,7 +121,8 @@ class Ledger:
 
         The two clamps of a taut panel pull against each other.  If nothing else happens, the terms are the
         rounding errors of this pull.  A millionth of the summed impulses through the points is therefore
-        added to the sizes.
+        added to the sizes.  Momenta of particles may cancel each other, too, as of two that meet head-on:
+        those of all single particles count as sizes.
         """
         frames, panel, particles = self._members.frames, self._members.panel, self._members.particles
         received_N_s, given_N_s = panel.received.impulse_N_s, panel.given.impulse_N_s
@@ -140,7 +141,7 @@ class Ledger:
             outside = now.outside_impulse_N_s - opening.outside_impulse_N_s
             terms = [now.momentum_kg_m_per_s, -opening.momentum_kg_m_per_s, -outside]
             terms += [-impulse for impulse in ports[name]]
-            residual[name] = _relative(terms, ROUNDED * member.through_N_s)
+            residual[name] = _relative(terms, ROUNDED * member.through_N_s + now.moved_N_s)
         return residual
 
     def angular_momentum_residual(self, pending: Pending) -> dict[str, float]:

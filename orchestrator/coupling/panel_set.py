@@ -172,7 +172,7 @@ def sum_accounts(accounts: Sequence[Account]) -> Account:
 
     def add_entries(name: str) -> Any:
         values = [getattr(account, name) for account in accounts]
-        if isinstance(values[0], np.ndarray):
+        if not isinstance(values[0], Mapping):
             return np.sum(values, axis=0)
         keys = dict.fromkeys(key for value in values for key in value)
         return {key: sum(value.get(key, 0.0) for value in values) for key in keys}

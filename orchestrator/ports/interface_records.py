@@ -248,6 +248,10 @@ class Account:
         motion inside the intervals.
     angular
         The same for angular momentum; None of a solver that does not tell it.
+    moved_N_s
+        The sum of the sizes of the momenta of all single bodies that it has, and of what they got and gave
+        away since t = 0: they may cancel each other to rounding.  0 where the impulses through its points
+        tell as much.
     """
 
     momentum_kg_m_per_s: Array
@@ -257,6 +261,7 @@ class Account:
     supplied_J: Mapping[str, float] = field(default_factory=dict)
     received_J: Mapping[str, float] = field(default_factory=dict)
     angular: AngularAccount | None = None
+    moved_N_s: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ class Member:
     received: Meter = field(default_factory=Meter)
     given: Meter = field(default_factory=Meter)
     through_N_s: float = 0.0
+    moved_N_s: float = 0.0
 
     def account(self) -> Account:
         return Account(
@@ -40,6 +41,7 @@ class Member:
             {"lost": self.lost_J},
             {"fed": self.supplied_J},
             dict(self.work_J),
+            moved_N_s=self.moved_N_s,
         )
 
 
@@ -95,6 +97,15 @@ def test_the_impulse_from_outside_belongs_to_its_member() -> None:
     residuals = ledger.momentum_residual(pending(0.0, 0.0))
     assert residuals["panel"] == pytest.approx(1.0 / (7.0 + 12.0 + 4.0))
     assert residuals["frames"] == residuals["particles"] == 0.0
+
+
+def test_momenta_that_cancel_each_other_are_sizes_of_the_balance() -> None:
+    """Of two balls that met head-on, with 3 N s each, only rounding is left in the sums."""
+    frames, panel, particles = members()
+    particles.momentum = particles.outside = 0.0
+    ledger = opened(frames, panel, particles, pending(0.0, 0.0))
+    particles.momentum, particles.moved_N_s = 6e-16, 6.0
+    assert ledger.momentum_residual(pending(0.0, 0.0))["particles"] == pytest.approx(1e-16, rel=1e-6)
 
 
 def test_energy_is_counted_from_the_opening_on() -> None:

@@ -303,6 +303,9 @@ def test_who_falls_into_an_exit_is_booked_to_rounding(build: Build) -> None:
     np.testing.assert_allclose(gone.velocity_m_per_s, [0.3, 0, -1.0] + t * G_M_PER_S2, atol=1e-12)
     fallen_m = given.position_m + t * [0.3, 0, -1.0] + t**2 / 2.0 * G_M_PER_S2
     np.testing.assert_allclose(gone.position_m, fallen_m, atol=1e-12)
+    if after.moved_N_s:
+        taken_N_s = MASS_KG * np.linalg.norm(gone.velocity_m_per_s, axis=1).sum()
+        assert after.moved_N_s == pytest.approx(taken_N_s, rel=1e-12)
     left_N_s = after.outside_impulse_N_s + before.momentum_kg_m_per_s
     np.testing.assert_allclose(left_N_s, 0.0, atol=1e-12 * MASS_KG)
     assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * MASS_KG)

@@ -37,6 +37,10 @@ class SolidSpheres:
         """Return the momentum (3,) of all spheres."""
         return self.mass_kg @ self.velocity_m_per_s
 
+    def moved_N_s(self) -> float:
+        """Return the sum of the sizes of the spheres' momenta."""
+        return float(self.mass_kg @ np.linalg.norm(self.velocity_m_per_s, axis=1))
+
     def angular_momentum_kg_m2_per_s(self) -> Array:
         """Return the angular momentum (3,) of all spheres about the world's origin."""
         orbital = self.mass_kg @ np.cross(self.position_m, self.velocity_m_per_s)
@@ -74,6 +78,7 @@ class ParticleLedger(SavedAttributes):
     STATE = (
         "_mass_kg",
         "_impulse_N_s",
+        "_moved_N_s",
         "_came_kg_m2_per_s",
         "_fed_J",
         "_removed_J",
@@ -88,7 +93,7 @@ class ParticleLedger(SavedAttributes):
         self._periodic = plan.periodic_y
         self._mass_kg = float(_listed(plan.particles).mass_kg.sum())
         self._impulse_N_s, self._came_kg_m2_per_s = np.zeros((2, 3))
-        self._fed_J = self._removed_J = self._first_J = 0.0
+        self._fed_J = self._removed_J = self._first_J = self._moved_N_s = 0.0
         self.removed_count = 0
 
     def open(self, engine: Engine) -> None:
@@ -104,6 +109,7 @@ class ParticleLedger(SavedAttributes):
         new = _listed(particles)
         self._mass_kg += float(new.mass_kg.sum())
         self._impulse_N_s += new.momentum_kg_m_per_s()
+        self._moved_N_s += new.moved_N_s()
         self._came_kg_m2_per_s += new.angular_momentum_kg_m2_per_s()
         self._fed_J += new.mechanical_J(self._gravity_m_per_s2)
 
@@ -116,13 +122,14 @@ class ParticleLedger(SavedAttributes):
         earlier_m_per_s = gone.velocity_m_per_s - step_s / 2.0 * gravity_m_per_s2
         angular = replace(gone, velocity_m_per_s=earlier_m_per_s).angular_momentum_kg_m2_per_s()
         removed_J = gone.mechanical_J(gravity_m_per_s2)
-        sums = np.array([len(gone), gone.mass_kg.sum(), removed_J, *taken_N_s, *angular])
+        sums = np.array([len(gone), gone.mass_kg.sum(), removed_J, *taken_N_s, *angular, gone.moved_N_s()])
         sums = self._comm.allreduce(sums)
         self.removed_count += round(sums[0])
         self._mass_kg -= sums[1]
         self._removed_J += sums[2]
         self._impulse_N_s -= sums[3:6]
-        self._came_kg_m2_per_s -= sums[6:]
+        self._came_kg_m2_per_s -= sums[6:9]
+        self._moved_N_s += float(sums[9])
 
     def account(self, engine: Engine) -> Account:
         """Return the present account."""
@@ -138,6 +145,7 @@ class ParticleLedger(SavedAttributes):
             supplied_J={"feed": self._fed_J, "removal": -self._removed_J},
             received_J={"surface": work_J},
             angular=None if self._periodic else self._angular(engine),
+            moved_N_s=self._moved_N_s + float(self._comm.allreduce(mine.moved_N_s())),
         )
 
     def _angular(self, engine: Engine) -> AngularAccount:
