@@ -24,7 +24,7 @@ def gmsh_session() -> Iterator[Any]:
         import gmsh
     except (ImportError, OSError) as missing:
         raise SolverMissing(
-            f"panels with apertures need gmsh (pip install gmsh; Debian: libglu1-mesa): {missing}"
+            f"panels with apertures need gmsh, which docker/setup.sh installs: {missing}"
         ) from missing
     with ONE_MODEL:
         gmsh.initialize(readConfigFiles=False, interruptible=False)

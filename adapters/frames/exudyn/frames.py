@@ -33,7 +33,7 @@ from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 try:
     from adapters.frames.exudyn import system as exudyn_system
 except ImportError as missing:
-    raise SolverMissing("the exudyn frames need: pip install exudyn==1.13.6") from missing
+    raise SolverMissing("the exudyn frames need Exudyn, which docker/setup.sh installs") from missing
 
 
 class ExudynFrames(RigidFrames):

@@ -60,7 +60,7 @@ def cell_stiffness(apertures: AperturePattern, thickness_m: float) -> CellStiffn
     area_m2 = float(np.prod(cell_m(apertures)))
     period_m = np.array(cell_m(apertures))
     return CellStiffness(
-        _effective(_membrane(cell), cell, 2, period_m) / area_m2,
+        _effective(_membrane, cell, 2, period_m) / area_m2,
         _effective(_bending(cell, thickness_m), cell, 3, period_m) / area_m2,
     )
 
@@ -80,9 +80,9 @@ def _solid(strain: Any) -> Any:
     return ufl.dot(ufl.as_matrix(SOLID.tolist()), strain)
 
 
-def _membrane(cell: Any) -> Any:
+def _membrane(u: Any, v: Any) -> Any:
     """Return the energy product of two displacement fluctuations."""
-    return lambda u, v: ufl.inner(_solid(_strain(u)), _strain(v)) * ufl.dx
+    return ufl.inner(_solid(_strain(u)), _strain(v)) * ufl.dx
 
 
 def _bending(cell: Any, thickness_m: float) -> Any:

@@ -43,8 +43,7 @@ try:
     from adapters.particles.liggghts.input import cutoff_m
 except ImportError as missing:
     raise SolverMissing(
-        "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
-        f"g++, then `pip install .` ({missing})"
+        f"the particles by LIGGGHTS need their compiled part, which docker/setup.sh builds: {missing}"
     ) from missing
 
 BALANCED_EVERY = 100

@@ -101,7 +101,7 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
             fontsize=8.5,
             color=color,
         )
-    _dimensions(axes, pattern, centres_m, first_m, across_m)
+    _dimensions(axes, pattern, first_m, across_m)
     who = f"{panel.name} and {count - 1} more" if count > 1 else panel.name
     open_share = len(centres_m) * pattern.opening_m2 / (at.length_m * at.width_m)
     axes.set_title(
@@ -134,7 +134,7 @@ def _rectangle(x0: float, x1: float, y0: float, y1: float, color: str) -> Polygo
     return Polygon(corners, fc=color, ec="none", zorder=1)
 
 
-def _dimensions(axes: Any, pattern: Any, centres_m: Array, first_m: Array, across_m: float) -> None:
+def _dimensions(axes: Any, pattern: Any, first_m: Array, across_m: float) -> None:
     """Draw the pitch along above the pattern, and the pitch across inside it."""
     mm = 1e3
     props = {"arrowstyle": "<|-|>", "lw": 0.8, "color": "#222222", "shrinkA": 0, "shrinkB": 0}

@@ -134,7 +134,7 @@ class Monitor:
             self.pace.trusted = False
             raise Stopped(what, state)
         if then == "shorten":
-            self._shorten(time_s, what)
+            self._shorten(what)
         elif self.pace.ease(since):
             self._begin_anew(f"t = {time_s:.6g} s: nothing was amiss for a while")
 
@@ -203,7 +203,7 @@ class Monitor:
         gravest = min(alarms, key=lambda alarm: WEIGHT.index(alarm.then))
         return gravest.then, gravest.what
 
-    def _shorten(self, time_s: float, what: str) -> None:
+    def _shorten(self, what: str) -> None:
         if self.pace.shorten():
             self._begin_anew(what)
         elif not self._warned_of_shortest:
