@@ -64,7 +64,8 @@ class Exit(Table):
     product: Literal["undersize", "oversize"]
     """Product that leaves through this exit."""
     box_m: Box
-    """Lowest and highest corner of the box.  A particle is removed when its centre is in the box."""
+    """Lowest and highest corner of the box.  A particle is removed when its centre is in the box, which must
+    not be thinner than 0.55 of the largest diameter."""
 
 
 class Screen(Table):
