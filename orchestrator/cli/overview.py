@@ -160,7 +160,8 @@ def _cost(case: Case, at_start: int) -> Iterator[str]:
     shares = ", ".join(f"{name} {in_words(s)}" for name, s in larger if s > 0.1 * most)
     layers = ": a thin dry layer to a thick wet one" if fed else ""
     yield f"  cost       about {time} of one processor{layers}"
-    yield f"             of which {shares}; pictures apart, compiling the first time, too"
+    yield f"             of which {shares}; pictures apart, compiling the first time, too;"
+    yield "             on a fast core: an older one took 2.6 times as long (docs/measured/cost.md)"
     if fed:
         few, many = (bed_cost(case, at_start, bed) for bed in (THIN, THICK))
         yield (
