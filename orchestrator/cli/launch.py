@@ -358,22 +358,23 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
         time.sleep(RANK_0_FIRST_S)
     if not run_folder.claim(folder / "failure.txt", reason, rank):
         time.sleep(SUMMARY_WRITTEN_S)  # the rank that failed first then ends this one
-    else:
-        LOG.error(reason)
-        console = _console()
-        console.print(reason)
-        if status != "refused":
-            logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
-            console.print(f"logs: {logs}" if logs else f"{folder} has gone")
-            try:
-                run.finish(status, reason)
-            except (OSError, MemoryError) as error:
-                console.print(f"no summary: {error or OUT}")
-            for line in resume_lines(folder, world):
-                LOG.error(line)
-                console.print(line)
-        elif run.resumes is None:
-            run_folder.remove_folder(folder)
+        return mpi.end_all(world, code)
+    LOG.error(reason)
+    console = _console()
+    console.print(reason)
+    if status != "refused":
+        logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
+        console.print(f"logs: {logs}" if logs else f"{folder} has gone")
+        try:
+            run.finish(status, reason)
+        except Exception as error:  # whatever it is, the other ranks wait for this one
+            LOG.error("no summary", exc_info=error)
+            console.print(f"no summary: {error or OUT}")
+        for line in resume_lines(folder, world):
+            LOG.error(line)
+            console.print(line)
+    elif run.resumes is None:
+        run_folder.remove_folder(folder)
     return mpi.end_all(world, code)
 
 

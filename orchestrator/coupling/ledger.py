@@ -141,7 +141,9 @@ class Ledger:
             outside = now.outside_impulse_N_s - opening.outside_impulse_N_s
             terms = [now.momentum_kg_m_per_s, -opening.momentum_kg_m_per_s, -outside]
             terms += [-impulse for impulse in ports[name]]
-            residual[name] = _relative(terms, ROUNDED * member.through_N_s + now.moved_N_s)
+            residual[name] = _relative(
+                terms, ROUNDED * member.through_N_s + opening.moved_N_s + now.moved_N_s
+            )
         return residual
 
     def angular_momentum_residual(self, pending: Pending) -> dict[str, float]:

@@ -249,9 +249,9 @@ class Account:
     angular
         The same for angular momentum; None of a solver that does not tell it.
     moved_N_s
-        The sum of the sizes of the momenta of all single bodies that it has, and of what they got and gave
-        away since t = 0: they may cancel each other to rounding.  0 where the impulses through its points
-        tell as much.
+        The sum of the sizes of the momenta of all single bodies that it has now, and of those that came
+        and went since t = 0: they may cancel each other to rounding.  0 where the impulses through its
+        points tell as much.
     """
 
     momentum_kg_m_per_s: Array

@@ -74,11 +74,11 @@ class Progress:
         self.figures = dict(saved["figures"])
         self.particle_steps = saved["particle_steps"]
         self._before_s = saved["wall_s"]
-        self._processor_earlier_s = saved.get("processor_s", 0.0)  # older checkpoints have none
-        self.processor_before_s += saved.get("processor_before_s", 0.0)
+        self._processor_earlier_s = saved["processor_s"]
+        self.processor_before_s += saved["processor_before_s"]
         books = {"wall_by_part_s": self.stopwatch.wall_s, "repeated_by_part_s": self.stopwatch.repeated_s}
         for name, book in books.items():
-            for part, time_s in saved.get(name, {}).items():  # older checkpoints have no repeats
+            for part, time_s in saved[name].items():
                 book[part] = book.get(part, 0.0) + time_s
 
 

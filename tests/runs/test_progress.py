@@ -11,8 +11,7 @@ from orchestrator.run.progress import Progress
 
 
 def test_a_resumed_run_goes_on_counting_its_time() -> None:
-    """In the whole, by part, that of the processor, and what is repeated; checkpoints of older versions do
-    not have the last two."""
+    """In the whole, by part, that of the processor, and what is repeated."""
     stopped = Progress()
     stopped.stopwatch.wall_s |= {"panel": 3.0, "coupling": 1.0}
     stopped.stopwatch.repeated_s |= {"panel": 1.5}
@@ -27,9 +26,4 @@ def test_a_resumed_run_goes_on_counting_its_time() -> None:
     assert (resumed.done, resumed.simulated_s, resumed.particle_steps) == (4, 0.25, 70)
     assert resumed.wall_s >= saved["wall_s"]
     assert 50.0 < resumed.processor_s == pytest.approx(50.0 + time.process_time(), abs=0.1)
-    older = Progress()
-    assert resumed.processor_before_s == pytest.approx(2.0 + older.processor_before_s, abs=0.1)
-    for name in ("repeated_by_part_s", "processor_s", "processor_before_s"):
-        del saved[name]
-    older.restore(saved)
-    assert (older.stopwatch.wall_s["panel"], older.stopwatch.repeated_s) == (3.0, {})
+    assert 2.0 < resumed.processor_before_s == pytest.approx(2.0 + Progress().processor_before_s, abs=0.1)

@@ -148,9 +148,9 @@ def _read_state(run: Path, state: RecordedState) -> CarriedBed:
             coarse_graining=case.particles.coarse_graining,
             source=str(state.file),
         )
-    except IndexError:
+    except IndexError:  # as meshio reads files of nobody
         raise UnreadableBed(f"{state.file}: there are no particles at that time") from None
-    except (OSError, KeyError, ValueError, meshio.ReadError) as error:
+    except (OSError, KeyError, ValueError, meshio.ReadError, SystemExit) as error:
         raise UnreadableBed(f"{state.file}: cannot be read ({error})") from None
     return saved_bed.keep_used_materials(bed)
 

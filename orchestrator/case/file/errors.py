@@ -80,7 +80,7 @@ class CaseError(Exception):
 
     def __reduce__(self) -> tuple[type[CaseError], tuple[tuple[CaseProblem, ...]]]:
         """Return what another process or rank makes the error of."""
-        return type(self), (self.problems,)
+        return CaseError, (self.problems,)
 
 
 def dotted_key(key: Key) -> str:

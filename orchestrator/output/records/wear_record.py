@@ -70,10 +70,11 @@ def _area_of_patches_m2(surface: TriangleSurface, points: slice, at: Rectangle) 
     triangle_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     weights = _middles()
     patch = _patch(weights @ np.stack([a, b, c], axis=1), at)
-    area_m2 = np.zeros((PATCHES[0] * PATCHES[1], len(number[points])))
+    shape = (PATCHES[0] * PATCHES[1], len(number[points]))
+    place = patch[..., None] * shape[1] + corners[:, None, :]
     shares_m2 = triangle_m2[:, None, None] / len(weights) * weights
-    np.add.at(area_m2, (patch[..., None], corners[:, None, :]), shares_m2)
-    return area_m2
+    area_m2 = np.bincount(place.ravel(), shares_m2.ravel(), shape[0] * shape[1])
+    return np.asarray(area_m2.reshape(shape), dtype=np.float64)
 
 
 def _middles() -> Array:

@@ -12,7 +12,7 @@ from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 
-ROUNDED = 1e-6  # change of a time that is not said, as a share of it
+ROUNDED = 1e-3  # change of a time that is not said, as a share of it
 
 
 def particle_step(case: Case) -> Iterator[CaseProblem]:

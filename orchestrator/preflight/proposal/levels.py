@@ -14,6 +14,7 @@ from typing import Any
 
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.clock import times_s
 from orchestrator.preflight.cost import particles_at_start, predicted_parts_s
 from orchestrator.preflight.proposal.layout import Layout
 
@@ -56,9 +57,14 @@ class Level:
     output_s: float
 
     def with_interval(self, longest_s: float) -> Level:
-        """Return the level with the longest sync interval up to ``longest_s`` that divides a quarter turn."""
+        """Return the level with the longest sync interval up to ``longest_s`` that divides a quarter turn.
+
+        It is rounded up to six digits, so that whole numbers of intervals can be written without rounding.
+        """
         quarter_s = self.cycle_s / 4
-        return replace(self, interval_s=quarter_s / math.ceil(quarter_s / longest_s - 1e-9))
+        interval_s = quarter_s / math.ceil(quarter_s / longest_s - 1e-9)
+        digits = 10 ** (5 - math.floor(math.log10(interval_s)))
+        return replace(self, interval_s=math.ceil(interval_s * digits - 1e-6) / digits)
 
     @property
     def changes_feed(self) -> bool:
@@ -68,12 +74,12 @@ class Level:
     @property
     def feed_interval_s(self) -> float:
         """The time between two batches of the feed, a whole number of sync intervals."""
-        return round(0.002 / self.interval_s) * self.interval_s
+        return times_s(round(0.002 / self.interval_s), self.interval_s)
 
     @property
     def series_s(self) -> float:
         """The time between two rows of the time series, a whole number of sync intervals."""
-        return max(1, int(4e-4 / self.interval_s + 1e-6)) * self.interval_s
+        return times_s(max(1, int(4e-4 / self.interval_s + 1e-6)), self.interval_s)
 
 
 def predicted_s(case: Case) -> float:

@@ -67,8 +67,9 @@ class Runs:
         if problems:
             raise CaseError(problems)
         self._check_names()
-        runs, overlays = self._at_stage("cheap", self._study.actual(np.zeros(self._study.space.factors)))
-        runs.check(overlays)
+        if self._study.file.cheap is not None:
+            runs, overlays = self._at_stage("cheap", self._study.actual(np.zeros(self._study.space.factors)))
+            runs.check(overlays)
 
     def _raise_if_never_a_case(self, error: CaseError) -> None:
         """Raise the problems of the case without the formulas where ``error`` is one of them."""
