@@ -141,6 +141,17 @@ def test_rank_0_sums_up_where_all_ranks_fail_alike(tmp_path: Path) -> None:
     wait_until(lambda: of(folder) == [])
 
 
+def test_a_summary_that_breaks_does_not_keep_the_other_ranks(tmp_path: Path) -> None:
+    """They wait for rank 0, which ends them whatever happens to it."""
+    folder = tmp_path / "run"
+    before = f"{ALL_RANKS_FAIL}\nfrom orchestrator.run.ending import Ending\nEnding.write = None"
+    done = flipflow(*run_words("quickstart", folder, SHORT), before=before, ranks=2)
+    assert done.returncode == 4, done.stderr
+    assert "no summary: 'NoneType' object is not callable" in done.stderr
+    said_plainly(done)
+    wait_until(lambda: of(folder) == [])
+
+
 def test_a_rank_that_is_killed_takes_the_others_with_it(tmp_path: Path) -> None:
     """Nobody is left to write a summary: mpirun says which rank it was and ends the others by
     SIGTERM and, a second later, SIGKILL.  What was written until the last output time is there."""
