@@ -39,7 +39,7 @@ class Progress:
 
     @property
     def processor_s(self) -> float:
-        """The processor time of the same processes; like ``processor_before_s`` with their starts."""
+        """The processor time of these processes, from the start of each."""
         return self._processor_earlier_s + time.process_time()
 
     @property

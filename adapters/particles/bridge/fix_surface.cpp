@@ -27,7 +27,8 @@ constexpr size_t kAhead = 4;          // spheres whose data are on their way fro
 //
 // A list of pairs does not care where a bed goes as a whole: a bed that is thrown or falls needs new lists
 // only for how its particles move against each other.  But with new lists particles also leave by exits and go
-// to ranks side by side, so nobody moves by more than half the largest diameter in between.
+// to ranks side by side, so nobody moves by more than half the largest diameter in between.  Cases may have no
+// exits that are thinner than that (THICKNESS in orchestrator/preflight/checks/bed.py).
 struct BedMotion {
   Vec3 common_m = {0, 0, 0};
   double farthest_m = 0.0;
