@@ -148,7 +148,7 @@ def _read_state(run: Path, state: RecordedState) -> CarriedBed:
             coarse_graining=case.particles.coarse_graining,
             source=str(state.file),
         )
-    except IndexError:  # as meshio reads files of nobody
+    except IndexError:  # which meshio raises for a file without points
         raise UnreadableBed(f"{state.file}: there are no particles at that time") from None
     except (OSError, KeyError, ValueError, meshio.ReadError, SystemExit) as error:
         raise UnreadableBed(f"{state.file}: cannot be read ({error})") from None

@@ -1,4 +1,4 @@
-"""The checks of time steps, and of missing solvers."""
+"""The checks of time steps, of times in whole sync intervals, and of missing solvers."""
 
 from __future__ import annotations
 

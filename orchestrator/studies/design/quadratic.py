@@ -119,7 +119,7 @@ class Surface:
     def left_out(self) -> tuple[Array, Array]:
         """Predict each of its points from the others: mean and standard deviation of the mean's error.
 
-        A point without which the surface could not be fitted, such as a single centre, has none of both.
+        A point without which the surface could not be fitted, such as a single centre, has neither.
         """
         leverage = self.fitted.get_influence().hat_matrix_diag
         rest = np.where(leverage < 1.0 - NEEDED, 1.0 - leverage, np.nan)
