@@ -20,11 +20,11 @@ from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.run.progress import ProgressReport, parse_report
+from orchestrator.studies.points import MAIN
 
 if TYPE_CHECKING:
     import pandas
 
-MAIN = "from orchestrator.cli.main import main; main()"
 CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGBUS, signal.SIGILL}
 """The signals by which a program ends itself."""
 REFUSED = 2  # exit code of a command that has begun nothing

@@ -27,7 +27,7 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.scene.shaking import solve_shakings
 from orchestrator.studies.criteria import UNITS, Criterion, read_criteria
-from orchestrator.studies.quantities import AXES, number_of
+from orchestrator.studies.quantities import AXES, NORMAL_95, number_of
 
 FREE = (
     "screen.frames.driving.mass_kg",
@@ -108,7 +108,7 @@ def half_widths(jacobian: Array, residuals: Array) -> Array:
     """Return half widths of the 95 % confidence intervals of fitted factors, by the linearised fit."""
     spare = max(1, len(residuals) - jacobian.shape[1])
     variance = np.sum(residuals**2) / spare * np.diag(np.linalg.pinv(jacobian.T @ jacobian))
-    return np.asarray(1.96 * np.sqrt(variance))
+    return np.asarray(NORMAL_95 * np.sqrt(variance))
 
 
 if __name__ == "__main__":

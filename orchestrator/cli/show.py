@@ -8,14 +8,14 @@ from orchestrator.case.deck.stl import UnreadableStl
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import find_all_problems, refuse
 from orchestrator.output.records.run_folder import write_text
-from orchestrator.output.views.page import Findings, Views
+from orchestrator.output.views.page import CheckFindings, Views
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase
 
 RUNS = Path("runs")
 
 
-def show(loaded: JudgedCase, out: Path | None) -> tuple[list[Path], Findings]:
+def show(loaded: JudgedCase, out: Path | None) -> tuple[list[Path], CheckFindings]:
     """Write the views of a case whose tables fit together, and return the files and what was found.
 
     The case may have other problems, which the page names.  Raises CaseError if a surface cannot be read.
@@ -28,7 +28,7 @@ def show(loaded: JudgedCase, out: Path | None) -> tuple[list[Path], Findings]:
         views = Views(loaded)
     except UnreadableStl as error:
         raise CaseError(problems) from error
-    found = Findings([str(problem) for problem in problems], [] if problems else warnings(loaded))
+    found = CheckFindings([str(problem) for problem in problems], [] if problems else warnings(loaded))
     try:
         return views.write(folder, found), found
     except OSError as error:
@@ -39,7 +39,9 @@ def write_check_page(loaded: JudgedCase, lines: list[str], file: Path) -> None:
     """Write one page with the ``lines`` of ``check`` about a case without problems, and with its views."""
     warned = "warning: "
     said = [line.removeprefix(warned) for line in lines if line.startswith(warned)]
-    page = Views(loaded).page(Findings((), said, [line for line in lines if not line.startswith(warned)]))
+    page = Views(loaded).page(
+        CheckFindings((), said, [line for line in lines if not line.startswith(warned)])
+    )
     try:
         write_text(file, page)
     except OSError as error:

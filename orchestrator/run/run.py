@@ -20,7 +20,7 @@ from orchestrator.coupling.schemes.scheme import State, initial_state
 from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import LOG
-from orchestrator.ports.clock import Interval, exact, intervals, steps_in
+from orchestrator.ports.clock import Interval, intervals, steps_in, times_s
 from orchestrator.ports.failures import solver_failure_context, write_failure_context
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.judge import JudgedCase
@@ -183,7 +183,7 @@ class Run:
         ``before`` is the state at the sync point before it.  Every ``_every``-th sync point is an output
         time, and so is the last one.
         """
-        time_s = float(done * exact(self._interval_s))
+        time_s = times_s(done, self._interval_s)
         figures = self._progress.figures
         with self._progress.stopwatch("output"), write_failure_context("results", time_s):
             recorder.record_sync_point(done, time_s, state)

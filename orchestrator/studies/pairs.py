@@ -40,7 +40,7 @@ from orchestrator.preflight.judgement.catalogue import (
 from orchestrator.preflight.judgement.pair import Pair, key_of, recall, remember
 from orchestrator.preflight.judgement.weighing import is_undecided, weigh_effects
 from orchestrator.preflight.scene.effect import describe_verdict
-from orchestrator.studies.points import RunFailed, run_in_scratch, sample_s
+from orchestrator.studies.points import NoResult, run_in_scratch, sample_s
 
 LIMIT_S = 30.0
 """The largest predicted processor time of one run of a pair."""
@@ -139,7 +139,7 @@ def _run(folder: Path, level: str, sets: Sets, patience_s: float, what: str) -> 
     """
     try:
         summary = run_in_scratch(folder, level, sets, patience_s)
-    except RunFailed as why:
+    except NoResult as why:
         raise NoPair(f"{what} {why}") from None
     state = str(summary["status"])
     if is_trusted(state) or (state == DOUBTFUL and not doubts(summary | {"effects": {}})):

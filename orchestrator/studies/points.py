@@ -254,7 +254,7 @@ def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[s
     return ("run", str(case.resolve()), *at_level, *options, "--out", str(out.resolve()))
 
 
-class RunFailed(Exception):
+class NoResult(Exception):
     """An error of a run that gave no result; the message says why."""
 
 
@@ -263,7 +263,7 @@ def run_in_scratch(
 ) -> dict[str, Any]:
     """Make a run in a folder that is removed afterwards, and return its summary.
 
-    Raises RunFailed where the run leaves no summary, or takes longer than ``patience_s``.
+    Raises NoResult where the run leaves no summary, or takes longer than ``patience_s``.
     """
     with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
         folder = Path(scratch) / "run"
@@ -271,12 +271,12 @@ def run_in_scratch(
         try:
             done = python(*words, alone=True, capture_output=True, env=ONE_THREAD, timeout=patience_s)
         except subprocess.TimeoutExpired:
-            raise RunFailed(f"took more than {patience_s:g} s and was ended") from None
+            raise NoResult(f"took more than {patience_s:g} s and was ended") from None
         try:
             return RunReader(folder).summary
         except (OSError, ValueError):
             last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-            raise RunFailed(f"left nothing: {last[0]}") from None
+            raise NoResult(f"left nothing: {last[0]}") from None
 
 
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:

@@ -19,7 +19,7 @@ from orchestrator.studies.report import console_table, figure_parts
 
 
 @dataclass(frozen=True)
-class Measured:
+class SweptSetting:
     """A setting of a sweep, by key, with the state of its run and the wanted results that the run has."""
 
     setting: Mapping[str, str]
@@ -46,10 +46,10 @@ def results_of(point: Point, wanted: Sequence[str]) -> dict[str, Value]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def results_table(keys: Sequence[str], rows: Sequence[Measured], wanted: Sequence[str]) -> Table:
+def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Sequence[str]) -> Table:
     """Return a table for the terminal with a row for each setting."""
 
-    def cells(row: Measured) -> Iterator[str]:
+    def cells(row: SweptSetting) -> Iterator[str]:
         yield from (row.text(key) for key in keys)
         for name in wanted:
             value = row.results.get(name)
@@ -61,7 +61,7 @@ def results_table(keys: Sequence[str], rows: Sequence[Measured], wanted: Sequenc
 
 
 def draw_results(
-    keys: Sequence[str], rows: Sequence[Measured], wanted: Sequence[str], file: Path
+    keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Sequence[str], file: Path
 ) -> list[Path]:
     """Draw each wanted result over each varied key with its interval, and return the file.
 
@@ -82,9 +82,9 @@ def draw_results(
     return [file]
 
 
-def _lines(keys: Sequence[str], rows: Sequence[Measured]) -> dict[str, list[Measured]]:
+def _lines(keys: Sequence[str], rows: Sequence[SweptSetting]) -> dict[str, list[SweptSetting]]:
     """Return the runs with equal other keys, by these; {} where no line would join two of them."""
-    lines: dict[str, list[Measured]] = {}
+    lines: dict[str, list[SweptSetting]] = {}
     for row in rows:
         others = ", ".join(f"{key.rpartition('.')[2]} = {row.text(key)}" for key in keys[1:])
         lines.setdefault(others, []).append(row)
@@ -92,7 +92,7 @@ def _lines(keys: Sequence[str], rows: Sequence[Measured]) -> dict[str, list[Meas
 
 
 def _draw_result(
-    axes: Any, name: str, key: str, keys: Sequence[str], lines: Mapping[str, Sequence[Measured]]
+    axes: Any, name: str, key: str, keys: Sequence[str], lines: Mapping[str, Sequence[SweptSetting]]
 ) -> None:
     for number, (label, rows) in enumerate(lines.items()):
         some = sorted((row for row in rows if name in row.results), key=lambda row: row.number(key))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from statistics import median
 
 import pytest
 from pyarrow import parquet
@@ -66,6 +67,11 @@ def family(study: AccuracyStudy, parameter: str) -> MeasuredSeries:
     return next(one for one in study.measured_series if one.series.parameter == parameter)
 
 
+def observed_order(found: MeasuredSeries) -> float:
+    """Return the median order over the quantities whose errors fall along a line."""
+    return median(one.order for one in found.orders.values() if one.is_clean)
+
+
 def test_particles_first_is_of_second_order(study: AccuracyStudy) -> None:
     """In motion and in the energy that it creates, as theory has it (docs/theory/coupling.md)."""
     found = family(study, "sync")
@@ -78,7 +84,7 @@ def test_a_strip_is_of_second_order_in_its_cells(study: AccuracyStudy) -> None:
     """Median of all quantities.  They scatter about 2, as the ball's place lies elsewhere between
     the strip's corners in each mesh."""
     found = family(study, "panel-mesh")
-    assert found.observed_order == pytest.approx(2.0, abs=0.6)
+    assert observed_order(found) == pytest.approx(2.0, abs=0.6)
     assert found.errors[0]["shape"].value > 3 * found.errors[1]["shape"].value
 
 
@@ -103,7 +109,7 @@ def test_serial_staggered_is_of_first_order(out: Path) -> None:
     assert found.series.expected == 1.0
     for name in ("shape", "energy_defect"):
         assert found.orders[name].order == pytest.approx(1.0, abs=0.25)
-    assert found.observed_order == pytest.approx(1.0, abs=0.25)
+    assert observed_order(found) == pytest.approx(1.0, abs=0.25)
 
 
 @pytest.mark.parametrize(

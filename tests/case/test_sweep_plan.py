@@ -11,7 +11,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.scalars import Value
 from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep
-from orchestrator.studies.sweep_results import Measured, draw_results
+from orchestrator.studies.sweep_results import SweptSetting, draw_results
 from tests.runs.outside import ROOT
 
 SPEED, SLOPE = "screen.exciters.shaft.speed_rad_per_s", "screen.inclination_deg"
@@ -80,7 +80,7 @@ def test_results_are_drawn_with_their_intervals(tmp_path: Path, how: str, pictur
     keys = ("a.x_m", "b.y_m")
     settings = [("1", "1"), ("2", "1"), ("1", "2"), ("2", "2")] if how == "grid" else [("1", "3"), ("2", "4")]
     rows = [
-        Measured(dict(zip(keys, each, strict=True)), "done", {"stroke": Value(0.01, 0.001)})
+        SweptSetting(dict(zip(keys, each, strict=True)), "done", {"stroke": Value(0.01, 0.001)})
         for each in settings
     ]
     wanted = ("stroke", "results.bed.depth_m")

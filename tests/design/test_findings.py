@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from orchestrator.studies.design.campaign import Campaign
-from orchestrator.studies.design.findings import Confirmed, Findings, Interval
+from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.page import answers, borders, noise_in_words, rivals
 from orchestrator.studies.design.trials import Measured, Outcome
 from tests.design.campaigns import belt, run_all
@@ -186,4 +186,4 @@ def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
 def test_an_interval_is_written_with_two_digits_of_its_half_width(
     value: float, half_width: float, text: str
 ) -> None:
-    assert str(Interval(value, half_width)) == text
+    assert str(ConfidenceInterval(value, half_width)) == text

@@ -103,14 +103,6 @@ class RateFeed:
         """The mass of the next particle, which is drawn when half of it is due."""
         return float(sphere_mass_kg(self._next_m, self.inlet.density_kg_per_m3))
 
-    @property
-    def backlog_kg(self) -> float:
-        """The mass that was due at the start of the last interval and has not been fed.
-
-        It grows without bound if the rate is larger than the inlet can take.
-        """
-        return self.due_kg - self.fed_kg
-
     def due(self, interval: Interval) -> ParticleList:
         """Return the particles offered at the start of an interval, in world axes."""
         self.due_kg = self.inlet.due_kg(interval.start_s)

@@ -28,7 +28,7 @@ PAGE, MODEL, MODES = "machine.html", "model.html", "modes.svg"
 
 
 @dataclass(frozen=True)
-class Findings:
+class CheckFindings:
     """What ``flipflow check`` says about a case: problems, warnings, and lines about contents and cost."""
 
     problems: Sequence[str] = ()
@@ -59,7 +59,7 @@ class Views:
             return ""
         return modes_svg(self.machine, modes, [row.speed_rad_per_s / (2 * math.pi) for row in shaken.shaken])
 
-    def write(self, folder: Path, findings: Findings) -> list[Path]:
+    def write(self, folder: Path, findings: CheckFindings) -> list[Path]:
         """Write all views into a folder, which is made if needed, and return the files.
 
         Raises OSError if a file cannot be written.
@@ -82,13 +82,13 @@ class Views:
                 written.append(folder / name)
         return written
 
-    def page(self, findings: Findings) -> str:
+    def page(self, findings: CheckFindings) -> str:
         """Return the HTML of one page with the findings and all views."""
         with made_apart(self.machine) as model:
             drawings = {name: embed(figure) for name, figure in self.figures()}
             return self._page(findings, drawings, self.modes(), model())
 
-    def _page(self, findings: Findings, drawings: dict[str, str], modes: str, model: str) -> str:
+    def _page(self, findings: CheckFindings, drawings: dict[str, str], modes: str, model: str) -> str:
         return fill_template(
             "output/views/page.html",
             loaded=self._loaded,

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from statistics import median
 from typing import Literal
 
 import numpy as np
@@ -115,12 +114,6 @@ class MeasuredSeries:
         for name in self.exact[0]:
             orders[name] = fit_order(h, [each.get(name, 0.0) for each in self.exact], 0.0)
         return {name: order for name, order in orders.items() if order is not None}
-
-    @property
-    def observed_order(self) -> float | None:
-        """The median order over the quantities whose errors fall along a line."""
-        clean = [one.order for one in self.orders.values() if one.is_clean]
-        return median(clean) if clean else None
 
     def remaining_error(self, name: str) -> float:
         """Return the estimated relative error of a quantity at the finest setting.

@@ -33,7 +33,7 @@ from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
 from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
-from orchestrator.studies.points import CaseStudy, RunFailed, run_in_scratch
+from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens
 
 NAME = "accuracy.json"
@@ -257,7 +257,7 @@ def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, An
     """
     try:
         summary = run_in_scratch(case, CaseStudy(case, level, tuple(sets)).check().level, sets)
-    except RunFailed as why:
+    except NoResult as why:
         raise SolverFailed(f"the calibration run {why}") from None
     if not trust.came_to_its_end(str(summary["status"])):
         raise SolverFailed(f"the calibration run failed: {summary.get('reason', '')}")

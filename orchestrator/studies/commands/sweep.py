@@ -21,7 +21,7 @@ from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary, summary_of
 from orchestrator.studies.report import Cell, figure_parts, write_csv, write_parquet
 from orchestrator.studies.sweep_plan import Arrangement, SweepPlan, plan_sweep
-from orchestrator.studies.sweep_results import Measured, draw_results, results_of, results_table
+from orchestrator.studies.sweep_results import SweptSetting, draw_results, results_of, results_table
 
 AXES = {0: "x", 2: "z"}
 SETTLED, NOT_SETTLED = "yes", "no"
@@ -90,7 +90,7 @@ def command(
         yield write_csv(rows, study.folder / "sweep.csv")
     yield write_parquet(rows, study.folder / "sweep.parquet")
     if wanted:
-        measured = [Measured(settings.setting_of(p), p.status(), results_of(p, wanted)) for p in points]
+        measured = [SweptSetting(settings.setting_of(p), p.status(), results_of(p, wanted)) for p in points]
         yield results_table(settings.keys, measured, wanted)
         yield from draw_results(settings.keys, measured, wanted, study.folder / "results.png")
     return all(point.status() == trust.DONE for point in points)

@@ -24,6 +24,7 @@ from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Stage, Trial
 from orchestrator.studies.design.two_levels import TwoLevels
+from orchestrator.studies.quantities import NORMAL_95
 
 FOR_CONFIRMING = 0.2  # of the hours
 NARROW = 0.02  # of a goal's range over all data: half an interval that is narrow enough
@@ -371,7 +372,7 @@ class Campaign:
             for setting in settings.values():
                 same = np.isfinite(y) & (np.abs(data.x - setting).max(axis=1) < 1e-9)
                 error = np.sqrt(data.variance[same, goal.response].sum()) / max(same.sum(), 1)
-                if not same.any() or 1.96 * error > NARROW * span:
+                if not same.any() or NORMAL_95 * error > NARROW * span:
                     return False
         return True
 

@@ -21,9 +21,9 @@ from orchestrator.studies.design.scales import Scale
 from orchestrator.studies.design.sensitivity import sobol_indices
 from orchestrator.studies.design.surrogates import Ensemble, Fitted, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Outcome
+from orchestrator.studies.quantities import NORMAL_95
 
 EXACT = 1e-9  # of a value: half widths below it are rounding
-HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 ON_THE_FRONT = 40  # settings that are listed
 DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optimum, as in the paper
 
@@ -45,14 +45,14 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Interval:
+class ConfidenceInterval:
     """A value and half the width of its 95 % interval, in the response's own unit."""
 
     value: float
     half_width: float
 
     @classmethod
-    def of(cls, scale: Scale, mean: float, half_width: float) -> Interval:
+    def of(cls, scale: Scale, mean: float, half_width: float) -> ConfidenceInterval:
         """Take an interval from a surrogate's scale to the response's unit."""
         low, high = (float(scale.from_fit(mean + sign * half_width)) for sign in (-1.0, 1.0))
         return cls(float(scale.from_fit(mean)), (high - low) / 2.0)
@@ -76,8 +76,8 @@ class Confirmed:
     role: str
     setting: Array
     runs: int
-    predicted: Mapping[str, Interval]
-    measured: Mapping[str, Interval]
+    predicted: Mapping[str, ConfidenceInterval]
+    measured: Mapping[str, ConfidenceInterval]
     why_not: str = ""
 
 
@@ -111,7 +111,7 @@ class Findings:
         mean, deviation = fitted.left_out()
         y, variance = self.data.y, self.data.variance
         q2 = [explained(y[:, i], mean[:, i]) for i in range(y.shape[1])]
-        inside = np.abs(y - mean) <= HALF_WIDTH * np.sqrt(deviation**2 + variance)
+        inside = np.abs(y - mean) <= NORMAL_95 * np.sqrt(deviation**2 + variance)
         known = np.isfinite(y) & np.isfinite(mean)
         share = (inside & known).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
         members = fitted.explained_by_members() if isinstance(fitted, Ensemble) else None
@@ -158,16 +158,16 @@ class Findings:
         chosen = {name: role_of(BEST, name) for name in self.campaign.study.aims}
         return {name: self.candidates[role] for name, role in chosen.items() if role in self.candidates}
 
-    def predict(self, setting: Array) -> dict[str, Interval]:
+    def predict(self, setting: Array) -> dict[str, ConfidenceInterval]:
         """Predict the responses at a coded setting, (factors,), by the study's own surrogate."""
         assert self.fitted is not None
         mean, deviation = predict_each(self.fitted, setting[None])
-        return self._intervals(mean[:, 0], HALF_WIDTH * deviation[:, 0])
+        return self._intervals(mean[:, 0], NORMAL_95 * deviation[:, 0])
 
-    def _intervals(self, mean: Array, half_width: Array) -> dict[str, Interval]:
+    def _intervals(self, mean: Array, half_width: Array) -> dict[str, ConfidenceInterval]:
         """Take means and half widths, (m,), from the surrogates' scales to the responses' units."""
         values = zip(self.campaign.scales.items(), mean, half_width, strict=True)
-        return {name: Interval.of(scale, middle, width) for (name, scale), middle, width in values}
+        return {name: ConfidenceInterval.of(scale, middle, width) for (name, scale), middle, width in values}
 
     @cached_property
     def confirmed(self) -> list[Confirmed]:
@@ -200,10 +200,10 @@ class Findings:
         counts = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
         mean = np.where(known, y, 0.0).sum(axis=0) / counts
         error = np.sqrt(np.where(known, variance, 0.0).sum(axis=0)) / counts
-        measured = self._intervals(mean, HALF_WIDTH * error)
+        measured = self._intervals(mean, NORMAL_95 * error)
         unknown = (np.nan, np.nan)  # of a response that was added to the study later
         expected = np.array([mine[0].trial.predicted.get(name, unknown) for name in self.responses])
-        predicted = self._intervals(expected[:, 0], HALF_WIDTH * expected[:, 1])
+        predicted = self._intervals(expected[:, 0], NORMAL_95 * expected[:, 1])
         aims = self.campaign.study.aims
         aim = next(
             (a for name, a in aims.items() if role in (role_of(BEST, name), role_of(SIMPLER, name))), None
@@ -213,7 +213,7 @@ class Findings:
             f"{self.responses[i]} was measured as {measured[self.responses[i]]} and predicted as "
             f"{predicted[self.responses[i]]}"
             for i in judged
-            if abs(mean[i] - expected[i, 0]) > HALF_WIDTH * (error[i] + expected[i, 1])
+            if abs(mean[i] - expected[i, 0]) > NORMAL_95 * (error[i] + expected[i, 1])
         ]
         if aim is not None:
             why += [f"{self.responses[i]} was not measured" for i in judged if not np.isfinite(mean[i])]
@@ -230,7 +230,7 @@ class Findings:
         proven = {each.role for each in self.confirmed if not each.why_not}
         return bool(wanted) and set(wanted) <= proven
 
-    def against(self, role: str, other: str, response: int) -> Interval | None:
+    def against(self, role: str, other: str, response: int) -> ConfidenceInterval | None:
         """Compute the difference of a response between two settings that were measured again, from runs with
         equal seeds; None where one of them was not."""
         pairs: dict[int, dict[str, float]] = {}
@@ -242,7 +242,7 @@ class Findings:
         if len(differences) < 2:
             return None
         t = float(stats.t.ppf(0.975, len(differences) - 1))
-        return Interval(
+        return ConfidenceInterval(
             float(np.mean(differences)), t * float(np.std(differences, ddof=1)) / len(differences) ** 0.5
         )
 

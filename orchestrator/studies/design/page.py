@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, role_of
-from orchestrator.studies.design.findings import Confirmed, Findings, Interval
+from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
 from orchestrator.studies.report import align_rows, write_page
@@ -126,7 +126,7 @@ def setting_in_words(findings: Findings, setting: Array) -> str:
     return ", ".join(f"{name} = {value:.4g} {factors[name].unit}".rstrip() for name, value in actual.items())
 
 
-def responses_in_words(findings: Findings, intervals: Mapping[str, Interval]) -> str:
+def responses_in_words(findings: Findings, intervals: Mapping[str, ConfidenceInterval]) -> str:
     """Return responses with their intervals and units."""
     responses = findings.campaign.study.file.responses
     return ", ".join(f"{name} {each} {responses[name].unit}".rstrip() for name, each in intervals.items())

@@ -11,8 +11,9 @@ import numpy as np
 from orchestrator.output.drawing import LINES, figure, save
 from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER
-from orchestrator.studies.design.findings import HALF_WIDTH, Findings
+from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.optimisers import predict_each
+from orchestrator.studies.quantities import NORMAL_95
 from orchestrator.studies.report import figure_parts
 
 GREY, BLACK, RED, GREEN, BLUE = "#9aa3ad", "#222222", "#c1443c", "#6b7f1f", LINES[0]
@@ -72,13 +73,13 @@ def _trade_off(findings: Findings) -> Any:
     axis.plot(
         *places, ".", ms=2, color=GREY, label=f"{len(findings.random_settings)} random settings, predicted"
     )
-    widths = HALF_WIDTH * np.sqrt(findings.data.variance)
+    widths = NORMAL_95 * np.sqrt(findings.data.variance)
     (x, dx), (y, dy) = (_with_bars(findings, r, findings.data.y[:, r], widths[:, r]) for r in (second, first))
     axis.errorbar(x, y, dy, dx, "o", ms=3, lw=0.6, color=BLUE, label="runs")
     if len(findings.front):
         mean, deviation = predict_each(findings.fitted, findings.front)
         along = _own(findings, second, mean[second])
-        low, high = (_own(findings, first, mean[first] + s * HALF_WIDTH * deviation[first]) for s in (-1, 1))
+        low, high = (_own(findings, first, mean[first] + s * NORMAL_95 * deviation[first]) for s in (-1, 1))
         order = np.argsort(along)
         axis.plot(
             along[order], _own(findings, first, mean[first])[order], color=BLACK, label="front, predicted"
@@ -120,7 +121,7 @@ def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
     bins = [numbers == number for number in range(BINS)]
     middles = np.array([findings.campaign.study.space.actual(x[b].mean(axis=0))[factor] for b in bins])
     means = np.array([mean[:, b].mean(axis=1) for b in bins])
-    widths = np.array([HALF_WIDTH * deviation[:, b].mean(axis=1) for b in bins])
+    widths = np.array([NORMAL_95 * deviation[:, b].mean(axis=1) for b in bins])
     return middles, means, widths
 
 
@@ -220,8 +221,8 @@ def _parity(findings: Findings) -> Any:
         for row in range(len(responses)):
             axis = grid[row, column]
             known = np.isfinite(findings.data.y[:, row]) & np.isfinite(mean[:, row])
-            x, dx = _with_bars(findings, row, mean[known, row], HALF_WIDTH * deviation[known, row])
-            width = HALF_WIDTH * np.sqrt(findings.data.variance[known, row])
+            x, dx = _with_bars(findings, row, mean[known, row], NORMAL_95 * deviation[known, row])
+            width = NORMAL_95 * np.sqrt(findings.data.variance[known, row])
             y, dy = _with_bars(findings, row, findings.data.y[known, row], width)
             axis.errorbar(x, y, dy, dx, "o", ms=3, lw=0.5, color=BLUE)
             ends = [min(x.min(), y.min()), max(x.max(), y.max())]

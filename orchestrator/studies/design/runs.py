@@ -20,9 +20,9 @@ from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Stage, Trial
 from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
+from orchestrator.studies.quantities import NORMAL_95
 
 UNFINISHED = ("missing", "interrupted")
-HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
 
 
 def has_ended(folder: Path) -> bool:
@@ -167,7 +167,7 @@ def _deviation(result: Value) -> float | None:
     """
     if result.standard_error or not result.half_width:
         return result.standard_error or result.counting
-    return result.half_width / HALF_WIDTH
+    return result.half_width / NORMAL_95
 
 
 def _cost(summary: dict[str, Any]) -> dict[str, Any]:

@@ -15,11 +15,12 @@ from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text
 from orchestrator.studies.design.campaign import BEST, role_of
 from orchestrator.studies.design.data import Data
-from orchestrator.studies.design.findings import HALF_WIDTH, Confirmed, Findings, Interval
+from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.published import compare_formula, implied_errors
 from orchestrator.studies.design.quadratic import Surface, Term, model_matrix, quadratic_terms
 from orchestrator.studies.design.table_data import read_published
 from orchestrator.studies.design.trials import Outcome
+from orchestrator.studies.quantities import NORMAL_95
 from orchestrator.studies.report import Cell, write_csv, write_parquet
 
 Row = dict[str, Cell]
@@ -78,7 +79,7 @@ def point_rows(findings: Findings) -> list[Row]:
                 row[f"{name} deviation"] = error / float(scale.slope(measured.value))
             if name in trial.predicted:
                 mean, deviation = trial.predicted[name]
-                predicted = Interval.of(scale, mean, HALF_WIDTH * deviation)
+                predicted = ConfidenceInterval.of(scale, mean, NORMAL_95 * deviation)
                 row |= _intervals({name: predicted}, " predicted")
         rows.append(row)
     return rows
@@ -185,7 +186,7 @@ def _confirmed_row(findings: Findings, each: Confirmed) -> Row:
     return row | _intervals(each.measured, "") | _intervals(each.predicted, " predicted")
 
 
-def _intervals(intervals: Mapping[str, Interval], suffix: str) -> Row:
+def _intervals(intervals: Mapping[str, ConfidenceInterval], suffix: str) -> Row:
     row: Row = {}
     for name, interval in intervals.items():
         row |= {name + suffix: interval.value, f"{name}{suffix} half width": interval.half_width}
