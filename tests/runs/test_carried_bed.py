@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -144,14 +145,27 @@ def test_states_between_checkpoints_come_from_the_pictures_of_the_run(runs: tupl
     assert "particles_00002.vtu, at t = 0.02 s" in checked.stdout
 
 
-def test_a_time_without_particles_is_refused(runs: tuple[Path, Path], tmp_path: Path) -> None:
-    first = shutil.copytree(runs[0], tmp_path / "first")
+def nobody_at(file: Path) -> None:
     places, number, whole = np.empty((0, 3)), np.empty(0), np.empty(0, dtype=np.int64)
     nobody = ParticleSnapshot(whole, places, places, places, number, number, whole)
-    file = first / "particles/particles_00002.vtu"
     meshio.write(file, in_single_precision(particle_mesh(nobody)), compression=None)
+
+
+def cut_off(file: Path) -> None:
+    file.write_bytes(file.read_bytes()[:-100])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"), [(nobody_at, "there are no particles at that time"), (cut_off, "is it whole?")]
+)
+def test_a_time_without_particles_is_refused(
+    runs: tuple[Path, Path], tmp_path: Path, change: Callable[[Path], None], said: str
+) -> None:
+    first = shutil.copytree(runs[0], tmp_path / "first")
+    change(first / "particles/particles_00002.vtu")
     words = ("--set", f"bed.from_run={first}", "--set", "bed.from_time_s=0.021")
     checked = flipflow("check", str(first), *words)
     assert checked.returncode == 2, checked.stderr
-    assert "particles_00002.vtu: there are no particles at that time" in checked.stderr
+    assert "particles_00002.vtu: " in checked.stderr
+    assert said in checked.stderr
     said_plainly(checked)

@@ -150,7 +150,9 @@ def _read_state(run: Path, state: RecordedState) -> CarriedBed:
         )
     except IndexError:  # which meshio raises for a file without points
         raise UnreadableBed(f"{state.file}: there are no particles at that time") from None
-    except (OSError, KeyError, ValueError, meshio.ReadError, SystemExit) as error:
+    except SystemExit:  # by which meshio ends the program for a file that it does not understand
+        raise UnreadableBed(f"{state.file}: cannot be read: is it whole?") from None
+    except (OSError, KeyError, ValueError, meshio.ReadError) as error:
         raise UnreadableBed(f"{state.file}: cannot be read ({error})") from None
     return saved_bed.keep_used_materials(bed)
 
