@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.file.whole import written_whole
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports.recording import Playback, RecordedGrid, Recording
@@ -54,8 +55,7 @@ def write(path: Path, content: File) -> None:
     """Write a recording, either completely or not at all.  Raises OSError."""
     import h5py  # It is imported here because checks of cases without recordings do not need it.
 
-    aside = path.with_name(f".{path.name}")
-    with h5py.File(aside, "w") as file:
+    with written_whole(path) as aside, h5py.File(aside, "w") as file:
         file.attrs["format_version"] = FORMAT
         file.attrs["speed_rad_per_s"] = content.speed_rad_per_s
         for name, panel in content.panels.items():
@@ -66,7 +66,6 @@ def write(path: Path, content: File) -> None:
             for series, values in arrays.items():
                 dataset = group.create_dataset(series, data=values)
                 dataset.attrs["unit"] = "m/rad" if series == "rate_m" else unit_of(series)
-    aside.replace(path)
 
 
 def read(path: Path) -> File:

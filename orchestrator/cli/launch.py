@@ -16,7 +16,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any, cast
@@ -65,17 +65,19 @@ SUMMARY_WRITTEN_S = 3600.0  # the results of a long run take minutes
 def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
     """Run a case on every rank, and return the exit code."""
     world = mpi.communicator()
-    try:
-        loaded = load_judged(path, level, overrides)
-        _require_runnable(loaded)
-        loaded = _decide_effects(loaded, path, level, overrides, world)
-        entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
-        if world is not None:  # no folder is made if another rank refuses the case
-            world.Barrier()
-        folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
-    except Exception as error:
-        return _report_refusal(world, error)
-    return _execute(loaded, entries, folder, world)
+    with ExitStack() as held:
+        try:
+            loaded = load_judged(path, level, overrides)
+            _require_runnable(loaded)
+            loaded = _decide_effects(loaded, path, level, overrides, world)
+            entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
+            if world is not None:  # no folder is made if another rank refuses the case
+                world.Barrier()
+            folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
+            _hold(folder, held, world)
+            return _execute(loaded, entries, folder, world)
+        except Exception as error:
+            return _report_refusal(world, error)
 
 
 def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
@@ -84,16 +86,24 @@ def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None
     The run continues from its last checkpoint or from the checkpoint of a ``sync_point``.
     """
     world = mpi.communicator()
-    try:
-        checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
-        as_saved = load_judged(folder, None, overrides)
-        loaded = replace(as_saved, name=checkpoint.about["name"], level=checkpoint.about["level"])
-        _require_runnable(loaded)
-        entries = account(loaded.described, loaded.left_out)
-        warned = mpi.first_rank_does(world, lambda: _prepare_folder(folder, checkpoint, loaded, world))
-        return _execute(loaded, entries, folder, world, checkpoint, warned)
-    except Exception as error:
-        return _report_refusal(world, error)
+    with ExitStack() as held:
+        try:
+            mpi.first_rank_does(world, lambda: _require_ended_run(folder))
+            _hold(folder, held, world)
+            checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
+            as_saved = load_judged(folder, None, overrides)
+            loaded = replace(as_saved, name=checkpoint.about["name"], level=checkpoint.about["level"])
+            _require_runnable(loaded)
+            entries = account(loaded.described, loaded.left_out)
+            warned = mpi.first_rank_does(world, lambda: _prepare_folder(folder, checkpoint, loaded, world))
+            return _execute(loaded, entries, folder, world, checkpoint, warned)
+        except Exception as error:
+            return _report_refusal(world, error)
+
+
+def _hold(folder: Path, held: ExitStack, world: Any) -> None:
+    """Lock the folder of a run until ``held`` ends.  Raises FolderUnusable if another process works there."""
+    mpi.first_rank_does(world, lambda: held.enter_context(lock(folder / RUN_LOCK)))
 
 
 def _decide_effects(
@@ -117,15 +127,19 @@ def _decide_effects(
     return loaded
 
 
+def _require_ended_run(folder: Path) -> None:
+    """Raise FolderUnusable if a folder has no run, or one that is still going on."""
+    if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
+        raise FolderUnusable(f"{folder}: is not the folder of a run")
+    if is_at_work(folder):
+        raise FolderUnusable(f"{folder}: the run is still going on")
+
+
 def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
     """Return the last undamaged checkpoint, or the checkpoint of a sync point.
 
     Raises FolderUnusable if there is none.
     """
-    if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
-        raise FolderUnusable(f"{folder}: is not the folder of a run")
-    if is_at_work(folder):
-        raise FolderUnusable(f"{folder}: the run is still going on")
     checkpoint = (
         checkpoints.find_newest(folder)
         if sync_point is None
@@ -205,13 +219,11 @@ def _execute(
 ) -> int:
     """Run the case in its folder, or continue from ``checkpoint``, and return the exit code.
 
-    ``entries`` is the account of its effects, and ``warned`` has further warnings.  Raises
-    FolderUnusable if another process is at work in the folder.
+    ``entries`` is the account of its effects, and ``warned`` has further warnings.
     """
     first = mpi.is_first(world)
     console = _console(quiet=not first)
-    alone = lock(folder / RUN_LOCK) if first else nullcontext()
-    with run_folder.logging_to(folder, first), alone:
+    with run_folder.logging_to(folder, first):
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if checkpoint is None else f"going on from t = {checkpoint.simulated_s:g} s with"
         _print_and_log(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
@@ -341,8 +353,8 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
                 console.print(f"WARNING: do not trust this run: {doubt}")
         console.print(run_folder.escape_unprintable(f"results in {folder}"))
     except OSError as error:
-        LOG.error("no summary: %s", error)
-        console.print(f"no summary: {error}\nall else is in {folder}")
+        LOG.error("the results are not complete: %s", error)
+        console.print(f"the results are not complete: {error}\nall else is in {folder}")
         return FAILED
     return trust.EXIT_CODES.get(figures["status"], code)
 

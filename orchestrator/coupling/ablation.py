@@ -1,7 +1,7 @@
-"""Ablation: hand-overs turned off one by one to show their effect (``[exchange]`` in a case).
+"""Ablation: exchanges turned off one by one to show their effect (``[exchange]`` in a case).
 
-Each class wraps one solver while the machine is built; a run with every hand-over on uses none of them.
-A hand-over that is off leaves out physics: momentum and energy no longer close across its
+Each class wraps one solver while the machine is built; a run with every exchange on uses none of them.
+An exchange that is off leaves out physics: momentum and energy no longer close across its
 interface, and the run's log says so.
 """
 

@@ -86,7 +86,7 @@ def _open_machine(
         particles,
     )
     return Machine(
-        solvers=_ablate_hand_overs(case, members),
+        solvers=_ablate_exchanges(case, members),
         members=members,
         scheme=create_scheme(case.coupling.scheme, case_effort(case)),
         stopwatch=stopwatch,
@@ -130,8 +130,8 @@ def _particles(
     return book, metered, None if plan.wear_m3_per_N_m is None else cast(Wearing, opened)
 
 
-def _ablate_hand_overs(case: Case, members: MeteredSolvers) -> Solvers:
-    """Return the solvers as the coupling sees them, with the hand-overs that the case wants."""
+def _ablate_exchanges(case: Case, members: MeteredSolvers) -> Solvers:
+    """Return the solvers as the coupling sees them, with the exchanges that the case wants."""
     exchange = case.exchange
     frames: Frames = members.frames
     panel: Panel = members.panel

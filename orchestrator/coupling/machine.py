@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 from orchestrator.case.bed.material_book import MaterialBook
@@ -77,8 +78,9 @@ class Machine:
         return self.members.particles.runs if self.members.particles is not None else 0
 
     def close(self) -> None:
-        """Close every solver."""
-        if self.solvers.particles is not None:
-            self.solvers.particles.close()
-        self.solvers.panel.close()
-        self.solvers.frames.close()
+        """Close every solver, even if one cannot be closed."""
+        with ExitStack() as closing:
+            closing.callback(self.solvers.frames.close)
+            closing.callback(self.solvers.panel.close)
+            if self.solvers.particles is not None:
+                closing.callback(self.solvers.particles.close)

@@ -40,7 +40,13 @@ class PanelSet:
         self._communicator = communicator
         rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
         starts = [count * number // size for number in range(size + 1)]
-        self._own: dict[int, Panel] = {i: open_panel(i) for i in range(starts[rank], starts[rank + 1])}
+        self._own: dict[int, Panel] = {}
+        try:
+            for i in range(starts[rank], starts[rank + 1]):
+                self._own[i] = open_panel(i)
+        except BaseException:
+            self.close()
+            raise
         self._follow = {i: surface_ahead(panel) for i, panel in self._own.items()}
         states = self.exchange({i: panel.initial() for i, panel in self._own.items()})
         mounts = self.exchange({i: panel.mount for i, panel in self._own.items()})

@@ -1,6 +1,6 @@
 """Wrappers: solvers that stand before another solver of the same port and pass every call on to it.
 
-Each wrapper of this package (metered, mapped, with a hand-over off) changes the calls that concern it.
+Each wrapper of this package (metered, mapped, with an exchange off) changes the calls that concern it.
 Wrappers answer the optional calls of a port even if their solver does not.
 """
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.saved_bed import BED
+from orchestrator.case.file.whole import written_whole
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.output.records.run_folder import check_format
@@ -91,9 +92,8 @@ class Checkpoint:
     def put_back(self, run: Path) -> None:
         """Copy the recorded files back, into the folder of the run."""
         for name in self.about["copies"]:
-            aside = run / f".{name}"
-            shutil.copyfile(self.folder / name, aside)
-            aside.replace(run / name)
+            with written_whole(run / name) as aside:
+                shutil.copyfile(self.folder / name, aside)
 
 
 def write(

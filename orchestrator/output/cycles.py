@@ -19,20 +19,21 @@ ROUNDING = 1e-7  # of a cycle: a time that is nearer than this to the end of a c
 
 
 def cycle_s(case: Case) -> float:
-    """Return the period of the slowest exciter or drive, or the duration of the run if there is none.
-
-    Exciters count only if forces move the frames.
-    """
-    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
-    speeds = [drive.speed_rad_per_s for drive in drives]
-    if case.frames.adapter.moved_by_forces:
-        speeds += [exciter.speed_rad_per_s for exciter in case.screen.exciters.values()]
-    return 2 * math.pi / min(speeds) if speeds else case.duration_s
+    """Return the period of the slowest exciter or drive, or the duration of the run if there is none."""
+    speeds_rad_per_s = _speeds_rad_per_s(case)
+    return 2 * math.pi / min(speeds_rad_per_s) if speeds_rad_per_s else case.duration_s
 
 
 def is_driven(case: Case) -> bool:
     """Return whether an exciter or a drive gives the machine a cycle."""
-    return cycle_s(case) != case.duration_s
+    return bool(_speeds_rad_per_s(case))
+
+
+def _speeds_rad_per_s(case: Case) -> list[float]:
+    """Return the speeds of all drives, and of the exciters if forces move the frames."""
+    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
+    exciters = case.screen.exciters.values() if case.frames.adapter.moved_by_forces else ()
+    return [each.speed_rad_per_s for each in (*drives, *exciters)]
 
 
 def counted_cycle_s(case: Case) -> float:

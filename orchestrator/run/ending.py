@@ -139,6 +139,8 @@ def _record_error(failed: dict[str, str], part: str) -> AbstractContextManager[N
 
 def _draw_pictures(folder: Path) -> None:
     """Draw the pictures in a process of their own, and log a warning if that fails."""
-    process = python("-m", "orchestrator.output.report.pictures", str(folder), capture_output=True)
+    process = python(
+        "-m", "orchestrator.output.report.pictures", str(folder), alone=True, capture_output=True
+    )
     if process.returncode:
         LOG.warning("no pictures: %s", process.stderr.strip().splitlines()[-1:])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -100,8 +100,8 @@ class Run:
             recorder.book_last_contacts()
             self._progress.figures["material"] = recorder.material_balance()
         finally:
-            self._progress.figures["monitor"] = monitor.figures(self._progress.done)
-            recorder.close()
+            with closing(recorder):
+                self._progress.figures["monitor"] = monitor.figures(self._progress.done)
         pending = machine.scheme.pending(state, Interval(0, monitor.pace.last_s))
         self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
         self._progress.figures["energy_exchanged_J"] = monitor.exchanged_J()

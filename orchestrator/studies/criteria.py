@@ -233,7 +233,8 @@ class Runs:
     def between(self, limits: tuple[float, float] | None) -> Runs:
         """Return the runs of values in a range, in order of their values.
 
-        Values that are no numbers stay in the order in which they are given; with limits they raise Unknown.
+        Values that are no numbers stay in the order in which they are given; with limits they raise Unknown,
+        and so do limits between which there is no value.
         """
         low, high = limits or (-np.inf, np.inf)
         try:
@@ -242,6 +243,8 @@ class Runs:
             if limits is None:
                 return self
             raise
+        if not inside:
+            raise Unknown(f"no run has a value from {low:g} to {high:g}")
         return Runs(tuple(sorted(inside, key=_number_in)), self.vary)
 
     @property
@@ -378,7 +381,12 @@ def _combine(row: Criterion, runs: Mapping[str, Runs], numbers: Array) -> float:
 
 
 def _lowest_at(numbers: Array, chosen: Runs) -> float:
-    """Return the place of the minimum of a parabola through the least number and its neighbours."""
+    """Return the place of the minimum of a parabola through the least number and its neighbours.
+
+    Raises Unknown for fewer than three numbers.
+    """
+    if len(numbers) < 3:
+        raise Unknown("a minimum takes the runs of three values")
     least = int(np.clip(numbers.argmin(), 1, len(numbers) - 2))
     near = slice(least - 1, least + 2)
     a, b, _ = np.polyfit(chosen.values[near], numbers[near], 2)

@@ -387,7 +387,10 @@ def parse_vary(text: str) -> Vary:
     each = tuple(in_own_unit(value, key) for value in each)
     if len(set(each)) < len(each) or not all(each):
         raise _wrong(text, "has an empty value or one twice")
-    return Vary(key.strip(), each)
+    vary = Vary(key.strip(), each)
+    if len({vary.folder(value) for value in each}) < len(each):
+        raise _wrong(text, "has two values whose folders would have the same name")
+    return vary
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:

@@ -429,19 +429,19 @@ def _panel_metrics(
     forces = history[f"forces/{panel.name}"]
     pull_N = np.linalg.norm(forces["first_clamp_N"][:], axis=1)[forces["time_s"][:] > start_s]
     values = {
-        "deflection_m": _cycle_mean(np.ptp, shape_m[:, middle, 2], time_s[last], cycle) / 2,
+        "deflection_m": mean_of_cycles(np.ptp, shape_m[:, middle, 2], time_s[last], cycle) / 2,
         "clamp_peak_N": float(pull_N.max()),
         "clamp_rms_N": float(np.sqrt(np.mean(pull_N**2))),
-        "peak_g": _cycle_mean(np.max, size_g, time_s[last], cycle),
+        "peak_g": mean_of_cycles(np.max, size_g, time_s[last], cycle),
         "rms_g": float(np.sqrt(np.mean(size_g**2))),
     }
     return values, shape_m[:, line][:, :, [0, 2]].reshape(len(shape_m), -1)
 
 
-def _cycle_mean(statistic: Callable[[Array], Any], values: Array, time_s: Array, cycle: float) -> float:
-    """Return the mean, over the cycles, of a statistic of each cycle."""
-    number = cycle_numbers(time_s, cycle, float(time_s[0]))
-    return float(np.mean([statistic(values[number == each]) for each in range(max(1, number.max()))]))
+def mean_of_cycles(statistic: Callable[[Array], Any], values: Array, time_s: Array, cycle_s: float) -> float:
+    """Return the mean, over the cycles from the first time to the last, of a statistic of each cycle."""
+    number = cycle_numbers(time_s, cycle_s, float(time_s[0]))
+    return float(np.mean([statistic(values[number == each]) for each in range(number.max() + 1)]))
 
 
 def _quantity(question: Question, run: Path) -> float:

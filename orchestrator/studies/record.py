@@ -79,6 +79,8 @@ def record(run: Path, cycles: int | None) -> Recorded:
     machine = turning(case)
     if machine is None:
         raise _refusal(run, "nothing turns this machine: it has no cycle")
+    if not single_panels(case):
+        raise _refusal(run, "the case has no panels")
     best = None
     for count in range(1, MOST_CYCLES + 1) if cycles is None else (cycles,):
         panels, change = {}, {}

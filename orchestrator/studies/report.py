@@ -11,6 +11,7 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
+from orchestrator.case.file.whole import written_whole
 from orchestrator.output.drawing import data_uri, figure, fill_template
 from orchestrator.output.records.run_folder import write_text
 
@@ -29,7 +30,7 @@ def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
     The columns of the rows may differ; a cell without a known value is empty.
     """
     lines = align_rows(rows)
-    with file.open("w", newline="", encoding="utf-8") as text:
+    with written_whole(file) as aside, aside.open("w", newline="", encoding="utf-8") as text:
         writer = csv.DictWriter(text, [*lines[0]] if lines else [])
         writer.writeheader()
         writer.writerows(lines)
@@ -41,7 +42,8 @@ def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
     import pyarrow
     from pyarrow import parquet
 
-    parquet.write_table(pyarrow.Table.from_pylist(align_rows(rows)), file)
+    with written_whole(file) as aside:
+        parquet.write_table(pyarrow.Table.from_pylist(align_rows(rows)), aside)
     return file
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -21,8 +22,8 @@ from orchestrator.studies.criteria import (
     known_answers,
     read_criteria,
 )
-from orchestrator.studies.points import Point
-from orchestrator.studies.quantities import Unknown, outcome
+from orchestrator.studies.points import Point, Vary
+from orchestrator.studies.quantities import Unknown, mean_of_cycles, outcome
 from orchestrator.studies.verdicts import CriterionResult, judge, verdict_markdown
 from tests.results.synthetic import BIN_KG, CYCLE_S, VELOCITY_M_S, folder_of
 
@@ -273,3 +274,28 @@ def test_each_part_of_a_series_has_the_scatter_of_its_own_time(runs: dict[str, R
     row = criterion(**given, between_s=(4.0, 4.0), earlier_s=(0.0, 0.0))
     width = 12.706 * np.std([4.0, 8.0], ddof=1)  # Student, one degree of freedom
     assert half_width(row, runs | seeds) == pytest.approx(width, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"compare": "change", "between": (5.0, 6.0)}, "no run has a value from 5 to 6"),
+        ({"between": (5.0, 6.0)}, "no run has a value from 5 to 6"),
+        ({"compare": "lowest-at"}, "a minimum takes the runs of three values"),
+    ],
+)
+def test_too_few_values_of_a_varied_key_are_unknown(
+    runs: dict[str, Runs], given: dict[str, object], said: str
+) -> None:
+    points = [replace(of.points[0], value=value) for of, value in zip(runs.values(), "12", strict=True)]
+    varied = {"one": Runs(tuple(points), Vary("n", ("1", "2")))}
+    result = judge("a", criterion(measure="result", of="n", **given), varied)
+    assert (result.measured, result.verdict) == (None, "NOT MET")
+    assert said in result.value_in_words
+
+
+def test_the_mean_of_cycles_counts_the_last_one() -> None:
+    """Four cycles of ten rows, with the row at their start; the last one has another peak."""
+    time_s, values = np.linspace(1.0, 5.0, 41), np.ones(41)
+    values[-3] = 101.0
+    assert mean_of_cycles(np.max, values, time_s, 1.0) == pytest.approx(26.0)

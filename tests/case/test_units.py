@@ -240,6 +240,7 @@ def test_random_sweeps_take_units(ends: str) -> None:
     [
         ("screen.panels.deck.thickness_m=4 mm:6 cm:1 mm", "has several units"),
         ("screen.panels.deck.thickness_m=4 mm,0.4 cm", "has an empty value or one twice"),
+        ("title=a b,a_b", "has two values whose folders would have the same name"),
     ],
 )
 def test_sweeps_with_wrong_units(text: str, said: str) -> None:

@@ -146,6 +146,14 @@ def test_least_squares_take_as_many_tries_as_there_are_stiffnesses_and_one_more(
     assert np.abs(solved(LeastSquares(), A, 3) - 1 / (1 + np.diag(A))).max() > 1e-3
 
 
+def test_a_residual_that_is_repeated_to_the_bit_is_no_error() -> None:
+    """An answer that keeps its distance from what was tried: no try solves the interval."""
+    relaxation, tried = LeastSquares(), np.zeros(2)
+    for _ in range(3):
+        tried = relaxation.next(tried, tried + 1.0)
+    assert np.isfinite(tried).all()
+
+
 def test_aitken_ends_where_plain_repetition_runs_away() -> None:
     A = np.diag([0.5, 3.0, 9.0])
     np.testing.assert_allclose(solved(Aitken(), A, 40), 1 / (1 + np.diag(A)), rtol=1e-6)

@@ -18,6 +18,7 @@ from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.wrappers import PanelWrapper
 from orchestrator.ports import Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import SolverFailed
 from tests.panel.elastic_plans import BRANCHES, plan
 
 LENGTH_S = 1e-4
@@ -77,6 +78,24 @@ def test_panels_on_both_sides_of_one_that_stands_alone_are_joined() -> None:
 
     members = PanelSet(STRIPS + 1, with_one_alone)
     assert [group.panels for group in members._groups] == [[0, 1], [2], [3, 4], [5]]
+
+
+def test_panels_that_are_open_are_closed_where_another_cannot_be_opened() -> None:
+    closed: list[int] = []
+
+    class Counted(PanelWrapper):
+        def close(self) -> None:
+            closed.append(0)
+            super().close()
+
+    def opened_but_one(number: int) -> Panel:
+        if number == 2:
+            raise SolverFailed("the third does not open")
+        return Counted(opened(number))
+
+    with pytest.raises(SolverFailed, match="the third"):
+        PanelSet(STRIPS + 1, opened_but_one)
+    assert len(closed) == 2
 
 
 def moved(communicator: Any) -> tuple[PanelState, list[int]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,11 @@ import pytest
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
 from orchestrator.output.records.summary import wall_by_part_s, worked_by_part_s
+from orchestrator.ports import Load, Motion, PanelState
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.stability.limits import light_point_s
-from orchestrator.run.monitor.monitor import Stopped
+from orchestrator.run.monitor.monitor import Stopped, check_speeds
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.monitor.machines import monitored, on_a_line
 
@@ -201,3 +204,13 @@ def test_the_scheme_is_charged_for_what_it_repeats(
         "particles": 10 * runs[Sphere],
         "coupling": 100 * intervals,
     }
+
+
+@pytest.mark.parametrize(("speed_m_per_s", "said"), [(170.0, False), (180.0, True)])
+def test_a_point_is_as_fast_as_its_velocity_is_long(speed_m_per_s: float, said: bool) -> None:
+    """Along a diagonal of space, 174 m/s along each axis are more than 300 m/s."""
+    moved = Motion(np.zeros((1, 3)), np.full((1, 3), speed_m_per_s))
+    still = Load(np.zeros((1, 3)))
+    state = State(moved, np.zeros((1, 3)), PanelState(moved, still), still)
+    with pytest.raises(SolverFailed, match="became unstable") if said else nullcontext():
+        check_speeds(state, 0.0, str)

@@ -5,9 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.cycles import count_whole_cycles, cycle_number, cycle_numbers, within
+from orchestrator.output.cycles import (
+    count_whole_cycles,
+    cycle_number,
+    cycle_numbers,
+    cycle_s,
+    is_driven,
+    within,
+)
 from orchestrator.output.results.harmonics import drift, ellipse, first_harmonic
 from orchestrator.ports import Array
+from orchestrator.preflight.judge import load_judged
+from tests.runs.outside import ROOT
 
 SPEED = 78.5
 CYCLE_S = 2 * np.pi / SPEED
@@ -121,3 +130,13 @@ def test_the_end_of_a_cycle_belongs_to_it_whatever_the_rounding() -> None:
     assert cycle_numbers(time_s + 3.0, CYCLE_S, 3.0).tolist() == [0, 0, 0, 0, 0, 1, 1, 1]
     assert [count_whole_cycles(t, 1.0) for t in (0.0, 0.9, 1.0 - 1e-9, 1.0, 2.5)] == [0, 0, 1, 1, 2]
     assert within(time_s, 0.0, CYCLE_S, CYCLE_S).tolist() == [False] + 4 * [True] + 3 * [False]
+
+
+def test_a_run_of_exactly_one_cycle_is_one_of_a_driven_machine() -> None:
+    """At 750 rpm a cycle takes 0.08 s."""
+    sets = ["duration_s=0.08", f"screen.exciters.shaft.speed_rad_per_s={25 * np.pi!r}"]
+    case = load_judged(ROOT / "cases/empty-machine", None, sets).case
+    assert cycle_s(case) == case.duration_s
+    assert is_driven(case)
+    still = load_judged(ROOT / "cases/ball-on-panel", "draft", []).case
+    assert not is_driven(still)

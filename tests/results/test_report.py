@@ -22,6 +22,7 @@ from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.report.page import Film, page, report
 from orchestrator.output.report.pictures import draw_sections, draw_wear
+from orchestrator.output.report.rendering import last_snapshots
 from orchestrator.output.results.compute import compute_results
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
@@ -242,3 +243,10 @@ def test_what_was_left_out_is_said_with_its_number() -> None:
         ("after the run", "matters: rotation 0.0512, threshold 0.1"),
         ("adhesion", "auto"),
     ]
+
+
+def test_the_film_of_a_run_with_one_output_time_shows_it(tmp_path: Path) -> None:
+    """Undriven, the run lasts from that time to that time."""
+    assert last_snapshots([(0.0, tmp_path)], 0.0) == [(0.0, tmp_path)]
+    pairs = [(float(n), tmp_path) for n in range(5)]
+    assert last_snapshots(pairs, 2.0) == pairs[3:]

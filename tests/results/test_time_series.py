@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling.bushing_forces import BushingForces, frame_points
 from orchestrator.coupling.machine import PlacedProbe
-from orchestrator.output.records.history import CHUNK_ROWS, History
+from orchestrator.output.records.history import CHUNK_ROWS, History, Reserved
 from orchestrator.output.records.series import PanelForces, TimeSeries, rotations
 from orchestrator.ports import Array, Load, Motion, PanelState
 from orchestrator.ports.plans import BushingPlan
@@ -158,3 +158,24 @@ def test_rows_of_nothing_are_rows(tmp_path: Path) -> None:
     history.close()
     with h5py.File(tmp_path / "history.h5") as file:
         assert file["none/place_m"].shape == (3, 0, 3)
+
+
+class TakesAPart:
+    """A file on a disk that fills: it takes no more than 1000 bytes at a time, as POSIX allows."""
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+
+    def write(self, data: memoryview) -> int:
+        return int(self._file.write(data[:1000]))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+
+def test_a_write_of_which_the_disk_takes_a_part_is_gone_on_with(tmp_path: Path) -> None:
+    file, data = Reserved(tmp_path / "history.h5"), np.random.default_rng(1).bytes(54321)
+    file._file = TakesAPart(file._file)
+    assert file.write(data) == len(data)
+    file.close()
+    assert (tmp_path / "history.h5").read_bytes() == data

@@ -107,5 +107,7 @@ def test_what_does_not_fit_is_said(machine: tuple[Path, Path], tmp_path: Path) -
     assert (faster.returncode, "played back at 90 rad/s" in faster.stdout) == (0, True)
     nothing = flipflow("record", str(machine[1]), "--out", str(tmp_path / "again.h5"))
     assert (nothing.returncode, "no shapes were recorded" in nothing.stderr) == (2, True)
-    for done in (none, thicker, gone, nothing):
+    empty = flipflow("record", "cases/double-deck", "--out", str(tmp_path / "again.h5"))
+    assert (empty.returncode, "the case has no panels" in empty.stderr) == (2, True)
+    for done in (none, thicker, gone, nothing, empty):
         said_plainly(done)

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from orchestrator.output.records.run_folder import RUN_LOCK, is_at_work, lock, make_folder
 from tests.runs.outside import (
     HANG_S,
@@ -18,6 +20,7 @@ from tests.runs.outside import (
     run_words,
     said_plainly,
     started,
+    times,
     wait_until,
 )
 
@@ -45,6 +48,17 @@ def test_one_folder_for_two_runs_goes_to_one(tmp_path: Path) -> None:
     assert sorted(run.returncode for run in runs) == [0, 2, 2]
     assert sum("exists already; nothing was written" in one for one in said) == 2
     left_usable(tmp_path / "run", "done")
+
+
+def test_one_run_that_three_go_on_with_goes_to_one(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    assert flipflow(*run_words("panel-cycle", folder, SHORT)).returncode == 0
+    words = ["resume", str(folder), "--set", "duration_s=0.05"]
+    runs = [started(*words) for _ in range(3)]
+    said = [run.communicate(timeout=HANG_S)[1] for run in runs]
+    assert sorted(run.returncode for run in runs) == [0, 2, 2], said
+    left_usable(folder, "done")
+    assert times(folder, "energy")[-1] == pytest.approx(0.05)
 
 
 def test_a_study_does_not_touch_a_run_that_goes_on(tmp_path: Path) -> None:

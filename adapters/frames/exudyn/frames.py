@@ -172,8 +172,10 @@ class ExudynFrames(RigidFrames):
         coordinates = self._data.GetODE2Coordinates()
         tilts_rad = [abs(angle_rad) for angle_rad in coordinates[4::6].tolist()]
         if not converged or not all(tilt < LARGEST_TILT_RAD for tilt in tilts_rad):  # nor is NaN smaller
-            reason = "its step did not converge" if not converged else f"a body tilts {max(tilts_rad)} rad"
-            raise SolverFailed(f"exudyn frames at {end_s} s: {reason}")
+            reason = (
+                "its step did not converge" if not converged else f"a body tilts {max(tilts_rad):.3g} rad"
+            )
+            raise SolverFailed(f"exudyn frames at {end_s:.6g} s: {reason}")
         start_m = bodies.memory["stretch_m"].copy() if self._hysteresis else None
         bodies.kernel.reach(coordinates=coordinates, rates=self._data.GetODE2Coordinates_t())
         if start_m is not None:

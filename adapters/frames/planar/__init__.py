@@ -167,7 +167,7 @@ class PlanarFrames(RigidFrames):
                 self._added = load - expected
                 return Nodes(load, poses, pulls)
         raise SolverFailed(
-            f"planar frames at {start_s} s: its rounds do not end; take a smaller frames.step_s"
+            f"planar frames at {start_s:.6g} s: its rounds do not end; take a smaller frames.step_s"
         )
 
     def _acceleration(self, poses: PlanarPoses, total: Array) -> Complex:

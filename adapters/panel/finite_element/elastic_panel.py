@@ -97,8 +97,9 @@ class ElasticPanel(BodyPanel):
         """Raise SolverFailed where a node outruns elastic waves, which it does if the solution blew up."""
         if not fastest_m_per_s < self._waves_m_per_s:
             raise SolverFailed(
-                f"{self._name}, t = {interval.end_s} s: unstable, a node moves at {fastest_m_per_s:.3g} m/s "
-                f"(elastic waves: {self._waves_m_per_s:.3g} m/s); take a smaller step"
+                f"{self._name}, t = {interval.end_s:.6g} s: unstable, a node moves at "
+                f"{fastest_m_per_s:.3g} m/s (elastic waves: {self._waves_m_per_s:.3g} m/s); "
+                "take a smaller step"
             )
 
 

@@ -124,7 +124,7 @@ class Strip(CompiledPanel):
         lowest, highest = found
         if not SANE_STRETCH[0] < lowest <= highest < SANE_STRETCH[1]:  # nor is NaN
             raise SolverFailed(
-                f"{self._name}: strip unstable before {interval.end_s} s: stretches are "
+                f"{self._name}: strip unstable before {interval.end_s:.6g} s: stretches are "
                 f"{lowest:.3g} ... {highest:.3g}"
             )
 

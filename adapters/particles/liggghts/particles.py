@@ -105,7 +105,7 @@ class Liggghts:
             self._prepare()
             self._engine.run(steps=steps, step_s=interval.length_s / steps)
         except RuntimeError as error:
-            raise SolverFailed(f"LIGGGHTS failed after t = {interval.start_s} s: {error}") from error
+            raise SolverFailed(f"LIGGGHTS failed after t = {interval.start_s:.6g} s: {error}") from error
         self._ledger.add_gravity(interval.length_s)
         present, nowhere, removed, crossed = self._tally()
         if removed:
@@ -282,11 +282,11 @@ class Liggghts:
     def _check(self, time_s: float, present: int, nowhere: int) -> None:
         """Raise SolverFailed where a particle is missing or nowhere."""
         if nowhere:
-            raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")
+            raise SolverFailed(f"LIGGGHTS at t = {time_s:.6g} s: a particle's place or velocity is NaN")
         expected = self._created - self._ledger.removed_count
         if present != expected:
             raise SolverFailed(
-                f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
+                f"LIGGGHTS lost particles before t = {time_s:.6g} s: {present} of {expected} are left"
             )
 
 

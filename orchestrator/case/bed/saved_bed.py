@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from orchestrator.case.file.whole import written_whole
 from orchestrator.case.tables.carried_bed import COLUMNS, CarriedBed
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports import ParticleSnapshot
@@ -45,8 +46,7 @@ def write(path: Path, bed: CarriedBed) -> None:
     """Write a bed, either completely or not at all.  Raises OSError."""
     import h5py  # It is imported here because checks of cases without a saved bed do not need it.
 
-    aside = path.with_name(f".{path.name}")
-    with h5py.File(aside, "w") as file:
+    with written_whole(path) as aside, h5py.File(aside, "w") as file:
         file.attrs["format_version"] = FORMAT
         file.attrs["materials"] = list(bed.materials)
         file.attrs["time_s"] = bed.time_s
@@ -54,7 +54,6 @@ def write(path: Path, bed: CarriedBed) -> None:
         for name in COLUMNS:
             dataset = file.create_dataset(name, data=getattr(bed, name))
             dataset.attrs["unit"] = unit_of(name)
-    aside.replace(path)
 
 
 def read(path: Path) -> CarriedBed:

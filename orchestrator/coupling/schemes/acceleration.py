@@ -82,6 +82,7 @@ class LeastSquares(SavedAttributes):
         if len(self._answers) == 2:
             self._share = secant_share(W[:, 0] - V[:, 0], V[:, 0])
         size_N = np.linalg.norm(V, axis=0)  # scales all columns to the same size, so that small ones count
+        size_N[size_N == 0] = 1.0  # a repeated residual says nothing
         c = np.linalg.lstsq(V / size_N, -residual_N.ravel(), rcond=SMALLEST)[0] / size_N
         return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
 

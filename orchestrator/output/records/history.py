@@ -15,6 +15,7 @@ import io
 import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from math import prod
 from pathlib import Path
 from typing import Any, Literal
@@ -51,7 +52,10 @@ class Reserved(io.RawIOBase):
         self._reserve.unlink(missing_ok=True)
 
     def write(self, data: Any) -> int:
-        return self._anyhow(lambda: self._file.write(data), len(data))
+        rest = memoryview(data).cast("B")
+        while rest:  # a disk that fills takes a part, and only the next write fails
+            rest = rest[self._anyhow(partial(self._file.write, rest), len(rest)) :]
+        return len(data)
 
     def truncate(self, size: int | None = None) -> int:
         return self._anyhow(lambda: self._file.truncate(size), size or 0)
@@ -245,8 +249,7 @@ def write_accelerations(
     disk is nearly full: a failed write would lose the whole file.
     """
     needed = sum(time_s.nbytes + values.nbytes for time_s, values in accelerations.values())
-    if shutil.disk_usage(history_file.parent).free < ROOM_BYTES + needed:
-        raise OSError(errno.ENOSPC, f"no room for the group {ACCELERATIONS} of {history_file.name}")
+    _check_room(history_file, ACCELERATIONS, needed)
     with h5py.File(history_file, "a") as history:
         if ACCELERATIONS in history:
             del history[ACCELERATIONS]
@@ -264,12 +267,16 @@ def write_results(history_file: Path, results: Mapping[str, Any]) -> None:
     becomes a dataset, and each table of a list becomes a group; None becomes NaN.  Raises OSError if the
     disk is nearly full: a failed write would lose the whole file.
     """
-    if shutil.disk_usage(history_file.parent).free < ROOM_BYTES:
-        raise OSError(errno.ENOSPC, f"no room for the group {GROUP} of {history_file.name}")
+    _check_room(history_file, GROUP)
     with h5py.File(history_file, "a") as history:
         if GROUP in history:
             del history[GROUP]
         _put(history.create_group(GROUP), results)
+
+
+def _check_room(history_file: Path, group: str, needed_bytes: int = 0) -> None:
+    if shutil.disk_usage(history_file.parent).free < ROOM_BYTES + needed_bytes:
+        raise OSError(errno.ENOSPC, f"no room for the group {group} of {history_file.name}")
 
 
 def _put(group: Any, table: Mapping[str, Any]) -> None:

@@ -15,6 +15,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -205,8 +206,8 @@ class Recorder:
     def close(self) -> None:
         """Write the rows that are still in memory, and close the file."""
         if self._writes:
-            self._cycles.close()
-            self._history.close()
+            with closing(self._history):
+                self._cycles.close()
 
 
 def _with_unit(terms_J: Mapping[str, float]) -> dict[str, float]:

@@ -20,6 +20,7 @@ import tomli_w
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.saved_bed import BED
+from orchestrator.case.file.whole import written_whole
 from orchestrator.case.provenance import provenance, read_provenance
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
@@ -201,14 +202,9 @@ def write_json(path: Path, value: Any) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file, whole or not at all: under another name, which is then changed."""
-    aside = path.with_name(f".{path.name}")
-    try:
+    """Write a text file, whole or not at all."""
+    with written_whole(path) as aside:
         aside.write_text(text, encoding="utf-8")
-        aside.replace(path)
-    except OSError:  # half a file is useless and takes room
-        aside.unlink(missing_ok=True)
-        raise
 
 
 RUN_LOCK = "run.log"

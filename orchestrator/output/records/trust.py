@@ -122,7 +122,7 @@ def _energy_of_solvers(summary: Summary) -> Iterator[str]:
 def _momentum(summary: Summary) -> Iterator[str]:
     """Yield a doubt for each momentum balance that does not close to rounding.
 
-    The cause is an error in the program or in a solver.  Interfaces whose hand-over is turned off are
+    The cause is an error in the program or in a solver.  Interfaces whose exchange is turned off are
     left out, because they lose momentum on purpose.
     """
     closed = summary.get("energy_exchanged_J", {})

@@ -112,15 +112,16 @@ def _draw_changes(comparison: Comparison, rows: Sequence[Any]) -> Any:
     fig, ((axes,),) = figure(1, 1, WIDE, 0.9 + 0.3 * len(rows))
     offsets = np.linspace(-0.2, 0.2, len(comparison.runs) - 1) if len(comparison.runs) > 2 else [0.0]
     for run, offset in enumerate(offsets, start=1):
+        label: str | None = comparison.names[run]
         for place, row in enumerate(rows):
             share, other, first = row.changes()[run], row.results[run], row.results[0]
             if share is None:
                 continue
             widths = [result.half_width or 0.0 for result in (first, other)]
             width = 100 * math.hypot(*widths) / abs(first.value)
-            label = comparison.names[run] if place == 0 else None
             style = {"fmt": "o", "ms": 5, "capsize": 3, "color": _colour(run), "label": label}
             axes.errorbar(100 * share, place + offset, xerr=width or None, **style)
+            label = None  # one entry of the legend for each run
     axes.axvline(0, color=_colour(0), lw=1.2)
     axes.set_yticks(range(len(rows)), [row.name for row in rows])
     axes.invert_yaxis()

@@ -119,7 +119,7 @@ def make_film(folder: Path, lasting_s: float) -> Film:
     with tempfile.TemporaryDirectory() as place:
         file = Path(place) / "film.webp"
         words = ("orchestrator.output.report.rendering", str(folder), str(lasting_s), str(file))
-        process = python("-m", *words, capture_output=True)
+        process = python("-m", *words, alone=True, capture_output=True)
         if process.returncode or not file.is_file():
             why = process.stderr.strip().splitlines()[-1:] or ["the renderer ended without a word"]
             return Film(b"", reason=why[0])

@@ -48,7 +48,7 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
 
     The film has at most ``FRAMES`` frames.  Raises FileNotFoundError if the run has no snapshots.
     """
-    frames = _last_snapshots(snapshots(folder, "surface"), lasting_s)
+    frames = last_snapshots(snapshots(folder, "surface"), lasting_s)
     if not frames:
         raise FileNotFoundError("the run has no snapshots of the surface")
     particles = dict(snapshots(folder, "particles"))
@@ -82,10 +82,11 @@ def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
     return [(time_s, file) for time_s, file in pairs if file.is_file()]
 
 
-def _last_snapshots(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tuple[float, Path]]:
+def last_snapshots(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tuple[float, Path]]:
+    """Return at most ``FRAMES`` snapshots of the last ``lasting_s`` seconds, and the last one at least."""
     if not pairs:
         return []
-    last = [pair for pair in pairs if pair[0] > pairs[-1][0] - lasting_s]
+    last = [pair for pair in pairs if pair[0] > pairs[-1][0] - lasting_s] or pairs[-1:]
     stride = -(-len(last) // FRAMES)
     return last[::-stride][::-1]
 

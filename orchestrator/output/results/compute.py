@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
@@ -195,20 +195,25 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
 def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
     if not run.has("wear"):
         return
-    is_steady = table.get("steady", {}).get("is_steady", False)
-    metrics = wear_metrics(run, *motion_window(run, events), is_steady)
+    metrics = wear_metrics(run, *motion_window(run, events), _has_steady_bed(table))
     if metrics is None:
         table["missing"]["wear"] = "fewer than two output times in the part that is averaged over"
     else:
         table["wear"] = metrics
 
 
+def _has_steady_bed(table: Mapping[str, Any]) -> bool:
+    return bool(table.get("steady", {}).get("is_steady", False))
+
+
 def _add_power(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
     if not run.is_driven:
         table["missing"]["power"] = NO_CYCLE
         return
+    if "motion" in table["failed"]:
+        return
     has_bed = has_particles(run.case)
-    is_steady = table["motion"]["is_settled"] and (not has_bed or table["steady"]["is_steady"])
+    is_steady = table["motion"]["is_settled"] and (not has_bed or _has_steady_bed(table))
     metrics = power_metrics(run, *motion_window(run, events), events, is_steady)
     if metrics is None:
         table["missing"]["power"] = "no whole cycle in the part that is averaged over"

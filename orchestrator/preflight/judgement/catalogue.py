@@ -35,7 +35,7 @@ def _find_effects() -> dict[str, Effect]:
 
 EFFECTS = _find_effects()
 FLAT = ("frames", "panel", "particles", "exchange")
-"""Tables of the case that contain no tables, for solvers and hand-overs."""
+"""Tables of the case that contain no tables, for solvers and exchanges."""
 
 
 @dataclass(frozen=True)

@@ -203,7 +203,7 @@ Works = dict[str, ContactWork | ClampWork]
 def interface_works(case: Case, machine: Machine, start: State) -> Works:
     """Return the works at both interfaces of the panels, whose points come first in the surface.
 
-    An interface whose hand-over is turned off has no work, because its energy does not close.
+    An interface whose exchange is turned off has no work, because its energy does not close.
     """
     surface = slice(0, max((panel.surface.stop for panel in machine.panels), default=None))
     clamps = slice(0, max((panel.clamps.stop for panel in machine.panels), default=None))

@@ -6,7 +6,6 @@ import logging
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-import numpy as np
 from rich.console import Console
 
 from orchestrator.case.file.errors import CaseError
@@ -23,7 +22,14 @@ from orchestrator.ports.plans import SolverFailed
 from orchestrator.ports.state import SavedAttributes, restore_attributes, save_attributes
 from orchestrator.run.monitor.interface_work import exchanged_J, interface_data, interface_works
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
-from orchestrator.run.monitor.items import ItemLimit, all_items, item_limit, square_sum, unknown_items
+from orchestrator.run.monitor.items import (
+    ItemLimit,
+    all_items,
+    item_limit,
+    lengths,
+    square_sum,
+    unknown_items,
+)
 from orchestrator.run.monitor.pace import Pace
 
 LOG = logging.getLogger("flipflow")
@@ -150,7 +156,7 @@ class Monitor:
     def exchanged_J(self) -> dict[str, float]:
         """Return the energy that went through each interface since t = 0; valid on the first rank.
 
-        An interface whose hand-over is turned off has no entry.
+        An interface whose exchange is turned off has no entry.
         """
         self._catch_up()
         return exchanged_J(self._works)
@@ -230,7 +236,7 @@ def check_speeds(state: State, time_s: float, advice: Callable[[], str]) -> None
     for member, motion in (("frames", state.clamps), ("panel", state.panel.surface)):
         if square_sum(motion.velocity_m_per_s) < FASTEST_M_PER_S**2:  # of all, and the quickest test
             continue
-        fastest_m_per_s = float(np.abs(motion.velocity_m_per_s).max(initial=0.0))
+        fastest_m_per_s = float(lengths(motion.velocity_m_per_s).max(initial=0.0))
         if fastest_m_per_s > FASTEST_M_PER_S:
             raise SolverFailed(
                 f"{member} became unstable at t = {time_s:.6g} s: a point moves at "

@@ -267,6 +267,10 @@ def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, An
 def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
     """Make the study's short run on this machine, and return the time that runs take here."""
     base = study.table["base"]
+    if not study.table["short"]:
+        raise CaseError(
+            [CaseProblem((), "has no times: its short run was not to be trusted", file=str(study.file))]
+        )
     (short,) = study.table["short"].values()
     here = time_run(case, level, [*study.table["sets"], *study.table["shared"], *short["sets"]])
     wall_s = here["wall_by_part_s"]
