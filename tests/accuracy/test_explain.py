@@ -13,7 +13,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.main import app
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import judge_effects
-from orchestrator.studies.accuracy.plan import StoredStudy, find_study, measured_verdict
+from orchestrator.studies.accuracy.plan import FORMAT, StoredStudy, find_study, measured_verdict
 from tests.runs.outside import ROOT
 
 CASE = ROOT / "cases/panel-cycle"
@@ -25,7 +25,7 @@ def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
     strip |= {"reference": "sheet", "processor_s": 2.0, "reference_processor_s": 5.0}
     strip |= {"error": {"deflection_m": error, "shape": 0.5, "rms_g": error / 2}}
     sheet = strip | {"variant": "sheet", "label": "sheet", "processor_s": 5.0, "error": {}}
-    return {"case": case, "level": "draft", "models": [strip, sheet]}
+    return {"format_version": FORMAT, "case": case, "level": "draft", "models": [strip, sheet]}
 
 
 @pytest.mark.parametrize(("error", "matters"), [(0.03, False), (0.3, True)])

@@ -14,7 +14,15 @@ from orchestrator.output.records.run_folder import write_json
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.accuracy.combinations import part_s
-from orchestrator.studies.accuracy.plan import Plan, StoredStudy, Timing, filling, find_study
+from orchestrator.studies.accuracy.plan import (
+    FORMAT,
+    Plan,
+    StoredStudy,
+    Timing,
+    filling,
+    find_study,
+    time_by_study,
+)
 from tests.cases import case_folder
 from tests.runs.outside import ROOT
 
@@ -28,12 +36,14 @@ COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error":
 def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -> StoredStudy:
     axis = [COARSE | {"ratio": {"panel": 0.5}}, OWN, FINE | {"ratio": {"panel": 2.0}}]
     found: dict[str, Any] = {
+        "format_version": FORMAT,
         "case": case,
         "level": level,
         "sets": [],
         "chance": chance,
         "judged_by": ["frame_m"],
         "remaining": {"frame_m": 0.01},
+        "short": {},
         "base": {"processor_by_part_s": {"panel": 10.0, "rest": 2.0}, "simulated_s": 0.5},
         "options": {"coupling": axis},
         "points": [],
@@ -129,7 +139,8 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     loaded, file = load_judged(ROOT / "cases/quickstart", "draft"), tmp_path / "accuracy.json"
     with pytest.raises(CaseError, match="no such file"):
         find_study(loaded, file)
-    for found, why in ((study("other").table, "other"), ([], "is no study")):
+    older = {key: value for key, value in study().table.items() if key != "format_version"}
+    for found, why in ((study("other").table, "other"), ([], "is no study"), (older, "another version")):
         write_json(file, found)
         with pytest.raises(CaseError, match=why):
             find_study(loaded, file)
@@ -137,6 +148,11 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     there = find_study(loaded, file)
     assert there is not None
     assert there.table == study().table
+
+
+def test_a_study_whose_short_run_was_doubtful_has_no_times() -> None:
+    with pytest.raises(CaseError, match="not to be trusted"):
+        time_by_study(study(), ROOT / "cases/quickstart", "draft")
 
 
 def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) -> None:

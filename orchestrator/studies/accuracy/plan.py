@@ -37,6 +37,8 @@ from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens
 
 NAME = "accuracy.json"
+FORMAT = 1
+"""Version of this file, which holds for its keys and for what its numbers mean."""
 
 
 @dataclass(frozen=True)
@@ -171,9 +173,11 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     for file in (given,) if given else filter(Path.is_file, usual):
         try:
             table = json.loads(file.read_text(encoding="utf-8"))
-            case, level = table["case"], table["level"]
+            case, level, version = table["case"], table["level"], table.get("format_version")
         except (ValueError, KeyError, TypeError):
             raise problem(file, "is no study of accuracy") from None
+        if version != FORMAT:
+            raise problem(file, "another version of flipflow wrote it; make the study again")
         if (case, level) == (loaded.name, loaded.level):
             return StoredStudy(file, table)
         if given:

@@ -23,6 +23,7 @@ from orchestrator.studies.accuracy.combinations import (
     Error,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, Order
+from orchestrator.studies.accuracy.plan import FORMAT, NAME
 from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting, Row
 from orchestrator.studies.quantities import QUANTITIES
@@ -46,7 +47,7 @@ RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 
 def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
     """Write the tables, the pictures and the page of a study, and return their files."""
-    lines, stored = entries(study), folder / "accuracy.json"
+    lines, stored = entries(study), folder / NAME
     tables = [write_csv(lines, folder / "accuracy.csv"), write_parquet(lines, folder / "accuracy.parquet")]
     write_json(stored, as_json(study))
     plot = draw_costs(study, folder / "work-precision.png")
@@ -124,6 +125,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
         return {"simulated_s": simulated_s, **point.cost, "processor_by_part_s": point.processor_by_part_s}
 
     return {
+        "format_version": FORMAT,
         "case": study.loaded.name,
         "level": study.loaded.level,
         "sets": list(study.request.study.sets),
