@@ -57,6 +57,8 @@ def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCas
     else:
         how = "measured" if chosen.measured else "predicted, not measured"
         CONSOLE.print(f"{chosen.label}: error {100 * chosen.error:.2g} % ({how}), {in_words(plan.wall_s)}")
+        if plan.study.table["chance"] is None:
+            CONSOLE.print("warning: the study has one seed, so that chance may add to the error: --seeds 3")
         sets = [word for setting in (*overrides, *chosen.sets) for word in ("--set", setting)]
         at_level = ["--level", loaded.level] if loaded.level else []
         CONSOLE.print(shlex.join(["flipflow", "run", str(case), *at_level, *sets]))

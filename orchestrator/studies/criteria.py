@@ -383,11 +383,11 @@ def _combine(row: Criterion, runs: Mapping[str, Runs], numbers: Array) -> float:
 def _lowest_at(numbers: Array, chosen: Runs) -> float:
     """Return the place of the minimum of a parabola through the least number and its neighbours.
 
-    Raises Unknown for fewer than three numbers.
+    Raises Unknown where the least number is the first or the last one: the minimum may lie beyond.
     """
-    if len(numbers) < 3:
-        raise Unknown("a minimum takes the runs of three values")
-    least = int(np.clip(numbers.argmin(), 1, len(numbers) - 2))
+    least = int(numbers.argmin())
+    if least in (0, len(numbers) - 1):
+        raise Unknown(f"the least number is at the end of the values, {chosen.values[least]:g}")
     near = slice(least - 1, least + 2)
     a, b, _ = np.polyfit(chosen.values[near], numbers[near], 2)
     return float(-b / (2 * a))

@@ -7,6 +7,7 @@ import pytest
 
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
+    EXACT,
     Combination,
     Error,
     errors,
@@ -14,6 +15,8 @@ from orchestrator.studies.accuracy.combinations import (
     scatter,
     worst_error,
 )
+from orchestrator.studies.accuracy.convergence import MeasuredSeries
+from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
 from orchestrator.studies.quantities import Metrics
 
 GENERATOR = np.random.default_rng(4)
@@ -67,7 +70,42 @@ def test_processor_time_is_divided_as_wall_time_was() -> None:
 def test_what_a_seed_does_to_all_points_alike_is_no_scatter() -> None:
     seeds = np.array([0.8, 1.0, 1.2])
     spread = scatter([point(*(height * seeds)) for height in (1.0, 1.1, 3.0)], True)
-    assert spread.freedom == 4
+    assert set(spread.freedom.values()) == {4}
     still = scatter([point(0.0, 0.0), point(1.0, 1.1), point(1.0, 1.1)], True)
     assert "deflection_m" in still.deviation  # whatever stands still does not count
     assert spread.deviation["deflection_m"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_error_that_decides_reaches_highest() -> None:
+    """0.7 +- 5 % may be 5.7 %, 0.8 +- 0.1 % no more than 0.9 %."""
+    wrong = {"frame_m": Error(0.008, 0.001), "rms_g": Error(0.007, 0.05)}
+    found = worst_error(wrong, ["frame_m", "rms_g"])
+    assert found is not None
+    assert (found[0], found[1].at_most) == ("rms_g", pytest.approx(0.057))
+
+
+@pytest.mark.parametrize(("values", "order"), [((1.16, 1.04, 1.0), 1.58), ((1.2, 0.97, 1.0), None)])
+def test_values_on_both_sides_of_the_finest_one_show_no_order(
+    values: tuple[float, ...], order: float | None
+) -> None:
+    settings = tuple(Setting(str(h), h=h) for h in (4.0, 2.0, 1.0))
+    points = tuple(point(value) for value in values)
+    differences = tuple(errors(each, points[-1], EXACT) for each in points)
+    series = RefinementSeries("panel", "strip", settings, expected=2.0)
+    found = MeasuredSeries(series, settings, points, differences, ({}, {}, {}))
+    shown = found.orders.get("deflection_m")
+    assert (shown is None) == (order is None)
+    if order is None:  # Roache's estimate by the expected order
+        assert found.remaining_error("deflection_m") == pytest.approx(0.03 / 3)
+
+
+def test_an_order_far_above_the_expected_one_is_chance() -> None:
+    """Errors of a series of first order: 1 % and, by luck, nearly none."""
+    settings = tuple(Setting(str(h), h=h) for h in (4.0, 2.0, 1.0))
+    points = (point(1.04), point(1.003), point(1.0))
+    differences = tuple(errors(each, points[-1], EXACT) for each in points)
+    found = MeasuredSeries(
+        RefinementSeries("panel", "strip", settings, expected=1.0), settings, points, differences, ({},) * 3
+    )
+    assert found.orders["deflection_m"].order > 3.0
+    assert found.remaining_error("deflection_m") == pytest.approx(0.003)

@@ -123,7 +123,7 @@ def test_a_point_that_was_measured_keeps_its_settings() -> None:
     one = found.cheapest(0.05)
     assert one is not None
     assert one.sets == ("panel.cells=[44, 1]", "panel.step_s=0")
-    assert (one.error, one.measured) == (pytest.approx(0.003), True)
+    assert (one.error, one.measured) == (pytest.approx(0.013), True)  # 0.01 remain in the reference
 
 
 def test_chance_is_part_of_what_is_predicted() -> None:

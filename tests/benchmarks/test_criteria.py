@@ -281,7 +281,7 @@ def test_each_part_of_a_series_has_the_scatter_of_its_own_time(runs: dict[str, R
     [
         ({"compare": "change", "between": (5.0, 6.0)}, "no run has a value from 5 to 6"),
         ({"between": (5.0, 6.0)}, "no run has a value from 5 to 6"),
-        ({"compare": "lowest-at"}, "a minimum takes the runs of three values"),
+        ({"compare": "lowest-at"}, "the least number is at the end of the values, 1"),
     ],
 )
 def test_too_few_values_of_a_varied_key_are_unknown(

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.run_folder import FolderUnusable
-from orchestrator.studies.design.campaign import NEAR_A_FAILURE, Campaign
+from orchestrator.studies.design.campaign import NEAR_A_FAILURE, Campaign, planned_settings
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers
 from orchestrator.studies.design.study_file import Study
@@ -400,12 +400,16 @@ def test_runs_of_other_ranges_stay_data(low: float, high: float, tmp_path: Path)
         belt(tmp_path, **{"factors/slope/range": [low, high], "search/runs": 6}), tmp_path, store=store
     )
     assert len(whole.data().x) > len(before.data().x)
-    for old, new in zip(before.outcomes, whole.outcomes, strict=False):
+    by_number = {each.trial.number: each for each in whole.outcomes}
+    for old in before.outcomes:
+        new = by_number[old.trial.number]
         if old.trial.stage != "confirm":
             assert other.actual(np.array(new.trial.setting)) == pytest.approx(
                 study.actual(np.array(old.trial.setting))
             )
             assert new.trial.values == old.trial.values
+    planned = {tuple(each.trial.setting) for each in whole.outcomes if each.trial.stage == "plan"}
+    assert {tuple(setting) for setting in planned_settings(other)} <= planned
     for trial in searched(whole)[3:]:
         assert (np.abs(trial.setting) <= 1.0).all()
     best = other.actual(Findings(whole).best[""])

@@ -92,6 +92,15 @@ def test_the_p_of_a_fit_imply_its_own_standard_error(response: str, terms: Seque
     assert [row.standard_error for row in rows] == pytest.approx([np.sqrt(fitted.fitted.scale)] * 5, rel=1e-6)
 
 
+def test_so_do_they_where_a_run_of_the_design_is_missing() -> None:
+    """Then the terms are not orthogonal to each other."""
+    x, y = table_5()
+    fitted = Surface.fit(x[1:], y[1:, 0], quadratic_terms(5))
+    own = {FACTORS[row["term"][0]]: row["p"] for row in fitted.anova() if len(row["term"]) == 1}
+    errors = [row.standard_error for row in implied_errors(fitted, own, FACTORS)]
+    assert errors == pytest.approx([np.sqrt(fitted.fitted.scale)] * 5, rel=1e-6)
+
+
 def test_equation_8_with_its_legible_signs_does_not_describe_table_5() -> None:
     velocity = table_5()[1][:, 0]
     formula = compare_formula(actual_settings(), velocity, printed("Eq. 8", "velocity").coefficients, FACTORS)

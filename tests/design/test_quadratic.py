@@ -6,11 +6,20 @@ each row; Sobol indices by Gauss-Legendre quadrature; probabilities by scipy.sta
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 from orchestrator.studies.design.plans import box_behnken
-from orchestrator.studies.design.quadratic import Quadratic, Surface, Term, model_matrix, quadratic_terms
+from orchestrator.studies.design.quadratic import (
+    Quadratic,
+    Surface,
+    Term,
+    least_squares,
+    model_matrix,
+    quadratic_terms,
+)
 from orchestrator.studies.design.surrogates import TooFewPoints
 from tests.design.table5 import RESPONSES, surface, table_5
 
@@ -191,7 +200,37 @@ def test_leaving_a_point_out_is_fitting_without_it(response: str) -> None:
         expected, covariance = without.predict(fitted.x[[i]])
         assert mean[i] == pytest.approx(expected[0], rel=1e-9)
         scale = fitted.fitted.scale / without.fitted.scale  # the closed form keeps the error of all points
+        scale *= (fitted.widened / without.widened) ** 2
         assert deviation[i] == pytest.approx(np.sqrt(scale * covariance[0, 0]), rel=1e-9)
+
+
+def test_intervals_of_few_points_hold_the_truth_as_often_as_they_say() -> None:
+    """Nine points for six terms: Student's quantile is 3.18.  Of 2 000, 95 % are 1 900 +- 10."""
+    rng, terms = np.random.default_rng(5), quadratic_terms(2)
+    x = np.array(list(itertools.product([-1.0, 0.0, 1.0], repeat=2)))
+    at, held = np.array([[0.3, -0.6]]), 0
+    for _ in range(2000):
+        mean, covariance = Surface.fit(x, rng.standard_normal(9), terms).predict(at)
+        held += abs(mean[0]) <= 1.96 * np.sqrt(covariance[0, 0])
+    assert held == pytest.approx(1900, abs=40)
+
+
+def test_coefficients_in_units_of_any_size_are_those_of_the_fit() -> None:
+    """A stiffness of a million N/m beside an amplitude of millimetres in m."""
+    rng, terms = np.random.default_rng(6), quadratic_terms(2)
+    actual = rng.uniform([1e6, 2e-3], [2e6, 6e-3], (20, 2))
+    truth = np.array([3.0, 2e-7, 150.0, 1e-5, 1e-13, 8e3])
+    found = least_squares(model_matrix(actual, terms), model_matrix(actual, terms) @ truth)
+    np.testing.assert_allclose(found, truth, rtol=1e-6)
+
+
+def test_repeated_runs_without_scatter_do_not_tell_of_a_lack_of_fit() -> None:
+    """Their means differ from them by rounding, which is no scatter of runs."""
+    rng, terms = np.random.default_rng(7), quadratic_terms(2)
+    x = np.concatenate([rng.uniform(-1, 1, (12, 2)), np.zeros((3, 2))])
+    y = np.exp(x[:, 0]) + 0.1
+    y[-3:] += np.array([0.0, 2.2e-16, -2.2e-16])
+    assert Surface.fit(x, y, terms).lack_of_fit() is None
 
 
 def test_a_surface_has_no_lack_of_fit_where_no_setting_is_repeated() -> None:

@@ -66,12 +66,13 @@ def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
         (HEAD + "10,2,0.5,80\n10,many,0.5,80\n", ['row 2 of belt.csv: "many" is not a number of stroke']),
         (HEAD + "10,,0.5,80\n", ["row 1 of belt.csv", "is not a number of stroke"]),
         (HEAD + "10,inf,0.5,80\n", ["row 1 of belt.csv", '"inf" is not a number of stroke']),
+        (HEAD + "10,2,0,5,80\n", ["more cells than columns", "decimals have points"]),
         (HEAD, ["belt.csv", "has no rows"]),
         ("", ["belt.csv cannot be read"]),
     ],
     ids=[
         *["a misspelt column", "a missing column", "a unit in a cell", "text for a factor"],
-        *["an empty factor", "an endless factor", "no rows", "no table"],
+        *["an empty factor", "an endless factor", "a decimal comma", "no rows", "no table"],
     ],
 )
 def test_a_table_is_refused_for(text: str, words: list[str], tmp_path: Path) -> None:
@@ -79,6 +80,12 @@ def test_a_table_is_refused_for(text: str, words: list[str], tmp_path: Path) -> 
     assert "table" in message
     for word in words:
         assert word in message
+
+
+@pytest.mark.parametrize(("scale", "share"), [("percent", 130.0), ("percent", -1.0), ("logarithm", 0.0)])
+def test_values_that_a_scale_does_not_have_are_refused(scale: str, share: float, tmp_path: Path) -> None:
+    study = study_of(tmp_path, HEAD + f"10,2,0.5,{share}\n", **{"responses/share/scale": scale})
+    assert f'row 1 of belt.csv: share = {share:g} is not on the scale "{scale}"' in complaint(study)
 
 
 def test_all_wrong_cells_stand_in_one_message(tmp_path: Path) -> None:

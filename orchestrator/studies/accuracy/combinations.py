@@ -217,19 +217,19 @@ class Scatter:
 
     random: bool
     deviation: Mapping[str, float]
-    freedom: int
+    freedom: Mapping[str, int]
 
     def half_width(self, name: str, seeds: Sequence[int]) -> float | None:
         """Return half the width of the interval of a difference of means over these numbers of ``seeds``."""
         if not self.random:
             return 0.0
-        if self.freedom == 0 or name not in self.deviation:
+        if name not in self.deviation:
             return None
-        quantile = float(student.ppf((1 + CONFIDENCE) / 2, self.freedom))
+        quantile = float(student.ppf((1 + CONFIDENCE) / 2, self.freedom[name]))
         return quantile * self.deviation[name] * math.sqrt(sum(1 / n for n in seeds))
 
 
-EXACT = Scatter(False, {}, 0)
+EXACT = Scatter(False, {}, {})
 """The scatter without chance: every difference counts."""
 
 
@@ -242,7 +242,8 @@ def scatter(every: Iterable[Combination], random: bool) -> Scatter:
     """
     every = list(every)
     seeds = max((len(point.metrics) for point in every), default=0)
-    freedom, deviation = 0, {}
+    freedom: dict[str, int] = {}
+    deviation: dict[str, float] = {}
     for name in COMPARED:
         rows = [v for point in every if len(v := point.values(name)) == seeds and np.mean(v)]
         if seeds < 2 or len(rows) < 2:
@@ -250,9 +251,8 @@ def scatter(every: Iterable[Combination], random: bool) -> Scatter:
         values = np.array(rows)
         relative_to_mean = values / values.mean(axis=1, keepdims=True)
         residual = relative_to_mean - relative_to_mean.mean(axis=0)
-        own_freedom = (len(values) - 1) * (seeds - 1)
-        freedom = max(freedom, own_freedom)
-        deviation[name] = math.sqrt(float((residual**2).sum()) / own_freedom)
+        freedom[name] = (len(values) - 1) * (seeds - 1)
+        deviation[name] = math.sqrt(float((residual**2).sum()) / freedom[name])
     return Scatter(random, deviation, freedom)
 
 
@@ -286,6 +286,7 @@ def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, f
 
 
 def worst_error(errors: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
-    """Return the largest of the errors that decide, with the name of its quantity; None without any."""
+    """Return the error that decides whose interval reaches highest, with the name of its quantity; None
+    without any."""
     deciding = [(name, errors[name]) for name in judged_by if name in errors]
-    return max(deciding, key=lambda pair: pair[1].value, default=None)
+    return max(deciding, key=lambda pair: pair[1].at_most, default=None)

@@ -30,6 +30,7 @@ from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
 from orchestrator.studies.criteria import Criterion
 
 LARGEST = 6.0  # the largest order that is tried
+BY_CHANCE = 0.5  # an observed order that is so much above the expected one is none
 CLEAN = 0.25  # the largest deviation of logarithms from a straight line
 LEAST_SHARE = 0.01  # the share of the processor time from which on a part is compared
 
@@ -109,20 +110,37 @@ class MeasuredSeries:
         if len(h) < 3:
             return {}
         for name in self.errors[0]:
+            if self._turns(name):
+                continue
             seen = [each.get(name, Error(0.0)) for each in self.errors]
             orders[name] = fit_order(h, [one.value if one.is_certain else 0.0 for one in seen], h[-1])
         for name in self.exact[0]:
             orders[name] = fit_order(h, [each.get(name, 0.0) for each in self.exact], 0.0)
         return {name: order for name, order in orders.items() if order is not None}
 
+    def _turns(self, name: str) -> bool:
+        """Return whether a quantity comes to its finest value from both sides: then no order shows."""
+        known = [
+            (point.mean(name), each.get(name)) for point, each in zip(self.points, self.errors, strict=True)
+        ]
+        finest = known[-1][0]
+        sides = {
+            value > finest
+            for value, error in known[:-1]
+            if value is not None and finest is not None and error is not None and error.is_certain
+        }
+        return len(sides) > 1
+
     def remaining_error(self, name: str) -> float:
         """Return the estimated relative error of a quantity at the finest setting.
 
         The estimate follows from the observed order, or else from the expected order and the last difference
-        (Roache's estimate).  It is 0 where neither is known.
+        (Roache's estimate), also where the observed order is far above the expected one, which is chance.  It
+        is 0 where neither is known.
         """
-        finest_h, order = self.settings[-1].h, self.orders.get(name)
-        if order is not None and order.is_clean and finest_h:
+        finest_h, order, expected = self.settings[-1].h, self.orders.get(name), self.series.expected
+        likely = order is not None and (expected is None or order.order < expected + BY_CHANCE)
+        if order is not None and likely and order.is_clean and finest_h:
             return order.error(finest_h)
         if self.series.expected is None or len(self.settings) < 2 or not finest_h:
             return 0.0

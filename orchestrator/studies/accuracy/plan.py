@@ -80,12 +80,17 @@ class StoredStudy:
         return bool(base) and not any(happens(one) for one in base)
 
     def measured_candidates(self) -> list[Candidate]:
-        """Return the measured points, with their errors at the upper end of their confidence intervals."""
+        """Return the measured points, with their errors at the upper end of their confidence intervals.
+
+        An error is against the finest settings of the study, so that their own remaining error is added.
+        """
+        every = self.table["remaining"]
+        remaining = max((every.get(name, 0.0) for name in self.table["judged_by"]), default=0.0)
         return [
             Candidate(
                 one["settings"],
                 tuple(shlex.split(one["sets"])),
-                one["error"] + (one["error_half_width"] or 0.0),
+                one["error"] + (one["error_half_width"] or 0.0) + remaining,
                 one["processor_s"],
                 True,
             )

@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 import statistics
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -79,8 +79,8 @@ class Campaign:
         """
         self.read_trials()
         self._stored, self._began_s = len(self._trials), time.monotonic()
-        stages: dict[Stage, Callable[[int], Iterator[Trial]]]
-        stages = {"centre": self._centre, "cheap": self._cheap, "plan": self._plan}
+        stages: dict[Stage, Callable[[], Iterator[Trial]]]
+        stages = {stage: partial(self._planned, stage) for stage in self._settings}
         if search:
             stages |= {"search": self._search, "confirm": self._confirm}
         for stage, new in stages.items():
@@ -91,13 +91,13 @@ class Campaign:
     def trials_left(self, search: bool) -> int:
         """Count the trials still to come without a limit of hours; with ``search`` the search and the least
         number of confirming runs are among them."""
-        file, aims = self.study.file, self.study.aims
-        cheap = file.cheap.runs if file.cheap is not None else 0
-        count = 1 + cheap + len(planned_settings(self.study)) + file.plan.centres - 1
+        left = len(self._trials) - len(self.outcomes)
+        left += sum(len(self._not_made(stage)) for stage in self._settings)
         if search and self.study.aim.goals:
-            settings = 1 + len(aims) * (2 if self.study.simpler else 1)
-            count += self.most_searched + REPEATS[0] * settings
-        return max(0, count - len(self.outcomes))
+            settings = 1 + len(self.study.aims) * (2 if self.study.simpler else 1)
+            made = sum(trial.stage in ("search", "confirm") for trial in self._trials)
+            left += max(0, self.most_searched + REPEATS[0] * settings - made)
+        return left
 
     @property
     def most_searched(self) -> int:
@@ -177,14 +177,10 @@ class Campaign:
         hours = self.study.file.hours
         return hours is None or self.spent_s() + self.mean_wall_s() <= 3600.0 * share * hours
 
-    def _stage(self, stage: Stage, new: Callable[[int], Iterator[Trial]]) -> Iterator[Trial]:
-        """Yield the stored trials of a stage, then new ones, each stored before it is yielded.
-
-        ``new`` takes the number of the stored trials.
-        """
-        stored = [trial for trial in self._trials if trial.stage == stage]
-        yield from stored
-        for trial in new(len(stored)):
+    def _stage(self, stage: Stage, new: Callable[[], Iterator[Trial]]) -> Iterator[Trial]:
+        """Yield the stored trials of a stage, then new ones, each stored before it is yielded."""
+        yield from [trial for trial in self._trials if trial.stage == stage]
+        for trial in new():
             self._trials.append(trial)
             self.journal.write(trial)
             yield trial
@@ -211,31 +207,42 @@ class Campaign:
         values = self.study.actual(setting)
         return Trial(number, stage, tuple(map(float, setting)), seed, role, predicted, values)
 
-    def _centre(self, stored: int) -> Iterator[Trial]:
-        if not stored:
-            yield self._trial("centre", self.study.space.ordered(np.zeros((1, self.study.space.factors)))[0])
+    @cached_property
+    def _centre(self) -> Array:
+        """The middle of the space, coded, (factors,)."""
+        space = self.study.space
+        return np.asarray(space.ordered(np.zeros((1, space.factors)))[0])
 
-    def _cheap(self, stored: int) -> Iterator[Trial]:
-        """Yield settings all over the space for runs at the cheap level."""
-        cheap, space = self.study.file.cheap, self.study.space
-        if cheap is not None:
-            settings = space.sample(cheap.runs, self.study.file.seed + 1)
-            yield from self._affordable("cheap", settings[stored:])
+    @cached_property
+    def _settings(self) -> dict[Stage, list[Array]]:
+        """The settings of each stage that is known beforehand; a plan ends with more runs of the centre."""
+        cheap, plan, space = self.study.file.cheap, self.study.file.plan, self.study.space
+        below = [] if cheap is None else [*space.sample(cheap.runs, self.study.file.seed + 1)]
+        repeats = [self._centre] * (plan.centres - 1)
+        return {"centre": [self._centre], "cheap": below, "plan": [*planned_settings(self.study), *repeats]}
 
-    def _plan(self, stored: int) -> Iterator[Trial]:
-        """Yield the plan's settings, then more runs of the centre."""
-        repeats = self.study.file.plan.centres - 1
-        settings = [*planned_settings(self.study), *[np.array(self._trials[0].setting)] * repeats]
-        return self._affordable("plan", settings[stored:])
+    def _not_made(self, stage: Stage) -> list[Array]:
+        """Return the settings of a stage that no stored trial has: the study may have had another plan."""
+        made = [np.array(trial.setting) for trial in self._trials if trial.stage == stage]
+        missing = []
+        for setting in self._settings[stage]:
+            same = [number for number, each in enumerate(made) if np.abs(each - setting).max() <= SAME]
+            if same:
+                del made[same[0]]
+            else:
+                missing.append(setting)
+        return missing
 
-    def _affordable(self, stage: Stage, settings: Iterable[Array]) -> Iterator[Trial]:
-        for setting in settings:
-            if not self._can_afford(1.0 - FOR_CONFIRMING):
+    def _planned(self, stage: Stage) -> Iterator[Trial]:
+        """Yield trials of the settings that are not made yet, as far as the hours go."""
+        for setting in self._not_made(stage):
+            if stage != "centre" and not self._can_afford(1.0 - FOR_CONFIRMING):
                 return
             yield self._trial(stage, setting)
 
-    def _search(self, stored: int) -> Iterator[Trial]:
+    def _search(self) -> Iterator[Trial]:
         """Yield one proposal of the optimiser after the other; several aims take turns."""
+        stored = sum(trial.stage == "search" for trial in self._trials)
         for _ in range(stored, self.most_searched if self.study.aim.goals else 0):
             if not self._can_afford(1.0 - FOR_CONFIRMING):
                 return
@@ -271,7 +278,7 @@ class Campaign:
         left_out = np.array(failed).reshape(-1, space.factors)
         return SpaceWithout(space.low, space.high, space.chains, left_out, NEAR_A_FAILURE)
 
-    def _confirm(self, stored: int) -> Iterator[Trial]:
+    def _confirm(self) -> Iterator[Trial]:
         """Yield runs with new seeds: of the best setting for each aim, its simpler rival, and the centre."""
         settings = self.candidates()
         if not settings:
@@ -309,7 +316,7 @@ class Campaign:
                 space = self.study.simpler_space()
                 chosen[role_of(SIMPLER, name)] = own.recommend(fitted, aim, space, data.x, rng)
         if chosen and self._trials:
-            chosen[CENTRE] = np.array(self._trials[0].setting)
+            chosen[CENTRE] = self._centre
         return chosen
 
     def _fit_before_confirming(self) -> Fitted:

@@ -215,6 +215,7 @@ class Findings:
             for i in judged
             if abs(mean[i] - expected[i, 0]) > NORMAL_95 * (error[i] + expected[i, 1])
         ]
+        why += [f"{self.responses[i]} was not predicted" for i in judged if not np.isfinite(expected[i, 0])]
         if aim is not None:
             why += [f"{self.responses[i]} was not measured" for i in judged if not np.isfinite(mean[i])]
             z = float(stats.norm.ppf(aim.confidence))

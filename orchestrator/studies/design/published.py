@@ -10,7 +10,7 @@ from scipy import stats
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.formulas import BadFormula
-from orchestrator.studies.design.quadratic import Surface, Term, model_matrix
+from orchestrator.studies.design.quadratic import Surface, Term, least_squares, model_matrix
 
 
 def term(text: str, factors: Sequence[str]) -> Term:
@@ -31,8 +31,8 @@ def term(text: str, factors: Sequence[str]) -> Term:
 class ImpliedError:
     """What a printed p of a factor's linear term implies.
 
-    In a design whose linear terms are orthogonal to all others, ``p`` and the effect give the standard error
-    of one run, whatever other terms the model has.  All factors must imply the same one, the surface's own.
+    ``p`` and the effect give the standard error of the effect, and with the design that of one run.  All
+    factors must imply the same one, the surface's own.
     """
 
     factor: str
@@ -46,14 +46,15 @@ def implied_errors(
 ) -> list[ImpliedError]:
     """Compute the standard error of one run that each printed p implies, with the surface's residual degrees
     of freedom."""
-    freedom = surface.fitted.df_resid
+    freedom, per_run = surface.fitted.df_resid, np.sqrt(np.diag(surface.fitted.normalized_cov_params))
+    per_run_of = dict(zip(surface.terms, per_run, strict=True))
     p_of_fit = dict(zip(surface.terms, surface.fitted.pvalues, strict=True))
     coefficients = surface.coefficients
     rows = []
     for factor, p in printed.items():
         number = factors.index(factor)
         t = float(stats.t.isf(p / 2.0, freedom))
-        error = abs(coefficients[(number,)]) / t * float(np.sqrt((surface.x[:, number] ** 2).sum()))
+        error = float(abs(coefficients[(number,)]) / t / per_run_of[(number,)])
         rows.append(ImpliedError(factor, p, error, float(p_of_fit[(number,)])))
     return rows
 
@@ -77,7 +78,7 @@ def compare_formula(
     terms = [term(text, factors) for text in coefficients]
     matrix = model_matrix(actual, terms)
     printed = np.array(list(coefficients.values()))
-    refitted = np.linalg.lstsq(matrix, y, rcond=None)[0]
+    refitted = least_squares(matrix, y)
     total = float(((y - y.mean()) ** 2).sum())
     left, least = (float(((y - matrix @ b) ** 2).sum()) for b in (printed, refitted))
     return PrintedSurface(

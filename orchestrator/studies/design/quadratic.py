@@ -19,6 +19,7 @@ from scipy import stats
 from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints
 
+REPEATED = 1e-12  # of the response: repeated runs that scatter less are the same but for rounding
 NEEDED = 1e-8  # of leverage short of 1: without the point there are too few for the terms
 QUALITY = (  # what is told of a surface
     "r2",
@@ -44,6 +45,17 @@ def quadratic_terms(factors: int) -> list[Term]:
 def model_matrix(x: Array, terms: list[Term]) -> Array:
     """Compute the values, (n, terms), of the terms at settings, (n, factors)."""
     return np.column_stack([np.prod(x[:, list(term)], axis=1) for term in terms])
+
+
+def least_squares(matrix: Array, y: Array) -> Array:
+    """Return the coefficients b, (terms,), that make |y - matrix b| least.
+
+    Columns are scaled to one size first: squares of moduli in Pa beside lengths in m would otherwise be taken
+    for rounding errors.
+    """
+    size = np.linalg.norm(matrix, axis=0)
+    size[size == 0] = 1.0
+    return np.asarray(np.linalg.lstsq(matrix / size, y, rcond=None)[0] / size)
 
 
 class Quadratic:
@@ -112,9 +124,17 @@ class Surface:
         return dict(zip(self.terms, map(float, self.fitted.params), strict=True))
 
     def predict(self, x: Array) -> tuple[Array, Array]:
-        """Predict means, (p,), and the covariance of their errors, (p, p)."""
+        """Predict means, (p,), and the covariance of their errors, (p, p), widened as ``widened`` says."""
         matrix = model_matrix(x, self.terms)
-        return matrix @ self.fitted.params, matrix @ self.fitted.cov_params() @ matrix.T
+        return matrix @ self.fitted.params, self.widened**2 * (matrix @ self.fitted.cov_params() @ matrix.T)
+
+    @property
+    def widened(self) -> float:
+        """The factor on deviations by which 1.96 of them on either side hold 95 %.
+
+        The error of a run is estimated from few residuals, so that errors follow Student's distribution.
+        """
+        return float(stats.t.ppf(0.975, self.fitted.df_resid) / stats.norm.ppf(0.975))
 
     def left_out(self) -> tuple[Array, Array]:
         """Predict each of its points from the others: mean and standard deviation of the mean's error.
@@ -123,7 +143,8 @@ class Surface:
         """
         leverage = self.fitted.get_influence().hat_matrix_diag
         rest = np.where(leverage < 1.0 - NEEDED, 1.0 - leverage, np.nan)
-        return self.y - self.fitted.resid / rest, np.sqrt(self.fitted.scale * leverage / rest)
+        deviation = self.widened * np.sqrt(self.fitted.scale * leverage / rest)
+        return self.y - self.fitted.resid / rest, deviation
 
     @property
     def is_constant(self) -> bool:
@@ -184,7 +205,8 @@ class Surface:
         error = float(((self.y - means[group]) ** 2).sum())
         error_df = len(self.y) - int(group.max()) - 1
         lack, lack_df = float(self.fitted.ssr) - error, int(self.fitted.df_resid) - error_df
-        if error_df < 1 or lack_df < 1 or error <= 0:
+        rounding = REPEATED**2 * float((self.y**2).sum())
+        if error_df < 1 or lack_df < 1 or error <= rounding:
             return None
         f = lack / lack_df / (error / error_df)
         return {

@@ -16,11 +16,12 @@ ENDS = 0.05  # percent: shares nearer to 0 and 100 are moved here, since their l
 @dataclass(frozen=True)
 class Scale:
     """``to_fit`` gives values as surrogates see them, ``from_fit`` takes them back, ``slope`` is the
-    derivative of ``to_fit``, by which standard deviations go over."""
+    derivative of ``to_fit``, by which standard deviations go over.  Values lie between the ``ends``."""
 
     to_fit: Callable[[Array | float], Array]
     from_fit: Callable[[Array | float], Array]
     slope: Callable[[Array | float], Array]
+    ends: tuple[float, float] = (-np.inf, np.inf)
 
 
 def _inside(percent: Array | float) -> Array:
@@ -42,8 +43,12 @@ SCALES = {
         lambda percent: special.logit(_inside(percent) / 100.0),
         lambda logit: 100.0 * special.expit(_plain(logit)),
         lambda percent: 100.0 / (_inside(percent) * (100.0 - _inside(percent))),
+        (0.0, 100.0),
     ),
     "logarithm": Scale(
-        _logarithm, np.exp, lambda value: np.asarray(1.0 / np.where(np.greater(value, 0.0), value, np.nan))
+        _logarithm,
+        np.exp,
+        lambda value: np.asarray(1.0 / np.where(np.greater(value, 0.0), value, np.nan)),
+        (np.nextafter(0.0, 1.0), np.inf),
     ),
 }

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Ge, Len, Lt
+from annotated_types import Ge, Gt, Len, Lt
 from pydantic import Field, Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
@@ -116,7 +116,7 @@ class PublishedTable(Table):
     table: OneLine = ""
     """CSV file with the published runs, in the format of ``table`` of a study; its effects are put beside
     those of this study."""
-    p: dict[Name, Number] = Field(default_factory=dict)
+    p: dict[Name, Annotated[float, Strict(), Gt(0), Lt(1)]] = Field(default_factory=dict)
     """Probability, printed for the linear term of each factor, that chance alone makes its effect."""
     coefficients: dict[OneLine, Number] = Field(default_factory=dict)
     """Printed coefficients of terms such as ``1``, ``slope``, ``slope*stroke`` and ``slope**2``, in the

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pandas as pd
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
 from orchestrator.ports import Array
+from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
 
@@ -23,7 +25,11 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
     """
     file, path = study.file, study.path(study.file.table)
     try:
-        table = pd.read_csv(path, comment="#", skipinitialspace=True)
+        with warnings.catch_warnings(action="error", category=pd.errors.ParserWarning):
+            table = pd.read_csv(path, comment="#", skipinitialspace=True, index_col=False)
+    except pd.errors.ParserWarning:
+        what = f"{path} has rows with more cells than columns (decimals have points, not commas)"
+        raise CaseError([CaseProblem(key, what)]) from None
     except (OSError, ValueError) as error:
         what = f"{path} cannot be read: {str(error).splitlines()[0]}"
         raise CaseError([CaseProblem(key, what)]) from None
@@ -47,6 +53,11 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
         cell = table[numbers.columns[column]].iloc[row]
         what = f'row {row + 1} of {path.name}: "{cell}" is not a number of {numbers.columns[column]}'
         problems.append(CaseProblem(key, what, "a column's unit belongs into study.toml"))
+    for name, column in columns.items():
+        low, high = SCALES[file.responses[name].scale].ends
+        for row in np.flatnonzero((numbers[column] < low) | (numbers[column] > high)):
+            what = f"row {row + 1} of {path.name}: {column} = {numbers[column].iloc[row]:g}"
+            problems.append(CaseProblem(key, f'{what} is not on the scale "{file.responses[name].scale}"'))
     if problems:
         raise CaseError(problems)
     settings = study.space.coded(numbers[list(file.factors)].to_numpy(float))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.output.records.run_folder import write_json, write_text
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
@@ -17,7 +18,8 @@ from orchestrator.studies.design.campaign import BEST, role_of
 from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.published import compare_formula, implied_errors
-from orchestrator.studies.design.quadratic import Surface, Term, model_matrix, quadratic_terms
+from orchestrator.studies.design.quadratic import Surface, Term, least_squares, model_matrix, quadratic_terms
+from orchestrator.studies.design.surrogates import TooFewPoints
 from orchestrator.studies.design.table_data import read_published
 from orchestrator.studies.design.trials import Outcome
 from orchestrator.studies.quantities import NORMAL_95
@@ -111,7 +113,7 @@ def fit_table(findings: Findings) -> dict[str, Any]:
         for judged in findings.surrogates
     }
     table["quadratic"] = {
-        name: surface_table(surface, findings) for name, surface in findings.quadratic.items()
+        name: surface_table(name, surface, findings) for name, surface in findings.quadratic.items()
     }
     if findings.sobol is not None:
         keys = ("first", "first_half_width", "total", "total_half_width")
@@ -126,19 +128,22 @@ def fit_table(findings: Findings) -> dict[str, Any]:
     return table
 
 
-def surface_table(surface: Surface, findings: Findings) -> dict[str, Any]:
-    """Return one quadratic surface: quality, analysis of variance with coefficients for coded and actual
-    units, lack of fit, groups of terms, residuals, Sobol indices in closed form."""
+def surface_table(response: str, surface: Surface, findings: Findings) -> dict[str, Any]:
+    """Return the quadratic surface of a response, all of it on the scale on which it is fitted.
+
+    It has quality, analysis of variance with coefficients for coded and actual units, lack of fit, groups of
+    terms, residuals, and Sobol indices in closed form.
+    """
     factors = list(findings.campaign.study.file.factors)
-    actual = np.linalg.lstsq(
-        model_matrix(findings.campaign.study.space.actual(surface.x), surface.terms), surface.y, rcond=None
-    )[0]
+    settings = findings.campaign.study.space.actual(surface.x)
+    actual = least_squares(model_matrix(settings, surface.terms), surface.y)
     terms = [
         {**row, "term": term_name(row["term"], factors), "coefficient_in_units": float(b)}
         for row, b in zip(surface.anova(), actual, strict=True)
     ]
     variance, first, total = surface.sobol_indices()
     return {
+        "scale": findings.campaign.study.file.responses[response].scale,
         **surface.quality(),
         "residual_degrees_of_freedom": float(surface.fitted.df_resid),
         "anova": [{key: v if isinstance(v, str) else float(v) for key, v in row.items()} for row in terms],
@@ -196,7 +201,8 @@ def _intervals(intervals: Mapping[str, ConfidenceInterval], suffix: str) -> Row:
 def effect_rows(findings: Findings) -> list[Row]:
     """Return the effect of each factor on each response, beside those of published tables.
 
-    An effect is the change from the lower to the upper end of the factor in the quadratic surface.  A
+    An effect is the change from the lower to the upper end of the factor in the quadratic surface, on the
+    scale on which the response is fitted.  A
     published effect has the same sign, the opposite sign, or is chance: one of the two intervals has zero in
     it.  The verdict says, too, if the two effects differ beyond chance.
     """
@@ -210,7 +216,9 @@ def effect_rows(findings: Findings) -> list[Row]:
         }
         for number, factor in enumerate(study.file.factors):
             own = surface.effects()[number]
-            row: Row = {"response": name, "factor": factor, "effect": own[0], "half width": own[1]}
+            scale = study.file.responses[name].scale
+            row: Row = {"response": name, "scale": scale, "factor": factor}
+            row |= {"effect": own[0], "half width": own[1]}
             for source, effects in published.items():
                 theirs = effects[number]
                 chance = abs(own[0]) < own[1] or abs(theirs[0]) < theirs[1]
@@ -226,7 +234,11 @@ def _published_effects(findings: Findings, response: str, outcomes: list[Outcome
     """Fit the quadratic surface to a published table, and return its effects, (factors, 2)."""
     data = Data.of(outcomes, {response: findings.campaign.scales[response]})
     terms = quadratic_terms(findings.campaign.study.space.factors)
-    return Surface.fit(data.x, data.y[:, 0], terms).effects()
+    try:
+        return Surface.fit(data.x, data.y[:, 0], terms).effects()
+    except TooFewPoints as few:
+        what = f"the published table of {response} has no quadratic surface: {few}"
+        raise CaseError([CaseProblem(("published",), what)]) from None
 
 
 def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> Iterator[Path]:
@@ -277,7 +289,8 @@ def published_rows(findings: Findings) -> tuple[list[Row], list[Row]]:
                 for each in implied_errors(surface, table.p, factors)
             ]
         if table.coefficients:
-            y = data.y[:, findings.responses.index(table.response)]
+            scale = findings.campaign.scales[table.response]
+            y = scale.from_fit(data.y[:, findings.responses.index(table.response)])
             known = np.isfinite(y)
             fit = compare_formula(study.space.actual(data.x[known]), y[known], table.coefficients, factors)
             quality = {"R2 as printed": fit.r2, "RMSE as printed": fit.rmse, "R2 refitted": fit.r2_refitted}
