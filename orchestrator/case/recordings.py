@@ -122,9 +122,9 @@ def turning(case: Case) -> Turning | None:
         for exciter in case.screen.exciters.values()
     ]
     drives = [
-        Turning(frame.drive.speed_rad_per_s, 0.0, 0.0, frame.drive.run_up_s)
+        Turning(drive.speed_rad_per_s, -drive.largest_phase_rad / drive.speed_rad_per_s, 0.0, drive.run_up_s)
         for frame in case.screen.frames.values()
-        if frame.drive
+        if (drive := frame.drive) and drive.moves
     ]
     return min(exciters or drives, key=lambda machine: machine.speed_rad_per_s, default=None)
 

@@ -30,8 +30,8 @@ def is_driven(case: Case) -> bool:
 
 
 def _speeds_rad_per_s(case: Case) -> list[float]:
-    """Return the speeds of all drives, and of the exciters if forces move the frames."""
-    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
+    """Return the speeds of all drives that move, and of the exciters if forces move the frames."""
+    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive and frame.drive.moves]
     exciters = case.screen.exciters.values() if case.frames.adapter.moved_by_forces else ()
     return [each.speed_rad_per_s for each in (*drives, *exciters)]
 

@@ -13,6 +13,7 @@ from orchestrator.case.solver_plans import panel_plans, particles_plan
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import load_judged
 from tests.cases import BLOCK, FEED, loaded, only_complaint
+from tests.runs.outside import ROOT
 
 # the test case's deck is 0.2 m wide, from y = 0; its ball is at y = 0.1
 SLICE = ("slice.width_m=0.1", "particles.solver=liggghts")
@@ -159,3 +160,11 @@ def test_a_narrow_slice_and_open_sides_are_warned_of(tmp_path: Path) -> None:
     assert any("4 of the largest diameters" in line for line in found)
     found = warnings(loaded(tmp_path, ['slice={width_m=0.15, sides="walls"}']))
     assert any("particles can fall off" in line for line in found)
+
+
+def test_a_slice_with_more_openings_than_its_part_of_the_width_is_warned_of() -> None:
+    """Margins of 30 mm on both sides of 800 mm: 740 mm have what 800 mm have in the slice."""
+    case = load_judged(ROOT / "cases/ffs0827-slice", "draft")
+    said = [line for line in warnings(case) if "openings" in line]
+    assert len(said) == 1
+    assert "8.1 % more openings" in said[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.case.tables.frames import Drive
 from orchestrator.output.cycles import (
     count_whole_cycles,
     cycle_number,
@@ -14,6 +15,8 @@ from orchestrator.output.cycles import (
     within,
 )
 from orchestrator.output.results.harmonics import drift, ellipse, first_harmonic
+from orchestrator.output.results.machine import mostly_other
+from orchestrator.output.results.run_reader import cut_size_m
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import load_judged
 from tests.runs.outside import ROOT
@@ -140,3 +143,39 @@ def test_a_run_of_exactly_one_cycle_is_one_of_a_driven_machine() -> None:
     assert is_driven(case)
     still = load_judged(ROOT / "cases/ball-on-panel", "draft", []).case
     assert not is_driven(still)
+
+
+def test_a_drive_without_amplitude_drives_nothing() -> None:
+    case = load_judged(ROOT / "cases/panel-cycle", "draft", []).case
+    row = case.screen.frames["moving"]
+    assert row.drive is not None
+    assert is_driven(case)
+    still = row.drive.model_copy(update={"amplitude_m": (0.0, 0.0, 0.0)})
+    frames = case.screen.frames | {"moving": row.model_copy(update={"drive": still})}
+    screen = case.screen.model_copy(update={"frames": frames})
+    assert not is_driven(case.model_copy(update={"screen": screen}))
+
+
+@pytest.mark.parametrize(("twice", "named"), [(0.3, ""), (3.0, "fast")])
+def test_a_motion_of_twice_the_frequency_is_named(twice: float, named: str) -> None:
+    """That of a machine with a slow shaft that is weak, for example; what hardly moves does not count."""
+    time_s = times(20)
+    slow, noise = wave(time_s), 1e-3 * wave(time_s, speed=3.3 * SPEED)
+    motions = {"slow": slow, "still": noise, "fast": slow + twice * wave(time_s, speed=2 * SPEED)}
+    found = {name: first_harmonic(time_s, values, CYCLE_S) for name, values in motions.items()}
+    assert mostly_other(found) == named
+
+
+def test_the_phase_of_a_drive_is_that_of_its_largest_motion() -> None:
+    """Half a turn is a motion of the opposite sign."""
+    drive = Drive(speed_rad_per_s=2.0, amplitude_m=(-0.006, 0.0, 0.002), phase_rad=(0.3, 0.0, 1.0))
+    assert drive.largest_phase_rad == pytest.approx(0.3 + np.pi)
+    turned = Drive(speed_rad_per_s=2.0, rotation_rad=(0.0, 0.01, 0.0), rotation_phase_rad=(0.0, 0.7, 0.0))
+    assert turned.largest_phase_rad == 0.7
+
+
+def test_the_cut_of_coarse_particles_is_as_coarse_as_they_are() -> None:
+    case = load_judged(ROOT / "cases/quickstart", "draft", ["output.cut_size_m=0.012"]).case
+    coarse = case.particles.model_copy(update={"coarse_graining": 1.5})
+    assert cut_size_m(case) == 0.012
+    assert cut_size_m(case.model_copy(update={"particles": coarse})) == pytest.approx(0.018)

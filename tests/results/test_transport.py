@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,16 @@ def carried_bed(recovered: float, stay_s: tuple[float, float], end_s: float = 60
     )
     exits = Exits(("under", "over"), ("undersize", "oversize"))
     return Events(fed, removed, exits, np.arange(0.0, end_s + 0.1, 0.5))
+
+
+@pytest.mark.parametrize(("at_s", "is_steady"), [(30.0, False), (0.2, True)])
+def test_a_feed_that_changes_in_the_window_is_not_steady(at_s: float, is_steady: bool) -> None:
+    """The mass balances, but not the sizes: another feed may have others."""
+    events = replace(carried_bed(0.7, (1.0, 3.0)), feed_changes_s=(0.0, at_s))
+    assert (events.steady.reason == "") == is_steady
+    if not is_steady:
+        assert "a feed starts or stops at 30 s" in events.steady.reason
+        assert events.window_s == (events.edges_s[0], events.edges_s[-1])
 
 
 def test_a_steady_run_that_begins_with_a_bed_knows_recovery_and_residence() -> None:

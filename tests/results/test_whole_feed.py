@@ -94,6 +94,15 @@ def test_fines_of_a_feed_are_divided_by_their_mass() -> None:
     assert twice.left_out == pytest.approx(0.75 * fines.left_out, rel=1e-12)
 
 
+def test_feeds_are_mixed_by_what_they_have_fed() -> None:
+    """The first one ends after 1 s of 10 s, of which the second one feeds 9 s."""
+    short = feed(0.001).model_copy(update={"start_s": 0.0, "stop_s": 1.0})
+    rest = feed(rate=feed().rate_kg_per_s).model_copy(update={"start_s": 1.0})
+    alone = feed_fines([feed(0.001)], OPENING_M).left_out
+    assert feed_fines([short, rest], OPENING_M, 10.0).left_out == pytest.approx(0.1 * alone, rel=1e-12)
+    assert feed_fines([short, rest], OPENING_M, 0.5).left_out == pytest.approx(alone, rel=1e-12)
+
+
 @pytest.mark.parametrize("limit_m", [0.001, 0.0015, 0.002])
 def test_the_whole_feed_is_completed(limit_m: float) -> None:
     """Only particles above a limit are seen; the law gives the share of all.

@@ -5,6 +5,7 @@ All of them are in deck axes, which screen.py defines.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le
@@ -40,6 +41,20 @@ class Drive(Table):
     """Centre of the rotation.  A drive with ``rotation_rad`` needs it."""
     run_up_s: NotNegative = 0.0
     """Time in which the motion grows to its full size."""
+
+    @property
+    def moves(self) -> bool:
+        """Whether any amplitude is not zero; a drive without amplitude holds its frame."""
+        return any((*self.amplitude_m, *self.rotation_rad))
+
+    @property
+    def largest_phase_rad(self) -> float:
+        """The phase of the component with the largest amplitude, a translation where there is any."""
+        sizes, phases_rad = self.amplitude_m, self.phase_rad
+        if not any(sizes):
+            sizes, phases_rad = self.rotation_rad, self.rotation_phase_rad
+        size, phase_rad = max(zip(sizes, phases_rad, strict=True), key=lambda pair: abs(pair[0]))
+        return phase_rad if size > 0 else phase_rad + math.pi
 
 
 class Frame(Table):

@@ -92,7 +92,9 @@ def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:
     tables = read_events(run.history)
     if tables is None:
         return None
-    events = Events(*tables, run.edges_s)
+    feeds = run.case.bed.feeds.values()
+    changes_s = tuple(at_s for row in feeds for at_s in (row.start_s, row.stop_s) if at_s is not None)
+    events = Events(*tables, run.edges_s, changes_s)
     state, (start_s, end_s) = events.steady, events.window_s
     table["steady"] = {
         "is_steady": not state.reason,
@@ -129,7 +131,7 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
     feeds, openings_m = tuple(run.case.bed.feeds.values()), [*smaller_sides_m(run.case)]
     if not feeds or not openings_m:
         return
-    fines = feed_fines(feeds, cut_m)
+    fines = feed_fines(feeds, cut_m, events.window_s[1])
     if not fines.left_out:
         return
     number = table["screening"]["fine_particles"]
@@ -170,7 +172,7 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
         "panels": machine.panel_loads(run, start_s, end_s),
     }
     table["motion"] = motion
-    missing = table["missing"]
+    missing, other = table["missing"], ""
     seldom = rows_too_seldom(run.series_s(), run.cycle_s, run.case.coupling.sync_interval_s)
     if not run.names("frames"):
         missing["orbits"] = "the case has no frames"
@@ -178,9 +180,10 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
         missing["orbits"] = why
     else:
         motion |= machine.orbits(run, start_s, end_s)
+        other = motion.pop("not_of_the_cycle")
         if (whole := course(run)) is not None:
             table["course"] = whole
-    motion["reason"] = machine.why_not_settled(run, start_s, end_s, motion["drift"])
+    motion["reason"] = machine.why_not_settled(run, start_s, end_s, motion["drift"], other)
     motion["is_settled"] = not motion["reason"]
     if all(probe.panel is None for probe in run.case.probes.values()):
         missing["panel acceleration"] = "no probe is on a panel"

@@ -10,7 +10,7 @@ must not rise or fall by more.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -164,7 +164,7 @@ def _why_not_steady(imbalance: float, drift: float, cycles: int, held_kg: float,
 
 @dataclass(frozen=True)
 class Events:
-    """The particles that came and left, and the ``edges_s`` of the whole cycles.
+    """The particles that came and left, the ``edges_s`` of the whole cycles, and when feeds start or stop.
 
     Particles that are present at t = 0 do not count as fed.
     """
@@ -173,6 +173,7 @@ class Events:
     removed: EventTable
     exits: Exits
     edges_s: Array
+    feed_changes_s: tuple[float, ...] = ()
 
     @cached_property
     def balance_kg(self) -> tuple[Array, Array, float]:
@@ -184,8 +185,17 @@ class Events:
 
     @cached_property
     def steady(self) -> SteadyState:
-        """The steady state, or the cycles over which to average without one."""
-        return find_steady_state(*self.balance_kg)
+        """The steady state, or the cycles over which to average without one.
+
+        The mass may balance although one feed stops and another one starts, which has other sizes.
+        """
+        state = find_steady_state(*self.balance_kg)
+        inside_s = self.edges_s[[state.first + 1, state.last - 1]]
+        changes_s = [at_s for at_s in self.feed_changes_s if inside_s[0] < at_s < inside_s[1]]
+        if state.reason or not changes_s:
+            return state
+        reason = f"a feed starts or stops at {changes_s[0]:g} s, within the cycles that would be averaged"
+        return replace(state, first=0, last=len(self.edges_s) - 1, reason=reason)
 
     @property
     def window(self) -> slice:

@@ -18,6 +18,7 @@ from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 
 BAND_HZ = 500.0
 FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
+SMALL_MOTION = 0.05  # of the largest motion of a frame
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
 FEWEST_CYCLES = 4  # in a window whose halves are compared
 RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
@@ -50,7 +51,22 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
             name: motion.orbit() | {"along_m": motion.estimate(0)} for name, motion in relative.items()
         },
         "drift": drift(list(single.values())),
+        "not_of_the_cycle": mostly_other(single | relative),
     }
+
+
+def mostly_other(motions: dict[str, Harmonic]) -> str:
+    """Return the name of a motion that is mostly not of the cycle's frequency; empty if there is none.
+
+    Small motions, such as those of frames that move alike against each other, do not count.
+    """
+    sizes_m = {name: float(np.linalg.norm(one.amplitude)) for name, one in motions.items()}
+    others_m = {name: float(np.linalg.norm(one.other)) for name, one in motions.items()}
+    largest_m = max([*sizes_m.values(), *others_m.values()], default=0.0)
+    for name, other_m in others_m.items():
+        if other_m > max(sizes_m[name], SMALL_MOTION * largest_m):
+            return name
+    return ""
 
 
 def relative_motions_m(run: RunReader) -> dict[str, Array]:
@@ -60,11 +76,14 @@ def relative_motions_m(run: RunReader) -> dict[str, Array]:
     return {f"{two}-{one}": moved_m[two] - moved_m[one] for one, two in combinations(frames, 2)}
 
 
-def why_not_settled(run: RunReader, start_s: float, end_s: float, drift_share: float | None) -> str:
+def why_not_settled(
+    run: RunReader, start_s: float, end_s: float, drift_share: float | None, other: str
+) -> str:
     """Return why the frames' motion from ``start_s`` to ``end_s`` has not settled; empty if it has.
 
-    ``drift_share`` is the change of the first harmonics (``harmonics.drift``).  Other motions show in the
-    range of each cycle, which is recorded from every sync point.
+    ``drift_share`` is the change of the first harmonics (``harmonics.drift``), and ``other`` names a motion
+    that is mostly of other frequencies.  Other motions show in the range of each cycle, too, which is
+    recorded from every sync point.
     """
     if not run.is_driven:
         return "nothing drives the machine: it has no steady motion"
@@ -79,6 +98,11 @@ def why_not_settled(run: RunReader, start_s: float, end_s: float, drift_share: f
         changed = float(abs(late_m - early_m) / early_m) if early_m > 0 else 0.0
         if changed > LARGEST_DRIFT:
             return _describe_change(f"the range of {name} in a cycle", changed, count)
+    if other:
+        return (
+            f"most of the motion of {other} is not of the cycle's frequency ({1 / run.cycle_s:.3g} Hz, that "
+            "of the slowest exciter or drive): its amplitude is not the stroke"
+        )
     if drift_share is not None and drift_share > LARGEST_DRIFT:
         return _describe_change("the first harmonic", drift_share, round((end_s - start_s) / run.cycle_s))
     return ""

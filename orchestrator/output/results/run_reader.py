@@ -162,7 +162,10 @@ def _words_and_numbers(name: str) -> list[str | int]:
 
 
 def cut_size_m(case: Case) -> float | None:
-    """Return ``output.cut_size_m``, or else the smaller side of the largest openings, or else None."""
+    """Return ``output.cut_size_m``, or else the smaller side of the largest openings, or else None.
+
+    The given size is that of real particles; coarse ones stand for them, and so does what cuts them.
+    """
     if case.output.cut_size_m is not None:
-        return case.output.cut_size_m
+        return case.output.cut_size_m * case.particles.coarse_graining
     return max(smaller_sides_m(case), default=None)

@@ -14,6 +14,7 @@ docs/theory/screening.md has its limits.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -125,13 +126,18 @@ class FeedFines:
         return ((self.total - self.left_out) * computed + finer) / self.total
 
 
-def feed_fines(feeds: Sequence[Feed], cut_m: float) -> FeedFines:
-    """Return the fines, below ``cut_m``, of feeds that are mixed by their rates."""
+def feed_fines(feeds: Sequence[Feed], cut_m: float, until_s: float = math.inf) -> FeedFines:
+    """Return the fines, below ``cut_m``, of feeds that are mixed by what they feed until a time.
+
+    If it is infinite, or none has begun by then, they are mixed by their rates.
+    """
     nodes, weights = roots_legendre(NODES)
     given, fed, diameter_m, shares = [], [], [np.empty(0)], [np.empty(0)]
-    total = sum(feed.rate_kg_per_s for feed in feeds)
-    for feed in feeds:
-        part, limit_m = feed.rate_kg_per_s / total, min(feed.smallest_fed_m or 0.0, cut_m)
+    fed_kg = [feed.rate_kg_per_s * (min(feed.stop_s or until_s, until_s) - feed.start_s) for feed in feeds]
+    parts = [max(0.0, each) for each in fed_kg] if np.isfinite(fed_kg).all() else [0.0]
+    parts = parts if sum(parts) > 0 else [feed.rate_kg_per_s for feed in feeds]
+    for feed, weight in zip(feeds, parts, strict=True):
+        part, limit_m = weight / sum(parts), min(feed.smallest_fed_m or 0.0, cut_m)
         given += [(row, part * row.mass_fraction) for row in given_classes(feed)]
         fed += [(row, part * row.mass_fraction * (1.0 - share_left_out(feed))) for row in classes(feed)]
         for row in given_classes(feed):

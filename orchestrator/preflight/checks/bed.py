@@ -347,6 +347,7 @@ def _overlap(one_m: Array, two_m: Array) -> bool:
     return bool((low <= two_m[1]).all() and (two_m[0] <= high).all())
 
 
+MORE_OPENINGS = 0.06  # per width in a slice than in the whole machine
 FEWEST_DIAMETERS = 3.0  # in a narrower slice, a particle could meet itself, or a neighbour twice
 
 
@@ -361,7 +362,8 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
 
 
 def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
-    """Yield warnings about a slice that large particles may bridge, and about one with open sides.
+    """Yield warnings about a slice that large particles may bridge, about one with more openings in its width
+    than the whole machine, and about one with open sides.
 
     The sides are open if no triangle stands along a side of the panels or beyond it.
     """
@@ -373,6 +375,15 @@ def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
             f"slice.width_m = {width_m:g} m is {width_m / diameter_m:.2g} of the largest "
             f"diameters, fewer than {ENOUGH_DIAMETERS:g}: large particles may bridge"
         )
+    for name, panel in case.whole_machine.screen.panels.items():
+        closed_m = 2 * panel.apertures.margin_across_m if panel.apertures is not None else 0.0
+        more = panel.width_m / (panel.width_m - closed_m) - 1
+        if more > MORE_OPENINGS:
+            yield (
+                f"the slice has openings from side to side; the whole panel {name} has margins, so that "
+                f"{100 * more:.2g} % more openings than it has count for the whole width"
+            )
+            break
     if case.slice.sides != "walls":
         return
     panels = case.screen.panels.values()
