@@ -2,7 +2,7 @@
 
 The file has a group for each panel (docs/theory/panel_recorded.md).  The machine's angle is the
 angle of its slowest exciter after the run-up; in a machine without exciters it is the speed of the
-slowest drive times time.
+slowest drive times time, and the phase of its largest component.
 """
 
 from __future__ import annotations
