@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestrator.output.drawing import LINES, figure, save
 from orchestrator.ports import Array
-from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER
+from orchestrator.studies.design.campaign import BEST, CENTRE, FEWEST_EXPLAINED, SIMPLER
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.quantities import NORMAL_95
@@ -193,9 +193,14 @@ def _surface(findings: Findings) -> Any:
 
 
 def _sensitivity(findings: Findings) -> Any:
-    """Draw first-order and total Sobol indices with their 95 % intervals."""
+    """Draw first-order and total Sobol indices with the 95 % intervals of their sampling.
+
+    They are those of the surrogate; where it explains too little, that is said in their place.
+    """
     if findings.sobol is None:
         return None
+    own = findings.campaign.study.file.search.surrogate
+    explained = next(each.explained for each in findings.surrogates if each.name == own)
     names = list(findings.campaign.study.file.factors)
     drawn, parts = figure_parts(len(findings.responses), min(2, len(findings.responses)), 5.2, 3.2)
     place = np.arange(len(names))
@@ -204,8 +209,10 @@ def _sensitivity(findings: Findings) -> Any:
         axis.bar(place - 0.2, first, 0.38, yerr=first_width, color=BLUE, label="alone", capsize=2)
         axis.bar(place + 0.2, total, 0.38, yerr=total_width, color=GREY, label="with others", capsize=2)
         axis.set_xticks(place, names, rotation=20, ha="right")
-        axis.set_ylabel("share of the variance")
-        axis.set_title(f"What decides {findings.responses[response]}")
+        axis.set_ylabel("share of the surrogate's variance")
+        name, share = findings.responses[response], float(explained[response])
+        little = f"{name}: the surrogate explains {100 * max(share, 0.0):.0f} % only"
+        axis.set_title(little if share < FEWEST_EXPLAINED else f"What decides {name}")
         axis.legend(fontsize=8)
     return drawn
 

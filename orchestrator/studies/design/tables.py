@@ -11,6 +11,7 @@ import tomli_w
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.output.records.run_folder import write_json, write_text
+from orchestrator.output.results.compute import to_json
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text
@@ -46,7 +47,7 @@ def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
     yield write_parquet(points, folder / "points.parquet")
     yield write_csv(cost_rows(findings), folder / "costs.csv")
     file = folder / "fit.json"
-    write_json(file, fit_table(findings))
+    write_json(file, to_json(fit_table(findings)))  # what is not defined is no number in JSON
     yield file
     if len(findings.front):
         yield write_csv([_setting_row(findings, x) for x in findings.front], folder / "front.csv")
