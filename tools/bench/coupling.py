@@ -166,6 +166,13 @@ def compare(name: str, coupled: Runner, still: StockRunner, moving: StockRunner)
 
 
 def median_ratio(some_s: Sequence[float], others_s: Sequence[float]) -> str:
-    """Return the median and the quartiles of the blocks' ratios of CPU time, in words."""
-    low, middle, high = np.percentile(np.divide(some_s, others_s), QUARTILES)
+    """Return the median and the quartiles of the blocks' ratios of CPU time, in words.
+
+    Blocks in which the other took less than a tick of the computer's clock are left out; without any other
+    block there is nothing to say.
+    """
+    ratios = [some / other for some, other in zip(some_s, others_s, strict=True) if other]
+    if not ratios:
+        return ""
+    low, middle, high = np.percentile(ratios, QUARTILES)
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"
