@@ -78,4 +78,4 @@ def test_the_table_has_a_row_for_each_effect_that_can_be_left_out(monkeypatch: p
     rows = list(table.columns[0].cells)
     assert rows[0] == "the case"
     assert rows[1:] == ["without run-up"]
-    assert all(float(cell) > 0 for cell in table.columns[1].cells)
+    assert all(float(str(cell)) > 0 for cell in table.columns[1].cells)
