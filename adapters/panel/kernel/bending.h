@@ -88,7 +88,8 @@ class StiffnessRows {
               z = load<V>(values[2] + distance);
       for (int kind = 0; kind < 4; ++kind) {
         if (!(set >> kind & 1)) continue;
-        const V a = load<V>(entry);
+        V a = load<V>(entry);
+        keep(a);
         product[kind][0] += a * x;
         product[kind][1] += a * y;
         product[kind][2] += a * z;
@@ -125,8 +126,8 @@ class StiffnessRows {
   Numbers entry_;
 };
 
-// Where nodes have come to and how they moved there in a step, and the forces that answer: by places,
-// (3, places) each, `bending_stress_N` (branches, 3, places).
+// Where nodes have come to, how they moved there in a step (which only branches want to know), and the forces
+// that answer: by places, (3, places) each, `bending_stress_N` (branches, 3, places).
 struct NodeStep {
   const double *bent_m, *moved_m;
   double *elastic_N, *bending_stress_N, *internal_N;
@@ -134,6 +135,15 @@ struct NodeStep {
 
 // Force of a constant stiffness matrix, with Maxwell branches on the nodes' displacement.
 class Bending {
+  // Copies of what the loop reads, so that the compiler need not read it again after each store.
+  struct Local {
+    const NodePlaces places;
+    const int branches;
+    const double *const ratio, *const decay, *const gain;
+    const CellForces cells;
+    const NodeStep step;
+  };
+
  public:
   Bending(const NodePlaces &places, const MatrixEntries &matrix) : places_(places), matrix_(places, matrix) {}
 
@@ -144,6 +154,12 @@ class Bending {
                             StepWork &work) const {
     const Local my = {places_, branches.count(), branches.ratio(), branches.decay(), branches.gain(),
                       membrane.forces(), step};
+    my.branches ? step_all<V, true>(my, work) : step_all<V, false>(my, work);
+  }
+
+ private:
+  template <class V, bool relaxes>
+  FLIPFLOW_INLINE void step_all(const Local &my, StepWork &work) const {
     const int size = places_.size();
     V square{};
     for (int place = 0; place < places_.row(); place += kWidth<V>) {
@@ -152,35 +168,27 @@ class Bending {
       V elastic[4][3];
       matrix_.multiply(place, bent_m, elastic);
       double *const lane_J = work.cross_J.data() + place % kLanes;
-      carry<V, 0>(my, place, elastic[0], lane_J, square);
-      carry<V, 1>(my, place, elastic[1], lane_J, square);
-      carry<V, 2>(my, place, elastic[2], lane_J, square);
-      carry<V, 3>(my, place, elastic[3], lane_J, square);
+      carry<V, 0, relaxes>(my, place, elastic[0], lane_J, square);
+      carry<V, 1, relaxes>(my, place, elastic[1], lane_J, square);
+      carry<V, 2, relaxes>(my, place, elastic[2], lane_J, square);
+      carry<V, 3, relaxes>(my, place, elastic[3], lane_J, square);
     }
     add_to(work.square_J, square);
   }
 
- private:
-  // Copies of what the loop reads, so that the compiler need not read it again after each store.
-  struct Local {
-    const NodePlaces places;
-    const int branches;
-    const double *const ratio, *const decay, *const gain;
-    const CellForces cells;
-    const NodeStep step;
-  };
-
   // A step of nodes of a kind whose elastic force is now `elastic`.
-  template <class V, int kind>
+  template <class V, int kind, bool relaxes>
   static FLIPFLOW_INLINE void carry(const Local &my, int place, const V elastic[3], double *cross_J, V &square) {
     for (int c = 0; c < 3; ++c) {
       const int at = c * my.places.size() + my.places.row_start(kind) + place;
-      const V now = elastic[c], change = now - load<V>(my.step.elastic_N + at);
-      const V moved = load<V>(my.step.moved_m + at);
-      store(my.step.elastic_N + at, now);
-      square += change * moved;
-      V force = now + my.cells.on<V, kind>(c, place);
-      for (int b = 0; b < my.branches; ++b) {
+      V force = elastic[c] + my.cells.on<V, kind>(c, place), change, moved;
+      if (relaxes) {
+        change = elastic[c] - load<V>(my.step.elastic_N + at);
+        moved = load<V>(my.step.moved_m + at);
+        square += change * moved;
+      }
+      store(my.step.elastic_N + at, elastic[c]);
+      for (int b = 0; relaxes && b < my.branches; ++b) {
         double *const stress = my.step.bending_stress_N + 3 * b * my.places.size() + at;
         const V old = load<V>(stress), next = my.decay[b] * old + my.gain[b] * change;
         add_to(cross_J + b * kLanes, old * moved);

@@ -51,6 +51,17 @@ FLIPFLOW_INLINE void add_to(double *to, V value) {
   store(to, load<V>(to) + value);
 }
 
+// Keeps a value in its register.  The compiler would read it from memory again at each use, since that takes no
+// instruction of its own; but it takes time in a loop that reads nearly as often as it computes.
+template <class V>
+FLIPFLOW_INLINE void keep(V &value) {
+#ifdef FLIPFLOW_SEVERAL
+  asm("" : "+v"(value));
+#else
+  (void)value;
+#endif
+}
+
 // Of three versions of a function the one for this processor.
 template <class Function>
 Function *fitting(Function *v4, Function *v3, Function *any) {

@@ -24,15 +24,16 @@ struct SheetState {
   double *energy_J, *lost_J, *received_J;
 };
 
-// The largest size of a number, or NaN if one of them is NaN.
+// The largest size of a number, or NaN if one of them is not finite.
 inline double largest_size(const double *numbers, int size) {
-  double largest = 0.0;
+  double largest = 0.0, zero = 0.0;
+#pragma omp simd reduction(max : largest) reduction(+ : zero)
   for (int i = 0; i < size; ++i) {
     const double number = std::abs(numbers[i]);
-    if (!(number <= largest)) largest = number;
-    if (largest != largest) break;
+    largest = number > largest ? number : largest;
+    zero += 0.0 * number;
   }
-  return largest;
+  return largest + zero;
 }
 
 // What the nodes of a sheet are: `mobility_1_kg` and `mass_kg` (nodes), `weight_N` and the positions
@@ -53,20 +54,21 @@ class Sheet {
         bending_(places_, bending),
         branches_(std::move(branches)),
         nodes_(std::move(nodes)),
+        held_at_(3 * nodes_.held.size()),
         place_(grid.nodes()),
-        mobility_(size()),
+        mobility_1_kg_(places_.size()),
         flat_m_(size()),
         outside_N_(size()),
         bent_m_(size()),
         moved_m_(size()),
-        before_N_(3 * nodes_.held.size()) {
+        before_m_(held_at_.size()),
+        before_N_(held_at_.size()) {
     for (int node = 0; node < grid.nodes(); ++node) {
       place_[node] = places_.of_node(node);
-      for (int c = 0; c < 3; ++c) {
-        mobility_.data()[at(node, c)] = nodes_.mobility_1_kg[node];
-        flat_m_.data()[at(node, c)] = nodes_.flat_m[3 * node + c];
-      }
+      mobility_1_kg_.data()[place_[node]] = nodes_.mobility_1_kg[node];
+      for (int c = 0; c < 3; ++c) flat_m_.data()[at(node, c)] = nodes_.flat_m[3 * node + c];
     }
+    for (int i = 0; i < 3 * held(); ++i) held_at_[i] = at(nodes_.held[i / 3], i % 3);
   }
 
   double membrane_J(const double *position_m) const { return membrane_.energy_J(position_m); }
@@ -96,18 +98,20 @@ class Sheet {
       for (int c = 0; c < 3; ++c) outside_N_.data()[at(node, c)] = outside_N[3 * node + c];
     double work_J = 0.0;
     for (int step = 1; step <= steps; ++step) {
-      for (int i = 0; i < 3 * held(); ++i) before_N_[i] = state.internal_N[at_held(i)];
+      for (int i = 0; i < 3 * held(); ++i) {
+        before_m_[i] = state.position_m[held_at_[i]];
+        before_N_[i] = state.internal_N[held_at_[i]];
+      }
       // half a step of force before the first step and after the last, a whole one between two
       const double kick_s = step == 1 ? 0.5 * step_s : step_s;
-      drift(size(), kick_s, step_s, mobility_.data(), outside_N_.data(), flat_m_.data(), state,
-            moved_m_.data(), bent_m_.data());
+      drift(kick_s, step_s, state);
       place_held(state, path, static_cast<double>(step) / steps);
       const Works works = find_force(state);
       state.lost_J[0] += branches_.book(works.stretching, state.energy_J);
       state.lost_J[0] += branches_.book(works.bending, state.energy_J + branches_.count());
       work_J += collect(state, step_s, impulse_N_s);
     }
-    kick(size(), 0.5 * step_s, mobility_.data(), outside_N_.data(), state);
+    kick(places_.size(), 0.5 * step_s, mobility_1_kg_.data(), outside_N_.data(), state);
     return work_J;
   }
 
@@ -123,19 +127,19 @@ class Sheet {
     for (int i = 0; i < numbers; ++i) outside_N[i] = nodes_.weight_N[i] + now.load_N[i];
     by_nodes(state.position_m, start_surface_m.data());
     for (int i = 0; i < 3 * held(); ++i) {
-      start_m[i] = state.position_m[at_held(i)];
-      start_m_per_s[i] = state.velocity_m_per_s[at_held(i)];
+      start_m[i] = state.position_m[held_at_[i]];
+      start_m_per_s[i] = state.velocity_m_per_s[held_at_[i]];
     }
     const HeldPath path = {start_m.data(), start_m_per_s.data(), now.clamps_m, now.clamps_m_per_s,
                            now.length_s};
     double clamps_J = advance(state, path, outside_N.data(), now.steps, impulse_N_s.data()), load_J = 0.0;
     for (int i = 0; i < 3 * held(); ++i) {
       const int node = nodes_.held[i / 3];
-      const double before = start_m_per_s[i], after = state.velocity_m_per_s[at_held(i)];
+      const double before = start_m_per_s[i], after = state.velocity_m_per_s[held_at_[i]];
       const double gained_N_s = nodes_.mass_kg[node] * (after - before);
       const double on_clamp_N = outside_N[3 * node + i % 3];
       clamps_J += 0.5 * gained_N_s * (after + before);
-      clamps_J -= on_clamp_N * (state.position_m[at_held(i)] - start_m[i]);
+      clamps_J -= on_clamp_N * (state.position_m[held_at_[i]] - start_m[i]);
       reaction_N[i] = on_clamp_N - (gained_N_s + impulse_N_s[i]) / now.length_s;
     }
     by_nodes(state.position_m, surface.position_m);
@@ -147,9 +151,8 @@ class Sheet {
   }
 
  private:
-  // Where the component `c` of a node stands in (3, places), and number `i` of the held nodes'.
+  // Where the component `c` of a node stands in (3, places).
   int at(int node, int c) const { return c * places_.size() + place_[node]; }
-  int at_held(int i) const { return at(nodes_.held[i / 3], i % 3); }
 
   // From (3, places) to (nodes, 3).
   void by_nodes(const double *by_places, double *values) const {
@@ -163,27 +166,41 @@ class Sheet {
 
   // What a force does to the free nodes in this time.
   FLIPFLOW_CLONES
-  static void kick(int size, double kick_s, const double *mobility_1_kg, const double *outside_N,
+  static void kick(int places, double kick_s, const double *mobility_1_kg, const double *outside_N,
                    const SheetState &state) {
-    double *const velocity = state.velocity_m_per_s;
-    for (int i = 0; i < size; ++i)
-      velocity[i] += kick_s * mobility_1_kg[i] * (outside_N[i] - state.internal_N[i]);
+    for (int c = 0, at = 0; c < 3; ++c)
+      for (int i = 0; i < places; ++i, ++at)
+        state.velocity_m_per_s[at] += kick_s * mobility_1_kg[i] * (outside_N[at] - state.internal_N[at]);
   }
 
+  // A component of what makes nodes drift and of where they come to, (places) each; `moved_m` is null for a
+  // sheet without branches, which need not know how far it went.
+  struct NodeDrift {
+    const double *mobility_1_kg, *outside_N, *internal_N, *flat_m;
+    double *velocity_m_per_s, *position_m, *bent_m, *moved_m;
+  };
+
   // A kick and a step of motion; says how far it went, and how far from flat it led.
+  void drift(double kick_s, double step_s, const SheetState &state) {
+    const int places = places_.size();
+    for (int at = 0; at < size(); at += places)
+      drift_all(places, kick_s, step_s,
+                {mobility_1_kg_.data(), outside_N_.data() + at, state.internal_N + at, flat_m_.data() + at,
+                 state.velocity_m_per_s + at, state.position_m + at, bent_m_.data() + at,
+                 branches_.count() ? moved_m_.data() + at : nullptr});
+  }
+
   FLIPFLOW_CLONES
-  static void drift(int size, double kick_s, double step_s, const double *mobility_1_kg,
-                    const double *outside_N, const double *flat_m, const SheetState &state, double *moved_m,
-                    double *bent_m) {
-    double *const velocity = state.velocity_m_per_s, *const position = state.position_m;
+  static void drift_all(int places, double kick_s, double step_s, const NodeDrift of) {
 #pragma omp simd
-    for (int i = 0; i < size; ++i) {
-      const double v = velocity[i] + kick_s * mobility_1_kg[i] * (outside_N[i] - state.internal_N[i]);
-      const double now_m = position[i] + step_s * v;
-      velocity[i] = v;
-      moved_m[i] = now_m - position[i];
-      bent_m[i] = now_m - flat_m[i];
-      position[i] = now_m;
+    for (int i = 0; i < places; ++i) {
+      const double force_N = of.outside_N[i] - of.internal_N[i];
+      const double v = of.velocity_m_per_s[i] + kick_s * of.mobility_1_kg[i] * force_N;
+      const double before_m = of.position_m[i], now_m = before_m + step_s * v;
+      of.velocity_m_per_s[i] = v;
+      of.position_m[i] = now_m;
+      of.bent_m[i] = now_m - of.flat_m[i];
+      if (of.moved_m) of.moved_m[i] = now_m - before_m;
     }
   }
 
@@ -209,9 +226,9 @@ class Sheet {
   // Held nodes have not drifted by their own velocity but go along their path.
   void place_held(const SheetState &state, const HeldPath &path, double fraction) {
     for (int i = 0; i < 3 * held(); ++i) {
-      const int at = at_held(i);
+      const int at = held_at_[i];
       const double now_m = path.position_m(i, fraction);
-      moved_m_.data()[at] += now_m - state.position_m[at];
+      moved_m_.data()[at] = now_m - before_m_[i];
       bent_m_.data()[at] = now_m - flat_m_.data()[at];
       state.position_m[at] = now_m;
       state.velocity_m_per_s[at] = path.velocity_m_per_s(i, fraction);
@@ -221,9 +238,9 @@ class Sheet {
   double collect(const SheetState &state, double step_s, double *impulse_N_s) const {
     double work_J = 0.0;
     for (int i = 0; i < 3 * held(); ++i) {
-      const double mean_N = 0.5 * (before_N_[i] + state.internal_N[at_held(i)]);
+      const double mean_N = 0.5 * (before_N_[i] + state.internal_N[held_at_[i]]);
       impulse_N_s[i] += step_s * mean_N;
-      work_J += mean_N * moved_m_.data()[at_held(i)];
+      work_J += mean_N * moved_m_.data()[held_at_[i]];
     }
     return work_J;
   }
@@ -233,9 +250,11 @@ class Sheet {
   Bending bending_;
   Branches branches_;
   SheetNodes nodes_;
-  std::vector<int> place_;  // (nodes)
-  Numbers mobility_, flat_m_, outside_N_, bent_m_, moved_m_;  // (3, places)
-  std::vector<double> before_N_;  // (held, 3) at the step's start
+  std::vector<int> held_at_;                       // (held, 3), in (3, places)
+  std::vector<int> place_;                         // (nodes)
+  Numbers mobility_1_kg_;                          // (places)
+  Numbers flat_m_, outside_N_, bent_m_, moved_m_;  // (3, places)
+  std::vector<double> before_m_, before_N_;        // (held, 3) at the step's start
 };
 
 }  // namespace flipflow
