@@ -21,6 +21,7 @@ from orchestrator.studies.points import (
     with_one_unit,
 )
 
+DRAWS = (1, 10, 100)  # times as many as settings are wanted, one after the other until enough are different
 DIGITS = 4  # of random values, which are also names of folders; narrow ranges have more
 
 
@@ -78,10 +79,7 @@ def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) ->
     problems: list[CaseProblem] = []
     for text in vary:
         try:
-            if how is Arrangement.RANDOM:
-                varied.append(_random_values(text, number, np.random.default_rng([seed, len(varied)])))
-            else:
-                varied.append(parse_vary(text))
+            varied.append(_random_values(text, 1, 0) if how is Arrangement.RANDOM else parse_vary(text))
         except CaseError as error:
             problems += error.problems
     keys, columns = [each.key for each in varied], [each.values for each in varied]
@@ -93,15 +91,34 @@ def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) ->
         problems.append(_wrong("--plan grid", f"makes more than {MOST_VALUES} settings"))
     if problems:
         raise CaseError(problems)
+    if how is Arrangement.RANDOM:
+        return SweepPlan(tuple(keys), _random_settings(vary, number, seed))
     settings = itertools.product(*columns) if how is Arrangement.GRID else zip(*columns, strict=True)
     return SweepPlan(tuple(keys), tuple(dict.fromkeys(settings)))
 
 
-def _random_values(text: str, number: int, generator: np.random.Generator) -> Vary:
+def _random_settings(vary: Sequence[str], number: int, seed: int) -> tuple[tuple[str, ...], ...]:
+    """Return ``number`` different settings with random values of each key; a larger number continues them.
+
+    A setting that is drawn again would be run once only, so that another one is drawn for it.  Raises
+    CaseError where there seem to be fewer settings.
+    """
+    settings: dict[tuple[str, ...], None] = {}
+    for times in DRAWS:
+        columns = [_random_values(text, times * number, [seed, k]).values for k, text in enumerate(vary)]
+        settings = dict.fromkeys(zip(*columns, strict=True))
+        if len(settings) >= number:
+            return tuple(settings)[:number]
+    what = f"finds {len(settings)} different settings, not {number}"
+    raise CaseError([CaseProblem((), what, "give a smaller --number, or --plan grid", "--plan random")])
+
+
+def _random_values(text: str, number: int, seed: int | Sequence[int]) -> Vary:
     """Return the key with ``number`` random values, of a range 'key=first:last' or of a list 'key=a,b,c'.
 
     The same seed gives the same values, and a larger number continues them.  Raises CaseError.
     """
+    generator = np.random.default_rng(seed)
     key, equals, values = (part.strip() for part in text.partition("="))
     if equals and values.count(":") == 1:
         try:
