@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -57,6 +58,12 @@ def undisturbed(folder: Path) -> Path:
     assert "For the largest speed at way <= 0.009 take amplitude = 9 mm, rate = 100 rad/s" in done.stdout
     assert "as predicted" in done.stdout
     return out
+
+
+def test_a_plan_that_has_been_run_has_nothing_left(folder: Path, undisturbed: Path) -> None:
+    done = flipflow(*words(folder, undisturbed, "design"), "--dry")
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"^0 of \d+ runs are left, of .* each, the mean of \d+, .*: 0 s$", done.stdout, re.MULTILINE)
 
 
 def best_row(out: Path) -> dict[str, str]:

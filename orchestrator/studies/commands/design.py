@@ -41,7 +41,7 @@ def command(
 
 
 def _foretell(design: DesignStudy) -> StudyOutput:
-    """Check the corners, list the planned settings, and predict their processor time."""
+    """Check the corners, list the planned settings, and predict the time of those that are left."""
     design.check()
     design.load_finished()
     campaign, file = design.campaign, design.study.file
@@ -54,13 +54,11 @@ def _foretell(design: DesignStudy) -> StudyOutput:
     yield console_table("", ["run", *file.factors], rows)
     case = design.runs.centre.case
     each_s = campaign.mean_wall_s() or predicted_s(case, particles_at_start(case))
-    count = 1 + len(settings) + file.plan.centres - 1
+    left, count = campaign.trials_left(search=False), len(settings) + file.plan.centres
     sides = design.runs.side_by_side
     source = f"the mean of {len(campaign.outcomes)}" if campaign.outcomes else "predicted from the case"
-    yield (
-        f"{count} runs of {in_words(each_s)} each, {source}, on {sides} workers: "
-        f"{in_words(count * each_s / sides)}"
-    )
+    runs = f"{left} runs" if left == count else f"{left} of {count} runs are left,"
+    yield f"{runs} of {in_words(each_s)} each, {source}, on {sides} workers: {in_words(left * each_s / sides)}"
     if file.hours is not None:
         more = int(3600 * file.hours * sides / each_s) - count
         yield f"{max(more, 0)} more fit into {file.hours:g} h"
