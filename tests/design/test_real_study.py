@@ -63,7 +63,9 @@ def undisturbed(folder: Path) -> Path:
 def test_a_plan_that_has_been_run_has_nothing_left(folder: Path, undisturbed: Path) -> None:
     done = flipflow(*words(folder, undisturbed, "design"), "--dry")
     assert done.returncode == 0, done.stderr
-    assert re.search(r"^0 of \d+ runs are left, of .* each, the mean of \d+, .*: 0 s$", done.stdout, re.MULTILINE)
+    assert re.search(
+        r"^0 of \d+ runs are left, of .* each, the mean of \d+, .*: 0 s$", done.stdout, re.MULTILINE
+    )
 
 
 def best_row(out: Path) -> dict[str, str]:

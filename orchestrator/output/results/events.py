@@ -3,8 +3,10 @@
 The steady state follows from the mass balance in two steps.  The first step finds its begin: leaving out
 the start-up makes the mean hold-up of the rest as certain as possible (marginal standard error
 rule; White, Simulation 69, 1997, 323-334, doi 10.1177/003754979706900601).  The second step checks the
-rest: the mass out must equal the mass in within 2 % of the feed, and a straight line through the hold-up
-must not rise or fall by more.
+rest: a straight line through the hold-up must not rise or fall by more than 2 % of the feed, and the mass
+out must equal the mass in within 2 %, apart from chance.  In less out is the difference of the hold-up at
+two times, which a few large stones decide where a slice is narrow: it may be larger by twice the standard
+deviation of such a difference, from the scatter of the hold-up about the line.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ BATCH = "nothing is fed: a batch is never steady"
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
 FEWEST_CYCLES = 20
 LARGEST_IMBALANCE = 0.02
+CHANCE = 2 * 2**0.5  # times the scatter of the hold-up: two standard deviations of a difference of two
 
 
 @dataclass(frozen=True)
@@ -125,9 +128,10 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     window = slice(first, last)
     in_kg, gone_kg = float(fed_kg[window].sum()), float(out_kg[window].sum())
     imbalance = (in_kg - gone_kg) / in_kg
-    slope_kg = float(np.polyfit(np.arange(last - first), mean_kg[window], 1)[0])
+    slope_kg, scatter_kg = _line(mean_kg[window])
     drift = slope_kg * (last - first) / in_kg
-    if reason := _why_not_steady(imbalance, drift, last - first, held_kg[last], gone_kg):
+    limits = LARGEST_IMBALANCE + CHANCE * scatter_kg / in_kg, LARGEST_IMBALANCE
+    if reason := _why_not_steady(imbalance, drift, limits, last - first, held_kg[last], gone_kg):
         return SteadyState(0, cycles, reason, imbalance, drift)
     return SteadyState(first, last, "", imbalance, drift)
 
@@ -147,16 +151,29 @@ def find_truncation(values: Array) -> int:
     return int(np.argmin(errors))
 
 
-def _why_not_steady(imbalance: float, drift: float, cycles: int, held_kg: float, gone_kg: float) -> str:
+def _line(values: Array) -> tuple[float, float]:
+    """Return the slope of a straight line through equally spaced values, and their standard deviation from
+    the line."""
+    number = np.arange(len(values))
+    line = np.polyfit(number, values, 1)
+    return float(line[0]), float(
+        np.sqrt(np.sum((values - np.polyval(line, number)) ** 2) / (len(values) - 2))
+    )
+
+
+def _why_not_steady(
+    imbalance: float, drift: float, limits: tuple[float, float], cycles: int, held_kg: float, gone_kg: float
+) -> str:
     """Return why a state is not steady; empty if it is.
 
-    If the deck holds more mass than left it, the particles stay longer than the cycles last (Little's law).
+    ``limits`` are the largest imbalance and the largest drift.  If the deck holds more mass than left it, the
+    particles stay longer than the cycles last (Little's law).
     """
-    largest = 100 * LARGEST_IMBALANCE
-    for what, value in (("in less out", imbalance), ("the growth of the hold-up", drift)):
-        if abs(value) > LARGEST_IMBALANCE:
+    of = ("in less out", imbalance), ("the growth of the hold-up", drift)
+    for (what, value), largest in zip(of, limits, strict=True):
+        if abs(value) > largest:
             share = f"{100 * value:+.1f} % of the feed over the last {cycles} cycles"
-            return f"{what} is {share}; up to {largest:g} % counts as steady"
+            return f"{what} is {share}; up to {100 * largest:.2g} % counts as steady"
     if held_kg > gone_kg:
         return f"the last {cycles} cycles are shorter than the particles' residence time"
     return ""

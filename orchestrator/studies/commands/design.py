@@ -58,7 +58,8 @@ def _foretell(design: DesignStudy) -> StudyOutput:
     sides = design.runs.side_by_side
     source = f"the mean of {len(campaign.outcomes)}" if campaign.outcomes else "predicted from the case"
     runs = f"{left} runs" if left == count else f"{left} of {count} runs are left,"
-    yield f"{runs} of {in_words(each_s)} each, {source}, on {sides} workers: {in_words(left * each_s / sides)}"
+    all_s = left * each_s / sides
+    yield f"{runs} of {in_words(each_s)} each, {source}, on {sides} workers: {in_words(all_s)}"
     if file.hours is not None:
         more = int(3600 * file.hours * sides / each_s) - count
         yield f"{max(more, 0)} more fit into {file.hours:g} h"
