@@ -328,6 +328,40 @@ class OnceAt:
         self.accepted.extend(accepted.tolist())
 
 
+class OneEachTime:
+    """Offers a particle in each interval, which moves as those that are there."""
+
+    def due(self, interval: Interval) -> ParticleList:
+        falling_m_per_s = np.array([0.0, 0.0, -1.0]) + interval.start_s * G_M_PER_S2
+        return particles([0.02 * (interval.index % 20) - 0.2, 0.3, 0.3], falling_m_per_s)
+
+    def settle(self, accepted: np.ndarray) -> None:
+        assert accepted.all()
+
+
+def test_exits_act_while_a_feed_brings_particles_all_the_time(build: Build) -> None:
+    """Neighbours are listed for those who come; nobody moves far against the others in between."""
+    exits = (exit_box([0, 0, 0.0], [0.2, 0.2, 0.06]),)
+    given = particles([0.1, -0.05, 0.1], [0.0, 0.0, -1.0], [10.0, 3.0, 0.0])
+    run = build(plan(plate(0.001, 1), given, exits=exits, feed=OneEachTime()))
+    before = run.solver.account()
+    run.advance(60)
+    after, gone = run.solver.account(), run.solver.removed()
+    np.testing.assert_array_equal(gone.id, [1])
+    t = float(gone.time_s[0])
+    assert 0.0585 <= gone.position_m[0, 2] <= 0.06  # one interval's way behind the exit's face
+    np.testing.assert_allclose(gone.position_m[0, 2], 0.1 - t + t**2 / 2.0 * G_M_PER_S2[2], atol=1e-12)
+    np.testing.assert_allclose(gone.velocity_m_per_s[0], [0, 0, -1.0] + t * G_M_PER_S2, atol=1e-12)
+    gained_N_s = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s
+    outside_N_s = after.outside_impulse_N_s - before.outside_impulse_N_s
+    np.testing.assert_allclose(gained_N_s, outside_N_s, atol=1e-12 * 60 * MASS_KG)
+    assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * 60 * MASS_KG)
+    if after.angular is not None and before.angular is not None:
+        gained = after.angular.momentum_kg_m2_per_s - before.angular.momentum_kg_m2_per_s
+        outside = after.angular.outside_impulse_N_m_s - before.angular.outside_impulse_N_m_s
+        np.testing.assert_allclose(gained, outside, atol=1e-12 * 60 * MASS_KG)
+
+
 def test_feed_is_booked_and_finds_room_or_not(build: Build) -> None:
     given = particles([[0, 0, 0.3], [0, 0, 0.2]], [[1, 0, 0], [2, 0, 0]], material=0)
     feed = OnceAt(2, given)

@@ -182,6 +182,11 @@ void Engine::store_history() {
 }
 
 void Engine::prepare() {
+  exits().act_at_next_setup();
+  list_and_evaluate();
+}
+
+void Engine::list_and_evaluate() {
   lammps_->update->whichflag = 1;  // as inside of a run: fixes are asked for their forces, too
   guarded([&] { lammps_->update->integrate->setup_minimal(1); });
   lammps_->update->whichflag = 0;
@@ -243,7 +248,7 @@ void Engine::restore(const SavedState &saved) {
     next_cuts_ = {};
     if (!cut_as_saved) cut(then);
     guarded([&] { place_as_listed(*lammps_, saved); });
-    prepare();
+    list_and_evaluate();
   }
   cut_later({saved.real(kNextCuts[0]), saved.real(kNextCuts[1]), saved.real(kNextCuts[2])});
   guarded([&] {

@@ -49,7 +49,8 @@ class Engine {
 
   // Contact history goes from the neighbour list to the particles: before create.
   void store_history();
-  // Sorts particles, rebuilds neighbour lists and evaluates all forces: after create.
+  // Takes out who is in an exit, sorts particles, rebuilds neighbour lists and evaluates all forces: after
+  // create.
   void prepare();
   void run(int steps, double step_s);
 
@@ -77,6 +78,8 @@ class Engine {
   const ContactLaws &laws() const { return laws_; }
 
  private:
+  void list_and_evaluate();
+
   bool is_mine(const double *place_m) const;
 
   template <class Call>

@@ -21,6 +21,7 @@ namespace flipflow {
 // It acts where LIGGGHTS is about to sort particles and to list neighbours anew, so it costs a
 // look at each particle then and nothing else.  A particle is out at the latest when it, or any
 // other, has moved half the largest diameter since the last listing (BedMotion in fix_surface.cpp).
+// Neighbours are listed between two runs, too, where new particles have come (Engine::prepare).
 class FixExits : public LAMMPS_NS::Fix {
  public:
   struct Box {
@@ -35,10 +36,11 @@ class FixExits : public LAMMPS_NS::Fix {
     }
   };
 
-  // A particle as it was: its place at the end of `step`, its velocity half a step before.
+  // A particle as it was: its place at the end of `step`, its velocity so many steps before.
   struct Removed {
     int tag, type, exit;  // exit -1: left the domain
     LAMMPS_NS::bigint step;
+    double velocity_behind;  // half a step inside of a run, none between two runs
     Vec3 position_m, velocity_m_per_s, spin_rad_per_s;
     double radius_m, density_kg_per_m3, mass_kg;
   };
@@ -58,13 +60,28 @@ class FixExits : public LAMMPS_NS::Fix {
 
   // LIGGGHTS calls its fixes of contact history before all others here, so that the history of who
   // stays is with the particles by now.
-  void pre_exchange() override {
+  void pre_exchange() override { take_out(0.5); }
+
+  // LIGGGHTS calls this before each listing outside of a run, also where it only puts histories aside.
+  void setup_pre_exchange() override {
+    if (std::exchange(acts_at_next_setup_, false)) take_out(0.0);
+  }
+  void act_at_next_setup() { acts_at_next_setup_ = true; }
+
+  // since last taken
+  std::vector<Removed> take() { return std::exchange(removed_, {}); }
+  long removed() const { return static_cast<long>(removed_.size()); }
+
+ private:
+  static constexpr int kLost = -1, kStays = -2;
+
+  void take_out(double velocity_behind) {
     const size_t before = removed_.size();
     for (int i = atom->nlocal - 1; i >= 0; --i) {
       const Vec3 place = from(atom->x[i]);
       const int exit = exit_of(place);
       if (exit == kStays) continue;
-      removed_.push_back({atom->tag[i], atom->type[i], exit, update->ntimestep, place,
+      removed_.push_back({atom->tag[i], atom->type[i], exit, update->ntimestep, velocity_behind, place,
                           from(atom->v[i]), from(atom->omega[i]), atom->radius[i],
                           atom->density[i], atom->rmass[i]});
       remove(i);
@@ -74,13 +91,6 @@ class FixExits : public LAMMPS_NS::Fix {
     atom->natoms -= gone;
     before_exchange_();
   }
-
-  // since last taken
-  std::vector<Removed> take() { return std::exchange(removed_, {}); }
-  long removed() const { return static_cast<long>(removed_.size()); }
-
- private:
-  static constexpr int kLost = -1, kStays = -2;
 
   // -1: lost, -2: stays
   int exit_of(Vec3 place) const {
@@ -101,6 +111,7 @@ class FixExits : public LAMMPS_NS::Fix {
   std::vector<Box> exits_;
   Vec3 low_{}, high_{};
   std::vector<Removed> removed_;
+  bool acts_at_next_setup_ = false;
   std::function<void()> before_exchange_ = [] {};
 };
 

@@ -192,6 +192,7 @@ py::dict take_removed(Engine &engine) {
                   "type"_a = column<int>(rows, [](const Row &r) { return r.type; }),
                   "tag"_a = column<int>(rows, [](const Row &r) { return r.tag; }),
                   "exit"_a = column<int>(rows, [](const Row &r) { return r.exit; }),
+                  "velocity_behind"_a = column<double>(rows, [](const Row &r) { return r.velocity_behind; }),
                   "step"_a = column<int>(rows, [=](const Row &r) { return r.step - before; }));
 }
 

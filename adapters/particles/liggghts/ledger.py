@@ -113,13 +113,15 @@ class ParticleLedger(SavedAttributes):
         self._came_kg_m2_per_s += new.angular_momentum_kg_m2_per_s()
         self._fed_J += new.mechanical_J(self._gravity_m_per_s2)
 
-    def subtract_removed(self, arrays: dict[str, Any], before_end_s: Array, step_s: float) -> None:
-        """Subtract this rank's particles, removed ``before_end_s`` (n,) before the interval's end."""
+    def subtract_removed(self, arrays: dict[str, Any], before_end_s: Array, filled_s: Array) -> None:
+        """Subtract this rank's particles, removed ``before_end_s`` (n,) before the interval's end.
+
+        In the last ``filled_s`` (n,) before that, only gravity has acted on them."""
         gone, gravity_m_per_s2 = _owned(arrays), self._gravity_m_per_s2
         # `add_gravity` lets gravity act on them to the interval's end
         taken_N_s = gone.momentum_kg_m_per_s() + (gone.mass_kg @ before_end_s) * gravity_m_per_s2
-        # the sum of gravity's moments knows them up to the step before
-        earlier_m_per_s = gone.velocity_m_per_s - step_s / 2.0 * gravity_m_per_s2
+        # the sum of gravity's moments knows them up to then
+        earlier_m_per_s = gone.velocity_m_per_s - np.outer(filled_s, gravity_m_per_s2)
         angular = replace(gone, velocity_m_per_s=earlier_m_per_s).angular_momentum_kg_m2_per_s()
         removed_J = gone.mechanical_J(gravity_m_per_s2)
         sums = np.array([len(gone), gone.mass_kg.sum(), removed_J, *taken_N_s, *angular, gone.moved_N_s()])

@@ -245,9 +245,10 @@ class Liggghts:
 
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()
-        # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
-        mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
-        self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], step_s)
+        # within a step, LIGGGHTS's velocity is half a step old; without contacts, gravity alone fills that up
+        filled_s = step_s * mine["velocity_behind"]
+        mine["v"] += np.outer(filled_s, self._plan.gravity_m_per_s2)
+        self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], filled_s)
         if len(mine["tag"]):
             record = Removed(
                 id=mine["tag"].astype(np.int64),
