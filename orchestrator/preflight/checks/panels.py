@@ -6,6 +6,8 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from orchestrator.case import recordings, solvers
 from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
@@ -27,7 +29,8 @@ GIB = 2**30
 
 
 def panel_rows(case: Case) -> Iterator[CaseProblem]:
-    """Check that each row gives one of tension and span, a pitch, and the directions of a rectangle."""
+    """Check that each row gives one of tension and span, a pitch, and the directions of a rectangle that does
+    not lie on its back."""
     if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
         yield CaseProblem(("screen", "panels"), "missing: there is nothing for particles to touch")
     for key, panel in rows(case, "screen.panels"):
@@ -35,6 +38,11 @@ def panel_rows(case: Case) -> Iterator[CaseProblem]:
         if panel.count > 1 and panel.pitch_m is None:
             yield CaseProblem((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
         yield from right_angle(key, panel, "along", "across")
+        normal = np.cross(panel.along, panel.across)
+        if normal[2] < -1e-9 * np.linalg.norm(normal):
+            what = "turns the panel's upper side, along x across, down"
+            hint = "turn it round and give the corner at the panel's other side"
+            yield CaseProblem((*key, "across"), what, hint)
 
 
 def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
