@@ -138,6 +138,28 @@ def test_the_surface_is_joined_where_it_meets_itself():
     assert len(np.unique(joined)) == len(X_M) * CELLS
 
 
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_bodies_that_meet_in_a_groove_go_on_across_the_boundary(order):
+    """A ball in the groove of two plates, whose points there are the same places, is pushed as elsewhere."""
+    along, across_m = np.array([0.0, PERIOD_M, 0.0]), ([0.02, 0.0, 0.0], [0.01, 0.0, 0.01 * 3**0.5])
+    corners_m = ([-0.02, 0.0, 0.0], [0.0, 0.0, 0.0])
+    plates = [
+        [np.array(c), np.array(c) + along, np.array(c) + along + a, np.array(c) + a]
+        for c, a in zip(corners_m, across_m, strict=True)
+    ]
+    position_m = np.concatenate([plates[number] for number in order])
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
+    groove = TriangleSurface(position_m, triangles, np.ones(4, dtype=np.int64))
+    height_m = 0.95 * 2.5e-3  # of the centre above either plate: 5 % of overlap
+    forces_N = []
+    for y_m in (0.5 * PERIOD_M + 7e-4, 0.0, 5e-8, PERIOD_M - 5e-8):
+        ball = spheres([-height_m / 3**0.5, y_m, height_m], diameter_m=5e-3)
+        domain_m = np.array([[-0.1, 0.0, -0.1], [0.1, PERIOD_M, 0.1]])
+        with closing(liggghts.build(make_plan(groove, ball, domain_m=domain_m, periodic_y=True))) as solver:
+            forces_N.append(solver.initial().force_N.sum(axis=0))
+    np.testing.assert_allclose(forces_N[1:], 3 * forces_N[:1], atol=1e-9 * np.abs(forces_N[0]).max())
+
+
 def test_two_ranks_give_the_same_as_one_across_periodic_sides():
     one, two = ranks(1, "periodic"), ranks(2, "periodic")
     assert min(np.array(two["owned"]).T[0]) > 0

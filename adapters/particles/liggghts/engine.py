@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from adapters.particles._liggghts import Engine
@@ -129,16 +131,22 @@ def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[Array, Array
 def join_across(surface: TriangleSurface, period_m: float) -> Indices:
     """Return the triangles (m, 3) with periodic points identified.
 
-    Points that are the same place one period along y further on have the number of the lower point.
+    Points that are the same place one period along y further on have the number of the lower point.  Where
+    bodies meet, it is that of the point's own body, so that the body goes on there; only a surface whose
+    triangles do not share points is joined to any.
     """
     number = np.arange(len(surface.position_m))
     used = np.unique(surface.triangles)
-    place_m = surface.position_m[used]
-    lower = cKDTree(place_m).query(
-        place_m - [0.0, period_m, 0.0], distance_upper_bound=SAME_PLACE * period_m
-    )[1]
-    has_lower = lower < len(used)
-    number[used[has_lower]] = used[lower[has_lower]]
+    edges = np.concatenate([surface.triangles[:, [0, 1]], surface.triangles[:, [1, 2]]])
+    linked = csr_array((np.ones(len(edges)), edges.T), shape=2 * (len(number),))
+    body = connected_components(linked, directed=False)[1][used]
+    for bodies_apart_m in (0.0, period_m):  # the own body's point takes the place of another's
+        place_m = np.column_stack([surface.position_m[used], bodies_apart_m * body])
+        lower = cKDTree(place_m).query(
+            place_m - [0.0, period_m, 0.0, 0.0], distance_upper_bound=SAME_PLACE * period_m
+        )[1]
+        has_lower = lower < len(used)
+        number[used[has_lower]] = used[lower[has_lower]]
     return np.asarray(number[surface.triangles])
 
 
