@@ -133,6 +133,19 @@ def _require_ended_run(folder: Path) -> None:
         raise FolderUnusable(f"{folder}: is not the folder of a run")
     if is_at_work(folder):
         raise FolderUnusable(f"{folder}: the run is still going on")
+    _read_provenance(folder)
+
+
+def _read_provenance(folder: Path) -> dict[str, Any]:
+    """Return the table of a run's ``provenance.json``.  Raises FolderUnusable for a file that is none."""
+    file = folder / "provenance.json"
+    try:
+        table = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError:
+        table = None
+    if not isinstance(table, dict) or not isinstance(table.get("resumed", []), list):
+        raise FolderUnusable(f"{file}: is damaged; it is written when a run begins, and cannot be made again")
+    return table
 
 
 def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
@@ -178,7 +191,7 @@ def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, wo
     for written_at_end in ("failure.txt", SUMMARY):
         (folder / written_at_end).unlink(missing_ok=True)
     write_case(folder, loaded)
-    provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    provenance = _read_provenance(folder)
     resumed = [*provenance.get("resumed", []), {"at_s": checkpoint.simulated_s, **now["provenance"]}]
     write_json(folder / "provenance.json", provenance | {"resumed": resumed})
     return [*killed, *checkpoint.torn, *origin_warnings(checkpoint, now)]

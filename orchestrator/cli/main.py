@@ -352,9 +352,9 @@ def record(
     from orchestrator.studies.record import record as record_panels
 
     with reported_errors():
-        recording = record_panels(run, cycles)
+        recording, state = record_panels(run, cycles), status(run)
         recordings.write(out, recording.file)
-    if not is_trusted(state := status(run)):
+    if not is_trusted(state):
         CONSOLE.print(f"warning: the run is {state}: {run / SUMMARY} says why")
     for name, share in recording.change.items():
         what = f"{recording.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"

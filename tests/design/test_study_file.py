@@ -29,6 +29,11 @@ WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
         {"factors/slope/range": [20.0, 20.0]},
         ["factors.slope.range: 20 is not below 20"],
     ),
+    "a range of rounding": (
+        {"factors/slope/range": [1.0, 1.0000000000000002]},
+        ["factors.slope.range: 1.0 to 1.0000000000000002 is no more than rounding"],
+    ),
+    "a seed that surrogates do not take": ({"seed": 2**32}, ["seed: 4294967296"]),
     "an end that is not a number": (
         {"factors/slope/range": [10.0, float("nan")]},
         ["factors.slope.range.1", "nan"],

@@ -64,6 +64,8 @@ def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
         ("slope,stroke,speed\n10,2,1\n", ['belt.csv has no column "share"']),
         (HEAD + "10,2,0.5 m/s,80\n", ['row 1 of belt.csv: "0.5 m/s" is not a number of speed', "unit"]),
         (HEAD + "10,2,0.5,80\n10,many,0.5,80\n", ['row 2 of belt.csv: "many" is not a number of stroke']),
+        (HEAD + "10,2,1e300,80\n", ["row 1 of belt.csv", "is not a number of speed"]),
+        (HEAD + "10,2,1e-300,80\n", ["row 1 of belt.csv", "is not a number of speed"]),
         (HEAD + "10,,0.5,80\n", ["row 1 of belt.csv", "is not a number of stroke"]),
         (HEAD + "10,inf,0.5,80\n", ["row 1 of belt.csv", '"inf" is not a number of stroke']),
         (HEAD + "10,2,0,5,80\n", ["more cells than columns", "decimals have points"]),
@@ -72,6 +74,7 @@ def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
     ],
     ids=[
         *["a misspelt column", "a missing column", "a unit in a cell", "text for a factor"],
+        *["a huge response", "a tiny response"],
         *["an empty factor", "an endless factor", "a decimal comma", "no rows", "no table"],
     ],
 )
@@ -146,3 +149,9 @@ def test_two_responses_may_share_a_column(tmp_path: Path) -> None:
     shared = {"responses/speed/result": "share", "responses/share/scale": "percent"}
     first, *_ = read_table(study_of(tmp_path, HEAD + ROWS, **shared))
     assert {name: each.value for name, each in first.responses.items()} == {"speed": 80.0, "share": 80.0}
+
+
+def test_a_simpler_design_without_a_value_is_refused_with_the_file(tmp_path: Path) -> None:
+    """Of a table as of a case, at a corner of the ranges: slope is 10 there."""
+    with pytest.raises(CaseError, match=r"simpler: slope = 10, stroke = 2: .* has no value"):
+        study_of(tmp_path, HEAD + ROWS, simpler={"stroke": "4 + 0 / (slope - 10)"})

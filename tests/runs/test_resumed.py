@@ -204,6 +204,13 @@ def test_what_is_no_run_or_was_not_saved_is_refused(
 ) -> None:
     assert resume(tmp_path, []) == launch.WRONG
     assert "is not the folder of a run" in capsys.readouterr().err
+    provenance = stopped / "provenance.json"
+    whole = provenance.read_bytes()
+    for damaged in (b"", b"[1]", b"\xff", b'{"resumed": 1}'):
+        provenance.write_bytes(damaged)
+        assert resume(stopped, []) == launch.WRONG
+        assert "provenance.json: is damaged" in capsys.readouterr().err
+    provenance.write_bytes(whole)
     shutil.rmtree(stopped / "checkpoints")
     assert resume(stopped, []) == launch.WRONG
     assert "nothing was saved" in capsys.readouterr().err

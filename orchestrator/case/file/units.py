@@ -173,6 +173,13 @@ def _nearest(text: str, own: Unit) -> str:
     return f"for example {', '.join(same_kind or USUAL)}"
 
 
+NO_UNIT = (
+    *(ValueError, TypeError, SyntaxError, AttributeError, ArithmeticError),
+    *(LookupError, AssertionError, RecursionError),
+)
+"""What pint raises, beside its own errors, for a text such as "s^0" or "s/"."""
+
+
 @cache
 def _unit(text: str) -> Unit:
     """Return the unit that a text denotes, with powers as in "kg/m3" or "kg/m^3".
@@ -184,7 +191,7 @@ def _unit(text: str) -> Unit:
     powers = re.sub(r"(?<=[A-Za-zµμ°])(?=\d)", "**", text.replace("·", " "))
     try:
         return _registry().parse_units(powers)
-    except (PintError, ValueError, TypeError, SyntaxError, AttributeError, ArithmeticError):
+    except (PintError, *NO_UNIT):
         raise ValueError(f'no unit "{text}"') from None
 
 

@@ -24,6 +24,7 @@ from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.checks.names import rows
 
 ENLARGE = "enlarge domain_m"
+THINNEST = 1e-6  # area of a plate over its longest edge squared: thinner ones have no normal to rounding
 
 
 def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
@@ -54,7 +55,7 @@ def plates(case: Case) -> Iterator[CaseProblem]:
         elif surface.edges_m is not None:
             longest_m = max(math.hypot(*edge) for edge in surface.edges_m)
             one, two = np.array(surface.edges_m) / (longest_m or 1.0)
-            if not np.linalg.norm(np.cross(one, two)) > 1e-9:
+            if not np.linalg.norm(np.cross(one, two)) > THINNEST:
                 yield CaseProblem((*key, "edges_m"), "span no area", "give two edges at an angle")
 
 

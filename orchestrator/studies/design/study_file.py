@@ -7,6 +7,7 @@ import itertools
 import math
 import os
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +31,8 @@ from orchestrator.studies.design.published import term
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.space import SimplerSpace, Space
 
+Seed = Annotated[int, Strict(), Ge(0), Lt(2**32)]  # what surrogates take
+NARROWEST = 1e-9  # of a range, over its larger end
 MOST_CORNERS = 64  # of the ranges that are checked as cases
 POSSIBLE = {  # limits on each scale: above, below, and both in words
     "plain": (-math.inf, math.inf, ""),
@@ -160,7 +163,7 @@ class StudyFile(Table):
     """The probability with which what is recommended must keep the limits.  0.5 leaves no margin."""
     hours: Positive | None = None
     """Wall time, in hours, for all runs."""
-    seed: Whole = 1
+    seed: Seed = 1
     """Seed of plans, surrogates and optimisers.  Each run has seeds of its own, which follow from its
     number."""
     plan: PlanTable = PlanTable()
@@ -295,7 +298,20 @@ def read_study(path: Path) -> Study:
     if problems:
         raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems)
     low, high = np.array([factor.range for factor in file.factors.values()]).T
-    return Study(file, path.resolve(), Space(low, high, chains), aims, derived, parsed, simpler)
+    study = Study(file, path.resolve(), Space(low, high, chains), aims, derived, parsed, simpler)
+    if file.table:  # settings of a case are checked with the case
+        _check_simpler_corners(study, str(path))
+    return study
+
+
+def _check_simpler_corners(study: Study, path: str) -> None:
+    """Raise CaseError where the formulas of ``simpler`` make no design of the centre or of a corner."""
+    for corner in (np.zeros(study.space.factors), *study.corners()):
+        try:
+            study.check_simpler(corner)
+        except BadFormula as error:
+            named = ", ".join(f"{name} = {value:g}" for name, value in study.actual(corner).items())
+            raise CaseError([CaseProblem(("simpler",), f"{named}: {error}", file=path)]) from None
 
 
 def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:
@@ -313,6 +329,9 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
         low, high = factor.range
         if not low < high:
             problems.append(CaseProblem(("factors", name, "range"), f"{low:g} is not below {high:g}"))
+        elif high - low < max(NARROWEST * max(abs(low), abs(high)), sys.float_info.min):
+            what = f"{low!r} to {high!r} is no more than rounding"
+            problems.append(CaseProblem(("factors", name, "range"), what))
     for name, response in file.responses.items():
         try:
             scalar(response.result or name) if file.case else None

@@ -14,6 +14,7 @@ from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
 
+LARGEST = 1e100  # beyond it, and below one over it, squares are no numbers
 DEVIATION = " deviation"  # ends the name of the column with a response's standard deviation
 
 
@@ -46,7 +47,8 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
         raise CaseError(problems)
     wanted = dict.fromkeys([*file.factors, *columns.values(), *optional])  # two responses may share a column
     numbers = table[[*wanted]].apply(pd.to_numeric, errors="coerce")
-    numbers = numbers.replace([np.inf, -np.inf], np.nan)
+    sizes = numbers.abs()
+    numbers = numbers.where((sizes == 0) | (sizes > 1 / LARGEST) & (sizes < LARGEST))
     text = numbers.isna() & table[numbers.columns].notna()
     text[list(file.factors)] |= numbers[list(file.factors)].isna()
     for row, column in zip(*np.nonzero(text.to_numpy()), strict=True):
