@@ -7,6 +7,7 @@ slowest drive times time, and the phase of its largest component.
 
 from __future__ import annotations
 
+import errno
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -52,9 +53,18 @@ class File:
 
 
 def write(path: Path, content: File) -> None:
-    """Write a recording, either completely or not at all.  Raises OSError."""
+    """Write a recording, either completely or not at all, in the place of another one but of no other file.
+
+    Raises OSError.
+    """
     import h5py  # It is imported here because checks of cases without recordings do not need it.
 
+    if path.exists():
+        try:
+            read(path)
+        except UnreadableRecording:
+            what = "exists already and is no recording of this version; give another file"
+            raise OSError(errno.EEXIST, what, str(path)) from None
     with written_whole(path) as aside, h5py.File(aside, "w") as file:
         file.attrs["format_version"] = FORMAT
         file.attrs["speed_rad_per_s"] = content.speed_rad_per_s

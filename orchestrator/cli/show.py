@@ -7,7 +7,7 @@ from pathlib import Path
 from orchestrator.case.deck.stl import UnreadableStl
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import find_all_problems, refuse
-from orchestrator.output.records.run_folder import write_text
+from orchestrator.output.records.run_folder import write_page
 from orchestrator.output.views.page import CheckFindings, Views
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase
@@ -43,6 +43,6 @@ def write_check_page(loaded: JudgedCase, lines: list[str], file: Path) -> None:
         CheckFindings((), said, [line for line in lines if not line.startswith(warned)])
     )
     try:
-        write_text(file, page)
+        write_page(file, page)
     except OSError as error:
         refuse(f"{file}: {error.strerror or error}")

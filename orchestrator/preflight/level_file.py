@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,19 +10,24 @@ import tomli_w
 
 from orchestrator.case.file.base import read_level
 from orchestrator.case.file.deck_layout import lay_out_decks
-from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.errors import CaseError, CaseProblem, show_value
 from orchestrator.case.file.layers import Layers, parse_override
 from orchestrator.case.load import read_tables
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
 
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+
 
 def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) -> Path:
     """Write the case's level with ``sets`` to ``levels/<name>.toml``, and return the file.
 
-    The key ``without`` of the new level names all effects that it leaves out.  Raises CaseError if
-    the file exists, and OSError if it cannot be written.
+    The key ``without`` of the new level names all effects that it leaves out.  Raises CaseError if ``name``
+    is none or the file exists, and OSError if it cannot be written.
     """
+    if not NAME.fullmatch(name):
+        what = f"{show_value(name)} is no name of a level"
+        raise CaseError([CaseProblem((), what, "letters, digits, - and _", file="--write")])
     file = loaded.folder / "levels" / f"{name}.toml"
     if file.exists():
         raise CaseError([CaseProblem((), "exists already; nothing was written", file=str(file))])

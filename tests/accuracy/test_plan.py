@@ -165,6 +165,9 @@ def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) 
     assert "panel-deformation" in tomllib.loads(file.read_text())["without"]
     with pytest.raises(CaseError, match="exists already"):
         write_level(loaded, "planned", sets, "again")
+    for name in ("../../evil", "a/b", "", ".", "a b"):
+        with pytest.raises(CaseError, match="is no name of a level"):
+            write_level(loaded, name, sets, "elsewhere")
 
 
 def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:

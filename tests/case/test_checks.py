@@ -64,6 +64,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("screen.panels.deck.span_m=0.31", "contradicts tension_m"),
         ("screen.panels.deck.tension_m=-0.2", "0.5 to 1.5 of the free length"),
         ("screen.panels.deck.across=[1, 1, 0]", "across: is not at right angles to along"),
+        ("materials.PU.hyperelastic.bulk_modulus_Pa=1e5", "Poisson's ratio is negative"),
         ("screen.panels.deck.across=[0, -1, 0]", "across: turns the panel's upper side"),
         ("probes.middle.particle=1", "is on panel and particle; give one of"),
         ("probes.end.point_m=[0, 0, 0]", "is on nothing"),
@@ -272,7 +273,8 @@ def warned(folder: Path, *overrides: str) -> list[str]:
 def test_steel_panels_are_said_to_be_unusual_and_taken(tmp_path: Path) -> None:
     """E = 6 (c10 + c01) = 216 GPa; no unit makes a soft panel of it."""
     key = "materials.PU.hyperelastic.c10_Pa"
-    said = [line for line in warned(tmp_path, f"{key}=35.97e9") if key in line]
+    stiff = f"{key}=35.97e9", "materials.PU.hyperelastic.bulk_modulus_Pa=1.6e11"
+    said = [line for line in warned(tmp_path, *stiff) if key in line]
     assert said == [f"{key}: 3.597e+10 is out of the usual range 1000 to 1e+09; taken as meant"]
     assert [line for line in warned(tmp_path) if "usual range" in line] == []
 

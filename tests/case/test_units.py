@@ -133,6 +133,8 @@ def test_a_deck_takes_its_tension_in_millimetres(tmp_path: Path) -> None:
             "thickness_m: '12 Hz' is a frequency; a length is wanted, such as \"45 mm\"",
         ),
         ("screen.panels.deck.thickness_m=4 m^0", 'has the unknown unit "m^0"'),
+        ("screen.panels.deck.thickness_m=4 m/(", 'has the unknown unit "m/("'),
+        ("screen.panels.deck.thickness_m=1e9999999999999999999 m", "is no number that can be computed with"),
         ("screen.panels.deck.thickness_m=4 m/", 'has the unknown unit "m/"'),
         ("screen.panels.deck.thickness_m=4 mn", 'has the unknown unit "mn"; did you mean'),
         ("screen.frames.driving.mass_kg=76 kgs", 'did you mean "kg"?'),

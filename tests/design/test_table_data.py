@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,10 @@ def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
         (HEAD + "10,2,1e300,80\n", ["row 1 of belt.csv", "is not a number of speed"]),
         (HEAD + "10,2,1e-300,80\n", ["row 1 of belt.csv", "is not a number of speed"]),
         (HEAD + "10,,0.5,80\n", ["row 1 of belt.csv", "is not a number of stroke"]),
+        (
+            "slope,stroke,speed,speed deviation,share\n10,2,0.5,-1,80\n",
+            ["row 1 of belt.csv: speed deviation = -1 is negative"],
+        ),
         (HEAD + "10,inf,0.5,80\n", ["row 1 of belt.csv", '"inf" is not a number of stroke']),
         (HEAD + "10,2,0,5,80\n", ["more cells than columns", "decimals have points"]),
         (HEAD, ["belt.csv", "has no rows"]),
@@ -75,7 +80,14 @@ def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
     ids=[
         *["a misspelt column", "a missing column", "a unit in a cell", "text for a factor"],
         *["a huge response", "a tiny response"],
-        *["an empty factor", "an endless factor", "a decimal comma", "no rows", "no table"],
+        *[
+            "an empty factor",
+            "a negative deviation",
+            "an endless factor",
+            "a decimal comma",
+            "no rows",
+            "no table",
+        ],
     ],
 )
 def test_a_table_is_refused_for(text: str, words: list[str], tmp_path: Path) -> None:
@@ -149,6 +161,14 @@ def test_two_responses_may_share_a_column(tmp_path: Path) -> None:
     shared = {"responses/speed/result": "share", "responses/share/scale": "percent"}
     first, *_ = read_table(study_of(tmp_path, HEAD + ROWS, **shared))
     assert {name: each.value for name, each in first.responses.items()} == {"speed": 80.0, "share": 80.0}
+
+
+def test_a_pipe_is_no_table(tmp_path: Path) -> None:
+    """It would be waited for."""
+    study = study_of(tmp_path, HEAD + ROWS)
+    (tmp_path / "belt.csv").unlink()
+    os.mkfifo(tmp_path / "belt.csv")
+    assert "belt.csv cannot be read: it is no file" in complaint(study)
 
 
 def test_a_simpler_design_without_a_value_is_refused_with_the_file(tmp_path: Path) -> None:

@@ -63,6 +63,8 @@ def test_without_a_motor_there_is_no_such_question(tmp_path: Path) -> None:
 def test_motors_that_cannot_be(tmp_path: Path) -> None:
     slow = MOTOR.replace("synchronous_speed_rad_per_s=80", "synchronous_speed_rad_per_s=50")
     assert "a motor lags behind it" in only_complaint(tmp_path, slow)
+    in_rpm = MOTOR.replace("synchronous_speed_rad_per_s=80", "synchronous_speed_rad_per_s=800")
+    assert "times the exciter's speed_rad_per_s" in only_complaint(tmp_path, in_rpm)
     along = "screen.exciters.shaft.axis=[1.0, 0.0, 0.0]"
     assert "not across the deck" in only_complaint(tmp_path, MOTOR, PLANAR, along)
 

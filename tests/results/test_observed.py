@@ -30,6 +30,7 @@ from orchestrator.preflight.scene.observed import Bearing, Deepest, Observed, Pr
 from orchestrator.preflight.scene.scene import Scene, scene, stroke_m
 from orchestrator.preflight.scene.shaking import solve_shakings
 from tests.results.synthetic import CYCLE_S, FRAMES_M, LEAVES, SIZES_M, TURNED_RAD, folder_of
+from tests.runs.outside import flipflow
 
 DECK_RAD = math.radians(15)
 DECK_M2 = 2 * 0.30 * 0.20
@@ -242,3 +243,11 @@ def test_a_run_of_less_than_a_cycle_tells_no_motion(tmp_path: Path) -> None:
     with RunReader(short) as data:
         found = observed_scene(scene(data.case), data, compute_results(short)).observed
     assert (found.frames_throw, found.bed_kg_per_m2, found.rotation) == (None, None, None)
+
+
+@pytest.mark.process
+def test_driven_frames_of_less_than_a_cycle_tell_no_motion_either(tmp_path: Path) -> None:
+    """Their window begins with the run."""
+    sets = ["--set", "frames.solver=prescribed", "--set", "duration_s=0.05"]
+    done = flipflow("run", "cases/quickstart", "--level", "draft", *sets, "--out", str(tmp_path / "run"))
+    assert done.returncode == 0, done.stderr

@@ -62,6 +62,8 @@ def _read(path: Path) -> Any:
     read = {".csv": read_csv, ".parquet": pd.read_parquet}.get(path.suffix.lower())
     if read is None:
         raise UnreadableBed(f'{path}: "{path.suffix}" is no kind of table; a .csv or .parquet file is wanted')
+    if path.exists() and not path.is_file():
+        raise UnreadableBed(f"{path}: is no file")
     try:
         return read(path)
     except (OSError, ValueError, ImportError) as error:

@@ -316,6 +316,8 @@ def _read_points(folder: Path, name: str, key: Key, source: str) -> list[dict[st
             [CaseProblem(key, f"{show_value(name)} is outside of the case's folder", file=source)]
         )
     try:
+        if file.exists() and not file.is_file():  # a pipe would be waited for
+            raise CaseError([CaseProblem(key, "is no file", file=name)])
         if file.stat().st_size > LARGEST_BYTES:
             raise CaseError([CaseProblem(key, f"is larger than {LARGEST_BYTES} bytes", file=name)])
         with file.open(encoding="utf-8-sig", newline="") as opened:

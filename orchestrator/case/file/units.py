@@ -13,6 +13,7 @@ from decimal import Decimal
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
+from tokenize import TokenError
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.case.file import hardness
@@ -104,7 +105,11 @@ def parse_quantity(text: str, key: str) -> float:
     match = NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
         raise ValueError(_no_unit(text, key))
-    number, own = Decimal(match[1]), _unit(unit_of(key))
+    own = _unit(unit_of(key))
+    try:
+        number = Decimal(match[1])
+    except ArithmeticError:
+        raise ValueError("is no number that can be computed with") from None
     try:
         given = _unit(match[2])
     except ValueError:
@@ -175,7 +180,7 @@ def _nearest(text: str, own: Unit) -> str:
 
 NO_UNIT = (
     *(ValueError, TypeError, SyntaxError, AttributeError, ArithmeticError),
-    *(LookupError, AssertionError, RecursionError),
+    *(LookupError, AssertionError, RecursionError, TokenError),
 )
 """What pint raises, beside its own errors, for a text such as "s^0" or "s/"."""
 

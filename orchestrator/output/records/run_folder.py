@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import hashlib
 import json
@@ -207,7 +208,18 @@ def write_text(path: Path, text: str) -> None:
         aside.write_text(text, encoding="utf-8")
 
 
+def write_page(path: Path, page: str) -> None:
+    """Write an HTML page, whole or not at all, in the place of an older page but of no other file.
+
+    Raises OSError.
+    """
+    if path.exists() and path.suffix.lower() not in PAGES:
+        raise OSError(errno.EEXIST, f"exists already and is no page ({PAGES[0]})", str(path))
+    write_text(path, page)
+
+
 RUN_LOCK = "run.log"
+PAGES = (".html", ".htm")
 STUDY_LOCK = ".lock"
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.drawing import LINES, WIDE, data_uri, embed, figure, fill_template
-from orchestrator.output.records.run_folder import FolderUnusable, write_text
+from orchestrator.output.records.run_folder import FolderUnusable, write_page
 from orchestrator.output.report.formatting import NONE
 from orchestrator.output.report.formatting import interval as in_words
 from orchestrator.output.results.comparison import Comparison
@@ -35,7 +35,7 @@ def write_comparison(comparison: Comparison, file: Path) -> Path:
     Raises FolderUnusable if a file of a run is damaged or the page cannot be written.
     """
     try:
-        write_text(file, comparison_page(comparison))
+        write_page(file, comparison_page(comparison))
     except OSError as error:
         raise FolderUnusable(f"{file}: cannot be written: {error.strerror or error}") from None
     return file

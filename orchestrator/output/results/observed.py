@@ -18,6 +18,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.loss_curve import moduli
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter
+from orchestrator.output.cycles import count_whole_cycles
 from orchestrator.output.records.panel_lines import panel_pull_N
 from orchestrator.output.results.events import read_events
 from orchestrator.output.results.harmonics import Phasors, first_harmonic
@@ -63,7 +64,7 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
     """Return the scene with the numbers of the run.
 
     They are the motion over the window of ``results``, and the bed over the whole run.  The motion is left
-    out if the rows of the series are too few to show it.
+    out if the rows of the series are too few to show it, or the window has no whole cycle.
     """
     bed = Observed(
         bed_kg_per_m2=bed_kg_per_m2(run),
@@ -75,6 +76,8 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
     window = results.get("motion")
     seldom = rows_too_seldom(run.series_s(), run.cycle_s, run.case.coupling.sync_interval_s)
     if window is None or seldom or not estimated.speed_rad_per_s > 0:
+        return replace(estimated, observed=bed)
+    if not count_whole_cycles(window["end_s"] - window["start_s"], 2 * np.pi / estimated.speed_rad_per_s):
         return replace(estimated, observed=bed)
     motion = ObservedMotion(estimated, run, window["start_s"], window["end_s"])
     springs = motion.springs()

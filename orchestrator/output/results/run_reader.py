@@ -51,7 +51,10 @@ class RunReader:
     def summary(self) -> dict[str, Any]:
         """The table of ``summary.json``."""
         file = self.folder / SUMMARY
-        table: Any = json.loads(file.read_text(encoding="utf-8"))
+        try:
+            table: Any = json.loads(file.read_text(encoding="utf-8"))
+        except RecursionError:
+            table = None
         if not isinstance(table, dict):
             raise ValueError(f"{file}: holds no table")
         check_format(file, table.get("format_version"), SUMMARY_FORMAT)

@@ -29,6 +29,7 @@ from orchestrator.preflight.checks.names import rows
 from orchestrator.preflight.scene.contacts import compute_softness
 from orchestrator.preflight.scene.scene import scene
 
+STIFFEST_PA = 1e13  # beyond it units are wrong, which is said of the constants
 SOURCES, RATE = ("bed.blocks", "bed.feeds"), "rate_kg_per_s"
 LOWEST_FIRST = "give the lowest corner, then the highest"
 
@@ -45,9 +46,12 @@ def complete_materials(case: Case) -> Iterator[CaseProblem]:
             for field in ("youngs_modulus_Pa", "poisson_ratio"):
                 if getattr(material, field) is None:
                     yield CaseProblem((*key, field), "missing")
-        elif material.hyperelastic.c10_Pa + material.hyperelastic.c01_Pa == 0:
+        elif (shear_Pa := 2 * (material.hyperelastic.c10_Pa + material.hyperelastic.c01_Pa)) == 0:
             what = "C10 and C01 are both zero: no stiffness"
             yield CaseProblem((*key, "hyperelastic", "c10_Pa"), what)
+        elif 3 * material.hyperelastic.bulk_modulus_Pa < 2 * shear_Pa < STIFFEST_PA:
+            what = f"is below two thirds of the shear modulus, {shear_Pa:.3g} Pa: Poisson's ratio is negative"
+            yield CaseProblem((*key, "hyperelastic", "bulk_modulus_Pa"), what)
 
 
 def _grains(case: Case) -> set[str]:

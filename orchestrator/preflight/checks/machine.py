@@ -17,6 +17,8 @@ from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports import linear_frames
 from orchestrator.preflight.checks.names import rows
 
+FASTEST_MOTOR = 1.25  # synchronous speed over the exciter's: motors slip by some per cent
+
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
     """Check that frames that forces move have masses, and that the solver of driven frames knows drives."""
@@ -109,6 +111,11 @@ def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
                 what += f"{exciter.speed_rad_per_s:g}"
                 motor_key = (*key, "motor", "synchronous_speed_rad_per_s")
                 yield CaseProblem(motor_key, what, "a motor lags behind it")
+            elif synchronous > FASTEST_MOTOR * exciter.speed_rad_per_s:
+                what = f"{synchronous:g} is {synchronous / exciter.speed_rad_per_s:.2g} times the exciter's "
+                what += f"speed_rad_per_s = {exciter.speed_rad_per_s:g}, by which cycles are counted"
+                motor_key = (*key, "motor", "synchronous_speed_rad_per_s")
+                yield CaseProblem(motor_key, what, "both are in rad/s: 1000 rpm are 104.7 rad/s")
 
 
 def right_angle(key: Key, row: Any, one: str, other: str) -> Iterator[CaseProblem]:

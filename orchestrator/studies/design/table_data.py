@@ -26,6 +26,8 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
     """
     file, path = study.file, study.path(study.file.table)
     try:
+        if path.exists() and not path.is_file():  # a pipe would be waited for
+            raise ValueError("it is no file")
         with warnings.catch_warnings(action="error", category=pd.errors.ParserWarning):
             table = pd.read_csv(path, comment="#", skipinitialspace=True, index_col=False)
     except pd.errors.ParserWarning:
@@ -60,6 +62,10 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
         for row in np.flatnonzero((numbers[column] < low) | (numbers[column] > high)):
             what = f"row {row + 1} of {path.name}: {column} = {numbers[column].iloc[row]:g}"
             problems.append(CaseProblem(key, f'{what} is not on the scale "{file.responses[name].scale}"'))
+    for column in optional:
+        for row in np.flatnonzero(numbers[column] < 0):
+            what = f"row {row + 1} of {path.name}: {column} = {numbers[column].iloc[row]:g} is negative"
+            problems.append(CaseProblem(key, what))
     if problems:
         raise CaseError(problems)
     settings = study.space.coded(numbers[list(file.factors)].to_numpy(float))

@@ -1,0 +1,50 @@
+"""What a file may take the place of."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from orchestrator.case import recordings
+from orchestrator.case.file.whole import written_whole
+from orchestrator.output.records.run_folder import write_page
+
+
+def test_a_file_takes_the_place_of_a_file_only(tmp_path: Path) -> None:
+    """A device or a pipe would be replaced by a file of its name."""
+    pipe, folder, file = tmp_path / "pipe", tmp_path / "folder", tmp_path / "file"
+    os.mkfifo(pipe)
+    folder.mkdir()
+    file.write_text("old")
+    for target in (pipe, folder):
+        with pytest.raises(OSError, match="exists already and is no file"), written_whole(target):
+            pass
+    with written_whole(file) as aside:
+        aside.write_text("new")
+    assert file.read_text() == "new"
+    assert pipe.is_fifo()
+    assert sorted(tmp_path.iterdir()) == [file, folder, pipe]
+
+
+def test_a_page_takes_the_place_of_a_page_only(tmp_path: Path) -> None:
+    case, page = tmp_path / "case.toml", tmp_path / "page.html"
+    case.write_text("title = 'mine'")
+    with pytest.raises(OSError, match="is no page"):
+        write_page(case, "<html>")
+    assert case.read_text() == "title = 'mine'"
+    for text in ("<html>", "<html></html>"):
+        write_page(page, text)
+        assert page.read_text() == text
+
+
+def test_a_recording_takes_the_place_of_a_recording_only(tmp_path: Path) -> None:
+    content, series, file = recordings.File(70.0, {}), tmp_path / "history.h5", tmp_path / "panels.h5"
+    series.write_bytes(b"the series of a run")
+    with pytest.raises(OSError, match="is no recording of this version"):
+        recordings.write(series, content)
+    assert series.read_bytes() == b"the series of a run"
+    for _ in range(2):
+        recordings.write(file, content)
+        assert recordings.read(file) == content
