@@ -1,8 +1,8 @@
 """The origin of a checkpoint: which run it belongs to, and whether a run may go on from it.
 
-Tables that only observe the run (``FREE``) may change, and the run may end later.  Any other change
-would make it another run.  Other versions of programs or another computer may change the last bits
-of the results, which a warning says.
+Tables that only observe the run (``FREE``) may change, and the run may end later; but shapes of panels are
+recorded from the start or never.  Any other change would make it another run.  Other versions of programs or
+another computer may change the last bits of the results, which a warning says.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def refuse_another_run(checkpoint: Checkpoint, now: Mapping[str, Any]) -> None:
     differing = [
         f"  {key}: {show_value(before)} was saved, now it is {show_value(after)}"
         for key, before, after in differences(about["case"], now["case"])
-        if not _may_change(key, after, checkpoint.simulated_s)
+        if not _may_change(key, before, after, checkpoint.simulated_s)
     ]
     for name, digest in about["files"].items():
         if now["files"].get(name) != digest:
@@ -75,9 +75,11 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tup
     return [(key, old, new) for key, old, new in values if old != new]
 
 
-def _may_change(key: str, after: Any, simulated_s: float) -> bool:
+def _may_change(key: str, before: Any, after: Any, simulated_s: float) -> bool:
     if key == "duration_s":
         return isinstance(after, float | int) and after >= simulated_s
+    if key == "output.shapes_s":  # whose points are points of the surface, or not
+        return bool(before) == bool(after)
     return key.split(".")[0] in FREE
 
 
