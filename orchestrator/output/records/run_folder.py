@@ -208,6 +208,9 @@ def write_text(path: Path, text: str) -> None:
         aside.write_text(text, encoding="utf-8")
 
 
+PAGES = (".html", ".htm")
+
+
 def write_page(path: Path, page: str) -> None:
     """Write an HTML page, whole or not at all, in the place of an older page but of no other file.
 
@@ -219,7 +222,6 @@ def write_page(path: Path, page: str) -> None:
 
 
 RUN_LOCK = "run.log"
-PAGES = (".html", ".htm")
 STUDY_LOCK = ".lock"
 
 
