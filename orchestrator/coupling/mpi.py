@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from orchestrator.ports import Account, Array, Frames, Known, Load, Motion, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.frames import find_driven_points, find_element_forces_N
+from orchestrator.ports.frames import find_driven_points, find_element_forces_N, find_shaft_angles_rad
 
 Shared = TypeVar("Shared")
 FIRST = Interval(0, 1e-6)
@@ -111,6 +111,10 @@ class FramesOnFirstRank:
     def element_forces_N(self) -> Array | None:
         """Return the forces on rank 0, which records them; None on other ranks."""
         return find_element_forces_N(self._frames) if self._frames is not None else None
+
+    def shaft_angles_rad(self) -> Mapping[str, float]:
+        """Return the angles on rank 0, which records them; none on other ranks."""
+        return find_shaft_angles_rad(self._frames) if self._frames is not None else {}
 
     def account(self) -> Account:
         return self._broadcast(lambda frames: frames.account())

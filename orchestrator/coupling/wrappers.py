@@ -6,6 +6,7 @@ Wrappers answer the optional calls of a port even if their solver does not.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Generic, TypeVar, cast
 
 from orchestrator.ports import (
@@ -29,7 +30,7 @@ from orchestrator.ports import (
     Saved,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.frames import find_driven_points, find_element_forces_N
+from orchestrator.ports.frames import find_driven_points, find_element_forces_N, find_shaft_angles_rad
 from orchestrator.ports.panel import surface_ahead, surface_inertia
 from orchestrator.ports.state import Solver
 
@@ -69,6 +70,9 @@ class FramesWrapper(Wrapper[Frames]):
 
     def element_forces_N(self) -> Array | None:
         return find_element_forces_N(self._solver)
+
+    def shaft_angles_rad(self) -> Mapping[str, float]:
+        return find_shaft_angles_rad(self._solver)
 
 
 class PanelWrapper(Wrapper[Panel]):

@@ -7,6 +7,8 @@ start itself belongs to the first cycle.  Rows at equal steps therefore spread e
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -18,22 +20,26 @@ CYCLES_WITHOUT_DRIVE = 50
 ROUNDING = 1e-7  # of a cycle: a time that is nearer than this to the end of a cycle counts as its end
 
 
-def cycle_s(case: Case) -> float:
-    """Return the period of the slowest exciter or drive, or the duration of the run if there is none."""
-    speeds_rad_per_s = _speeds_rad_per_s(case)
+def cycle_s(case: Case, shafts_rad_per_s: Mapping[str, float] = MappingProxyType({})) -> float:
+    """Return the period of the slowest exciter or drive, or the duration of the run if there is none.
+
+    ``shafts_rad_per_s`` has the speeds of exciters, by name, that differ from the case's.
+    """
+    speeds_rad_per_s = _speeds_rad_per_s(case, shafts_rad_per_s)
     return 2 * math.pi / min(speeds_rad_per_s) if speeds_rad_per_s else case.duration_s
 
 
 def is_driven(case: Case) -> bool:
     """Return whether an exciter or a drive gives the machine a cycle."""
-    return bool(_speeds_rad_per_s(case))
+    return bool(_speeds_rad_per_s(case, {}))
 
 
-def _speeds_rad_per_s(case: Case) -> list[float]:
+def _speeds_rad_per_s(case: Case, shafts_rad_per_s: Mapping[str, float]) -> list[float]:
     """Return the speeds of all drives that move, and of the exciters if forces move the frames."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive and frame.drive.moves]
-    exciters = case.screen.exciters.values() if case.frames.adapter.moved_by_forces else ()
-    return [each.speed_rad_per_s for each in (*drives, *exciters)]
+    exciters = case.screen.exciters.items() if case.frames.adapter.moved_by_forces else ()
+    turned = [shafts_rad_per_s.get(name, exciter.speed_rad_per_s) for name, exciter in exciters]
+    return [*(drive.speed_rad_per_s for drive in drives), *turned]
 
 
 def counted_cycle_s(case: Case) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Protocol, runtime_checkable
 
 from orchestrator.ports.clock import Interval
@@ -138,6 +139,26 @@ class Hysteretic(Protocol):
             where no bushing has elements.
         """
         ...
+
+
+class Motorised(Protocol):
+    """Frames of which motors may turn shafts, which then lag behind their named speed."""
+
+    def shaft_angles_rad(self) -> Mapping[str, float]:
+        """Return how far the shafts have turned at the last sync point.  The call changes nothing.
+
+        Returns
+        -------
+        Mapping
+            Angles in rad by the exciters' names, in the order of the plan; empty without motors.
+        """
+        ...
+
+
+def find_shaft_angles_rad(frames: Frames) -> Mapping[str, float]:
+    """Return the angles of shafts that motors turn, for frames that are ``Motorised`` or not."""
+    angles_rad = getattr(frames, "shaft_angles_rad", None)
+    return angles_rad() if angles_rad is not None else {}
 
 
 def find_element_forces_N(frames: Frames) -> Array | None:

@@ -100,7 +100,12 @@ def test_the_steady_speed_balances_the_torques(build: Build) -> None:
     (expected,) = steady_speeds(MOTOR)
     assert 76.0 < expected < 80.0
     plan = one_body(MOTOR)
-    assert run(build(plan), plan, 600) == pytest.approx(expected, rel=1e-4)
+    frames = build(plan)
+    assert run(frames, plan, 600) == pytest.approx(expected, rel=1e-4)
+    (before_rad,) = frames.shaft_angles_rad().values()
+    frames.advance(Interval(600, plan.sync_interval_s), Load.zero(1))
+    (angle_rad,) = frames.shaft_angles_rad().values()
+    assert angle_rad - before_rad == pytest.approx(expected * plan.sync_interval_s, rel=1e-4)
 
 
 def test_a_weak_motor_is_caught_at_the_resonance(build: Build) -> None:

@@ -75,7 +75,7 @@ class Unbalance:
 class Shaft(SavedAttributes, Unbalance):
     """The angle and speed of a motor's shaft at the last step's end, and its energies since t = 0.
 
-    ``motor_J`` is the motor's work and ``lost_J`` the loss in the bearings.
+    ``name`` is that of the exciter.  ``motor_J`` is the motor's work and ``lost_J`` the loss in the bearings.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("angle_rad", "speed_rad_per_s", "motor_J", "lost_J")
@@ -83,6 +83,7 @@ class Shaft(SavedAttributes, Unbalance):
     def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan) -> None:
         super().__init__(exciter)
         self._motor, self._gravity_m_per_s2 = motor, plan.gravity_m_per_s2
+        self.name = exciter.name
         self.angle_rad, self.speed_rad_per_s = exciter.phase_rad, 0.0
         self.motor_J = self.lost_J = 0.0
 

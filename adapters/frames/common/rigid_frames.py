@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -72,6 +72,10 @@ class RigidFrames(SavedAttributes):
         """Return the forces (bushings, 3) of friction and Maxwell elements along the bushings' axes, None
         without elements."""
         return self._hysteresis.force_N if self._hysteresis else None
+
+    def shaft_angles_rad(self) -> Mapping[str, float]:
+        """Return the angles of the shafts that motors turn, by the exciters' names."""
+        return {shaft.name: shaft.angle_rad for shaft in self._shafts}
 
     def _stiffest(self) -> LinearMachine:
         """Return the linear machine with friction elements that hold, and Maxwell elements that do not

@@ -125,7 +125,7 @@ class Column:
 ROWS_IN_MEMORY = 500
 HISTORY_FORMAT = 3
 """The version of the file's format, in its attribute ``format_version``.  Raise it with every change of
-COLUMNS or of their meaning (docs/run-folder.md, "history.h5").  The oldest files have no version."""
+a group's columns or of their meaning (docs/run-folder.md, "history.h5").  The oldest files have none."""
 COLUMNS: dict[str, tuple[str, ...]] = {
     "frames": ("displacement_m", "velocity_m_per_s", "rotation_rad", "spin_rad_per_s"),
     "probes": ("position_m", "velocity_m_per_s"),
@@ -137,6 +137,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "forces": ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N"),
     "bushings": ("deformation_m", "force_N"),
+    "shafts": ("angle_rad",),
     "shapes": ("position_m", "velocity_m_per_s"),
     "panels": ("centre_line_m",),
     "fed": ("id", "diameter_m", "density_kg_per_m3", "material"),

@@ -15,7 +15,7 @@ from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import COLUMNS, Groups, History, groups
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
-from orchestrator.ports.frames import find_element_forces_N
+from orchestrator.ports.frames import find_element_forces_N, find_shaft_angles_rad
 from orchestrator.ports.state import SavedAttributes
 
 ROWS = "rows"  # the group of rows from which those of the file are computed, many at once
@@ -63,6 +63,7 @@ class TimeSeries(SavedAttributes):
         self._start_m = start.clamps.position_m[self._points[self._centres]]
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
+        self._shafts = list(find_shaft_angles_rad(machine.members.frames))
         self._unstopped = {f"forces/{panel.name}" for panel in machine.panels if not len(panel.stops)}
         history.derived[ROWS] = self._groups
 
@@ -73,13 +74,15 @@ class TimeSeries(SavedAttributes):
 
     def write_row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
         """Write a row; ``followed`` are the particles if a probe follows one of them."""
-        element_N = find_element_forces_N(self._machine.members.frames)
+        solver = self._machine.members.frames
+        element_N = find_element_forces_N(solver)
         probes = [_probe_motion(probe, state, followed) for probe in self._machine.probes]
         row: dict[str, Array | float] = {
             "position_m": state.clamps.position_m[self._points],
             "velocity_m_per_s": state.clamps.velocity_m_per_s[self._points],
             "probes": np.array(probes).reshape(-1, 2, 3),
             "forces_N": self._sum_N / self._summed,
+            "angle_rad": np.array(list(find_shaft_angles_rad(solver).values())),
         }
         self._history.add(ROWS, time_s, row if element_N is None else row | {"element_N": element_N})
         self._sum_N[:], self._summed = 0.0, 0
@@ -97,6 +100,7 @@ class TimeSeries(SavedAttributes):
             ("probes", probes, np.moveaxis(rows["probes"], 2, 0)),
             ("bushings", machine.bushings.names, bushings),
             ("forces", panels, np.moveaxis(rows["forces_N"], 1, 0)),
+            ("shafts", self._shafts, rows["angle_rad"][None]),
         ):
             by_name = {c: np.moveaxis(v, 1, 0) for c, v in zip(COLUMNS[kind], values, strict=True)}
             for group, of_group in groups(kind, names, by_name):

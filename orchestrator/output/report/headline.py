@@ -109,6 +109,8 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     over, unsteady = _describe_window(motion), not motion["is_settled"]
     for name, orbit in motion["relative"].items():
         yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
+    for name, speed_rad_per_s in motion.get("shafts", {}).items():
+        yield Tile(f"speed of the shaft {name}", number(speed_rad_per_s), "", "rad/s", over, unsteady)
     if points := motion["panel_points"]:
         name = max(points, key=lambda name: points[name]["cycle_peak_g"]["value"] or 0.0)
         part = "cycle" if motion["cycles"] else "fiftieth of the run"

@@ -168,6 +168,7 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
         "frames": {},
         "relative": {},
         "drift": None,
+        "shafts": {},
         "panel_points": {},
         "panels": machine.panel_loads(run, start_s, end_s),
     }

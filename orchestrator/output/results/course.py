@@ -35,7 +35,7 @@ def course(run: RunReader) -> dict[str, Any] | None:
     relative: dict[str, dict[str, list[float]]] = {}
     for name, place_m in pairs_m.items():
         along_m = place_m @ run.deck_axes[:, :1]
-        fits = [first_harmonic(time_s, along_m, run.cycle_s, start_s, end_s) for start_s, end_s in windows]
+        fits = [first_harmonic(time_s, along_m, run.turn_s(*window), *window) for window in windows]
         relative[name] = {
             "along_m": [float(fit.amplitude[0]) for fit in fits],
             "half_width_m": [np.nan if fit.half_width is None else float(fit.half_width[0]) for fit in fits],

@@ -20,13 +20,14 @@ BAND_HZ = 500.0
 FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
 SMALL_MOTION = 0.05  # of the largest motion of a frame
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
+SLOW_SHAFT = 0.8  # of its named speed: a rated slip is at most 0.2
 FEWEST_CYCLES = 4  # in a window whose halves are compared
 RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
 UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
 
 
 def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Return the first harmonics in deck axes, and their ``drift``.
+    """Return the first harmonics in deck axes, their ``drift``, and the mean speeds of motors' ``shafts``.
 
     ``frames`` has every frame's centre of mass and every probe on a frame.  ``relative`` has, for every
     two frames in the case's order, the motion of the second frame against the first, with its
@@ -36,11 +37,11 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
     probes = [name for name, probe in run.case.probes.items() if probe.frame and run.has(f"probes/{name}")]
     moved_m = {name: run.read(f"frames/{name}/displacement_m") for name in frames}
     moved_m |= {name: run.read(f"probes/{name}/position_m") for name in probes}
-    time_s = run.series_s()
+    time_s, turn_s = run.series_s(), run.turn_s(start_s, end_s)
 
     def harmonics(motions: dict[str, Array]) -> dict[str, Harmonic]:
         return {
-            name: first_harmonic(time_s, place_m @ run.deck_axes, run.cycle_s, start_s, end_s)
+            name: first_harmonic(time_s, place_m @ run.deck_axes, turn_s, start_s, end_s)
             for name, place_m in motions.items()
         }
 
@@ -51,6 +52,7 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
             name: motion.orbit() | {"along_m": motion.estimate(0)} for name, motion in relative.items()
         },
         "drift": drift(list(single.values())),
+        "shafts": run.shaft_speeds_rad_per_s(start_s, end_s),
         "not_of_the_cycle": mostly_other(single | relative),
     }
 
@@ -87,6 +89,13 @@ def why_not_settled(
     """
     if not run.is_driven:
         return "nothing drives the machine: it has no steady motion"
+    for name, speed_rad_per_s in run.shaft_speeds_rad_per_s(start_s, end_s).items():
+        share = speed_rad_per_s / run.case.screen.exciters[name].speed_rad_per_s
+        if share < SLOW_SHAFT:
+            return (
+                f"the motor of {name} turns its shaft at {speed_rad_per_s:.3g} rad/s, {share:.2g} of its "
+                "speed_rad_per_s: it is too weak for this machine, or still runs up"
+            )
     for name in run.names("frames"):
         rows = run.read_cycles(f"point_cycles/{name}", start_s, end_s)
         range_m = np.linalg.norm(rows["most_m"] - rows["least_m"], axis=1)

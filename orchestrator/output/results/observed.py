@@ -170,11 +170,13 @@ def products(run: RunReader) -> Products | None:
 
 
 class ObservedMotion:
-    """The motion in a window of whole cycles, by its first harmonic at the speed of the scene."""
+    """The motion in a window of whole cycles, by its first harmonic at the speed of the scene, or less where
+    a motor lags behind."""
 
     def __init__(self, scene: Scene, run: RunReader, start_s: float, end_s: float) -> None:
         self._scene, self._run, self._window_s = scene, run, (start_s, end_s)
-        self._cycle_s = 2 * np.pi / scene.speed_rad_per_s
+        lag = run.turn_s(start_s, end_s) / run.cycle_s
+        self._cycle_s = lag * 2 * np.pi / scene.speed_rad_per_s
         self._bodies = {body.name: body for body in scene.plan.bodies}
         self._bend = has_effect(run.case, "panel-deformation")
         self.phasor = cache(self._read_phasor)

@@ -17,7 +17,7 @@ from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.tables.case import Case
-from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, is_driven, within
+from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, cycle_s, is_driven, within
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, check_format
 from orchestrator.output.records.summary import SUMMARY_FORMAT
@@ -96,6 +96,27 @@ class RunReader:
     def cycle_s(self) -> float:
         """The machine's cycle, or a fiftieth of the run if nothing drives the machine."""
         return counted_cycle_s(self.case)
+
+    def shaft_speeds_rad_per_s(self, start_s: float, end_s: float) -> dict[str, float]:
+        """Return the mean speeds of shafts that motors turn in a span, by the names of the exciters."""
+        speeds = {}
+        for name in self.names("shafts"):
+            time_s, angle_rad = (
+                self.read_between(f"shafts/{name}", what, start_s, end_s) for what in ("time_s", "angle_rad")
+            )
+            if len(time_s) > 1:
+                speeds[name] = float(np.polyfit(time_s - start_s, angle_rad, 1)[0])
+        return speeds
+
+    def turn_s(self, start_s: float, end_s: float) -> float:
+        """Return the period of the motion in a span: the machine's cycle, longer where a motor lags behind.
+
+        It is the machine's cycle, too, if the span is shorter than a turn.
+        """
+        speeds_rad_per_s = self.shaft_speeds_rad_per_s(start_s, end_s)
+        if not speeds_rad_per_s or min(speeds_rad_per_s.values()) * (end_s - start_s) < 2 * np.pi:
+            return self.cycle_s
+        return cycle_s(self.case, speeds_rad_per_s)
 
     @property
     def is_driven(self) -> bool:
