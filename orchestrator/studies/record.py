@@ -26,6 +26,7 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.recording import RecordedGrid, Recording
 from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.judgement.catalogue import has_effect
 
 FADE = 0.25  # length of the fading, in cycles
 MOST_CYCLES = 8  # the largest number of cycles after which a panel may repeat itself
@@ -79,6 +80,8 @@ def record(run: Path, cycles: int | None) -> Recorded:
     machine = turning(case)
     if machine is None:
         raise _refusal(run, "nothing turns this machine: it has no cycle")
+    if has_effect(case, "motor-slip"):
+        raise _refusal(run, "a motor turns the shaft, which lags: record a run without the motor")
     if not single_panels(case):
         raise _refusal(run, "the case has no panels")
     best = None
@@ -213,7 +216,8 @@ def drives(folder: Path) -> list[str]:
         machine = turning(case)
         if machine is None:
             raise _refusal(folder, "nothing turns this machine")
-        cycle_s = 2 * math.pi / machine.speed_rad_per_s
+        cycle_s = run.turn_s(start_s, end_s)
+        speed_rad_per_s = machine.speed_rad_per_s * run.cycle_s / cycle_s
         if end_s - start_s < 1.5 * cycle_s:
             raise _refusal(folder, "too short to find the frames' steady motion in its second half")
         for name, frame in case.screen.frames.items():
@@ -225,7 +229,7 @@ def drives(folder: Path) -> list[str]:
                 for what in ("displacement_m", "rotation_rad")
             )
             values = {
-                "speed_rad_per_s": repr(machine.speed_rad_per_s),
+                "speed_rad_per_s": repr(speed_rad_per_s),
                 "center_m": _list(np.array(frame.recorded_point_m)),
                 "amplitude_m": _list(np.abs(moved)),
                 # drives have the phases of sines, first_harmonic those of cosines

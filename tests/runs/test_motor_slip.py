@@ -6,6 +6,7 @@ evenly.  Speeds and amplitudes follow from the balance of torques (``tests/frame
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from orchestrator.case.file.errors import CaseError
+from orchestrator.studies.record import drives, record
 from tests.frames.test_motor import (
     MOTOR,
     DAMPING_N_s_per_m,
@@ -88,6 +91,12 @@ def test_the_first_harmonic_is_that_of_the_shaft(tmp_path: Path) -> None:
     assert [x_m, z_m] == pytest.approx([amplitude_m] * 2, rel=1e-3)
     assert max(motion["frames"]["driving"]["half_width_m"]) < 1e-3 * amplitude_m
     assert motion["is_settled"], motion["reason"]
+    (drive,) = drives(tmp_path / "run")
+    found = re.search(r"speed_rad_per_s = ([0-9.]+),", drive)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(speed_rad_per_s, rel=1e-3)
+    with pytest.raises(CaseError, match="a motor turns the shaft, which lags"):
+        record(tmp_path / "run", cycles=1)
 
 
 def test_a_motor_that_does_not_come_up_is_said(tmp_path: Path) -> None:
