@@ -45,7 +45,7 @@ rolling_friction = 0.0
 [screen.frames.driving]
 mass_kg = 76.0
 inertia_kg_m2 = [2.0, 6.0, 6.0]
-center_of_mass_m = [0.0, 0.0, 0.0]
+center_of_mass_m = [0.0, 0.1, 0.0]
 
 [screen.bushings.isolation]
 between = ["ground", "driving"]

@@ -7,7 +7,8 @@ straight between their clamps) and where everything is now.
 A point of the panel has gone through a triangle when it was on one side of it as drawn and is on
 the other side now, and when the straight way between the two places, as the triangle itself sees
 it, leads through the triangle.  So neither joint motion nor motion along a surface counts, and a
-panel that is drawn through a surface, or in its plane, is taken as meant.
+panel that is drawn through a surface, or in its plane, is taken as meant; the preflight refuses
+plates in the plane of a panel.
 """
 
 from __future__ import annotations

@@ -46,6 +46,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
         (
             surfaces.stl_files(whole, folder),
             surfaces.panels_inside(whole),
+            surfaces.parts_in_one_place(whole),
             machine.solvers_objections(whole),
             machine.inertia_tensors(whole),
             machine.frame_weights(whole),
@@ -134,6 +135,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *motion.bushings_beyond_points(case, shaken),
         *machine.sudden_drives(case),
         *bed.feeds_that_hardly_feed(case),
+        *bed.probes_without_particle(case),
         *bed.reduced_feeds(loaded.origin.given, loaded.layers),
         *bed.fines(case, "leave-out"),
         *bed.other_densities(case),

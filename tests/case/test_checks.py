@@ -13,7 +13,14 @@ from orchestrator.preflight.stability.report import stability_report
 from tests.cases import BLOCK, CASE, FEED, case_folder, complaints, loaded, only_complaint
 
 EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'
-FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1], center_of_mass_m=[0, 0, 0]"
+FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1], center_of_mass_m=[0, 0.1, 0]"
+TWIN = (
+    'screen.panels.twin={material="PU", frames=["driving", "ground"], corner_m=CORNER, along=ALONG, '
+    "length_m=0.3, width_m=0.2, thickness_m=0.004, clamp_m=0.019, tension_m=0.002}"
+)
+LID = (
+    'screen.surfaces.lid={frame="ground", material="PU", corner_m=CORNER, edges_m=[[0.1, 0, 0], [0, 0.1, 0]]}'
+)
 
 
 def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
@@ -222,12 +229,80 @@ def test_settings_that_a_strip_does_not_have(tmp_path: Path) -> None:
 def test_frames_may_hang_on_each_other_and_drop_when_not_drawn_at_rest(tmp_path: Path) -> None:
     frame = f"screen.frames.driven={{{FRAME}}}"
     shear = (
-        'screen.bushings.shear={between=["driving", "driven"], positions_m=[[0, 0, 0]], '
+        'screen.bushings.shear={between=["driving", "driven"], positions_m=[[0, 0.1, 0]], '
         "stiffness_N_per_m=[0, 0, 2e4], rotation_deg=[0, -30, 0]}"  # upright again
     )
     assert not complaints(tmp_path, frame, shear, "screen.inclination_deg=30")
     assert "frames.driven" in only_complaint(tmp_path, frame, shear)
     assert not complaints(tmp_path, frame, "screen.drawn_at_rest=false")
+
+
+@pytest.mark.parametrize("solver", ["exudyn", "planar"])
+def test_bushings_must_keep_frames_from_tipping(tmp_path: Path, solver: str) -> None:
+    """The run used to refuse such frames, after a check that had found nothing."""
+    turns, beside = f"frames.solver={solver}", "screen.frames.driving.center_of_mass_m=[0.1, 0.1, 0]"
+    one = "screen.bushings.isolation.positions_m=[[0, 0.1, 0]]"
+    assert complaints(tmp_path, turns, one) == complaints(tmp_path, turns, beside) == []
+    assert "frames.driving: no bushing holds its weight, or keeps" in only_complaint(
+        tmp_path, turns, one, beside
+    )
+    assert complaints(tmp_path, turns, one, beside, "screen.drawn_at_rest=false") == []
+    # Only frames that stay upright are not tipped by bushings along one side.
+    aside = complaints(tmp_path, turns, "screen.frames.driving.center_of_mass_m=[0, 0, 0]")
+    assert len(aside) == (solver == "exudyn")
+
+
+@pytest.mark.parametrize(
+    ("corner_m", "along", "meets"),
+    [
+        ([0, 0, 0], [1, 0, 0], True),
+        ([0.1, 0.1, 0.001], [1, 0, 0], True),
+        ([0.1, 0, -0.1], [0.7, 0, 0.7], True),
+        ([0.34, 0, 0], [1, 0, 0], False),  # end to end
+        ([0.34, 0, 0], [0.9, 0, -0.3], False),
+        ([0, 0.2, 0], [1, 0, 0], False),  # side by side
+        ([0, 0, 0.1], [1, 0, 0], False),  # one above the other
+    ],
+)
+def test_two_panels_in_one_place_are_refused(
+    tmp_path: Path, corner_m: list[float], along: list[float], meets: bool
+) -> None:
+    twin = TWIN.replace("CORNER", str(corner_m)).replace("ALONG", str(along))
+    ball = "bed.particles.ball.position_m=[-0.5, 0, 0.5]"
+    if meets:
+        assert "twin.corner_m: panel twin lies in the place of panel deck, or" in only_complaint(
+            tmp_path, twin, ball
+        )
+    else:
+        assert complaints(tmp_path, twin, ball) == []
+
+
+def test_each_pair_of_panels_in_one_place_is_named(tmp_path: Path) -> None:
+    two = TWIN.replace("CORNER", "[0, 0, 0]").replace("ALONG", "[1, 0, 0]")
+    assert len(complaints(tmp_path, two, two.replace("twin", "third"))) == 3
+
+
+@pytest.mark.parametrize(
+    ("corner_m", "meets"),
+    [
+        ([0.1, 0.05, 0.0], True),
+        ([0.25, 0.15, 0.0], True),  # in part
+        ([0.302, 0.0, 0.0], False),  # over the clamp
+        ([0.1, 0.2, 0.0], False),  # beside it
+        ([0.1, 0.05, -0.001], False),  # where the run sees the panel go through it
+    ],
+)
+def test_a_plate_in_the_plane_of_a_panel_is_refused(
+    tmp_path: Path, corner_m: list[float], meets: bool
+) -> None:
+    lid = LID.replace("CORNER", str(corner_m))
+    ball = "bed.particles.ball.position_m=[-0.5, 0, 0.5]"
+    if meets:
+        assert "lid.corner_m: surface lid lies in the plane of panel deck and" in only_complaint(
+            tmp_path, lid, ball
+        )
+    else:
+        assert complaints(tmp_path, lid, ball) == []
 
 
 def test_a_panel_step_above_the_solvers_limit_is_refused_with_the_limit(tmp_path: Path) -> None:
@@ -318,6 +393,26 @@ def test_a_feed_that_brings_no_particle_before_the_end_is_said(
     found = [line for line in warned(tmp_path, FEED.replace(*change)) if 'feed "chute"' in line]
     assert len(found) == (said is not None)
     assert all(said in line for line in found if said)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "wanted"),
+    [
+        (["probes.grain.particle=1"], ""),
+        (["probes.grain.particle=2"], "it is on particle 2, but the bed has 1 at t = 0; give a lower number"),
+        (["probes.grain.particle=2", BLOCK], ""),
+        (["probes.grain.particle=20", FEED], ""),
+        (["probes.grain.particle=200", FEED], "but the bed has 1 at t = 0 and some 36 are fed; give"),
+        (["probes.grain.particle=1", "particles.solver=none"], "but the bed has 0 at t = 0; give"),
+    ],
+)
+def test_a_probe_on_a_particle_that_never_comes_is_said(
+    tmp_path: Path, overrides: list[str], wanted: str
+) -> None:
+    found = warned(tmp_path, *overrides)
+    said = [line for line in found if line.startswith('probe "grain" records nothing: ')]
+    assert len(said) == bool(wanted)
+    assert wanted in "".join(said)
 
 
 def test_a_feed_whose_last_batch_is_long_before_the_end_is_said(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ DECK = """
 [screen.frames.driven]
 mass_kg = 28.0
 inertia_kg_m2 = [1.0, 2.0, 2.0]
-center_of_mass_m = [0.0, 0.0, 0.0]
+center_of_mass_m = [0.0, 0.1, 0.0]
 [screen.bushings.shear]
 between = ["driving", "driven"]
 positions_m = [[-0.4, 0.1, 0.0], [0.4, 0.1, 0.0]]

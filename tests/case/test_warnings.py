@@ -107,6 +107,7 @@ largest_youngs_modulus_Pa = 1e7
 DECK, FEED = "screen.decks.deck", "bed.feeds.gravel"
 PLATES = f"{DECK}.side_plates"
 OPENINGS, SHAFT = f"{DECK}.apertures", "screen.exciters.shaft"
+WALLS = 'slice={width_m=0.12, sides="walls"}'
 ELSEWHERE = 'screen.exits.{}={{product="{}", box_m=[[2, 0, 1], [2.1, 0.1, 1.1]]}}'
 UNDAMPED = tuple(f"screen.bushings.{name}.damping_N_s_per_m=[0, 0, 0]" for name in ("isolation", "shear"))
 
@@ -205,13 +206,19 @@ def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
 
 
 def test_periodic_sides_are_closed(tmp_path: Path) -> None:
-    gap, periodic, walls = (
-        f"{PLATES}.gap_m=0.008",
-        "slice.width_m=0.12",
-        'slice={width_m=0.12, sides="walls"}',
-    )
+    gap, periodic = f"{PLATES}.gap_m=0.008", "slice.width_m=0.12"
     assert said(tmp_path, gap, periodic) == []
-    assert len(said(tmp_path, gap, walls)) == 2
+    assert len(said(tmp_path, gap, WALLS)) == 2
+
+
+@pytest.mark.parametrize(("low_m", "reaches"), [(-0.5, True), (0.25, True), (0.26, False), (0.3, False)])
+def test_an_exit_beside_periodic_sides_is_said(tmp_path: Path, low_m: float, reaches: bool) -> None:
+    """Nothing could leave there, and the flights, which know no sides, end in it."""
+    exit_ = f"screen.exits.behind.box_m=[[1.1, {low_m}, -1.0], [2.5, 0.9, -0.3]]"
+    found = said(tmp_path, "slice.width_m=0.12", exit_)
+    wanted = 'no particle gets to exit "behind": box_m does not reach into the slice from y = 0.14 to 0.26 m'
+    assert found == ([] if reaches else [wanted])
+    assert not any("no particle gets" in line for line in said(tmp_path, WALLS, exit_))
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,11 @@ def bounds_m(case: Case) -> tuple[float, float]:
     return middle_m - case.slice.width_m / 2.0, middle_m + case.slice.width_m / 2.0
 
 
+def is_beside(box_m: Box, y_m: tuple[float, float]) -> bool:
+    """Return whether a box lies wholly beside the slice between ``y_m``."""
+    return box_m[1][1] <= y_m[0] or y_m[1] <= box_m[0][1]
+
+
 def period_m(case: Case) -> float:
     """Return the distance after which a slice with periodic sides repeats itself along y; 0 without them."""
     return case.slice.width_m if case.slice is not None and case.slice.sides == "periodic" else 0.0
@@ -111,7 +116,7 @@ def _problems(case: Case) -> list[CaseProblem]:
     y_m = bounds_m(case)
     for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
         for name, row in rows.items():
-            if row.box_m[1][1] <= y_m[0] or y_m[1] <= row.box_m[0][1]:
+            if is_beside(row.box_m, y_m):
                 what = f"does not reach into the slice from y = {y_m[0]:g} to {y_m[1]:g} m"
                 problems.append(CaseProblem(("bed", kind, name, "box_m"), what))
     for name, particle in case.bed.particles.items():

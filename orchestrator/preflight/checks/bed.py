@@ -13,12 +13,12 @@ import numpy as np
 from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.feed import RateFeed, are_apart
-from orchestrator.case.bed.size_distribution import classes, faults, finer_share
-from orchestrator.case.bed.sources import batch_s, inlets, largest_diameter_m
+from orchestrator.case.bed.size_distribution import classes, faults, finer_share, mean_mass_kg
+from orchestrator.case.bed.sources import batch_s, initial_particles, inlets, largest_diameter_m
 from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import Layers
-from orchestrator.case.file.slice import ENOUGH_DIAMETERS
+from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m
 from orchestrator.case.materials.library import no_grains
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case, has_particles
@@ -314,6 +314,28 @@ def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
         )
 
 
+MORE_FED = 1.1  # The sizes of fed particles are drawn, so that their number is only known to some per cent.
+
+
+def probes_without_particle(case: Case) -> Iterator[str]:
+    """Yield a warning for each probe on a particle that neither the start nor the feeds bring."""
+    probed = {name: row.particle for name, row in case.probes.items() if row.particle is not None}
+    if not probed:
+        return
+    numbers, there = material_numbers(case), has_particles(case)
+    start = len(initial_particles(case, numbers)) if there else 0
+    feeds = inlets(case, numbers).values() if there else ()
+    due = (f.due_kg(case.duration_s) / mean_mass_kg(f.sizes, f.density_kg_per_m3) for f in feeds)
+    fed = math.ceil(sum(due))
+    for name, particle in probed.items():
+        if particle > start + MORE_FED * fed:
+            fed_too = f" and some {fed} are fed" if fed else ""
+            yield (
+                f'probe "{name}" records nothing: it is on particle {particle}, but the bed has {start} at '
+                f"t = 0{fed_too}; give a lower number"
+            )
+
+
 SAME_PLACE_M = 1e-6  # neighbouring exits may share a face
 THICKNESS = 0.55  # of the largest diameter: at the latest after half of it, a particle is looked for in exits
 
@@ -367,7 +389,7 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
 
 def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
     """Yield warnings about a slice that large particles may bridge, about one with more openings in its width
-    than the whole machine, and about one with open sides.
+    than the whole machine, about exits beside periodic sides, and about open sides.
 
     The sides are open if no triangle stands along a side of the panels or beyond it.
     """
@@ -388,6 +410,13 @@ def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
                 f"{100 * more:.2g} % more openings than it has count for the whole width"
             )
             break
+    low, high = y_m = bounds_m(case.whole_machine)
+    for name, exit_ in case.screen.exits.items():
+        if period_m(case) and is_beside(exit_.box_m, y_m):
+            yield (
+                f'no particle gets to exit "{name}": box_m does not reach into the slice from y = {low:g} to '
+                f"{high:g} m"
+            )
     if case.slice.sides != "walls":
         return
     panels = case.screen.panels.values()

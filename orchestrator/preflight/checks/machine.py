@@ -70,17 +70,22 @@ def inertia_tensors(case: Case) -> Iterator[CaseProblem]:
 def frame_weights(case: Case) -> Iterator[CaseProblem]:
     """Check that bushings to the ground or to driven frames hold the weight of frames drawn at rest.
 
-    The static equations K u = weight must have a solution in translations alone.
+    The static equations K u = weight must have a solution in the coordinates of the solver.
     """
-    if not (case.frames.adapter.moved_by_forces and case.screen.drawn_at_rest):
+    able = case.frames.adapter
+    if not (able.moved_by_forces and case.screen.drawn_at_rest):
         return
+    rotating = linear_frames.PLANE if "sideways-motion" in able.leaves_out else linear_frames.SPACE
+    coordinates = rotating if able.rotates else linear_frames.TRANSLATIONS
     plan = frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
     free = [plan.bodies[number] for number in linear_frames.free(plan)]
-    weight = np.array([body.mass_kg * plan.gravity_m_per_s2 for body in free]).ravel()
-    _, unmet = linear_frames.linearise(plan, linear_frames.TRANSLATIONS).hold(weight)
-    for body, left_N in zip(free, unmet.reshape(-1, 3), strict=True):
-        if np.abs(left_N).max() > 1e-8 * np.abs(weight).max():
-            what = "no bushing holds its weight"
+    weight = np.array([[*body.mass_kg * plan.gravity_m_per_s2, 0.0, 0.0, 0.0] for body in free]).reshape(
+        -1, 6
+    )
+    _, unmet = linear_frames.linearise(plan, coordinates).hold(weight[:, coordinates].ravel())
+    for body, left in zip(free, unmet.reshape(len(free), len(coordinates)), strict=True):
+        if np.abs(left).max() > linear_frames.IN_BALANCE * np.abs(weight).max():  # in N and N m
+            what = "no bushing holds its weight, or keeps it from tipping over"
             hint = "add bushings to the ground, or let it drop: screen.drawn_at_rest = false"
             yield CaseProblem(("screen", "frames", body.name), what, hint)
 

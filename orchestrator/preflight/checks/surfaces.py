@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck import stl
-from orchestrator.case.deck.panels import plate_corners_m, single_panels, to_world, walls
+from orchestrator.case.deck.panels import SinglePanel, plate_corners_m, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.slice import period_m
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import TriangleSurface, overlap_m, reach_into
-from orchestrator.ports.penetration import Penetrations
+from orchestrator.ports.geometry import Rectangle, TriangleSurface, overlap_m, reach_into
+from orchestrator.ports.penetration import IN_PLANE, Penetrations
 from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.checks.names import rows
 
@@ -67,12 +69,56 @@ def panels_inside(case: Case) -> Iterator[CaseProblem]:
         if outside := _outside(case, to_world(case, plate_corners_m(surface))):
             yield CaseProblem((*key, "corner_m"), f"surface {key[-1]}: {outside}", ENLARGE)
     for panel in single_panels(case):
-        r = panel.rectangle
-        ends_m = (-r.clamp_m, r.length_m + r.clamp_m)
-        corners_m = r.mounted(np.array([(s, y) for s in ends_m for y in (0.0, r.width_m)]))
-        if outside := _outside(case, corners_m):
+        if outside := _outside(case, _outline_m(panel)):
             panel_key: Key = ("screen", "panels", panel.table_name, "corner_m")
             yield CaseProblem(panel_key, f"panel {panel.name}: {outside}", ENLARGE)
+
+
+HALVES = np.array([[0, 1, 2], [0, 2, 3]])  # triangles of the four corners of a rectangle
+ROUNDED_M = 1e-4  # Parts may overlap by this much, since places are often given in tenths of a mm.
+
+
+def parts_in_one_place(case: Case) -> Iterator[CaseProblem]:
+    """Check that no panel lies in the place of another one or crosses it, and that no plate lies in the plane
+    of a panel, on its free length.
+
+    A plate through a panel is taken as meant; in a panel's plane, nothing tells on which side the panel is.
+    """
+    panels = single_panels(case)
+    outlines_m = np.array([_outline_m(panel)[HALVES] for panel in panels]).reshape(-1, 3, 3)
+    for number, one in enumerate(panels):
+        clamp_m, half_m = one.rectangle.clamp_m, one.table.thickness_m / 2
+        met = _reach_into_panel(one.rectangle, outlines_m[2 * number + 2 :], clamp_m, half_m)
+        for two in (panels[number + 1 + other] for other in np.unique(np.flatnonzero(met) // 2)):
+            panel_key: Key = ("screen", "panels", two.table_name, "corner_m")
+            what = f"panel {two.name} lies in the place of panel {one.name}, or crosses it"
+            yield CaseProblem(panel_key, what, "take one of them away, or move it")
+    surfaces = [row for row in rows(case, "screen.surfaces") if row[1].edges_m is not None]
+    for (key, surface), panel in product(surfaces, panels):
+        corners_m, at = to_world(case, plate_corners_m(surface)), panel.rectangle
+        height_m = IN_PLANE * panel.table.thickness_m
+        in_plane = (np.abs((corners_m - at.corner_m) @ at.normal) <= height_m).all()
+        if in_plane and _reach_into_panel(at, corners_m[HALVES], 0.0, height_m).any():
+            what = f"surface {key[-1]} lies in the plane of panel {panel.name} and overlaps it"
+            yield CaseProblem((*key, "corner_m"), what, "move it above or below the panel")
+
+
+def _outline_m(panel: SinglePanel) -> Array:
+    """Return the corners (4, 3) of a panel with its clamps, in the world."""
+    r = panel.rectangle
+    first_m, last_m = -r.clamp_m, r.length_m + r.clamp_m
+    return r.mounted(np.array([(first_m, 0.0), (last_m, 0.0), (last_m, r.width_m), (first_m, r.width_m)]))
+
+
+def _reach_into_panel(
+    r: Rectangle, corners_m: Array, clamp_m: float, height_m: float
+) -> npt.NDArray[np.bool_]:
+    """Tell which (m,) of the triangles (m, 3, 3) reach nearer than ``height_m`` to a panel's free length, and
+    to a ``clamp_m`` beyond its ends."""
+    low_m = np.array([ROUNDED_M - clamp_m, ROUNDED_M, -height_m])
+    high_m = np.array([r.span_m + clamp_m - ROUNDED_M, r.width_m - ROUNDED_M, height_m])
+    in_panel_m = (corners_m - r.corner_m) @ np.column_stack([r.along, r.across, r.normal])
+    return reach_into(in_panel_m, np.stack([low_m, high_m]))
 
 
 def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
