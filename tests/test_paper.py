@@ -23,11 +23,11 @@ from tests.cases import CASE, case_folder
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
 DRIVEN = (
     "[screen.frames.driven]\nmass_kg = 30.0\ninertia_kg_m2 = [1.0, 2.0, 2.0]\n"
-    "center_of_mass_m = [0.0, 0.0, 0.0]\n"
+    "center_of_mass_m = [0.0, 0.1, 0.0]\n"
 )
 HELD = (
     '[screen.bushings.shear]\nbetween = ["driving", "driven"]\n'
-    "positions_m = [[0.0, 0.0, 0.0]]\nstiffness_N_per_m = [1e4, 1e4, 1e4]\n"
+    "positions_m = [[0.0, 0.1, 0.0]]\nstiffness_N_per_m = [1e4, 1e4, 1e4]\n"
 )
 HEAD = f'source = "made up"\n[runs.speed]\nvary = "{SPEED}=70,60,80,90"\n'
 ROW = """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.cli.console import CONSOLE, ERRORS, FAILED, check_or_report, refuse, reported_errors
+from orchestrator.cli.console import CONSOLE, ERRORS, FAILED, WRONG, check_or_report, refuse, reported_errors
 from orchestrator.cli.new import new
 from orchestrator.cli.study import study
 from orchestrator.studies.options import CasePath, Level, Overrides
@@ -503,5 +504,12 @@ def _case_lines(folder: Path) -> Iterator[str]:
 
 
 def main() -> None:
-    """Run the command line; this function is the entry point ``flipflow``."""
+    """Run the command line; this function is the entry point ``flipflow``.
+
+    A word that is not UTF-8 is refused: tables and some libraries cannot have it.
+    """
+    for word in sys.argv[1:]:
+        if word.encode(errors="ignore").decode() != word:
+            ERRORS.print(f"{word!r} is not UTF-8; give it another name")
+            sys.exit(WRONG)
     app()

@@ -51,10 +51,20 @@ Scheduler = Annotated[
 
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:
-    """Return the requested crew; by default it has as many workers as the machine bears."""
+    """Return the requested crew; by default it has as many workers as the machine bears.
+
+    Raises CaseError where no scheduler answers.
+    """
+    from orchestrator.case.file.errors import CaseError, CaseProblem
     from orchestrator.studies.points import Crew, workers_that_fit
 
-    return Crew(workers or workers_that_fit(), scheduler)
+    crew = Crew(workers or workers_that_fit(), scheduler)
+    try:
+        crew.size()
+    except (OSError, ValueError) as error:
+        problem = CaseProblem((), str(error), "for example tcp://host:8786", f"--scheduler {scheduler}")
+        raise CaseError([problem]) from None
+    return crew
 
 
 def case_study(
@@ -69,6 +79,21 @@ def case_study(
     from orchestrator.studies.points import CaseStudy
 
     return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
+
+
+KNOWN_BY = {"case.toml": "", "accuracy.csv": "accuracy", "sweep.csv": "sweep", "paper.csv": "paper"}
+KNOWN_BY |= {"stability.html": "stability", "points.csv": "design fit optimise"}
+"""Files by which the folder of a case, a run or a study is known, each with the studies that write it."""
+
+
+def check_folder(out: Path, name: str) -> None:
+    """Raise FolderUnusable for the folder of a case, of a run or of another study than ``name``."""
+    from orchestrator.output.records.run_folder import FolderUnusable
+
+    for file, studies in KNOWN_BY.items():
+        if (out / file).exists() and name not in studies.split():
+            what = f"has {file}, of a case, a run or another study; give another folder with --out"
+            raise FolderUnusable(f"{out}: {what}")
 
 
 def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[..., StudyOutput]:
@@ -94,6 +119,8 @@ def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[...
             options.append(parameter.replace(annotation=hints[parameter.name]))
 
     def call(**given: Any) -> StudyOutput:
+        if isinstance(out := given.get("out"), Path):
+            check_folder(out, name)
         for parameter, factory in factories.items():
             record = factory(**{key: given.pop(key) for key in inspect.signature(factory).parameters})
             given[parameter] = replace(record, name=name) if isinstance(record, CaseStudy) else record

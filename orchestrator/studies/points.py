@@ -396,21 +396,24 @@ def parse_vary(text: str) -> Vary:
 def _range(text: str, values: str) -> tuple[str, ...]:
     """Return the values of a range, computed in exact fractions: 0.1:0.3:0.1 has three values.
 
-    The values have the unit of the range's parts.
+    The values have the unit of the range's parts.  Those of a key without a unit are written as whole numbers
+    where all of them are whole: the key may be a count.
     """
     try:
         parts = with_one_unit(values.split(":"))
     except ValueError as error:
         raise _wrong(text, str(error)) from None
     try:
-        first, last, step = (Fraction(split_quantity(part)[0]) for part in parts)
-    except (ValueError, ZeroDivisionError):
+        first, last, step = (exact(float(split_quantity(part)[0])) for part in parts)
+    except ValueError:
         raise _wrong(text, "is no range of numbers") from None
     if step == 0 or (last - first) / step < 0 or (last - first) / step >= MOST_VALUES:
         raise _wrong(text, f"is no range of 1 to {MOST_VALUES} values")
     count = int((last - first) / step) + 1
     unit = split_quantity(parts[-1])[1]
-    return tuple(f"{float(first + number * step)!r} {unit}".strip() for number in range(count))
+    has_unit = unit_of(_last_name(text.partition("=")[0]), "")
+    number_of = int if first.denominator == step.denominator == 1 and not has_unit else float
+    return tuple(f"{number_of(first + number * step)!r} {unit}".strip() for number in range(count))
 
 
 def with_one_unit(parts: Sequence[str]) -> list[str]:
@@ -427,11 +430,16 @@ def with_one_unit(parts: Sequence[str]) -> list[str]:
 
 def in_own_unit(value: str, key: str) -> str:
     """Return a value of a key in the key's own unit; a value without a known unit is returned as it is."""
-    name = next((word for word in reversed(key.strip().split(".")) if not word.isdecimal()), "")
+    name = _last_name(key)
     try:
         return repr(parse_quantity(value, name)) if unit_of(name, "") else value
     except ValueError:
         return value  # the check of the case says why
+
+
+def _last_name(key: str) -> str:
+    """Return the last word of a key that is no number of an element of a list."""
+    return next((word for word in reversed(key.strip().split(".")) if not word.isdecimal()), "")
 
 
 def _split(values: str) -> list[str]:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
-from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
+from orchestrator.case.load import read_tables
 from orchestrator.studies.points import (
     MOST_VALUES,
     CaseStudy,
@@ -95,6 +97,24 @@ def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) ->
         return SweepPlan(tuple(keys), _random_settings(vary, number, seed))
     settings = itertools.product(*columns) if how is Arrangement.GRID else zip(*columns, strict=True)
     return SweepPlan(tuple(keys), tuple(dict.fromkeys(settings)))
+
+
+def check_names(study: CaseStudy, keys: Iterable[str], given: str) -> None:
+    """Raise CaseError where a key, which ``given`` has, would add a part to the case of a study."""
+    try:
+        checked = study.check()
+    except CaseError:  # only the values of the keys make it a case
+        return
+    tables, problems = read_tables(checked.layers.merged, checked.folder), []
+    for key in keys:
+        place: Any = tables
+        for number, part in enumerate(words := key.split(".")):
+            if isinstance(place, Mapping) and part not in place:
+                what = f'the case has no "{part}" in {".".join(words[:number])}'
+                problems.append(CaseProblem((key,), what, did_you_mean(part, place), given))
+            place = place.get(part) if isinstance(place, Mapping) else getattr(place, part, None)
+    if problems:
+        raise CaseError(problems)
 
 
 def _random_settings(vary: Sequence[str], number: int, seed: int) -> tuple[tuple[str, ...], ...]:

@@ -46,7 +46,8 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     there = find_study(loaded, file)
     assert there is not None
     assert there.table == study()
-    for text, why in ((json.dumps(study("other")), "other"), ("[]", "is no study")):
+    deep = "[" * 100_000
+    for text, why in ((json.dumps(study("other")), "other"), ("[]", "is no study"), (deep, "is no study")):
         file.write_text(text)
         with pytest.raises(CaseError, match=why):
             find_study(loaded, file)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.preflight.check import find_problems
@@ -105,6 +106,7 @@ def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
 
 def test_variants_can_be_chosen() -> None:
     case = load_judged(QUICKSTART, "draft").case
-    there = offer(case, ["scheme=aitken+serial-staggered", "panel-model=sheat"], 2)
+    there = offer(case, ["scheme=aitken+serial-staggered"], 2)
     assert {series.variant for series in there.series} == {"aitken", "serial-staggered"}
-    assert 'did you mean "sheet"?' in there.missing["panel-model"]
+    with pytest.raises(CaseError, match=r'--parameters: no variant "sheat" .*; did you mean "sheet"\?'):
+        offer(case, ["scheme=aitken", "panel-model=sheat"], 2)

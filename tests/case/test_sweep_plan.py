@@ -9,7 +9,9 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.scalars import Value
-from orchestrator.studies.points import CaseStudy
+from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.studies.commands import sweep
+from orchestrator.studies.points import CaseStudy, parse_vary
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep
 from orchestrator.studies.sweep_results import SweptSetting, draw_results
 from tests.runs.outside import ROOT
@@ -65,6 +67,43 @@ def test_each_point_has_a_folder_of_its_own_and_its_keys(tmp_path: Path) -> None
     assert points[1].folder.name == "speed_rad_per_s-58.0_inclination_deg-15"
     assert points[1].loaded.case.screen.inclination_deg == 15
     assert plan.setting_of(points[1]) == {SPEED: "58.0", SLOPE: "15"}
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("panel.cells.0=10:30:10", ("10", "20", "30")),
+        ("bed.feeds.coal.seed=3:1:-1", ("3", "2", "1")),
+        ("frictions.0.friction=0:1:0.5", ("0.0", "0.5", "1.0")),
+        (f"{SPEED}=58:84:26", ("58.0", "84.0")),
+    ],
+)
+def test_a_range_of_whole_numbers_is_one_of_counts(text: str, values: tuple[str, ...]) -> None:
+    """A key with a unit is none of a count."""
+    assert parse_vary(text).values == values
+
+
+@pytest.mark.parametrize("text", ["1e400:2e400:1e400", "nan:1:1", "1e-999999999:0:1e999999999"])
+def test_a_range_of_no_numbers_is_refused(text: str) -> None:
+    with pytest.raises(CaseError, match="is no range of numbers"):
+        parse_vary(f"screen.inclination_deg={text}")
+
+
+def test_a_table_that_the_case_lacks_is_named_with_the_nearest(tmp_path: Path) -> None:
+    case = CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path / "out")
+    mistyped = sweep.command(case, ["screen.exciters.shft.speed_rad_per_s=58,84"])
+    with pytest.raises(
+        CaseError, match=r'--vary .*: the case has no "shft" in screen\.exciters; did you mean "shaft"\?'
+    ):
+        next(mistyped)
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_folder_of_a_sweep_over_other_keys_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "sweep.csv").write_text(f"{SLOPE},status,settled\n", encoding="utf-8")
+    case = CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path)
+    with pytest.raises(FolderUnusable, match=r"sweep\.csv: is of a sweep over other keys; give another"):
+        next(sweep.command(case, [f"{SPEED}=58,84"]))
 
 
 @pytest.mark.parametrize(

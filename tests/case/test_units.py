@@ -144,6 +144,7 @@ def test_a_deck_takes_its_tension_in_millimetres(tmp_path: Path) -> None:
             "duration_s='0.1'",
             "'0.1' has no unit; is '0.1 ms' meant? A number without quotation marks is in s",
         ),
+        ("duration_s='1e-3'", "'1e-3' has no unit; is '1e-3 ms' meant? A number without quotation marks is"),
         ("screen.panels.deck.thickness_m='5'", "'5' has no unit; is '5 mm' meant?"),
         *(
             (
@@ -224,6 +225,7 @@ def test_scales_of_hardness_agree_where_both_are_used() -> None:
         ("screen.panels.deck.thickness_m=4 mm,5 mm", ("0.004", "0.005")),
         ("screen.panels.deck.thickness_m=4:6:1 mm", ("0.004", "0.005", "0.006")),
         ("screen.panels.deck.thickness_m=4 mm:5 mm:0.5 mm", ("0.004", "0.0045", "0.005")),
+        ("screen.panels.deck.thickness_m=1e-3:3e-3:1e-3", ("0.001", "0.002", "0.003")),
         ("bed.particles.ball.position_m.2=5 cm", ("0.05",)),
         ("screen.panels.deck.thickness_m=0.004,0.005", ("0.004", "0.005")),
         ("panel.solver=strip,rigid", ("strip", "rigid")),

@@ -93,6 +93,18 @@ WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
         {"goals": ["maximise speed", "maximise share", "minimise speed"], "limits": []},
         ["goals: more than two goals; make some of them limits"],
     ),
+    "goals that contradict each other": (
+        {"goals": ["maximise speed", "minimise speed"], "limits": []},
+        ["goals: two goals for one response; leave one of them out"],
+    ),
+    "a goal twice": (
+        {"goals": ["maximise speed", "maximize speed"], "limits": []},
+        ["goals: two goals for one response"],
+    ),
+    "a factorial that nobody runs": (
+        {"plan/kind": "factorial", "plan/levels": 1000},
+        ["plan.levels: 1000 values of each of 2 factors make 1000000 runs; a factorial has 10000 at most"],
+    ),
     "a goal that has a limit": ({"limits": ["speed >= 1"]}, ["goals: a response is a goal and has a limit"]),
     "a limit of nothing": (
         {"limits": ["shar >= 60"]},

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.table_data import read_published, read_table
@@ -74,6 +75,7 @@ def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
         ),
         (HEAD + "10,inf,0.5,80\n", ["row 1 of belt.csv", '"inf" is not a number of stroke']),
         (HEAD + "10,2,0,5,80\n", ["more cells than columns", "decimals have points"]),
+        ("slope,stroke,speed,share,speed\n10,2,1,1,2\n", ['belt.csv has 2 columns "speed"']),
         (HEAD, ["belt.csv", "has no rows"]),
         ("", ["belt.csv cannot be read"]),
     ],
@@ -85,6 +87,7 @@ def test_an_empty_cell_of_a_response_was_not_measured(tmp_path: Path) -> None:
             "a negative deviation",
             "an endless factor",
             "a decimal comma",
+            "a column twice",
             "no rows",
             "no table",
         ],
@@ -135,6 +138,33 @@ def test_the_best_setting_of_a_table_is_predicted(tmp_path: Path) -> None:
     said = [str(line) for line in design.write()]
     assert any("not yet measured" in line for line in said)
     assert not (tmp_path / "out" / "recommended.toml").exists()
+
+
+def test_data_out_of_all_ranges_have_no_optimum(tmp_path: Path) -> None:
+    """A single row within the ranges is enough: the others are data, too."""
+    outside = HEAD + ROWS.replace("\n10,", "\n110,").replace("10,2,", "50,2,").replace("0,4,", "0,14,")
+    design = DesignStudy(study_of(tmp_path, outside.replace("30,", "130,")), Crew(), tmp_path / "out")
+    design.load_finished()
+    with pytest.raises(CaseError, match=r"factors\.slope\.range: no data .*: slope is 20 to 130 there; comp"):
+        list(design.write())
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_missing_published_table_is_told_before_anything_is_written(tmp_path: Path) -> None:
+    published = [{"source": "Table 5", "response": "speed", "table": "printed.csv"}]
+    study = study_of(tmp_path, HEAD + ROWS, published=published)
+    with pytest.raises(CaseError, match=r"published\.0\.table: .*printed\.csv cannot be read"):
+        DesignStudy(study, Crew(), tmp_path / "out").load_finished()
+
+
+def test_the_folder_of_a_study_of_another_table_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    stored = tmp_path / "out" / "study.toml"
+    stored.write_text('table = "../belt.csv"\n')
+    DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
+    stored.write_text('table = "../others.csv"\n')
+    with pytest.raises(FolderUnusable, match=r"out: is the folder of a study of \.\./others\.csv; give ano"):
+        DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
 
 
 def with_published(folder: Path, text: str) -> Study:

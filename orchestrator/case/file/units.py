@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pint import Unit, UnitRegistry
 
 UNIT = r"[A-Za-zµμ°][A-Za-zµμ°0-9²³ ·*/^().-]{0,39}"
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![eE][-+]?\d)"  # an exponent is no unit
 NUMBER_AND_UNIT = re.compile(rf"\s*({NUMBER})\s*({UNIT}?)\s*")
 NUMBER_ALONE = re.compile(rf"\s*({NUMBER})\s*")
 OF_TURNS_OR_RADIANS = re.compile(rf"\s*{NUMBER}(?:\s+1)?\s*(?:/\s*(s|min)|(s|min)\s*(?:\^|\*\*)?\s*-\s*1)\s*")

@@ -179,7 +179,7 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
         try:
             table = json.loads(file.read_text(encoding="utf-8"))
             case, level, version = table["case"], table["level"], table.get("format_version")
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             raise problem(file, "is no study of accuracy") from None
         if version != FORMAT:
             raise problem(file, "another version of flipflow wrote it; make the study again")

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from orchestrator.case import solvers
-from orchestrator.case.file.errors import CaseError, did_you_mean
+from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.file.slice import full_width_m
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case, damped_contacts, has_particles
@@ -136,7 +136,8 @@ class Offer:
 def offer(case: Case, names: Sequence[str], points: int) -> Offer:
     """Return the series of the named parameters, with ``points`` values each.
 
-    The name "scheme=aitken+robin" selects these variants only.
+    The name "scheme=aitken+robin" selects these variants only.  Raises CaseError for a variant that the case
+    does not have.
     """
     every: list[RefinementSeries] = []
     missing = {}
@@ -155,11 +156,12 @@ def offer(case: Case, names: Sequence[str], points: int) -> Offer:
 
 
 def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> list[RefinementSeries]:
-    """Return the series of these variants.  Raises NotOffered for an unknown variant."""
+    """Return the series of these variants.  Raises CaseError for an unknown variant."""
     known = [each.variant for each in series]
     for name in variants:
         if name not in known:
-            raise NotOffered(f'no variant "{name}"; {did_you_mean(name, known)}')
+            hint = did_you_mean(name, filter(None, known))
+            raise CaseError([CaseProblem((), f'no variant "{name}" for this case', hint, "--parameters")])
     return [each for each in series if each.variant in variants]
 
 

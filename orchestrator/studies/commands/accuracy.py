@@ -19,6 +19,7 @@ from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.quantities import COMPARED, DECISIVE
 
 QUICK_VALUES, QUICK_SEEDS = 3, 1
+MOST_SEEDS = 100  # each run is checked first, in some hundredths of a second
 
 
 def command(
@@ -27,7 +28,9 @@ def command(
         str, typer.Option(help="which, with commas; scheme=aitken+robin: only these variants [default: all]")
     ] = "",
     values: Annotated[int, typer.Option("--points", min=2, max=7, help="values of each parameter")] = 4,
-    seeds: Annotated[int, typer.Option(min=1, help="runs of each point, with other random numbers")] = 3,
+    seeds: Annotated[
+        int, typer.Option(min=1, max=MOST_SEEDS, help="runs of each point, with other random numbers")
+    ] = 3,
     quick: Annotated[bool, typer.Option("--quick", help="as --points 3 --seeds 1")] = False,
     duration: Annotated[
         float | None, typer.Option(min=1e-6, help="seconds to simulate [default: the case's]")

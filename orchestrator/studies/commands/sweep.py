@@ -14,13 +14,14 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.scalars import scalar
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
+from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
 from orchestrator.output.results.tidy import single_numbers
 from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary, summary_of
 from orchestrator.studies.report import Cell, figure_parts, write_csv, write_parquet
-from orchestrator.studies.sweep_plan import Arrangement, SweepPlan, plan_sweep
+from orchestrator.studies.sweep_plan import Arrangement, SweepPlan, check_names, plan_sweep
 from orchestrator.studies.sweep_results import SweptSetting, draw_results, results_of, results_table
 
 AXES = {0: "x", 2: "z"}
@@ -81,6 +82,10 @@ def command(
     single = len(vary) == 1 and plan is not Arrangement.RANDOM
     settings = parse_vary(vary[0]) if single else plan_sweep(vary, plan, number, seed)
     study = replace(study, name=settings.name)
+    table, head = study.folder / "sweep.csv", ",".join((*settings.keys, "status"))
+    if table.exists() and not table.read_text(encoding="utf-8").startswith(head):
+        raise FolderUnusable(f"{table}: is of a sweep over other keys; give another folder with --out")
+    check_names(study, [key.rpartition(".")[0] for key in settings.keys], "--vary")
     points = settings.points(study)
     yield from study.run(points)
     rows = sweep_rows(settings, points, wanted)

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
-from orchestrator.case.load import read_tables
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.scalars import Value, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
@@ -21,6 +20,7 @@ from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Stage, Trial
 from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
 from orchestrator.studies.quantities import NORMAL_95
+from orchestrator.studies.sweep_plan import check_names
 
 UNFINISHED = ("missing", "interrupted")
 
@@ -66,7 +66,7 @@ class Runs:
                     self._raise_if_never_a_case(error)
         if problems:
             raise CaseError(problems)
-        self._check_names()
+        check_names(replace(self._runs, sets=self._study.file.overrides), self._study.file.set, "[set]")
         if self._study.file.cheap is not None:
             runs, overlays = self._at_stage("cheap", self._study.actual(np.zeros(self._study.space.factors)))
             runs.check(overlays)
@@ -78,23 +78,6 @@ class Runs:
         except CaseError as own:
             if error.problems[0] in own.problems:
                 raise own from None
-
-    def _check_names(self) -> None:
-        """Raise CaseError where a formula's key would add a part to the case instead of changing one."""
-        try:
-            checked = self._runs.check(self._study.file.overrides)
-        except CaseError:  # only the formulas make it a case
-            return
-        problems = []
-        for key in self._study.file.set:
-            place: Any = read_tables(checked.layers.merged, checked.folder)
-            for number, part in enumerate(words := key.split(".")):
-                if isinstance(place, Mapping) and part not in place:
-                    what = f'the case has no "{part}" in {".".join(words[:number])}'
-                    problems.append(CaseProblem(("set", key), what, did_you_mean(part, place)))
-                place = place.get(part) if isinstance(place, Mapping) else getattr(place, part, None)
-        if problems:
-            raise CaseError(problems)
 
     def outcomes(self, wanted: Iterable[Trial]) -> Iterator[Outcome]:
         """Run the trials that are not done, and yield the outcome of each."""

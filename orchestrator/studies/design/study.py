@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 from rich.table import Table
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.layers import read_toml
 from orchestrator.output.records.run_folder import FolderUnusable, study_folder
+from orchestrator.ports import Array
 from orchestrator.preflight.cost import in_words
-from orchestrator.studies.design.campaign import Campaign
+from orchestrator.studies.design.campaign import SAME, Campaign
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers, borders, published_in_words, write_study_page
 from orchestrator.studies.design.pictures import draw_all
@@ -31,11 +34,22 @@ class DesignStudy:
     def __init__(self, study: Study, crew: Crew, out: Path | None) -> None:
         self.study = study
         self.folder = out or Path("runs") / study.name
+        self._check_folder()
         self._case = CaseStudy(
             study.path(study.file.case), study.file.level or None, (), self.folder / RUNS, crew
         )
         self.runs = Runs(study, self._case)
         self.campaign = Campaign(study, self.runs, Journal(self.folder / RUNS))
+
+    def _check_folder(self) -> None:
+        """Raise FolderUnusable where the folder has a study of another case or table."""
+        stored, file = self.folder / "study.toml", self.study.file
+        if stored.exists() and not stored.samefile(self.study.source):
+            before = read_toml(stored)
+            source = str(before.get("case") or before.get("table"))
+            if Path(source).name != Path(file.case or file.table).name:
+                what = f"is the folder of a study of {source}; give another one with --out"
+                raise FolderUnusable(f"{self.folder}: {what}")
 
     def check(self) -> None:
         """Check that there is a case to run, that published tables can be read, and every corner as a case.
@@ -92,7 +106,11 @@ class DesignStudy:
         return f"; {'1 more run' if left == 1 else f'{left} more runs'}, {in_words(left_s)}"
 
     def load_finished(self) -> None:
-        """Take the outcomes of the table, or of the runs that have ended; nothing is run."""
+        """Take the outcomes of the table, or of the runs that have ended; nothing is run.
+
+        Raises CaseError where the table or a published one cannot be read.
+        """
+        read_published(self.study)
         if self.study.file.table:
             self.campaign.outcomes = read_table(self.study)
         else:
@@ -104,14 +122,25 @@ class DesignStudy:
             return f"{self.folder}: none of {len(outcomes)} runs is data; the first: {outcomes[0].why}"
         return f"{self.folder}: there are no data yet; flipflow study design makes the first runs"
 
+    def _check_ranges(self, x: Array) -> None:
+        """Raise CaseError where none of the settings ``x``, (n, factors), coded, lies within the ranges."""
+        outside = np.abs(x) > 1.0 + SAME
+        if outside.any(axis=1).all():
+            number = int(outside.sum(axis=0).argmax())
+            name, values = list(self.study.file.factors)[number], self.study.space.actual(x)[:, number]
+            what = f"no data within all ranges: {name} is {values.min():g} to {values.max():g} there"
+            key = ("factors", name, "range")
+            raise CaseError([CaseProblem(key, what, "compare the units, or widen the range")])
+
     def write(self) -> Iterator[str | Table | Path]:
         """Write tables, pictures and the page from the outcomes; yield what is said and the files.
 
-        Raises FolderUnusable where there are no data at all.
+        Raises FolderUnusable where there are no data at all, and CaseError where all lie out of the ranges.
         """
         findings = Findings(self.campaign)
         if not len(findings.data.x):
             raise FolderUnusable(self._why_no_data())
+        self._check_ranges(findings.data.x)
         yield from write_tables(findings, self.folder)
         if self.study.file.case:
             yield from write_recommended(findings, self.runs.centre, self.folder)

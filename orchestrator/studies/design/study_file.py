@@ -17,7 +17,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Len, Lt
 from pydantic import Field, Strict, ValidationError
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
+from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation, show_value
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.scalars import scalar
 from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Table, Whole
@@ -34,6 +34,7 @@ from orchestrator.studies.design.space import SimplerSpace, Space
 Seed = Annotated[int, Strict(), Ge(0), Lt(2**32)]  # what surrogates take
 NARROWEST = 1e-9  # of a range, over its larger end
 MOST_CORNERS = 64  # of the ranges that are checked as cases
+MOST_SETTINGS = 10_000  # of a factorial: far more than anybody runs
 POSSIBLE = {  # limits on each scale: above, below, and both in words
     "plain": (-math.inf, math.inf, ""),
     "percent": (0.0, 100.0, "between 0 and 100"),
@@ -370,9 +371,14 @@ def _check_methods(file: StudyFile, problems: list[CaseProblem]) -> None:
     for key, known in (("surrogate", SURROGATES), ("optimiser", OPTIMISERS)):
         if (word := getattr(file.search, key)) not in known:
             problems.append(CaseProblem(("search", key), f'no {key} "{word}"', did_you_mean(word, known)))
+    levels, factors = file.plan.levels, len(file.factors)
+    if file.plan.kind == "factorial" and levels**factors > MOST_SETTINGS:
+        what = f"{levels} values of each of {factors} factors make {show_value(levels**factors)} runs"
+        hint = f"a factorial has {MOST_SETTINGS} at most; sobol has as many as are asked for"
+        problems.append(CaseProblem(("plan", "levels"), what, hint))
     if file.plan.kind == "box-behnken":
         try:
-            plans.box_behnken(len(file.factors))
+            plans.box_behnken(factors)
         except ValueError as error:
             problems.append(CaseProblem(("plan", "kind"), str(error)))
         if file.ordered:
@@ -468,10 +474,13 @@ def _aims(file: StudyFile, problems: list[CaseProblem]) -> dict[str, Aim]:
     """Parse goals and limits into one aim, or one for each value of the limit that has several."""
     goals = _goals(file, problems)
     limits = [_limits(file, place, text, problems) for place, text in enumerate(file.limits)]
+    wanted = {goal.response for goal in goals}
     if len(goals) > 2:
         problems.append(CaseProblem(("goals",), "more than two goals", "make some of them limits"))
+    elif len(wanted) < len(goals):
+        problems.append(CaseProblem(("goals",), "two goals for one response", "leave one of them out"))
     limited = {limit.response for each in limits for limit in each.values()}
-    if {goal.response for goal in goals} & limited:
+    if wanted & limited:
         problems.append(CaseProblem(("goals",), "a response is a goal and has a limit"))
     if not file.goals and file.case and file.search.runs != 0:
         hint = 'give a goal, or "search.runs = 0"'

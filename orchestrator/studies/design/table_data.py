@@ -30,6 +30,7 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
             raise ValueError("it is no file")
         with warnings.catch_warnings(action="error", category=pd.errors.ParserWarning):
             table = pd.read_csv(path, comment="#", skipinitialspace=True, index_col=False)
+            head = pd.read_csv(path, comment="#", skipinitialspace=True, header=None, nrows=1, dtype=str)
     except pd.errors.ParserWarning:
         what = f"{path} has rows with more cells than columns (decimals have points, not commas)"
         raise CaseError([CaseProblem(key, what)]) from None
@@ -42,6 +43,12 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
         CaseProblem(key, f'{path.name} has no column "{name}"', did_you_mean(name, table.columns))
         for name in [*file.factors, *columns.values()]
         if name not in table
+    ]
+    written = head.iloc[0].tolist()  # pandas gives the second of two equal names another one
+    problems += [
+        CaseProblem(key, f'{path.name} has {written.count(name)} columns "{name}"')
+        for name in dict.fromkeys([*file.factors, *columns.values(), *optional])
+        if written.count(name) > 1
     ]
     if not problems and table.empty:
         problems.append(CaseProblem(key, f"{path.name} has no rows"))
