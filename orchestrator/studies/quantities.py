@@ -145,7 +145,7 @@ def _orbit(question: Question, run: Path) -> Mapping[str, Any]:
     if question.between_s is not None:
         try:
             with RunReader(run) as reader:
-                orbits = find_orbits({"motion": machine.orbits(reader, *question.between_s)})
+                orbits = find_orbits({"motion": machine.orbits(reader, *question.between_s)[0]})
         except ValueError as error:
             raise Unknown(f"{run.name}: {error}") from None
     if question.of not in orbits:

@@ -180,8 +180,8 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
     elif why := NO_CYCLE if not run.is_driven else seldom:
         missing["orbits"] = why
     else:
-        motion |= machine.orbits(run, start_s, end_s)
-        other = motion.pop("not_of_the_cycle")
+        table_of_orbits, other = machine.orbits(run, start_s, end_s)
+        motion |= table_of_orbits
         if (whole := course(run)) is not None:
             table["course"] = whole
     motion["reason"] = machine.why_not_settled(run, start_s, end_s, motion["drift"], other)

@@ -26,8 +26,9 @@ RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
 UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
 
 
-def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Return the first harmonics in deck axes, their ``drift``, and the mean speeds of motors' ``shafts``.
+def orbits(run: RunReader, start_s: float, end_s: float) -> tuple[dict[str, Any], str]:
+    """Return the first harmonics in deck axes, their ``drift`` and the mean speeds of motors' ``shafts`` in a
+    table, and the name of a motion that is ``mostly_other``.
 
     ``frames`` has every frame's centre of mass and every probe on a frame.  ``relative`` has, for every
     two frames in the case's order, the motion of the second frame against the first, with its
@@ -46,15 +47,15 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
         }
 
     single, relative = harmonics(moved_m), harmonics(relative_motions_m(run))
-    return {
+    table = {
         "frames": {name: motion.orbit() for name, motion in single.items()},
         "relative": {
             name: motion.orbit() | {"along_m": motion.estimate(0)} for name, motion in relative.items()
         },
         "drift": drift(list(single.values())),
         "shafts": run.shaft_speeds_rad_per_s(start_s, end_s),
-        "not_of_the_cycle": mostly_other(single | relative),
     }
+    return table, mostly_other(single | relative)
 
 
 def mostly_other(motions: dict[str, Harmonic]) -> str:
