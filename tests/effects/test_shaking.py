@@ -85,3 +85,21 @@ def test_a_driven_frame_moves_a_free_one_through_its_bushings() -> None:
 
 def test_nothing_shakes_without_exciters_and_drives() -> None:
     assert solve_shakings(two_bodies()) == ()
+
+
+def test_an_undamped_machine_at_its_own_frequency_moves_far() -> None:
+    """A mass of 1 kg on 100 N/m at 10 rad/s: the equations have no solution without any loss."""
+    whole = two_bodies((exciter(10.0),))
+    body = replace(whole.bodies[0], mass_kg=1.0)
+    spring = replace(bushing(("ground", body.name), np.zeros(3), (100.0,) * 3), damping_N_s_per_m=np.zeros(3))
+    (found,) = solve_shakings(
+        replace(
+            whole,
+            bodies=(body,),
+            bushings=(spring,),
+            carrier=(),
+            points_m=np.zeros((0, 3)),
+            reaction_N=np.zeros((0, 3)),
+        )
+    )
+    assert 1e6 < np.abs(found.amplitude_m[body.name]).max() < np.inf

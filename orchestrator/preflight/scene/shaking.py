@@ -18,6 +18,8 @@ from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports import Array, Indices, linear_frames
 from orchestrator.ports.plans import BushingPlan, ExciterPlan, FramesPlan
 
+LEAST_LOSS = 1e-12  # loss factor of all springs: at its own frequency an undamped mode has a limit
+
 
 @dataclass(frozen=True)
 class PanelSpring:
@@ -92,7 +94,8 @@ def _shaking(
     every = np.arange(len(plan.bodies))
     whole = carry_panels(_with_loss(plan, loss_factor, speed_rad_per_s), springs)
     machine = linear_frames.linearise(whole, linear_frames.SPACE[:freedoms], every)
-    dynamic = machine.stiffness + 1j * speed_rad_per_s * machine.damping - speed_rad_per_s**2 * machine.mass
+    dynamic = machine.stiffness * (1 + 1j * LEAST_LOSS) - speed_rad_per_s**2 * machine.mass
+    dynamic += 1j * speed_rad_per_s * machine.damping
     amplitude, load = np.zeros((2, len(every), freedoms), dtype=complex)
     for drive in plan.drives:
         if drive.speed_rad_per_s == speed_rad_per_s:  # amplitude * sin(w t + phase)
