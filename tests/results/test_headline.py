@@ -94,6 +94,13 @@ def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
     ]
 
 
+def test_the_speed_of_a_shaft_with_a_motor_is_told(steady: dict[str, Any]) -> None:
+    tiles = tiles_of(steady | {"motion": steady["motion"] | {"shafts": {"main": 77.23}}})
+    assert tiles["speed of the shaft main"].line.startswith(
+        "speed of the shaft main: 77.2 rad/s (over 49 cycles"
+    )
+
+
 def test_what_is_scaled_from_a_slice_says_so(steady: dict[str, Any]) -> None:
     """A quarter of the width: four times the feed, mass and power, and the same load and efficiency."""
     whole, part = tiles_of(steady), tiles_of(steady | {"share_of_width": 0.25})

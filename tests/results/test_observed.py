@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 
@@ -74,6 +75,25 @@ def test_motion_of_frames_by_hand(data: RunReader, figures: dict[str, Any]) -> N
     found = seen(data, figures)
     assert [panel.stroke_m for panel in found.panels] == pytest.approx([0.006, 0.006], rel=1e-6)
     assert found.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-6)
+
+
+def test_a_shaft_that_lags_tells_the_speed(tmp_path: Path) -> None:
+    """The same motion, of a machine that names 82 rad/s: whole cycles of the shaft do not fill the window."""
+    place = folder_of(tmp_path / "run", particles=False, cycles=12)
+    with h5py.File(place / "history.h5", "a") as history:
+        time_s = history["frames/driving/time_s"][:]
+        history["shafts/shaft/time_s"], history["shafts/shaft/angle_rad"] = time_s, 78.5 * time_s
+    with RunReader(place) as data:
+        case, results = data.case, compute_results(place)
+        quick = {
+            name: row.model_copy(update={"speed_rad_per_s": 82.0})
+            for name, row in case.screen.exciters.items()
+        }
+        case = case.model_copy(update={"screen": case.screen.model_copy(update={"exciters": quick})})
+        found = observed_scene(scene(case), with_case(data, case), results)
+    assert [panel.stroke_m for panel in found.panels] == pytest.approx([0.006, 0.006], rel=1e-3)
+    assert found.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-3)
+    assert results["motion"]["speed_rad_per_s"] == pytest.approx(78.5, rel=1e-9)
 
 
 def test_shapes_of_panels_by_hand(data: RunReader, figures: dict[str, Any]) -> None:

@@ -85,6 +85,7 @@ def test_the_first_harmonic_is_that_of_the_shaft(tmp_path: Path) -> None:
     assert speed_rad_per_s < 0.97 * NAMED_RAD_PER_S
     motion = results(tmp_path, STRONG.rated_power_W, STRONG.rated_slip)["motion"]
     assert motion["shafts"]["shaft"] == pytest.approx(speed_rad_per_s, rel=1e-3)
+    assert motion["speed_rad_per_s"] == pytest.approx(speed_rad_per_s, rel=1e-3)
     dynamic = STIFFNESS_N_per_m - MASS_kg * speed_rad_per_s**2 + 1j * DAMPING_N_s_per_m * speed_rad_per_s
     amplitude_m = MOMENT_kg_m * speed_rad_per_s**2 / np.abs(dynamic)
     x_m, _, z_m = motion["frames"]["driving"]["amplitude_m"]

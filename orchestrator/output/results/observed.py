@@ -170,8 +170,8 @@ def products(run: RunReader) -> Products | None:
 
 
 class ObservedMotion:
-    """The motion in a window of whole cycles, by its first harmonic at the speed of the scene, or less where
-    a motor lags behind."""
+    """The motion in a window of whole cycles, by its first harmonic at the speed of the scene, or at that of
+    the shaft where a motor turns it."""
 
     def __init__(self, scene: Scene, run: RunReader, start_s: float, end_s: float) -> None:
         self._scene, self._run, self._window_s = scene, run, (start_s, end_s)
@@ -190,7 +190,7 @@ class ObservedMotion:
         """Return w^2 a / g for the centre of mass with the largest amplitude a normal to the deck."""
         normal = self._run.deck_axes[:, 2]
         largest_m = max((abs(self.phasor(name) @ normal) for name in self._bodies), default=0.0)
-        return float(self._scene.speed_rad_per_s**2 * largest_m / self._scene.gravity_m_per_s2)
+        return float((2 * np.pi / self._cycle_s) ** 2 * largest_m / self._scene.gravity_m_per_s2)
 
     def panels(self) -> tuple[MovedPanel, ...]:
         """Return the panels with their strokes, and with their shapes where they bend."""

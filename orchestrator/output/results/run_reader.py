@@ -109,9 +109,10 @@ class RunReader:
         return speeds
 
     def turn_s(self, start_s: float, end_s: float) -> float:
-        """Return the period of the motion in a span: the machine's cycle, longer where a motor lags behind.
+        """Return the period of the first harmonic in a span: the machine's cycle, by the speeds at which
+        motors really turned their shafts.
 
-        It is the machine's cycle, too, if the span is shorter than a turn.
+        It is the machine's cycle as the case names it if the span is shorter than a turn.
         """
         speeds_rad_per_s = self.shaft_speeds_rad_per_s(start_s, end_s)
         if not speeds_rad_per_s or min(speeds_rad_per_s.values()) * (end_s - start_s) < 2 * np.pi:

@@ -163,7 +163,7 @@ def _motion(summary: dict[str, Any]) -> Row:
         return {"settled": f"unknown: {why_no_orbits(results)}"}
     motion = results["motion"]
     row: Row = {"settled": SETTLED if motion["is_settled"] else NOT_SETTLED}
-    row["speed_rad_per_s"] = 2 * math.pi / summary["cycle_s"]
+    row["speed_rad_per_s"] = motion.get("speed_rad_per_s", 2 * math.pi / summary["cycle_s"])
     if motion["drift"] is not None:
         row["drift"] = motion["drift"]
     for name, orbit in orbits.items():
