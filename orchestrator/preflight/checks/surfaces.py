@@ -1,4 +1,4 @@
-"""The checks of places at t = 0: surfaces and panels in the domain, and particles clear of everything."""
+"""The checks of places at t = 0: parts in the domain and apart from each other, particles clear of all."""
 
 from __future__ import annotations
 
