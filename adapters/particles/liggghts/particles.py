@@ -124,20 +124,20 @@ class Liggghts:
         ranks = self._comm.gather(mine)
         if self._comm.rank != 0:
             ranks = [[values[:0] for values in mine]]
-        tag, x, v, omega, radius, density, kind, force, contacts = map(
-            np.concatenate, zip(*ranks, strict=True)
+        order = np.argsort(np.concatenate([values[0] for values in ranks]))
+        tag, x, v, omega, radius, density, kind, force, contacts = (
+            np.concatenate(parts).take(order, axis=0) for parts in zip(*ranks, strict=True)
         )
-        order = np.argsort(tag)
         return ParticleSnapshot(
-            id=tag[order].astype(np.int64),
-            position_m=x[order],
-            velocity_m_per_s=v[order],
-            spin_rad_per_s=omega[order],
-            diameter_m=2.0 * radius[order],
-            density_kg_per_m3=density[order],
-            material=kind[order].astype(np.int64) - 1,
-            force_N=force[order],
-            contacts=contacts[order],
+            id=tag.astype(np.int64),
+            position_m=x,
+            velocity_m_per_s=v,
+            spin_rad_per_s=omega,
+            diameter_m=2.0 * radius,
+            density_kg_per_m3=density,
+            material=kind.astype(np.int64) - 1,
+            force_N=force,
+            contacts=contacts,
         )
 
     def removed(self) -> Removed:

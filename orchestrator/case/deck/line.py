@@ -109,17 +109,20 @@ def locate(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: A
     joined line.
     """
     u = np.maximum.accumulate(line_m @ deck.along)  # Where a panel folds, its upper part counts.
-    z = line_m[:, 2]
-    at = position_m @ deck.along
+    z, at = line_m[:, 2], position_m @ deck.along
     piece = np.clip(np.searchsorted(u, at) - 1, 0, len(u) - 2)
-    run, climb = np.diff(u)[piece], np.diff(z)[piece]
-    cosine = run / np.maximum(np.hypot(run, climb), 1e-12)
-    sine = climb / np.maximum(np.hypot(run, climb), 1e-12)
-    speed_u = np.interp(at, u, velocity_m_per_s @ deck.along)
-    speed_z = np.interp(at, u, velocity_m_per_s[:, 2])
+    share = np.clip((at - u[piece]) / np.maximum(np.diff(u), 1e-12)[piece], 0.0, 1.0)
+
+    def on_line(values: Array) -> Array:
+        """Return values (points,) of the line between its points, at the places of ``position_m``."""
+        return np.asarray(values[piece] + share * np.diff(values)[piece])
+
+    length_m = np.maximum(np.hypot(np.diff(u), np.diff(z)), 1e-12)
+    cosine, sine = (np.diff(u) / length_m)[piece], (np.diff(z) / length_m)[piece]
+    speed_u, speed_z = on_line(velocity_m_per_s @ deck.along), on_line(velocity_m_per_s[:, 2])
     return DeckPlaces(
-        np.interp(at, u, deck.station_m),
-        (position_m[:, 2] - np.interp(at, u, z)) * cosine,
+        on_line(deck.station_m),
+        (position_m[:, 2] - on_line(z)) * cosine,
         speed_z * cosine - speed_u * sine,
         (at >= u[0]) & (at <= u[-1]),
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -378,11 +379,16 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
 
 
 def write_pictures(folder: Path) -> None:
-    """Write all pictures for which the folder of a run has data."""
-    with RunReader(folder) as run:
-        end_s = run.end_s
+    """Write all pictures for which the folder of a run has data, that of the deck beside the others."""
+    with ProcessPoolExecutor(1) as renderer, RunReader(folder) as run:
+        deck = renderer.submit(_write_deck, folder, run.end_s)
         for name, fig in draw_machine(run):
             save(fig, folder / f"{name}.png")
+        deck.result()
+
+
+def _write_deck(folder: Path, end_s: float) -> None:
+    """Write the picture of the deck if the run has a surface."""
     if any((folder / "surface").glob("*.vtu")):
         from orchestrator.output.report.rendering import render_deck
 
