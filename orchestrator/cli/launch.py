@@ -40,7 +40,7 @@ from orchestrator.output.records.run_folder import (
     write_case,
     write_json,
 )
-from orchestrator.output.report.headline import headline
+from orchestrator.output.report.headline import headline, reasons_not_steady
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
@@ -358,8 +358,9 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
         figures = run.finish(status, reason)
         if trust.came_to_its_end(figures["status"]):
             console.print(summary.closing_table(figures))
-            tiles = (tile.line for tile in headline(figures.get("results") or {}))
-            for line in (*summary.closing_lines(figures), *tiles):
+            results = figures.get("results") or {}
+            tiles = (tile.line for tile in headline(results))
+            for line in (*summary.closing_lines(figures), *tiles, *reasons_not_steady(results)):
                 _print_and_log(line, console)
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)

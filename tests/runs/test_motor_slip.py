@@ -108,3 +108,5 @@ def test_a_motor_that_does_not_come_up_is_said(tmp_path: Path) -> None:
     assert not motion["is_settled"]
     assert "the motor of shaft turns its shaft at" in motion["reason"]
     assert "too weak" in motion["reason"]
+    told = (tmp_path / "run" / "run.log").read_text()
+    assert f"The machine has not settled: {motion['reason']}." in told, "what the console says, too"

@@ -11,6 +11,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import closing_lines
 from orchestrator.output.report.formatting import number
+from orchestrator.output.report.headline import reasons_not_steady
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.effect import describe_verdict
 
@@ -73,15 +74,10 @@ def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, A
         warnings.append(f"The run was {summary['status']}: {summary['reason']}")
     elif summary["status"] == trust.INCOMPLETE:
         warnings.append(f"The run is incomplete: {summary['reason']}")
-    state, motion = results.get("steady"), results.get("motion")
-    if state and not state["is_steady"]:
-        warnings.append(f"No steady state: {state['reason']}. Bed and screening figures are transient.")
-    if motion:
-        if motion["cycles"] and not motion["is_settled"]:
-            warnings.append(f"The machine has not settled: {motion['reason']}.")
-        for name, orbit in motion["frames"].items():
-            if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
-                warnings.append(f"{name} has not settled to its periodic motion")
+    warnings += reasons_not_steady(results)
+    for name, orbit in (results.get("motion") or {}).get("frames", {}).items():
+        if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
+            warnings.append(f"{name} has not settled to its periodic motion")
     warnings += [f"Results not made: {part}: {error}" for part, error in results["failed"].items()]
     if "energy_ledger_J" in summary:
         warnings += [line for line in closing_lines(summary) if line.startswith("WARNING")]

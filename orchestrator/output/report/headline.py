@@ -53,6 +53,15 @@ def headline(results: dict[str, Any]) -> list[Tile]:
     return [tile for tile in tiles if tile.value != NONE]
 
 
+def reasons_not_steady(results: dict[str, Any]) -> Iterator[str]:
+    """Yield a sentence that says why the bed is not in a steady state, and one why the machine has not settled."""
+    state, motion = results.get("steady"), results.get("motion")
+    if state and not state["is_steady"]:
+        yield f"No steady state: {state['reason']}. Bed and screening figures are transient."
+    if motion and motion["cycles"] and not motion["is_settled"]:
+        yield f"The machine has not settled: {motion['reason']}."
+
+
 def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     """Yield the figures of screening and bed; masses are scaled to the full width of the deck."""
     (whole, of_width), state = _scale_to_width(results), results.get("steady")
