@@ -94,7 +94,8 @@ class CycleRecord(SavedAttributes):
         clamps, surface = state.clamps, state.panel.surface
         position_m = self._of_points(clamps.position_m, surface.position_m)
         velocity_m_per_s = self._of_points(clamps.velocity_m_per_s, surface.velocity_m_per_s)
-        self._kept.append((position_m, velocity_m_per_s, surface.position_m[self._on_lines], forces_N))
+        line_m = surface.position_m.take(self._on_lines, axis=0)  # half the time of an index
+        self._kept.append((position_m, velocity_m_per_s, line_m, forces_N))
         self._cycle, self._last_s, self._count = cycle, time_s, self._count + 1
         if len(self._kept) == TOGETHER:
             self._evaluate()
@@ -136,7 +137,7 @@ class CycleRecord(SavedAttributes):
             self._sum += row
 
     def _of_points(self, carried: Array, touched: Array) -> Array:
-        return np.concatenate([carried[self._carried], touched[self._touched]])
+        return np.concatenate([carried.take(self._carried, axis=0), touched.take(self._touched, axis=0)])
 
     def _point_values(self, position_m: Array, velocity_m_per_s: Array) -> Array:
         """Return the ``POINT_VALUES`` values of each point at n times, (n, all values), from its motion (n,

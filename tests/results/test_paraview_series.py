@@ -1,0 +1,64 @@
+"""The lists of ParaView's series: whole after each snapshot, also where the disk is full."""
+
+from __future__ import annotations
+
+import resource
+import signal
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+import pytest
+
+from orchestrator.output.records.snapshots import Series
+
+POINT = meshio.Mesh(np.zeros((1, 3)), [("vertex", np.zeros((1, 1), dtype=int))])
+
+
+def listed(folder: Path) -> list[tuple[float, str]]:
+    """Return the times and files of the list, which must exist."""
+    rows = ElementTree.parse(folder / "series.pvd").getroot().findall("*/DataSet")
+    found = [(float(row.get("timestep", "nan")), row.get("file", "")) for row in rows]
+    assert all((folder / file).is_file() for _, file in found)
+    return found
+
+
+def test_the_list_is_whole_after_each_snapshot(tmp_path: Path) -> None:
+    """It is the same whether rows were added, or all written anew; a list that somebody removed comes back."""
+    series = Series(tmp_path, "series")
+    for number in range(4):
+        series.add(0.1 * number, POINT)
+        assert [time_s for time_s, _ in listed(tmp_path)] == [0.1 * past for past in range(number + 1)]
+    added = (tmp_path / "series.pvd").read_text()
+    series.restore(series.save())
+    assert (tmp_path / "series.pvd").read_text() == added
+    (tmp_path / "series.pvd").unlink()
+    series.add(0.4, POINT)
+    assert len(listed(tmp_path)) == 5
+
+
+def test_a_new_series_does_not_go_on_with_an_old_list(tmp_path: Path) -> None:
+    for time_s in (1.0, 2.0):
+        Series(tmp_path, "series").add(time_s, POINT)
+        assert [found_s for found_s, _ in listed(tmp_path)] == [time_s]
+
+
+def test_a_full_disk_leaves_the_list_as_it_was(tmp_path: Path) -> None:
+    """The disk takes a part of the row, and refuses the rest."""
+    series = Series(tmp_path, "series")
+    for number in range(60):
+        series.add(float(number), POINT)
+    before = listed(tmp_path)
+    room = (tmp_path / "series.pvd").stat().st_size + 10
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+    try:
+        with pytest.raises(OSError, match="No space left"):
+            series.add(60.0, POINT)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
+    assert listed(tmp_path) == before
+    assert len(list((tmp_path / "series").iterdir())) == 60
