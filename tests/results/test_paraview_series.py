@@ -25,7 +25,7 @@ def listed(folder: Path) -> list[tuple[float, str]]:
 
 
 def test_the_list_is_whole_after_each_snapshot(tmp_path: Path) -> None:
-    """It is the same whether rows were added, or all written anew; a list that somebody removed comes back."""
+    """It is the same whether rows were added or all written anew; a list that was removed comes back."""
     series = Series(tmp_path, "series")
     for number in range(4):
         series.add(0.1 * number, POINT)

@@ -19,7 +19,6 @@ import numpy.typing as npt
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 
-
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
 TAIL = "</Collection>\n</VTKFile>\n"
 

@@ -54,7 +54,7 @@ def headline(results: dict[str, Any]) -> list[Tile]:
 
 
 def reasons_not_steady(results: dict[str, Any]) -> Iterator[str]:
-    """Yield a sentence that says why the bed is not in a steady state, and one why the machine has not settled."""
+    """Yield a sentence that says why the bed is not steady, and one why the machine has not settled."""
     state, motion = results.get("steady"), results.get("motion")
     if state and not state["is_steady"]:
         yield f"No steady state: {state['reason']}. Bed and screening figures are transient."
