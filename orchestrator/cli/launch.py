@@ -71,8 +71,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
             _require_runnable(loaded)
             loaded = _decide_effects(loaded, path, level, overrides, world)
             entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
-            if world is not None:  # no folder is made if another rank refuses the case
-                world.Barrier()
+            _require_same_case(loaded, world)  # and no folder is made if another rank refuses the case
             folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
             _hold(folder, held, world)
             return _execute(loaded, entries, folder, world)
@@ -94,6 +93,7 @@ def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None
             as_saved = load_judged(folder, None, overrides)
             loaded = replace(as_saved, name=checkpoint.about["name"], level=checkpoint.about["level"])
             _require_runnable(loaded)
+            _require_same_case(loaded, world)
             entries = account(loaded.described, loaded.left_out)
             warned = mpi.first_rank_does(world, lambda: _prepare_folder(folder, checkpoint, loaded, world))
             return _execute(loaded, entries, folder, world, checkpoint, warned)
@@ -206,6 +206,18 @@ def _require_runnable(loaded: JudgedCase) -> None:
         raise CaseError(problems)
     if loaded.case.screen.panels:
         loaded.case.panel.adapter.load()
+
+
+def _require_same_case(loaded: JudgedCase, world: Any) -> None:
+    """Wait until all ranks have read the case, and raise FolderUnusable if they have not read the same.
+
+    The order of tables counts, too: it numbers the materials.
+    """
+    if world is not None and len(set(world.allgather(json.dumps(run_folder.resolved_case(loaded))))) > 1:
+        raise FolderUnusable(
+            f"{loaded.folder}: the ranks have read different cases there; give all of them the same files "
+            "and options"
+        )
 
 
 def _report_refusal(world: Any, error: Exception) -> int:

@@ -119,6 +119,14 @@ def test_moist_grains_stick_in_all_their_contacts(tmp_path: Path, name: str, wor
     assert given.bed.particles["ball"].material == slug(name)
 
 
+def test_materials_are_numbered_in_the_order_of_their_first_mention(tmp_path: Path) -> None:
+    """Every process must give them the same numbers, and the order of a set differs between processes."""
+    text = NAMED + PLATE + PLATE.replace("side", "other").replace("steel", "rubber 60 Shore A")
+    assert list(case(tmp_path, text).materials) == [
+        *("polyurethane-85-Shore-A", "steel", "rubber-60-Shore-A", "limestone")
+    ]
+
+
 def test_own_values_replace_the_library_key_by_key(tmp_path: Path) -> None:
     own = """
 [materials.limestone]

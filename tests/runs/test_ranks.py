@@ -186,6 +186,15 @@ def test_a_folder_that_exists_is_said_once(tmp_path: Path) -> None:
     assert done.stderr.count("exists already") == 1
 
 
+def test_ranks_that_read_different_cases(tmp_path: Path) -> None:
+    """As from folders of two computers that are not the same."""
+    other = "import sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.argv += ['--set', 'duration_s=0.03']"
+    done = flipflow(*run_words("quickstart", tmp_path / "run", SHORT), before=other, ranks=2)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("the ranks have read different cases") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_solver_missing_on_one_rank(tmp_path: Path) -> None:
     sets = [*SHORT, "panel.solver=sheet"]
     words = run_words("empty-machine", tmp_path / "run", sets)

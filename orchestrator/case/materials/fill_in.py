@@ -28,7 +28,7 @@ def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         return dict(table)
     if problems := [*_unknown_models(given)]:
         raise CaseError(problems)
-    names = {*given, *(name for _, name in _references(table, ""))}
+    names = dict.fromkeys([*given, *(name for _, name in _references(table, ""))])
     renamed = {name: slug(name) for name in names if look_up(name) is not None}
     case = _with_names(table, renamed)
     materials: dict[str, Any] = {renamed.get(name, name): row for name, row in given.items()}
