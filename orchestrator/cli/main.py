@@ -135,7 +135,8 @@ def resume(
 
     A run writes checkpoints now and then ([checkpoint] in a case), at its end, and on Ctrl-C.  The
     resumed run is bit for bit the run that never stopped, on the same number of processes.  It may
-    be given a later end (--set duration_s=...) and other output; any other change is refused.
+    be given a later end (--set duration_s=...) and other output at the same intervals; any other
+    change is refused.
     """
     from orchestrator.cli.launch import resume as go_on
 

@@ -1,8 +1,9 @@
 """The origin of a checkpoint: which run it belongs to, and whether a run may go on from it.
 
-Tables that only observe the run (``FREE``) may change, and the run may end later; but shapes of panels are
-recorded from the start or never.  Any other change would make it another run.  Other versions of programs or
-another computer may change the last bits of the results, which a warning says.
+Tables that only observe the run (``FREE``) may change, and the run may end later; but means over output
+times and accelerations need rows at one distance from the start to the end (``EVEN``).  Any other change
+would make it another run.  Other versions of programs or another computer may change the last bits of the
+results, which a warning says.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, re
 from orchestrator.preflight.judge import JudgedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
+EVEN = {"output.interval_s", "output.series_s", "output.shapes_s"}
 SAME_BITS = tuple(name for name in ORIGIN_KEYS if name != "ranks")
 
 
@@ -53,7 +55,8 @@ def refuse_another_run(checkpoint: Checkpoint, now: Mapping[str, Any]) -> None:
         raise FolderUnusable(
             f"{checkpoint.folder.parent.parent}: this is not the run that was saved:\n"
             + "\n".join(differing)
-            + f"\nIt may end later (duration_s) and change in: {free}; all else needs a new run."
+            + f"\nIt may end later (duration_s) and change in: {free}, but for the intervals of output; "
+            "all else needs a new run."
         )
 
 
@@ -78,9 +81,7 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tup
 def _may_change(key: str, before: Any, after: Any, simulated_s: float) -> bool:
     if key == "duration_s":
         return isinstance(after, float | int) and after >= simulated_s
-    if key == "output.shapes_s":  # whose points are points of the surface, or not
-        return bool(before) == bool(after)
-    return key.split(".")[0] in FREE
+    return key.split(".")[0] in FREE and key not in EVEN
 
 
 def _flatten(value: Any, within: str = "") -> dict[str, Any]:

@@ -191,13 +191,15 @@ def test_another_case_is_refused_with_all_that_changed(
 ) -> None:
     before = {file: file.read_bytes() for file in stopped.rglob("*") if file.is_file()}
     sets = ["duration_s=0.005", "coupling.sync_interval_s=2e-4", "output.series_s=1e-3"]
-    sets += ["output.shapes_s=1e-3"]
+    sets += ["output.shapes_s=1e-3", "output.interval_s=1e-3", "output.cut_size_m=0.01"]
     assert resume(stopped, sets) == launch.WRONG
     said = capsys.readouterr().err
     assert "duration_s: 0.012 was saved, now it is 0.005" in said  # before the save
     assert "coupling.sync_interval_s: 0.0001 was saved, now it is 0.0002" in said
     assert "output.shapes_s: 0.0 was saved, now it is 0.001" in said
-    assert "series_s" not in said
+    assert "output.series_s: 0.0 was saved, now it is 0.001" in said  # accelerations need even steps
+    assert "output.interval_s: 0.003 was saved, now it is 0.001" in said
+    assert "cut_size_m" not in said
     assert {file: file.read_bytes() for file in stopped.rglob("*") if file.is_file()} == before
 
 
