@@ -31,6 +31,7 @@ from orchestrator.case.tables.quantities import unit_of
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import (
     FolderUnusable,
+    changed_files,
     is_at_work,
     resolved_case,
     study_folder,
@@ -187,7 +188,8 @@ class Point:
             stored = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
             return ", ".join(".".join(map(str, problem.key)) for problem in error.problems[:3])
-        changes = map(".".join, find_changes(stored, resolved_case(self.loaded)))
+        changes = [*map(".".join, find_changes(stored, resolved_case(self.loaded)))]
+        changes += changed_files(self.loaded, self.folder)
         return ", ".join([key for key in changes if key not in self.free][:3])
 
     def status(self) -> str:

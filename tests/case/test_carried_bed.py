@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,7 +17,7 @@ from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs, push_out
 from orchestrator.case.bed.sources import initial_particles, largest_diameter_m
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.carried_bed import CarriedBed
-from orchestrator.output.records.run_folder import create_run_folder
+from orchestrator.output.records.run_folder import changed_files, create_run_folder
 from orchestrator.output.records.snapshots import Series, particle_mesh
 from orchestrator.output.views.openings import sizes_m
 from orchestrator.ports import Array, ParticleSnapshot
@@ -131,6 +132,30 @@ def test_particles_beside_a_slice_are_refused_or_left_out(tmp_path: Path, sides:
     assert "1 particles of" in only_complaint(tmp_path, *sets)
     found = load_case(tmp_path, CASE, [*sets, "bed.outside=leave-out"])
     assert len(initial_particles(found.case, material_numbers(found.case))) == 2
+
+
+def test_a_run_of_an_earlier_bed_is_not_one_of_the_bed_that_stands_there_now(tmp_path: Path) -> None:
+    """Studies take finished runs for theirs by what they ran, not by the names of files."""
+    sets = [write_table(tmp_path / "case", ROWS)]
+    found = load_case(tmp_path / "case", CASE, sets)
+    run = create_run_folder(found, tmp_path / "run", None)
+    assert [*changed_files(found, run)] == []
+    write_table(tmp_path / "case", ROWS.iloc[:2])
+    assert [*changed_files(load_case(tmp_path / "case", CASE, sets), run)] == ["bed"]
+
+
+def test_a_run_of_an_earlier_surface_is_not_one_of_the_surface_that_stands_there_now(tmp_path: Path) -> None:
+    corners_m = np.array([[0.0, 0.0, 1.0], [0.1, 0.0, 1.0], [0.0, 0.1, 1.0], [0.0, 0.0, 1.1]])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    file = tmp_path / "case" / "wall.stl"
+    file.parent.mkdir()
+    meshio.stl.write(file, meshio.Mesh(corners_m, [("triangle", triangles)]))
+    wall = 'screen.surfaces.wall={stl="wall.stl", frame="driving", material="PU"}'
+    found = load_case(tmp_path / "case", CASE, [wall])
+    run = create_run_folder(found, tmp_path / "run", None)
+    assert [*changed_files(found, run)] == []
+    meshio.stl.write(file, meshio.Mesh(1.01 * corners_m, [("triangle", triangles)]))
+    assert [*changed_files(found, run)] == ["screen.surfaces.wall.stl"]
 
 
 @pytest.mark.parametrize("sets", [[], ["slice.width_m=0.1"], ["particles.coarse_graining=2"]])

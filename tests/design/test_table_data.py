@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -155,6 +156,20 @@ def test_a_missing_published_table_is_told_before_anything_is_written(tmp_path: 
     study = study_of(tmp_path, HEAD + ROWS, published=published)
     with pytest.raises(CaseError, match=r"published\.0\.table: .*printed\.csv cannot be read"):
         DesignStudy(study, Crew(), tmp_path / "out").load_finished()
+
+
+def test_a_study_that_names_its_case_from_inside_goes_on(tmp_path: Path) -> None:
+    """``case = ".."``, as in all shipped studies, is the case that the folder names in full."""
+    inside, out = tmp_path / "machine" / "studies", tmp_path / "out"
+    for folder in (inside, out):
+        folder.mkdir(parents=True)
+    (out / "study.toml").write_text('case = "../machine"\n')
+    study = study_of(inside, HEAD + ROWS)
+    file = study.file.model_copy(update={"table": "", "case": ".."})
+    DesignStudy(replace(study, file=file), Crew(), out)
+    file = study.file.model_copy(update={"table": "", "case": "../other"})
+    with pytest.raises(FolderUnusable, match="is the folder of a study of"):
+        DesignStudy(replace(study, file=file), Crew(), out)
 
 
 def test_the_folder_of_a_study_of_another_table_is_refused(tmp_path: Path) -> None:

@@ -188,7 +188,9 @@ def test_a_folder_that_exists_is_said_once(tmp_path: Path) -> None:
 
 def test_ranks_that_read_different_cases(tmp_path: Path) -> None:
     """As from folders of two computers that are not the same."""
-    other = "import sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.argv += ['--set', 'duration_s=0.03']"
+    other = (
+        "import sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.argv += ['--set', 'duration_s=0.03']"
+    )
     done = flipflow(*run_words("quickstart", tmp_path / "run", SHORT), before=other, ranks=2)
     assert done.returncode == 2, done.stderr
     assert done.stderr.count("the ranks have read different cases") == 1

@@ -97,6 +97,20 @@ def _origin_of_bed(case: Case) -> dict[str, Any]:
     return {"bed": table}
 
 
+def changed_files(loaded: JudgedCase, folder: Path) -> Iterator[str]:
+    """Yield the keys of the case's files that have changed since the run in a folder took its copies."""
+    files = {
+        f"screen.surfaces.{name}.stl": (surface.stl, f"{name}.stl")
+        for name, surface in loaded.case.whole_machine.screen.surfaces.items()
+    } | {"panel.recording": (loaded.case.panel.recording, RECORDING)}
+    for key, (named, copy) in files.items():
+        if named is not None and (loaded.folder / named).read_bytes() != (folder / copy).read_bytes():
+            yield key
+    then, now = read_provenance(folder).get("bed", {}), _origin_of_bed(loaded.case).get("bed", {})
+    if any(then.get(key) != now.get(key) for key in ("sha256", "time_s")):
+        yield "bed"
+
+
 def write_case(folder: Path, loaded: JudgedCase) -> None:
     """Write the resolved case as ``case.toml``."""
     write_text(folder / "case.toml", tomli_w.dumps(resolved_case(loaded)))

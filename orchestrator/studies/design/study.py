@@ -47,7 +47,7 @@ class DesignStudy:
         if stored.exists() and not stored.samefile(self.study.source):
             before = read_toml(stored)
             source = str(before.get("case") or before.get("table"))
-            if Path(source).name != Path(file.case or file.table).name:
+            if (self.folder / source).resolve().name != self.study.path(file.case or file.table).name:
                 what = f"is the folder of a study of {source}; give another one with --out"
                 raise FolderUnusable(f"{self.folder}: {what}")
 
