@@ -13,6 +13,7 @@ import pytest
 
 from orchestrator.output.records.history import write_results
 from orchestrator.output.results.compute import compute_results
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.studies.quantities import Question, number_of
 from tests.results.synthetic import (
     BIN_KG,
@@ -49,6 +50,23 @@ def found(folder: Path) -> dict[str, Any]:
 def value(estimate: dict[str, Any]) -> Any:
     assert estimate["half_width"] == pytest.approx(0.0, abs=1e-9)  # every cycle is alike
     return estimate["value"]
+
+
+def test_decks_above_each_other_have_no_cut_size_of_their_own(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The largest openings would be those of the upper deck, through which nearly all goes."""
+    monkeypatch.setattr(RunReader, "deck", None)
+    given = compute_results(folder)
+    assert given["screening"]["cut_size_m"] == 0.003
+    run = shutil.copytree(folder, tmp_path / "run")
+    text = (run / "case.toml").read_text()
+    (run / "case.toml").write_text(text.replace("cut_size_m = 0.003", ""))
+    found = compute_results(run)
+    assert "no single deck" in found["missing"]["efficiency"]
+    assert found["screening"]["cut_size_m"] is None
+    assert "efficiency_percent" not in found["screening"]
+    assert found["failed"] == {}
 
 
 def test_it_is_steady_once_the_deck_is_full(found: dict[str, Any]) -> None:

@@ -28,6 +28,7 @@ from orchestrator.output.results.whole_feed import feed_fines, whole_feed
 
 FEWEST_FINES = 100
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
+SEVERAL_CUTS = "the panels form no single deck: output.cut_size_m says which size counts as fine"
 NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
 
@@ -115,11 +116,12 @@ def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any])
     elif events is None or not events.exits.names:
         missing["screening"] = "no exits: undersize and oversize are not told apart"
     else:
-        cut_m = cut_size_m(run.case)
+        is_cut = run.case.output.cut_size_m is not None or run.deck is not None
+        cut_m = cut_size_m(run.case) if is_cut else None
         table["screening"] = screening(events, cut_m)
         table["transport"] = transport(events, run.deck)
         if cut_m is None:
-            missing["efficiency"] = NO_CUT
+            missing["efficiency"] = NO_CUT if is_cut else SEVERAL_CUTS
         else:
             _add_whole_feed(run, events, cut_m, table)
         if not table["screening"]["particles"]:
