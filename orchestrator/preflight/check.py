@@ -125,6 +125,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
     return [
         *unusual_sizes(case.whole_machine),
         *deck.panels_out_of_line(case),
+        *deck.panels_across(case),
         *deck.openings_and_particles(case),
         *leaks.leaks(case, loaded.folder),
         *steps.rounded_times(case),

@@ -9,8 +9,8 @@ import pytest
 
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.checks.defaults import taken_defaults
+from tests.cases import CASE, contact, grains, load_case, loaded, polyurethane
 from tests.cases import FEED as POURED
-from tests.cases import contact, grains, load_case, loaded, polyurethane
 
 MACHINE = (
     """
@@ -289,3 +289,15 @@ def test_defaults_that_decide_about_the_physics_are_named(tmp_path: Path) -> Non
     assert "axis = [0, 1, 0]: on its upper side the unbalance moves down the deck" in sense
     given = load_case(tmp_path, MACHINE, [f"{SHAFT}.axis=[0, 1, 0]"])
     assert list(taken_defaults(given.layers.merged)) == []
+
+
+def test_a_deck_along_y_is_warned_of(tmp_path: Path) -> None:
+    """Its strokes along the deck would be 0, since they are those along x."""
+    sets = ["screen.panels.deck.along=[0.0, 1.0, 0.0]", "screen.panels.deck.across=[-1.0, 0.0, 0.0]"]
+    (said,) = [what for what in warnings(load_case(tmp_path / "y", CASE, sets)) if "along x" in what]
+    assert said.startswith("not along x: panel deck;")
+    back = ["screen.panels.deck.along=[-1.0, 0.0, 0.0]", "screen.panels.deck.across=[0.0, -1.0, 0.0]"]
+    for number, others in enumerate(([], back)):
+        assert not [
+            what for what in warnings(load_case(tmp_path / f"x-{number}", CASE, others)) if "along x" in what
+        ]

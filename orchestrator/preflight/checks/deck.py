@@ -1,4 +1,4 @@
-"""The warnings about a deck that can hardly be meant: panels out of line, and openings of the wrong size."""
+"""The warnings about a deck that can hardly be meant: panels out of line, or openings of the wrong size."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.bed.contact_times import largest_diameters_m, smallest_diameters_m
-from orchestrator.case.deck.panels import perforated_panels
+from orchestrator.case.deck.panels import perforated_panels, single_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.panel_rows import Joint, panel_rows
 
 LARGEST_KINK_DEG = 20.0  # Neighbouring segments of a banana deck differ by some 15 degrees.
 LARGEST_SIDE_STEP_M = 1e-3
+ACROSS = 0.2  # sine of the angle to the x axis beyond which a panel counts as lying across it
 LARGEST_STEP = 0.5  # of the thinner panel's thickness
 
 
@@ -25,6 +26,17 @@ def panels_out_of_line(case: Case) -> Iterator[str]:
             faults.setdefault(kind, []).append(text)
     for first, *others in faults.values():
         yield first + (f" (and {len(others)} more such joints)" if others else "")
+
+
+def panels_across(case: Case) -> Iterator[str]:
+    """Yield a warning for panels that run across the deck's x axis, along which strokes are given."""
+    turned = [panel.name for panel in single_panels(case) if abs(panel.rectangle.along[1]) > ACROSS]
+    if turned:
+        more = f" and {len(turned) - 1} more" if len(turned) > 1 else ""
+        yield (
+            f"not along x: panel {turned[0]}{more}; strokes along the deck and ellipses of frames are those "
+            "in the plane of x and z, so turn the machine until its deck runs along x or -x"
+        )
 
 
 def openings_and_particles(case: Case) -> Iterator[str]:
