@@ -106,9 +106,10 @@ def changed_files(loaded: JudgedCase, folder: Path) -> Iterator[str]:
     for key, (named, copy) in files.items():
         if named is not None and (loaded.folder / named).read_bytes() != (folder / copy).read_bytes():
             yield key
-    then, now = read_provenance(folder).get("bed", {}), _origin_of_bed(loaded.case).get("bed", {})
-    if any(then.get(key) != now.get(key) for key in ("sha256", "time_s")):
-        yield "bed"
+    if now := _origin_of_bed(loaded.case).get("bed"):
+        then = read_provenance(folder).get("bed", {})
+        if any(then.get(key) != now[key] for key in ("sha256", "time_s")):
+            yield "bed"
 
 
 def write_case(folder: Path, loaded: JudgedCase) -> None:
