@@ -103,9 +103,11 @@ def changed_files(loaded: JudgedCase, folder: Path) -> Iterator[str]:
         f"screen.surfaces.{name}.stl": (surface.stl, f"{name}.stl")
         for name, surface in loaded.case.whole_machine.screen.surfaces.items()
     } | {"panel.recording": (loaded.case.panel.recording, RECORDING)}
-    for key, (named, copy) in files.items():
-        if named is not None and (loaded.folder / named).read_bytes() != (folder / copy).read_bytes():
-            yield key
+    for key, (named, name) in files.items():
+        if named is not None:
+            copy = folder / name
+            if not copy.is_file() or (loaded.folder / named).read_bytes() != copy.read_bytes():
+                yield key
     if now := _origin_of_bed(loaded.case).get("bed"):
         then = read_provenance(folder).get("bed", {})
         if any(then.get(key) != now[key] for key in ("sha256", "time_s")):

@@ -116,12 +116,12 @@ def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any])
     elif events is None or not events.exits.names:
         missing["screening"] = "no exits: undersize and oversize are not told apart"
     else:
-        is_cut = run.case.output.cut_size_m is not None or run.deck is not None
-        cut_m = cut_size_m(run.case) if is_cut else None
+        one_cut = run.case.output.cut_size_m is not None or run.deck is not None
+        cut_m = cut_size_m(run.case) if one_cut else None
         table["screening"] = screening(events, cut_m)
         table["transport"] = transport(events, run.deck)
         if cut_m is None:
-            missing["efficiency"] = NO_CUT if is_cut else SEVERAL_CUTS
+            missing["efficiency"] = NO_CUT if one_cut else SEVERAL_CUTS
         else:
             _add_whole_feed(run, events, cut_m, table)
         if not table["screening"]["particles"]:
