@@ -56,8 +56,9 @@ class Sheet(_Body):
     Constants, which are copied: sizes of the cells, ``along_m`` and ``across_m``; the membrane's law
     by cell, ``c10_N_per_m``, ``c01_N_per_m``, ``solid``, ``rest`` and ``strain_entries``
     (``kernel/membrane.h``); the bending matrix, ``entry`` in ``row`` and ``column``, and the
-    positions without bending, ``flat_m``; ``mobility_1_kg`` (nodes,), zero where ``held``; ``mass_kg``
-    (nodes,) and ``weight_N`` (nodes, 3); Maxwell branches, ``ratio`` and ``time_s``.  State:
+    positions without bending, ``flat_m``; ``mobility_1_kg`` (nodes,), zero where ``held``; ``joined``, free
+    nodes of equal mobility two by two that move alike; ``mass_kg`` (nodes,) and ``weight_N`` (nodes, 3);
+    Maxwell branches, ``ratio`` and ``time_s``.  State:
     ``position_m``, ``velocity_m_per_s``, ``internal_N`` (3, places), and what ``CompiledSheet`` calls
     its memory.
     """

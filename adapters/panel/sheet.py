@@ -63,6 +63,7 @@ ADAPTER = PanelAdapter(
     largest_step_s=largest_step_s,
     memory_GiB=lambda plan: CELL_GIB * plan.cells[0] * plan.cells[1],
     lightest_kg=lightest_sheet_point_kg,
+    joins_sides=True,
     fidelity=2,
     refined_by=1.5,
     order=2.0,

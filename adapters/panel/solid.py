@@ -50,7 +50,7 @@ def lightest_kg(plan: PanelPlan, surface_cells: tuple[int, int]) -> float:
 
 
 def objections(plan: PanelPlan) -> Iterator[Objection]:
-    """Yield objections to openings with round ends, and to sensors."""
+    """Yield objections to openings with round ends, to margins of a slice, and to sensors."""
     if plan.point_masses:
         what = f"panel {plan.name} has sensors, whose masses a solid does not carry"
         yield Objection(what, 'take the sensor_kg of its probes away, or panel.solver = "sheet"')
@@ -58,6 +58,9 @@ def objections(plan: PanelPlan) -> Iterator[Objection]:
         what = f"{plan.apertures.shape}: the solid's cells are boxes and follow no round ends"
         hint = 'take "rectangle", or panel.solver = "sheet"'
         yield Objection(what, hint, ("screen", "panels", plan.name, "apertures", "shape"))
+    if plan.apertures is not None and plan.apertures.margin_share > 0.0:
+        what = f"panel {plan.name} is a slice of a panel with margins, which a solid has only where they are"
+        yield Objection(what, 'leave the slice away, or take panel.solver = "sheet"')
 
 
 def cost(work: PanelsWork) -> Cost:

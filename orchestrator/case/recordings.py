@@ -1,8 +1,8 @@
 """Recordings of panels: their file, and the plans to play them back on the recorded panels of a case.
 
 The file has a group for each panel (docs/theory/panel_recorded.md).  The machine's angle is the
-angle of its slowest exciter after the run-up; in a machine without exciters it is the speed of the
-slowest drive times time, and the phase of its largest component.
+angle of its slowest exciter after the run-up, from the direction of z about the shaft; in a machine
+without exciters it is the speed of the slowest drive times time, and the phase of its largest component.
 """
 
 from __future__ import annotations
@@ -19,10 +19,12 @@ import numpy as np
 from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.file.whole import written_whole
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.quantities import unit_of
+from orchestrator.case.tables.frames import Exciter
+from orchestrator.case.tables.quantities import Vector, unit_of
+from orchestrator.ports import Array
 from orchestrator.ports.recording import Playback, RecordedGrid, Recording
 
-FORMAT = 2
+FORMAT = 3
 """Version of the file in its attribute ``format_version``; files of older versions have no such attribute."""
 ALIKE = 1e-6  # Lengths with a smaller relative difference count as equal.
 SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
@@ -46,9 +48,10 @@ class RecordedShape:
 
 @dataclass(frozen=True)
 class File:
-    """The content of a recording: the speed of the recorded machine, and its panels by name."""
+    """The content of a recording: the recorded machine's speed, what turned it, and its panels by name."""
 
     speed_rad_per_s: float
+    turned_by: str
     panels: Mapping[str, RecordedShape]
 
 
@@ -68,6 +71,7 @@ def write(path: Path, content: File) -> None:
     with written_whole(path) as aside, h5py.File(aside, "w") as file:
         file.attrs["format_version"] = FORMAT
         file.attrs["speed_rad_per_s"] = content.speed_rad_per_s
+        file.attrs["turned_by"] = content.turned_by
         for name, panel in content.panels.items():
             group, recording = file.create_group(name), panel.recording
             group.attrs.update({**panel.shape, "cycles": recording.cycles})
@@ -93,7 +97,8 @@ def read(path: Path) -> File:
                 raise UnreadableRecording(
                     f"{path}: has {has}; this flipflow reads {FORMAT}: record the run again"
                 )
-            return File(speed_rad_per_s, {name: _panel(group) for name, group in file.items()})
+            panels = {name: _panel(group) for name, group in file.items()}
+            return File(speed_rad_per_s, str(file.attrs["turned_by"]), panels)
     except (OSError, KeyError, ValueError, AttributeError) as error:
         raise UnreadableRecording(f"{path}: is no recording ({error})") from None
 
@@ -111,13 +116,15 @@ class Turning:
     """The rotation of a machine.
 
     ``speed_rad_per_s`` is the speed after the run-up.  ``zero_s`` is a time at which the angle of the
-    running machine is 0.  The machine starts at ``start_s`` and runs up for ``run_up_s``.
+    running machine is 0.  The machine starts at ``start_s`` and runs up for ``run_up_s``.  ``turned_by`` says
+    what has this angle; angles of other things cannot be compared with it.
     """
 
     speed_rad_per_s: float
     zero_s: float
     start_s: float
     run_up_s: float
+    turned_by: str
 
 
 def turning(case: Case) -> Turning | None:
@@ -125,18 +132,42 @@ def turning(case: Case) -> Turning | None:
     exciters = [
         Turning(
             exciter.speed_rad_per_s,
-            exciter.start_s + exciter.run_up_s / 2 - exciter.phase_rad / exciter.speed_rad_per_s,
+            exciter.start_s + exciter.run_up_s / 2 - _angle_rad(exciter) / exciter.speed_rad_per_s,
             exciter.start_s,
             exciter.run_up_s,
+            f"a shaft about {_text(exciter.axis)}",
         )
         for exciter in case.screen.exciters.values()
     ]
     drives = [
-        Turning(drive.speed_rad_per_s, -drive.largest_phase_rad / drive.speed_rad_per_s, 0.0, drive.run_up_s)
-        for frame in case.screen.frames.values()
+        Turning(
+            drive.speed_rad_per_s,
+            -drive.largest_phase_rad / drive.speed_rad_per_s,
+            0.0,
+            drive.run_up_s,
+            f"a drive of frame {name} {drive.largest_component}",
+        )
+        for name, frame in case.screen.frames.items()
         if (drive := frame.drive) and drive.moves
     ]
     return min(exciters or drives, key=lambda machine: machine.speed_rad_per_s, default=None)
+
+
+def _angle_rad(exciter: Exciter) -> float:
+    """Return the angle of an exciter's force at t = 0, from z, or from x if the shaft is along z."""
+    axis, start = _unit(exciter.axis), _unit(exciter.start)
+    upward = np.array([0.0, 0.0, 1.0]) if abs(axis[2]) < 1 - ALIKE else np.array([1.0, 0.0, 0.0])
+    zero = _unit(upward - (upward @ axis) * axis)
+    return exciter.phase_rad + math.atan2(float(start @ np.cross(axis, zero)), float(start @ zero))
+
+
+def _unit(direction: Vector | Array) -> Array:
+    return np.asarray(np.asarray(direction) / np.linalg.norm(direction))
+
+
+def _text(direction: Vector) -> str:
+    """Return the direction as a unit vector to three decimals, without a minus at zeros."""
+    return "(" + ", ".join(f"{value + 0.0:g}" for value in np.round(_unit(direction), 3)) + ")"
 
 
 def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
@@ -150,12 +181,14 @@ def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
     machine = turning(case)
     if machine is None or case.panel.recording is None:
         raise NoMatch("a recording is played back to the speed of an exciter or drive, and named")
-    recorded = read(folder / case.panel.recording).panels
+    file = read(folder / case.panel.recording)
+    if machine.turned_by != file.turned_by:
+        raise NoMatch(f"{file.turned_by} turned the recorded machine, and {machine.turned_by} turns this one")
     speed_rad_per_s = machine.speed_rad_per_s
     run_up_s = max(machine.run_up_s, 2 * math.pi / speed_rad_per_s)
     return {
         panel.name: Playback(
-            _find_recording(panel, recorded), speed_rad_per_s, machine.zero_s, machine.start_s, run_up_s
+            _find_recording(panel, file.panels), speed_rad_per_s, machine.zero_s, machine.start_s, run_up_s
         )
         for panel in single_panels(case)
     }

@@ -231,6 +231,7 @@ def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> 
             playback=(playbacks or {}).get(panel.name),
             stops=planned_stops(case, panel),
             point_masses=sensors(case, panel),
+            joined_sides=period_m(case) > 0,
         )
         for panel in single_panels(case)
     )

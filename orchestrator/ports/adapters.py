@@ -101,6 +101,9 @@ class PanelAdapter(Adapter[PanelPlan, PanelsWork, MeshedPanel]):
         frames.
     varies_across
         The surface may move otherwise at the middle of the width than at its edges.
+    joins_sides
+        Explicit steps join the sides of a panel that goes on beyond them (``PanelPlan.joined_sides``); False
+        where sides are free.
     plays_back
         The shape comes from a recording, which the case names.
     integrators
@@ -123,6 +126,7 @@ class PanelAdapter(Adapter[PanelPlan, PanelsWork, MeshedPanel]):
     deforms: bool = True
     yields: bool = True
     varies_across: bool = True
+    joins_sides: bool = False
     plays_back: bool = False
     integrators: tuple[str, ...] = ("explicit", "implicit")
     largest_step_s: Callable[[PanelPlan], float] | None = None

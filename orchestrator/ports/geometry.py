@@ -64,6 +64,8 @@ class AperturePattern:
     as fit between the margins are centred on the panel.  A row of cells runs across; every second
     row is shifted across by ``stagger`` pitches and keeps the cells that still fit.
     ``shape``: "rectangle", or "slot" with round ends (a circle where both sides are equal).
+    ``margin_share``: the share of the width that counts as solid for mass and stiffness although it has
+    openings; a slice bears its part of the whole panel's margins in this way.
     """
 
     shape: str
@@ -74,6 +76,7 @@ class AperturePattern:
     stagger: float = 0.0
     margin_along_m: float = 0.0
     margin_across_m: float = 0.0
+    margin_share: float = 0.0
 
     @property
     def land_m(self) -> float:
@@ -93,7 +96,7 @@ class AperturePattern:
 
     def material_share(self, rectangle: Rectangle) -> float:
         """Return the material's share of the whole free panel's area."""
-        region_m2 = float(np.ptp(self.region_m(rectangle), axis=0).prod())
+        region_m2 = (1.0 - self.margin_share) * float(np.ptp(self.region_m(rectangle), axis=0).prod())
         return 1.0 - (1.0 - self.solid_share) * region_m2 / (rectangle.length_m * rectangle.width_m)
 
     def counts(self, rectangle: Rectangle) -> tuple[int, int]:

@@ -83,7 +83,8 @@ class PanelPlan:
     ``apertures``: its openings, if any; only particles see each of them.  ``playback``: the
     recorded motion that it follows, where its shape is prescribed.  ``stops``: beams that it can
     come to lie on (``orchestrator/coupling/stopped_panel.py``, no matter of the solver).
-    ``point_masses``: what is fixed to it.
+    ``point_masses``: what is fixed to it.  ``joined_sides``: it goes on beyond its sides, along world y, as
+    it is between them, so that the two sides move alike.
     """
 
     name: str
@@ -100,6 +101,7 @@ class PanelPlan:
     playback: Playback | None = None
     stops: tuple[StopPlan, ...] = ()
     point_masses: tuple[PointMass, ...] = ()
+    joined_sides: bool = False
 
     @property
     def mass_kg(self) -> float:

@@ -144,6 +144,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *bed.soft_contacts(loaded.described),
         *panels.other_speed(case, loaded.folder),
         *bed.doubtful_slice(case, loaded.folder),
+        *panels.free_sides(case),
         *panels.machine_memory(case),
         *loaded.choice.lacking,
     ]

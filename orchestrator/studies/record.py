@@ -101,7 +101,8 @@ def record(run: Path, cycles: int | None) -> Recorded:
                 raise _refusal(run, str(short)) from None
             return best
         if best is None or max(change.values()) < max(best.change.values()):
-            best = Recorded(count, recordings.File(machine.speed_rad_per_s, panels), change)
+            file = recordings.File(machine.speed_rad_per_s, machine.turned_by, panels)
+            best = Recorded(count, file, change)
         if max(best.change.values()) < ALIKE:
             break
     assert best is not None

@@ -168,3 +168,17 @@ def test_a_slice_with_more_openings_than_its_part_of_the_width_is_warned_of() ->
     said = [line for line in warnings(case) if "openings" in line]
     assert len(said) == 1
     assert "8.1 % more openings" in said[0]
+
+
+def test_narrow_panels_with_free_sides_are_warned_of(tmp_path: Path) -> None:
+    """Panels of the case are 0.2 m wide."""
+    narrow = ["slice.width_m=0.1"]
+
+    def warned(*settings: str) -> bool:
+        return any("free sides" in line for line in warnings(loaded(tmp_path, list(settings))))
+
+    assert warned(*narrow, "panel.solver=solid")
+    assert warned('slice={width_m=0.1, sides="walls"}', "panel.solver=sheet")
+    assert not warned(*narrow, "panel.solver=sheet")
+    assert not warned(*narrow, "panel.solver=strip")
+    assert not warned("slice.width_m=0.2", "panel.solver=solid")

@@ -26,6 +26,7 @@ DIMENSIONLESS = frozenset(
         "across",
         "axis",
         "stagger",
+        "margin_share",
         "start",
         "at",
         "passing",

@@ -40,7 +40,8 @@ def test_a_page_takes_the_place_of_a_page_only(tmp_path: Path) -> None:
 
 
 def test_a_recording_takes_the_place_of_a_recording_only(tmp_path: Path) -> None:
-    content, series, file = recordings.File(70.0, {}), tmp_path / "history.h5", tmp_path / "panels.h5"
+    content = recordings.File(70.0, "a shaft about (0, 1, 0)", {})
+    series, file = tmp_path / "history.h5", tmp_path / "panels.h5"
     series.write_bytes(b"the series of a run")
     with pytest.raises(OSError, match="is no recording of this version"):
         recordings.write(series, content)

@@ -29,6 +29,7 @@ def plan(
     branches: tuple[tuple[float, float], ...] = (),
     sync_interval_s: float = 1e-4,
     apertures: AperturePattern | None = None,
+    joined_sides: bool = False,
 ) -> PanelPlan:
     """A panel along x, its width along y, gravity down z."""
     rectangle = Rectangle(
@@ -52,6 +53,7 @@ def plan(
         integrator=integrator,
         sync_interval_s=sync_interval_s,
         apertures=apertures,
+        joined_sides=joined_sides,
     )
 
 

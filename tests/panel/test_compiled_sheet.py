@@ -28,9 +28,9 @@ WIDE = {"width_m": 0.2, "span_m": 0.12, "cells": (2, 5)}  # more cells across th
 SINGLE = {"width_m": 0.06, "span_m": 0.328, "cells": (1, 1)}
 
 
-def given(pattern, branches=BRANCHES, shape=LONG):
+def given(pattern, branches=BRANCHES, shape=LONG, joined=False):
     """Cells of several sizes; their number no multiple of those that stand side by side."""
-    return plan(**shape, branches=branches, apertures=pattern)
+    return plan(**shape, branches=branches, apertures=pattern, joined_sides=joined)
 
 
 @PATTERNS
@@ -62,9 +62,12 @@ def test_force_and_energy_of_deformed_shapes(pattern, shape):
             assert abs(stored_J["bending"] - expected_J["bending"]) < 1e-3 * ROUNDING * terms_J
 
 
-@PATTERNS
-@pytest.mark.parametrize("branches", [(), BRANCHES], ids=["undamped", "damped"])
-def test_a_shaken_and_loaded_panel(pattern, branches):
+@pytest.mark.parametrize(
+    ("pattern", "branches", "joined"),
+    [(None, (), False), (None, BRANCHES, False), (SLOTS, (), False), (SLOTS, BRANCHES, True)],
+    ids=["plain", "damped", "perforated", "perforated-damped-joined"],
+)
+def test_a_shaken_and_loaded_panel(pattern, branches, joined):
     """One cycle and a half of a slack panel under a load that jumps.  1e-9 of the surface's
     motion, the reaction and every entry of the account: the shape at rest, of 1e-7 N out of
     balance, and rounding are all that differs."""
@@ -73,7 +76,7 @@ def test_a_shaken_and_loaded_panel(pattern, branches):
     from adapters.panel.finite_element.panel_at_rest import at_rest
     from adapters.panel.finite_element.sheet_forms import sheet as forms
 
-    wanted = given(pattern, branches)
+    wanted = given(pattern, branches, joined=joined)
     panels = open_panel(wanted, at_rest(wanted, forms), *forms(wanted)), sheet.build(wanted)
     rest_m, length_s = panels[0].initial().surface.position_m, 1e-4
     rng = np.random.default_rng(2)

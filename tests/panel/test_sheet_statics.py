@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.panel.elastic_plans import height_m, plan, pull_N
+from orchestrator.ports import Load
+from orchestrator.ports.clock import Interval
+from tests.panel.elastic_plans import C01_PA, C10_PA, height_m, plan, pull_N, shaken
 
 pytestmark = pytest.mark.solver
 
@@ -103,4 +105,43 @@ def test_at_rest_the_clamps_carry_the_weight(span_m):
     weight_N = 1200 * 0.004 * 0.2 * (0.33 + 0.04) * 9.81
     np.testing.assert_allclose(force.sum(axis=0), [0, 0, -weight_N], atol=1e-7 * np.abs(force).sum())
     np.testing.assert_array_equal(panel.initial().surface.velocity_m_per_s, 0.0)
+    panel.close()
+
+
+@pytest.mark.parametrize("stretch", [1.02, 1.2])
+def test_a_taut_panel_with_joined_sides_is_in_pure_shear(stretch):
+    """Sides that go on cannot contract: the nominal stress of an incompressible Mooney-Rivlin sheet is
+    2 (C10 + C01) (stretch - 1/stretch^3) (R. S. Rivlin, Phil. Trans. R. Soc. A 241, 1948, 379).  1e-4: the
+    end of the stretch at the clamps counts as bent, which is 1e-5 in a sheet so thin and 1.2e-3 at 4 mm.
+    With free sides the middle contracts, and the pull is 0.8 of that."""
+    given = {"span_m": 0.33 * stretch, "gravity_m_per_s2": 0.0, "cells": (8, 2), "thickness_m": 0.0004}
+    panel, free = opened(**given, joined_sides=True), opened(**given)
+    expected_N = 2 * (C10_PA + C01_PA) * (stretch - stretch**-3) * 0.05 * 0.0004
+    assert -pull_N(panel, panel.initial()) == pytest.approx(expected_N, rel=1e-4)
+    assert -pull_N(free, free.initial()) < 0.9 * expected_N
+    for opened_panel in (panel, free):
+        opened_panel.close()
+
+
+def test_joined_sides_move_alike_and_take_no_momentum():
+    """Under a load on one side: both sides have the same velocity to the bit, and what weight, load and
+    clamps give is the momentum to rounding, also along y."""
+    given = plan(cells=(8, 2), joined_sides=True)
+    panel = opened(cells=(8, 2), joined_sides=True)
+    rest_m, interval_s, weight_N = (
+        panel.initial().surface.position_m,
+        1e-4,
+        given.mass_kg * given.gravity_m_per_s2,
+    )
+    force_N = np.zeros_like(rest_m)
+    force_N[5 * (len(rest_m) // 10)] = [0.3, 0.5, -2.0]
+    given_N_s = panel.account().momentum_kg_m_per_s
+    for k in range(50):
+        state = panel.advance(Interval(k, interval_s), shaken(panel, (k + 1) * interval_s), Load(force_N))
+        given_N_s += interval_s * (weight_N + force_N.sum(axis=0) - state.reaction.force_N.sum(axis=0))
+    found = panel.account().momentum_kg_m_per_s
+    np.testing.assert_allclose(found, given_N_s, rtol=0, atol=1e-12 * np.abs(found).max())
+    rows = state.surface.velocity_m_per_s.reshape(-1, 5, 3)
+    assert np.array_equal(rows[:, 0], rows[:, -1])
+    assert np.abs(rows[:, 0] - rows[:, 2]).max() > 1e-3
     panel.close()

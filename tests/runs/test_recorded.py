@@ -8,9 +8,11 @@ import h5py
 import numpy as np
 import pytest
 
+from orchestrator.case.recordings import turning
 from orchestrator.ports import Array
+from orchestrator.preflight.judge import load_judged
 from tests.panel.elastic_plans import difference
-from tests.runs.outside import QUICK, flipflow, left_usable, run_words, said_plainly, summary
+from tests.runs.outside import QUICK, ROOT, flipflow, left_usable, run_words, said_plainly, summary
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]
 SERIES = ("panel.cells=[12, 1]", "output.series_s=5e-4", "output.interval_s=0.01", *QUICK)
@@ -92,6 +94,20 @@ def test_particles_are_thrown_alike(tmp_path: Path) -> None:
     assert speeds[0] > 0.5
 
 
+@pytest.mark.parametrize("axis", ["[0, 1, 0]", "[0, 0, 2]"])
+def test_an_angle_counts_from_the_same_direction_wherever_the_force_starts(axis: str) -> None:
+    """A force that starts a quarter turn further on is one with a phase that is larger by a quarter turn."""
+    first, next_ = ("[0, 0, 1]", "[3, 0, 0]") if axis == "[0, 1, 0]" else ("[1, 0, 0]", "[0, 1, 0]")
+    shaft = "screen.exciters.shaft"
+    zeros_s = []
+    for start, phase_rad in ((first, 0.3 + np.pi / 2), (next_, 0.3)):
+        sets = [f"{shaft}.axis={axis}", f"{shaft}.start={start}", f"{shaft}.phase_rad={phase_rad!r}"]
+        machine = turning(load_judged(ROOT / "cases/empty-machine", "draft", sets).case)
+        assert machine is not None
+        zeros_s.append(machine.zero_s)
+    assert zeros_s[0] == pytest.approx(zeros_s[1], abs=1e-12)
+
+
 def test_what_does_not_fit_is_said(machine: tuple[Path, Path], tmp_path: Path) -> None:
     file = machine[0].parent / "panels.h5"
     base = ["check", "cases/empty-machine", "--level", "draft", "--set", "panel.solver=recorded"]
@@ -101,6 +117,9 @@ def test_what_does_not_fit_is_said(machine: tuple[Path, Path], tmp_path: Path) -
     thicker = flipflow(*base, "--set", "screen.panels.deck.thickness_m=0.005")
     assert thicker.returncode == 2
     assert "thickness_m = 0.005, the recorded one 0.004" in thicker.stderr
+    backwards = flipflow(*base, "--set", "screen.exciters.shaft.axis=[0, -1, 0]")
+    assert backwards.returncode == 2
+    assert "a shaft about (0, 1, 0) turned the recorded machine" in backwards.stderr
     gone = flipflow(*base, "--set", f"panel.recording={tmp_path / 'none.h5'}")
     assert (gone.returncode, "no such file" in gone.stderr) == (2, True)
     faster = flipflow(*base, "--set", "screen.exciters.shaft.speed_rad_per_s=90")
@@ -109,5 +128,5 @@ def test_what_does_not_fit_is_said(machine: tuple[Path, Path], tmp_path: Path) -
     assert (nothing.returncode, "no shapes were recorded" in nothing.stderr) == (2, True)
     empty = flipflow("record", "cases/double-deck", "--out", str(tmp_path / "again.h5"))
     assert (empty.returncode, "the case has no panels" in empty.stderr) == (2, True)
-    for done in (none, thicker, gone, nothing, empty):
+    for done in (none, thicker, backwards, gone, nothing, empty):
         said_plainly(done)

@@ -68,6 +68,9 @@ class CompiledSheet(CompiledBody):
             "received_J": np.zeros(2),
         }
         held = np.flatnonzero(np.isin(nodes, structure.held))
+        of_node = np.empty(len(nodes), dtype=np.int32)
+        of_node[nodes] = np.arange(len(nodes))
+        constants["joined"] = of_node[structure.joined].ravel()
         damping = plan.material.branches
         super().__init__(kernel.Sheet, step_s, vectors, mass_kg, held, damping, constants, memory)
         self.rest(resting_m[nodes])

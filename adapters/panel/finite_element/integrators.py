@@ -66,7 +66,7 @@ class StructureBody(SavedAttributes):
         structure.rest(resting_m)
         self.position_m = resting_m.copy()
         self.velocity_m_per_s = np.zeros_like(resting_m)
-        self.internal_N = structure.force_N(resting_m)
+        self.internal_N = structure.join(structure.force_N(resting_m))
 
     def stored_J(self) -> dict[str, float]:
         return self._structure.stored_J()
@@ -89,6 +89,7 @@ class Explicit(StructureBody):
     def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:
         """Go on to the interval's end, the held nodes along ``path``, under a constant ``outside_N``."""
         structure, held = self._structure, self.held
+        outside_N = structure.join(outside_N.copy())
         steps = interval.steps(self._step_s)
         step_s = interval.length_s / steps
         x, v = self.position_m, self.velocity_m_per_s
@@ -101,7 +102,7 @@ class Explicit(StructureBody):
             x += step_s * v
             x[held] = path.position_m(fraction)
             structure.begin_step(step_s)
-            self.internal_N = structure.force_N(x)
+            self.internal_N = structure.join(structure.force_N(x))
             structure.end_step()
             v += kick * (outside_N - self.internal_N)
             v[held] = path.velocity_m_per_s(fraction)

@@ -98,7 +98,7 @@ def perforate(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perfora
     box = flat.geometry.x[corners][:, :, :2]
     low, high = box.min(axis=1), box.max(axis=1)
     inside = np.clip(np.minimum(high, region[1]) - np.maximum(low, region[0]), 0.0, None)
-    share.x.array[:] = (inside / (high - low)).prod(axis=1)
+    share.x.array[:] = (1.0 - apertures.margin_share) * (inside / (high - low)).prod(axis=1)
     return Perforated(cell_stiffness(apertures, plan.thickness_m), apertures.solid_share, share)
 
 

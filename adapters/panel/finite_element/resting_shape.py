@@ -10,6 +10,7 @@ indefinite at first are no harder than taut ones.
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.optimize import brentq
 
@@ -74,7 +75,7 @@ def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Arr
     iteration moves the nodes by less than ``NEGLIGIBLE_MOVE``.  Raises SolverFailed if such positions cannot
     be found.
     """
-    free, size_m = structure.free, float(np.ptp(start_m, axis=0).max())
+    free, size_m = ~structure.fixed, float(np.ptp(start_m, axis=0).max())
     position, step_s, moved_m = start_m.copy(), FIRST_STEP_S, np.inf
     force = structure.force_N(position)
     for _ in range(ITERATIONS):
@@ -100,5 +101,5 @@ def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Arr
     )
 
 
-def _norm(force_N: Array, nodes: Indices) -> float:
-    return float(np.linalg.norm(force_N[nodes]))
+def _norm(force_N: Array, chosen: Indices | npt.NDArray[np.bool_]) -> float:
+    return float(np.linalg.norm(force_N[chosen]))

@@ -84,7 +84,16 @@ def sheet(plan: PanelPlan) -> tuple[Structure, ElementGrid, Indices]:
     membrane = law(plan, fem.Function(space), holes)
     bent = bending(plan, scalars, material_m, holes)
     added_kg = point_masses_kg(plan, grid, nodes)
-    return Structure(membrane, areal_mass_kg_per_m2, held, bent, added_kg), grid, nodes
+    joined = sides(plan, grid, nodes, held)
+    return Structure(membrane, areal_mass_kg_per_m2, held, bent, added_kg, joined), grid, nodes
+
+
+def sides(plan: PanelPlan, grid: ElementGrid, nodes: Indices, held: Indices) -> Indices | None:
+    """Return the pairs of free nodes at both sides, (pairs, 2), that explicit steps join, or None."""
+    if not plan.joined_sides or plan.integrator != "explicit":
+        return None
+    pairs = nodes.reshape(-1, 2 * len(grid.y_m) - 1)[:, [0, -1]]
+    return np.asarray(pairs[~np.isin(pairs[:, 0], held)])
 
 
 def point_masses_kg(plan: PanelPlan, grid: ElementGrid, nodes: Indices) -> Array:

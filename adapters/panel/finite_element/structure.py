@@ -99,7 +99,9 @@ class Structure:
     """The lumped mass, internal force and energy of a body.
 
     ``held`` are the prescribed nodes, ``tangent`` is the bilinear form of the material's stiffness at the
-    positions now in the law's field.  ``added_kg`` is the mass that is fixed to the nodes.
+    positions now in the law's field.  ``added_kg`` is the mass that is fixed to the nodes.  ``joined`` are
+    pairs of free nodes (pairs, 2) that move alike, opposite each other along y: the sides of a body that goes
+    on beyond them.  At rest, nothing moves them along y.
 
     Arrays of positions and forces have shape (nodes, 3).  A step is ``begin_step``, then any number of
     ``force_N`` at trial positions of its end, then ``end_step``, which accepts the positions given to
@@ -113,6 +115,7 @@ class Structure:
         held: Indices,
         bending: Bending | None = None,
         added_kg: Array | float = 0.0,
+        joined: Indices | None = None,
     ) -> None:
         self.space = law.position.function_space
         self.material_m: Array = self.space.tabulate_dof_coordinates()  # s, y, height
@@ -121,6 +124,11 @@ class Structure:
         self.free = np.setdiff1d(np.arange(len(self.mass_kg)), held)
         self.mobility_1_kg = np.zeros((len(self.mass_kg), 1))  # zero where held
         self.mobility_1_kg[self.free, 0] = 1.0 / self.mass_kg[self.free]
+        self.joined = np.empty((0, 2), dtype=np.int64) if joined is None else joined
+        self.mobility_1_kg[self.joined, 0] = 1.0 / self.mass_kg[self.joined].mean(axis=1, keepdims=True)
+        self.fixed = np.zeros((len(self.mass_kg), 3), dtype=bool)  # components of the nodes at rest
+        self.fixed[held] = True
+        self.fixed[self.joined, 1] = True
         self.bending = bending
         test, trial = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         work = ufl.derivative(sum(law.energy.values()), law.position, test)
@@ -151,6 +159,12 @@ class Structure:
         if self.bending:
             self.bending.add_force(position_m, force)
         return force
+
+    def join(self, force_N: Array) -> Array:
+        """Return forces (nodes, 3) of which nodes that move alike have equal shares."""
+        if len(self.joined):
+            force_N[self.joined] = force_N[self.joined].mean(axis=1, keepdims=True)
+        return force_N
 
     def end_step(self) -> None:
         for memory in self._memories:

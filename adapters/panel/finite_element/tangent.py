@@ -1,6 +1,8 @@
 """The tangent stiffness of a structure as a sparse matrix, and linear solves with it.
 
-Held nodes are taken out: their rows and columns are those of the unit matrix.
+Held nodes are taken out: their rows and columns are those of the unit matrix.  For solves, so are those of
+components that do not move at rest, along y where sides are joined.  Frequencies are those of free sides;
+none of joined sides is higher.
 """
 
 from __future__ import annotations
@@ -39,6 +41,7 @@ class Tangent:
         self._form = form(structure.tangent)
         self._bcs = [fem.dirichletbc(fem.Function(space), held)]
         self._matrix = fem_petsc.create_matrix(self._form)
+        self._guided = (3 * structure.joined.ravel() + 1).astype(np.int32)
         self._constant = None
         if structure.bending:
             self._constant = self._bending_matrix(structure.bending, held)
@@ -70,6 +73,8 @@ class Tangent:
     def factorise(self, mass_factor_1_s2: float, stiffness_factor: float) -> None:
         """Form and factorise  mass_factor M + stiffness_factor K."""
         self.assemble(mass_factor_1_s2, stiffness_factor)
+        if len(self._guided):
+            self._matrix.zeroRowsColumns(self._guided, 1.0)
         self._solver.setOperators(self._matrix)
         self._solver.setUp()
 
@@ -89,9 +94,9 @@ class Tangent:
         matrix.assemble()
 
     def solve(self, force_N: Array) -> Array:
-        """Return the displacement (nodes, 3) under ``force_N`` (nodes, 3), zero at the held nodes."""
+        """Return the displacement (nodes, 3) under ``force_N`` (nodes, 3), zero where none moves at rest."""
         self._right.array[:] = force_N.reshape(-1)
-        self._right.array.reshape(-1, 3)[self._structure.held] = 0.0
+        self._right.array.reshape(-1, 3)[self._structure.fixed] = 0.0
         self._solver.solve(self._right, self._left)
         moved: Array = self._left.array.reshape(-1, 3).copy()
         return moved

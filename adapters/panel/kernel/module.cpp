@@ -91,8 +91,10 @@ BoundSheet bind_sheet(py::kwargs given) {
   const MatrixEntries bending = {row, column, from.copied("entry", row.size())};
   SheetNodes of_nodes = {from.copied("mobility_1_kg", nodes), from.copied("mass_kg", nodes),
                          from.copied("weight_N", 3 * nodes), from.copied("flat_m", 3 * nodes),
-                         from.copied<int>("held")};
+                         from.copied<int>("held"), from.copied<int>("joined")};
   for (const int node : of_nodes.held) check_node(node, nodes, "held");
+  for (const int node : of_nodes.joined) check_node(node, nodes, "joined");
+  if (of_nodes.joined.size() % 2) throw py::value_error("joined: pairs of nodes wanted");
   Sheet body(grid, law, bending, Branches(ratio, from.copied("time_s", branches)), std::move(of_nodes));
   const SheetState state = {from.state("position_m", size),
                             from.state("velocity_m_per_s", size),

@@ -38,9 +38,10 @@ inline double largest_size(const double *numbers, int size) {
 
 // What the nodes of a sheet are: `mobility_1_kg` and `mass_kg` (nodes), `weight_N` and the positions
 // without bending, `flat_m`, (nodes, 3).  The motion of those `held`, of no mobility, is prescribed.
+// Those `joined` two by two, of equal mobility, move alike.
 struct SheetNodes {
   std::vector<double> mobility_1_kg, mass_kg, weight_N, flat_m;
-  std::vector<int> held;
+  std::vector<int> held, joined;
 };
 
 // A thin sheet in velocity Verlet: Explicit of adapters/panel/finite_element/integrators.py on the
@@ -96,6 +97,7 @@ class Sheet {
     branches_.set_step(step_s);
     for (int node = 0; node < points(); ++node)
       for (int c = 0; c < 3; ++c) outside_N_.data()[at(node, c)] = outside_N[3 * node + c];
+    join(outside_N_.data());
     double work_J = 0.0;
     for (int step = 1; step <= steps; ++step) {
       for (int i = 0; i < 3 * held(); ++i) {
@@ -204,10 +206,20 @@ class Sheet {
     }
   }
 
+  // Gives nodes that move alike equal shares of their forces (3, places).
+  void join(double *force_N) const {
+    for (size_t pair = 0; pair < nodes_.joined.size(); pair += 2)
+      for (int c = 0; c < 3; ++c) {
+        double &one = force_N[at(nodes_.joined[pair], c)], &other = force_N[at(nodes_.joined[pair + 1], c)];
+        one = other = 0.5 * (one + other);
+      }
+  }
+
   Works find_force(const SheetState &state) {
     Works works = {StepWork(branches_.count()), StepWork(branches_.count())};
     static const auto find_here = fitting(find_v4, find_v3, find_any);
     find_here(*this, state, works);
+    join(state.internal_N);
     return works;
   }
 

@@ -183,7 +183,7 @@ def remaining_shares(plan: PanelPlan, low_m: Array, high_m: Array) -> tuple[Arra
     region = pattern.region_m(plan.rectangle)
     inside_m = np.minimum(high_m, region[1, 0]) - np.maximum(low_m, region[0, 0])
     length = np.clip(inside_m, 0.0, None) / (high_m - low_m)
-    width = float(np.ptp(region[:, 1])) / plan.rectangle.width_m
+    width = (1 - pattern.margin_share) * float(np.ptp(region[:, 1])) / plan.rectangle.width_m
     cell = cell_stiffness(pattern, plan.thickness_m)
 
     def in_series(stiffness: Array) -> Array:

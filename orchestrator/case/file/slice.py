@@ -17,6 +17,7 @@ from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.bed import Bed, Filling
 from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.deck import Apertures
 from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.case.tables.quantities import Box
 from orchestrator.case.tables.screen import PanelTable, Screen
@@ -143,8 +144,7 @@ def _through_openings(case: Case) -> list[CaseProblem]:
         openings = panel.apertures
         if openings is None:
             continue
-        pitch_m = openings.pitch_across_m
-        most = int((panel.width_m - 2 * openings.margin_across_m) / pitch_m + 1e-6)
+        pitch_m, most = openings.pitch_across_m, _openings_across(panel, openings)
         pitches = width_m / pitch_m
         if abs(pitches - round(pitches)) > 1e-6 or pitches > most + 1e-6:
             what = f"{width_m:g} m is {pitches:.6g} pitches of the openings of panel {name}"
@@ -152,6 +152,11 @@ def _through_openings(case: Case) -> list[CaseProblem]:
             hint = f"take a whole number of at most {most}: {fitting * pitch_m:g} m is {fitting}"
             return [CaseProblem(("slice", "width_m"), what, hint)]
     return []
+
+
+def _openings_across(panel: PanelTable, openings: Apertures) -> int:
+    """Return how many openings lie side by side between a panel's margins."""
+    return int((panel.width_m - 2 * openings.margin_across_m) / openings.pitch_across_m + 1e-6)
 
 
 def _in_periodic(case: Case) -> list[CaseProblem]:
@@ -216,12 +221,19 @@ def _exciter(row: Exciter, part: float) -> Exciter:
 
 
 def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
-    """Return the part of a panel between ``y_m``, perforated from side to side."""
+    """Return the part of a panel between ``y_m``, perforated from side to side.
+
+    It counts as solid across in the same share of its width as the whole panel, so that it is as stiff and
+    as heavy as its part of that.
+    """
     x, _, z = row.corner_m
     corner_m = (x, y_m[0] if row.across[1] > 0 else y_m[1], z)
     update: dict[str, object] = {"corner_m": corner_m, "width_m": y_m[1] - y_m[0]}
     if row.apertures is not None:
-        update["apertures"] = row.apertures.model_copy(update={"margin_across_m": 0.0})
+        perforated_m = _openings_across(row, row.apertures) * row.apertures.pitch_across_m
+        perforated = (1.0 - row.apertures.margin_share) * perforated_m / row.width_m
+        openings = {"margin_across_m": 0.0, "margin_share": max(1.0 - perforated, 0.0)}
+        update["apertures"] = row.apertures.model_copy(update=openings)
     return row.model_copy(update=update)
 
 

@@ -34,6 +34,10 @@ class Apertures(Table):
     """Smallest length without openings before each clamp."""
     margin_across_m: NotNegative = 0.0
     """Smallest width without openings at each side."""
+    margin_share: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
+    """Share of the panel's width that counts as solid for its mass and stiffness although particles find
+    openings there.  A slice takes its part of the whole panel's margins in this way, in place of
+    ``margin_across_m``."""
 
 
 class Stop(Table):

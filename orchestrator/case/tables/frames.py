@@ -50,11 +50,22 @@ class Drive(Table):
     @property
     def largest_phase_rad(self) -> float:
         """The phase of the component with the largest amplitude, a translation where there is any."""
-        sizes, phases_rad = self.amplitude_m, self.phase_rad
-        if not any(sizes):
-            sizes, phases_rad = self.rotation_rad, self.rotation_phase_rad
-        size, phase_rad = max(zip(sizes, phases_rad, strict=True), key=lambda pair: abs(pair[0]))
+        size, phase_rad, _ = self._largest
         return phase_rad if size > 0 else phase_rad + math.pi
+
+    @property
+    def largest_component(self) -> str:
+        """The component with the largest amplitude in words, such as "along z" and "about y"."""
+        return self._largest[2]
+
+    @property
+    def _largest(self) -> tuple[float, float, str]:
+        """Amplitude, phase and name of the largest component, a translation where there is any."""
+        sizes, phases_rad, way = self.amplitude_m, self.phase_rad, "along"
+        if not any(sizes):
+            sizes, phases_rad, way = self.rotation_rad, self.rotation_phase_rad, "about"
+        names = (f"{way} {axis}" for axis in "xyz")
+        return max(zip(sizes, phases_rad, names, strict=True), key=lambda component: abs(component[0]))
 
 
 class Frame(Table):

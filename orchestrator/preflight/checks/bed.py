@@ -407,8 +407,7 @@ def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
         if more > MORE_OPENINGS:
             yield (
                 f"the slice has openings from side to side; the whole panel {name} has margins, so that "
-                f"{100 * more:.2g} % more openings than it has count for the whole width, and panels without "
-                "solid sides are softer: strokes may differ by several per cent"
+                f"{100 * more:.2g} % more openings than it has count for the whole width"
             )
             break
     low, high = y_m = bounds_m(case.whole_machine)
