@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.deck.triangle_grid import BadMesh, perforated_grid, quality, surface_grids
+from orchestrator.case.deck.triangle_grid import BadMesh, grid, perforated_grid, quality, surface_grids
 from orchestrator.case.solver_plans import mesh_sizes
 from orchestrator.cli.overview import overview
 from orchestrator.ports.geometry import AperturePattern, Rectangle
@@ -95,6 +95,13 @@ def test_every_edge_but_rims_and_borders_has_two_triangles() -> None:
     assert set(count) == {1, 2}
     points = len(np.unique(grid.triangles))
     assert points - len(unique) + len(grid.triangles) == 1 - len(FFS0827.centres_m(panel()))
+
+
+def test_the_centre_line_is_that_of_a_panel_without_openings() -> None:
+    """From clamp to clamp, so that the deck's length does not depend on the openings."""
+    with_openings, without = perforated_grid(panel(), FFS0827, (22, 8)), grid(panel(), (22, 8))
+    lines_m = (found.coordinates_m[found.centre_line] for found in (with_openings, without))
+    np.testing.assert_allclose(*lines_m, rtol=0, atol=1e-12)
 
 
 def test_the_same_twice_to_the_last_bit() -> None:

@@ -196,7 +196,7 @@ def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
         group = history["results"]
         efficiency = group["screening/efficiency_percent"]
         assert efficiency[()] == found["screening"]["efficiency_percent"]["value"]
-        assert (efficiency.attrs["unit"], efficiency.attrs["batches"]) == ("%", 16)  # 3 of 49 cycles each
+        assert (efficiency.attrs["unit"], efficiency.attrs["batches"]) == ("%", 10)  # 5 of 50 cycles each
         assert group["transport/passing/rate_kg_per_s_m"].attrs["unit"] == "kg/(s m)"
         assert group["screening/sections/2/exit"].asstr()[()] == "two"
         depth = group["bed/profile/depth_m"]

@@ -103,7 +103,7 @@ def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
 
 def test_another_version_of_a_recording_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "panels.h5"
-    recordings.write(file, recordings.File(78.5, {}))
+    recordings.write(file, recordings.File(78.5, "a shaft about (0, 1, 0)", {}))
     assert recordings.read(file).speed_rad_per_s == 78.5
     with h5py.File(file, "a") as opened:
         opened.attrs["format_version"] = 1

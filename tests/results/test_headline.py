@@ -28,12 +28,12 @@ def tiles_of(found: dict[str, Any]) -> dict[str, Tile]:
 def test_a_steady_run_says_from_how_much_its_figures_are(steady: dict[str, Any]) -> None:
     """Ten particles leave in a cycle, eight of them fine."""
     tiles = tiles_of(steady)
-    assert tiles["screening efficiency η"].over == "490 particles that left, 49 cycles, 3.92 s"
+    assert tiles["screening efficiency η"].over == "500 particles that left, 50 cycles, 4.00 s"
     recovered = tiles["fines recovered, of what came in"]
-    assert recovered.over == "392 fine particles that left, 49 cycles, 3.92 s"
-    assert tiles["feed"].over == "49 cycles, 3.92 s"
+    assert recovered.over == "400 fine particles that left, 50 cycles, 4.00 s"
+    assert tiles["feed"].over == "50 cycles, 4.00 s"
     load = tiles["load per area of the deck"]
-    assert load.over == "100 particles at 490 output times, 49 cycles, 3.92 s"
+    assert load.over == "100 particles at 500 output times, 50 cycles, 4.00 s"
     assert load.line == f"load per area of the deck: 12.539 ± 0.000 kg/m² (over {load.over})"
     assert not [tile.name for tile in tiles.values() if tile.unsteady]
 
@@ -97,7 +97,7 @@ def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
 def test_the_speed_of_a_shaft_with_a_motor_is_told(steady: dict[str, Any]) -> None:
     tiles = tiles_of(steady | {"motion": steady["motion"] | {"shafts": {"main": 77.23}}})
     assert tiles["speed of the shaft main"].line.startswith(
-        "speed of the shaft main: 77.2 rad/s (over 49 cycles"
+        "speed of the shaft main: 77.2 rad/s (over 50 cycles"
     )
 
 

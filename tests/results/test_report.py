@@ -124,7 +124,7 @@ def test_the_figures_of_the_page_are_the_results(folder: Path) -> None:
     assert "a warning of the log" in text
     if (folder / "particles.pvd").is_file():
         assert "screening efficiency η 79.262 %" in text
-        assert "49 cycles" in text
+        assert "50 cycles" in text
     else:
         assert "the case has no particles" in text
 

@@ -5,8 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.results.events import find_steady_state, find_truncation
+from orchestrator.output.results.events import (
+    Balance,
+    Events,
+    EventTable,
+    Exits,
+    SteadyState,
+    find_steady_state,
+    find_truncation,
+)
 from orchestrator.ports import Array
+
+
+def steady(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadyState:
+    """The steady state of a deck that is fed and emptied evenly within each cycle."""
+    held_kg = start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)])
+    return find_steady_state(Balance(fed_kg, out_kg, held_kg, (held_kg[1:] + held_kg[:-1]) / 2))
 
 
 def filling(cycles: int, residence: float, noise: float = 0.0) -> tuple[Array, Array]:
@@ -23,7 +37,7 @@ def filling(cycles: int, residence: float, noise: float = 0.0) -> tuple[Array, A
 def test_a_deck_that_fills_becomes_steady() -> None:
     """Without noise the least certain half goes; with it, a few residence times (next test)."""
     fed, out = filling(400, 20.0)
-    found = find_steady_state(fed, out, 0.0)
+    found = steady(fed, out, 0.0)
     assert found.reason == ""
     assert found.first == 200
     assert found.last == 400
@@ -33,7 +47,7 @@ def test_a_deck_that_fills_becomes_steady() -> None:
 
 def test_noise_does_not_hide_it() -> None:
     fed, out = filling(400, 20.0, noise=0.2)
-    found = find_steady_state(fed, out, 0.0)
+    found = steady(fed, out, 0.0)
     assert found.reason == ""
     assert 40 <= found.first <= 140  # after 2 residence times 14 % of the way remain, after 7 0.1
 
@@ -41,7 +55,7 @@ def test_noise_does_not_hide_it() -> None:
 @pytest.mark.parametrize("cycles", [30, 60])
 def test_a_deck_that_still_fills_is_not_steady(cycles: int) -> None:
     fed, out = filling(cycles, 40.0)
-    found = find_steady_state(fed, out, 0.0)
+    found = steady(fed, out, 0.0)
     assert "%" in found.reason
     assert (found.first, found.last) == (0, cycles)
     assert found.imbalance is not None
@@ -51,7 +65,7 @@ def test_a_deck_that_still_fills_is_not_steady(cycles: int) -> None:
 def test_the_imbalance_is_the_one_by_hand() -> None:
     """30 cycles, each 2 kg in and 1.97 kg out: 1.5 % is steady, 2.5 % is not."""
     for out_kg, is_steady in ((1.97, True), (1.95, False)):
-        found = find_steady_state(np.full(30, 2.0), np.full(30, out_kg), 5.0)
+        found = steady(np.full(30, 2.0), np.full(30, out_kg), 5.0)
         assert found.imbalance == pytest.approx((2.0 - out_kg) / 2.0)
         assert found.drift == pytest.approx((2.0 - out_kg) / 2.0)
         assert (found.reason == "") is is_steady
@@ -72,7 +86,7 @@ def fluctuating(seed: int, growth_kg: float = 0.0) -> tuple[Array, Array]:
 
 def test_a_few_large_stones_do_not_make_a_steady_deck_unsteady() -> None:
     """In less out is 1.5 % of the feed by chance, and so beyond 2 % in one run of six."""
-    found = [find_steady_state(*fluctuating(seed), 1.25) for seed in range(200)]
+    found = [steady(*fluctuating(seed), 1.25) for seed in range(200)]
     beyond = [each for each in found if abs(each.imbalance or 0.0) > 0.02]
     assert len(beyond) > 20
     told_by_imbalance = [each for each in found if "in less out" in each.reason]
@@ -81,12 +95,12 @@ def test_a_few_large_stones_do_not_make_a_steady_deck_unsteady() -> None:
 
 def test_a_deck_that_grows_beyond_chance_is_not_steady() -> None:
     """By a tenth of the feed, with the same fluctuations."""
-    found = [find_steady_state(*fluctuating(seed, growth_kg=0.1 * 60 * 0.085), 1.25) for seed in range(200)]
+    found = [steady(*fluctuating(seed, growth_kg=0.1 * 60 * 0.085), 1.25) for seed in range(200)]
     assert all(each.reason for each in found)
 
 
 def test_a_bed_that_holds_more_than_went_through() -> None:
-    found = find_steady_state(np.full(30, 1.0), np.full(30, 1.0), 100.0)
+    found = steady(np.full(30, 1.0), np.full(30, 1.0), 100.0)
     assert "residence" in found.reason
 
 
@@ -94,16 +108,29 @@ def test_a_feed_that_stops_ends_it() -> None:
     fed, out = filling(300, 10.0)
     fed = np.concatenate([fed, np.zeros(50)])
     out = np.concatenate([out, 10.0 * 0.1 * 0.9 ** np.arange(50)])
-    found = find_steady_state(fed, out, 0.0)
+    found = steady(fed, out, 0.0)
     assert found.reason == ""
     assert found.last == 300
 
 
 def test_batches_and_short_runs_are_not_steady() -> None:
-    assert "nothing is fed" in find_steady_state(np.zeros(100), np.ones(100), 200.0).reason
-    assert "20 are needed" in find_steady_state(np.ones(19), np.ones(19), 1.0).reason
+    assert "nothing is fed" in steady(np.zeros(100), np.ones(100), 200.0).reason
+    assert "20 are needed" in steady(np.ones(19), np.ones(19), 1.0).reason
 
 
 def test_truncation_of_a_step() -> None:
     """Sixty values of 0, then two hundred of 1: exactly the zeros go."""
     assert find_truncation(np.concatenate([np.zeros(60), np.ones(200)])) == 60
+
+
+def test_the_hold_up_of_a_cycle_is_its_mean_over_time() -> None:
+    """Particles of 2 kg that come after a quarter of each cycle and leave after three quarters: half of the
+    time the deck has 2 kg, and at all ends of cycles nothing."""
+    cycles, ones = np.arange(5), np.ones(5)
+    came = EventTable(cycles, 0.5 * (cycles + 0.25), 0.01 * ones, 2.0 * ones)
+    left = EventTable(
+        cycles, 0.5 * (cycles + 0.75), 0.01 * ones, 2.0 * ones, np.zeros((5, 3)), np.zeros(5, int)
+    )
+    balance = Events(came, left, Exits(("out",), ("oversize",)), 0.5 * np.arange(6.0)).balance
+    np.testing.assert_allclose(balance.mean_held_kg, ones)
+    assert not balance.held_kg.any()

@@ -42,10 +42,8 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> TriangleGrid:
     ``cells`` are the numbers of rectangles along the free length and across; each is cut into two
     triangles.  The diagonals alternate, so that the panel has no preferred direction.
     """
-    along, across = cells
-    free = np.linspace(0.0, rectangle.length_m, along + 1)
-    clamps = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
-    s = np.concatenate([[-c for c in clamps], free, [rectangle.length_m + c for c in clamps]])
+    across = cells[1]
+    s = _rows_m(rectangle, cells[0])
     y = np.linspace(0.0, rectangle.width_m, across + 1)
     rows = len(y)
     number = np.arange(len(s) * rows).reshape(len(s), rows)
@@ -55,6 +53,13 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> TriangleGrid:
     second = np.where(even[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))
     coordinates = np.column_stack([np.repeat(s, rows), np.tile(y, len(s))])
     return TriangleGrid(coordinates, np.vstack([first, second]).astype(np.int64), number[:, rows // 2])
+
+
+def _rows_m(rectangle: Rectangle, along: int) -> Array:
+    """Return the ends of ``along`` equal pieces of the free length, and the ends of clamps with a depth."""
+    free = np.linspace(0.0, rectangle.length_m, along + 1)
+    clamps = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
+    return np.concatenate([[-c for c in clamps], free, [rectangle.length_m + c for c in clamps]])
 
 
 REMEMBERED = 32  # shapes of panels: more than a case has
@@ -91,7 +96,7 @@ def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tup
     inner = _between_m(rectangle, apertures, size_m)
     points, triangles = _triangulate([border, *holes], inner)
     points, triangles = _add_clamps(rectangle, points, triangles)
-    s = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
+    s = _rows_m(rectangle, cells[0])
     line = np.column_stack([s, np.full(len(s), rectangle.width_m / 2)])
     result = TriangleGrid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
     _inspect(result, rectangle, len(holes) * _area_m2(outline))

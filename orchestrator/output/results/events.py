@@ -28,6 +28,7 @@ BATCH = "nothing is fed: a batch is never steady"
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
 FEWEST_CYCLES = 20
 LARGEST_IMBALANCE = 0.02
+ROUNDING = 1e-12  # of sums of masses
 CHANCE = 2 * 2**0.5  # times the scatter of the hold-up: two standard deviations of a difference of two
 
 
@@ -104,12 +105,21 @@ class SteadyState:
     drift: float | None = None
 
 
-def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadyState:
-    """Find the steady state from the mass balance.
+@dataclass(frozen=True)
+class Balance:
+    """The mass balance by whole cycles: the masses ``fed_kg`` and ``out_kg`` in each cycle, (cycles,) each,
+    the mass ``held_kg`` (cycles + 1,) in the machine at the edges of the cycles, and its mean over each
+    cycle, ``mean_held_kg`` (cycles,)."""
 
-    ``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole cycle, and ``start_kg`` is the mass
-    in the machine at the start.
-    """
+    fed_kg: Array
+    out_kg: Array
+    held_kg: Array
+    mean_held_kg: Array
+
+
+def find_steady_state(balance: Balance) -> SteadyState:
+    """Find the steady state from the mass balance."""
+    fed_kg, out_kg, held_kg = balance.fed_kg, balance.out_kg, balance.held_kg
     cycles = len(fed_kg)
     feeding = np.flatnonzero(fed_kg)
     if not len(feeding):
@@ -122,8 +132,7 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     if last - feeding[0] < FEWEST_CYCLES:
         fed = f"only {last - int(feeding[0])} cycles are fed before {end}"
         return SteadyState(0, cycles, f"{fed}; {FEWEST_CYCLES} are needed")
-    held_kg = hold_up_kg(fed_kg, out_kg, start_kg)
-    mean_kg = (held_kg[:last] + held_kg[1 : last + 1]) / 2
+    mean_kg = balance.mean_held_kg[:last]
     first = find_truncation(mean_kg)
     window = slice(first, last)
     in_kg, gone_kg = float(fed_kg[window].sum()), float(out_kg[window].sum())
@@ -136,18 +145,14 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     return SteadyState(first, last, "", imbalance, drift)
 
 
-def hold_up_kg(fed_kg: Array, out_kg: Array, start_kg: float) -> Array:
-    """Return the mass in the machine (cycles + 1,) at the edges of the cycles."""
-    return np.asarray(start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)]))
-
-
 def find_truncation(values: Array) -> int:
     """Return the number of first values to leave out by the marginal standard error rule.
 
     At most half of the values are left out, and at least ``FEWEST_CYCLES`` stay.
     """
     candidates = range(min(len(values) // 2, len(values) - FEWEST_CYCLES) + 1)
-    errors = [float(values[d:].var()) / (len(values) - d) for d in candidates]
+    rounding = (ROUNDING * float(np.abs(values).max())) ** 2  # a variance below is that of equal values
+    errors = [max(float(values[d:].var()), rounding) / (len(values) - d) for d in candidates]
     return int(np.argmin(errors))
 
 
@@ -193,12 +198,23 @@ class Events:
     feed_changes_s: tuple[float, ...] = ()
 
     @cached_property
-    def balance_kg(self) -> tuple[Array, Array, float]:
-        """The masses fed and removed in each cycle, (cycles,) each, and the mass at the start."""
+    def balance(self) -> Balance:
+        """The mass balance; a particle counts in the mean of the cycle in which it comes or leaves with the
+        share of the cycle that is left."""
         later = self.fed.time_s > 0
-        fed_kg = per_cycle(self.fed.time_s[later], self.fed.mass_kg[later], self.edges_s)[:, 0]
-        out_kg = per_cycle(self.removed.time_s, self.removed.mass_kg, self.edges_s)[:, 0]
-        return fed_kg, out_kg, float(self.fed.mass_kg[~later].sum())
+        came_s, came_kg = self.fed.time_s[later], self.fed.mass_kg[later]
+        left_s, left_kg = self.removed.time_s, self.removed.mass_kg
+        cycle_s = float(self.edges_s[1] - self.edges_s[0])
+
+        def by_cycle(time_s: Array, mass_kg: Array) -> tuple[Array, Array]:
+            rest = cycle_numbers(time_s, cycle_s) + 1 - time_s / cycle_s
+            parts = (per_cycle(time_s, kg, self.edges_s)[:, 0] for kg in (mass_kg, mass_kg * rest))
+            return next(parts), next(parts)
+
+        (fed_kg, fed_mean_kg), (out_kg, out_mean_kg) = by_cycle(came_s, came_kg), by_cycle(left_s, left_kg)
+        start_kg = float(self.fed.mass_kg[~later].sum())
+        held_kg = start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)])
+        return Balance(fed_kg, out_kg, held_kg, held_kg[:-1] + fed_mean_kg - out_mean_kg)
 
     @cached_property
     def steady(self) -> SteadyState:
@@ -206,7 +222,7 @@ class Events:
 
         The mass may balance although one feed stops and another one starts, which has other sizes.
         """
-        state = find_steady_state(*self.balance_kg)
+        state = find_steady_state(self.balance)
         inside_s = self.edges_s[[state.first + 1, state.last - 1]]
         changes_s = [at_s for at_s in self.feed_changes_s if inside_s[0] < at_s < inside_s[1]]
         if state.reason or not changes_s:

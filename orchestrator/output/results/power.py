@@ -59,6 +59,6 @@ def power_metrics(
 
 def _fed_kg(events: Events, number: Array) -> Array:
     """Return the mass fed in the cycles that end with the later ones of the ``number``-th cycles' ends."""
-    fed_kg = events.balance_kg[0]
+    fed_kg = events.balance.fed_kg
     summed_kg = np.concatenate([[0.0], np.cumsum(fed_kg)])
     return np.diff(summed_kg[np.minimum(number, len(fed_kg)).astype(int)])

@@ -15,7 +15,7 @@ import numpy as np
 
 from orchestrator.output.cycles import within
 from orchestrator.output.results.estimate import Estimate, counting_deviation, share
-from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, hold_up_kg, per_cycle
+from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, per_cycle
 from orchestrator.ports import Array, Indices
 
 FINE, COARSE = 0, 1
@@ -191,16 +191,16 @@ def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
 
 def _flows(events: Events, out_kg: Array) -> dict[str, Any]:
     """Return the mass rates and the hold-up, which is the mass that came and has not left."""
-    held_kg, length_s = hold_up_kg(*events.balance_kg), np.diff(events.edges_s)
-    flows = {"feed": events.balance_kg[0]}
+    balance, length_s = events.balance, np.diff(events.edges_s)
+    flows = {"feed": balance.fed_kg}
     flows |= {p: out_kg[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
     return {
         **{f"{name}_kg_per_s": events.rate(kg) for name, kg in flows.items()},
-        "hold_up_kg": events.ratio((held_kg[1:] + held_kg[:-1]) / 2, np.ones(len(length_s))),
+        "hold_up_kg": events.ratio(balance.mean_held_kg, np.ones(len(length_s))),
         "in_time": {
             "time_s": events.edges_s[1:],
             **{f"{name}_kg_per_s": kg / length_s for name, kg in flows.items()},
-            "hold_up_kg": held_kg[1:],
+            "hold_up_kg": balance.held_kg[1:],
         },
     }
 
