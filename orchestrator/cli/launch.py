@@ -44,7 +44,7 @@ from orchestrator.output.report.headline import headline, reasons_not_steady
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.judgement.account import Entry, account, lines_at_start
+from orchestrator.preflight.judgement.account import Entry, account, lines_at_start, recall
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import key_of, share_pairs
 from orchestrator.preflight.stability.report import stability_report
@@ -91,10 +91,12 @@ def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None
             _hold(folder, held, world)
             checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
             as_saved = load_judged(folder, None, overrides)
-            loaded = replace(as_saved, name=checkpoint.about["name"], level=checkpoint.about["level"])
+            about = checkpoint.about
+            left_out = {name: figures["left_out"] for name, figures in about["left_out"].items()}
+            loaded = replace(as_saved, name=about["name"], level=about["level"], left_out=left_out)
             _require_runnable(loaded)
             _require_same_case(loaded, world)
-            entries = account(loaded.described, loaded.left_out)
+            entries = recall(account(loaded.described, loaded.left_out), about["left_out"])
             warned = mpi.first_rank_does(world, lambda: _prepare_folder(folder, checkpoint, loaded, world))
             return _execute(loaded, entries, folder, world, checkpoint, warned)
         except Exception as error:

@@ -219,7 +219,7 @@ def _read_about(folder: Path) -> dict[str, Any]:
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         check_format(folder / ABOUT, about.get("format_version"), FORMAT)
-        for key in ("name", "level", "case", "files"):
+        for key in ("name", "level", "case", "files", "left_out"):
             about[key]
         for key in ORIGIN_KEYS:
             about["provenance"][key]

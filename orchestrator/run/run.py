@@ -173,7 +173,8 @@ class Run:
 
     @cached_property
     def _origin(self) -> dict[str, Any]:
-        return origin(self._loaded, self._folder, self._world)
+        left_out = {name: entry.figures() for name, entry in self._ending.effects.items() if entry.left_out}
+        return origin(self._loaded, self._folder, self._world) | {"left_out": left_out}
 
     def _record(
         self, recorder: Recorder, monitor: Monitor, before: State, state: State, done: int, steps: int

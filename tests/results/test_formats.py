@@ -90,7 +90,15 @@ def _set_version(file: Path, version: int | None) -> None:
 
 def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
     provenance = dict.fromkeys(checkpoints.ORIGIN_KEYS, 1)
-    about = {"name": "x", "level": "", "case": {}, "files": {}, "provenance": provenance, "good": 3}
+    about = {
+        "name": "x",
+        "level": "",
+        "case": {},
+        "files": {},
+        "left_out": {},
+        "provenance": provenance,
+        "good": 3,
+    }
     about |= {"sync_points": 3, "progress": {"figures": {"simulated_s": 0.1}}}
     checkpoints.write(tmp_path, {"place_m": np.zeros(3)}, [], about, None)
     found = checkpoints.find_newest(tmp_path)

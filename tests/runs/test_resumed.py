@@ -16,7 +16,7 @@ import pytest
 from orchestrator.cli import launch
 from orchestrator.cli.launch import resume
 from orchestrator.output import checkpoints
-from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
+from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, summary, wait_until
 from tests.runs.same_run import run_differences
 
 UNSAVED = ["checkpoint.every_s=0", "checkpoint.wall_min=0"]  # but at the end
@@ -297,3 +297,16 @@ def newest(folder: Path) -> str:
         if (folder / "checkpoints").is_dir() and checkpoint_folders(folder)
         else ""
     )
+
+
+def test_what_was_left_out_stays_named(tmp_path: Path) -> None:
+    """The folder's case has no motor, contact friction or run-up any more."""
+    case = ["motor-start", *QUICK, "effects=[]", "output.interval_s=0.01"]
+    folder = run(tmp_path / "run", case, ["duration_s=0.02"])
+    first = summary(folder)
+    assert resume(folder, ["duration_s=0.03"]) == launch.DONE
+    last = summary(folder)
+    assert {"motor-slip", "run-up", "sliding-friction"} <= set(first["left_out"])
+    assert last["left_out"] == first["left_out"]
+    for name in first["left_out"]:
+        assert last["effects"][name]["before"] == first["effects"][name]["before"]

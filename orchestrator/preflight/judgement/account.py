@@ -63,6 +63,20 @@ def account(
     return entries | {name: Entry(why, False) for name, why in left_out.items() if name not in entries}
 
 
+def recall(entries: Mapping[str, Entry], saved: Mapping[str, Mapping[str, Any]]) -> dict[str, Entry]:
+    """Return the entries of a run that goes on, with what it left out at its start.
+
+    The case in a run's folder no longer has the tables of effects that were left out by taking tables away.
+    ``saved`` are the figures of the entries of all effects that were left out.
+    """
+    return {**entries, **{name: _entry(figures) for name, figures in saved.items()}}
+
+
+def _entry(figures: Mapping[str, Any]) -> Entry:
+    before = figures["before"]
+    return Entry(figures["left_out"], figures["present"], None if before is None else Verdict(**before))
+
+
 def lines_at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
     """Yield a line for each effect that is left out, with the reason and the estimate."""
     for name, entry in entries.items():
