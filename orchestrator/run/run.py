@@ -173,7 +173,7 @@ class Run:
 
     @cached_property
     def _origin(self) -> dict[str, Any]:
-        left_out = {name: entry.figures() for name, entry in self._ending.effects.items() if entry.left_out}
+        left_out = {name: self._ending.effects[name].figures() for name in self._loaded.left_out}
         return origin(self._loaded, self._folder, self._world) | {"left_out": left_out}
 
     def _record(
