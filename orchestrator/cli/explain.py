@@ -39,10 +39,12 @@ def print_explanation(
 ) -> None:
     """Print the verdicts on all effects of a case without problems in its tables.
 
-    The measurements of a ``study`` of accuracy replace estimates.  So do the runs that were ``tried``,
+    The measurements of a ``study`` of accuracy replace estimates, unless the case has changed since.  So do
+    the runs that were ``tried``,
     with their changes of the results ``asked`` for.
     """
-    effects = _judge_with_measurements(loaded, study, tried, asked)
+    changes = [] if study is None else study.changes(loaded)
+    effects = _judge_with_measurements(loaded, None if changes else study, tried, asked)
     if as_json:
         print_json(explain_form(loaded, [*effects.values()]))
         return
@@ -56,6 +58,8 @@ def print_explanation(
     if narrow:
         console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
     lines = [] if tried is None else [*trial_lines(tried, asked)]
+    if study is not None and changes:
+        lines.append(f"not used: {study.file}, which is of the case before changes in {', '.join(changes)}")
     for line in (*lines, *summary_lines(loaded, [*effects.values()])):
         console.print(line, soft_wrap=True)
 

@@ -10,6 +10,7 @@ from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.accuracy.plan import Plan, find_study, predict_wall_s, time_by_study
 
+OTHER_CASE = "the study is of the case before changes in {}: its errors hold for that"
 UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 
@@ -46,9 +47,8 @@ def choose_settings(
 
 def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCase) -> bool:
     """Print the cheapest settings, and return whether they fit into the budget."""
-    other = [word for word in plan.study.table["sets"] if word not in overrides]
-    if other := [word for word in other if not word.startswith("duration_s=")]:
-        CONSOLE.print(f"warning: the study was made with {' '.join(other)}")
+    if changes := plan.study.changes(loaded):
+        CONSOLE.print(f"warning: {OTHER_CASE.format(', '.join(changes))}")
     chosen = plan.choice
     if chosen is None:
         least = min((settings.error for settings in plan.study.measured_candidates()), default=None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,9 @@ def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
     strip |= {"reference": "sheet", "processor_s": 2.0, "reference_processor_s": 5.0}
     strip |= {"error": {"deflection_m": error, "shape": 0.5, "rms_g": error / 2}}
     sheet = strip | {"variant": "sheet", "label": "sheet", "processor_s": 5.0, "error": {}}
-    return {"format_version": FORMAT, "case": case, "level": "draft", "models": [strip, sheet]}
+    read = load_judged(CASE, "draft").origin.read()
+    about = {"format_version": FORMAT, "case": case, "level": "draft", "read": read, "sets": []}
+    return about | {"models": [strip, sheet]}
 
 
 @pytest.mark.parametrize(("error", "matters"), [(0.03, False), (0.3, True)])
@@ -60,5 +63,18 @@ def test_explain_shows_it(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "measured:" in done.output
     assert "largest error" in done.output
+    other = ["--set", "materials.PU.density_kg_per_m3=900", "--set", "duration_s=0.1"]
+    done = CALL.invoke(app, ["explain", str(CASE), "--level", "draft", "--study", str(file), *other])
+    said = "before changes in materials.PU.density_kg_per_m3=900"
+    assert (done.exit_code, said in done.output, "measured:" in done.output) == (0, True, False)
     gone = CALL.invoke(app, ["explain", str(CASE), "--study", str(tmp_path / "none.json")])
     assert (gone.exit_code, "no such file" in gone.output) == (2, True)
+
+
+def test_a_study_tells_what_has_changed_in_its_case(tmp_path: Path) -> None:
+    folder = shutil.copytree(CASE, tmp_path / CASE.name)
+    there = StoredStudy(Path(), study())
+    assert there.changes(load_judged(folder, "draft", ["duration_s=3"])) == []
+    file = folder / "levels/draft.toml"
+    file.write_text(file.read_text() + "\n[monitor]\nlargest_overlap = 0.3\n")
+    assert there.changes(load_judged(folder, "draft")) == ["monitor"]

@@ -40,6 +40,7 @@ def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -
         "case": case,
         "level": level,
         "sets": [],
+        "read": load_judged(ROOT / "cases/quickstart", "draft").origin.read(),
         "chance": chance,
         "judged_by": ["frame_m"],
         "remaining": {"frame_m": 0.01},

@@ -22,6 +22,7 @@ from scipy.optimize import brentq
 from orchestrator.case import solvers
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.layers import find_changes
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, full_width_m
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.output.cycles import cycle_s
@@ -37,7 +38,7 @@ from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens
 
 NAME = "accuracy.json"
-FORMAT = 1
+FORMAT = 2
 """Version of this file, which holds for its keys and for what its numbers mean."""
 
 
@@ -78,6 +79,25 @@ class StoredStudy:
         """Whether nothing happened in the study, so that its errors promise nothing."""
         base = [one for one in self.table["points"] if one.get("point") == BASE]
         return bool(base) and not any(happens(one) for one in base)
+
+    def changes(self, loaded: JudgedCase) -> list[str]:
+        """Return the dotted keys and the files of the case, and the overrides, that differ from the study's.
+
+        A run may be longer or shorter than the study.
+        """
+        before, now = self.table["read"], loaded.origin.read()
+        level = loaded.level
+        parts = (
+            (before["given"], now["given"]),
+            (before["levels"].get(level), now["levels"].get(level)),
+            (before["files"], now["files"]),
+        )
+        differing = [".".join(key) for one, other in parts for key in find_changes(one, other)]
+        overrides = set(self.table["sets"]) ^ set(now["overrides"])
+        return [
+            *dict.fromkeys(differing),
+            *(word for word in sorted(overrides) if not word.startswith("duration_s=")),
+        ]
 
     def measured_candidates(self) -> list[Candidate]:
         """Return the measured points, with their errors at the upper end of their confidence intervals.

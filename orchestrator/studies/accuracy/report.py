@@ -128,6 +128,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
         "format_version": FORMAT,
         "case": study.loaded.name,
         "level": study.loaded.level,
+        "read": study.loaded.origin.read(),
         "sets": list(study.request.study.sets),
         "shared": list(study.shared),
         "duration_s": base.metrics[0].summary["simulated_s"],
