@@ -40,8 +40,7 @@ def print_explanation(
     """Print the verdicts on all effects of a case without problems in its tables.
 
     The measurements of a ``study`` of accuracy replace estimates, unless the case has changed since.  So do
-    the runs that were ``tried``,
-    with their changes of the results ``asked`` for.
+    the runs that were ``tried``, with their changes of the results ``asked`` for.
     """
     changes = [] if study is None else study.changes(loaded)
     effects = _judge_with_measurements(loaded, None if changes else study, tried, asked)

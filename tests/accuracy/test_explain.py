@@ -66,7 +66,7 @@ def test_explain_shows_it(tmp_path: Path) -> None:
     other = ["--set", "materials.PU.density_kg_per_m3=900", "--set", "duration_s=0.1"]
     done = CALL.invoke(app, ["explain", str(CASE), "--level", "draft", "--study", str(file), *other])
     said = "before changes in materials.PU.density_kg_per_m3=900"
-    assert (done.exit_code, said in done.output, "measured:" in done.output) == (0, True, False)
+    assert (done.exit_code, said in done.output, "largest error" in done.output) == (0, True, False)
     gone = CALL.invoke(app, ["explain", str(CASE), "--study", str(tmp_path / "none.json")])
     assert (gone.exit_code, "no such file" in gone.output) == (2, True)
 
