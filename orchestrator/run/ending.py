@@ -25,6 +25,7 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry, lines_at_end
+from orchestrator.preflight.judgement.catalogue import why_left_out
 from orchestrator.preflight.stability.report import StabilityReport
 from orchestrator.run.progress import Progress
 
@@ -122,14 +123,23 @@ class Ending:
         """Judge the effects again by the records of the run, and report the verdicts.
 
         If the run failed, the verdicts go to the log only: the last lines on the console then say why
-        the run failed and how to go on.
+        the run failed and how to go on.  The case of a run that goes on no longer describes what was left
+        out by taking tables away, so that nothing can be judged of that.
         """
-        after = check_effects_by_run(self.effects, self.loaded.described, self.folder, figures["results"])
+        told = {name: entry for name, entry in self.effects.items() if not self._is_gone(name, entry)}
+        judged = check_effects_by_run(told, self.loaded.described, self.folder, figures["results"])
+        after = {name: judged.get(name, entry) for name, entry in self.effects.items()}
         figures["effects"] = {name: entry.figures() for name, entry in after.items()}
         for line in lines_at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
             if figures["status"] != "failed":
                 self.console.print(line)
+
+    def _is_gone(self, name: str, entry: Entry) -> bool:
+        loaded = self.loaded
+        return (
+            bool(entry.left_out) and loaded.choice.described is None and not why_left_out(loaded.case, name)
+        )
 
 
 def _record_error(failed: dict[str, str], part: str) -> AbstractContextManager[None]:

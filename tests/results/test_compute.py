@@ -237,6 +237,26 @@ def thinned(folder: Path, kinds: tuple[str, ...], every: int) -> Path:
     return folder
 
 
+def test_a_row_between_output_times_counts_in_no_mean(tmp_path: Path, found: dict[str, Any]) -> None:
+    """A run that was stopped between two output times, and resumed, has one."""
+    folder = folder_of(tmp_path / "resumed")
+    with h5py.File(folder / "history.h5", "a") as history:
+        for group in (history["profile"], history["bed"], history["held"]):
+            time_s = group["time_s"][:]
+            row = int(np.searchsorted(time_s, 40 * CYCLE_S))
+            for name in list(group):
+                if name == "along_m" or len(group[name]) != len(time_s):
+                    continue
+                rows = group[name][:]
+                more = (time_s[row - 1] + time_s[row]) / 2 if name == "time_s" else 100 * rows[row]
+                del group[name]
+                group[name] = np.insert(rows, row, more, axis=0)
+    resumed = compute_results(folder)
+    assert resumed["bed"]["on_deck_kg"] == found["bed"]["on_deck_kg"]
+    assert resumed["bed"]["particles"] == found["bed"]["particles"]
+    assert resumed["held"] == found["held"]
+
+
 def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(
     tmp_path: Path, found: dict[str, Any]
 ) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.output.cycles import cycle_numbers, within
+from orchestrator.output.cycles import cycle_numbers
 from orchestrator.output.records.deck_record import bins_m
 from orchestrator.output.results.estimate import mean_by_cycles, ratio_by_cycles, share
 from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, EventTable, per_cycle
@@ -24,7 +24,7 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
     Velocities are means by mass.  Only a steady bed has confidence intervals.
     """
     time_s = run.read("profile/time_s")
-    window = within(time_s, start_s, end_s, run.cycle_s)
+    window = run.output_rows("profile", start_s, end_s)
     mass_kg, velocity_m_per_s, depth_m = (
         np.nan_to_num(run.read(f"profile/{name}")[window])
         for name in ("mass_kg", "velocity_m_per_s", "depth_m")
@@ -36,7 +36,7 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
     nowhere = np.full(len(in_bin_kg), np.nan)
     return {
         "output_times": int(window.sum()),
-        "particles": float(run.read_between("bed", "particles", start_s, end_s).mean()),
+        "particles": float(run.read("bed/particles")[run.output_rows("bed", start_s, end_s)].mean()),
         "on_deck_kg": mean_by_cycles(on_deck_kg, cycle, is_steady),
         "load_kg_per_m2": mean_by_cycles(on_deck_kg / deck_area_m2(run), cycle, is_steady),
         "velocity_m_per_s": ratio_by_cycles(momentum.sum(axis=1), on_deck_kg, cycle, is_steady),
@@ -64,11 +64,11 @@ def deck_area_m2(run: RunReader) -> float:
 
 def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
     """Return the means of stickers and blinded openings over the output times in a window."""
-    time_s = run.read_between("held", "time_s", start_s, end_s)
-    cycle = cycle_numbers(time_s, run.cycle_s, start_s)
+    window = run.output_rows("held", start_s, end_s)
+    cycle = cycle_numbers(run.read("held/time_s")[window], run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     return {
-        name: mean_by_cycles(run.read_between("held", series, start_s, end_s), cycle, is_steady)
+        name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady)
         for name, series in names.items()
     }
 

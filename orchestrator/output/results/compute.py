@@ -152,7 +152,7 @@ def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> No
         return
     steady = table.get("steady", {"start_s": 0.0, "end_s": run.end_s, "is_steady": False})
     start_s, end_s = steady["start_s"], steady["end_s"]
-    time_s = run.read_between("profile", "time_s", start_s, end_s)
+    time_s = run.read("profile/time_s")[run.output_rows("profile", start_s, end_s)]
     if why := phases_missed(time_s, run.cycle_s if run.is_driven else None):
         table["missing"]["bed"] = why
         return

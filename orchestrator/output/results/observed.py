@@ -55,9 +55,7 @@ def check_effects_by_run(
     table = dict(entries)
     for name, entry in entries.items():
         what = EFFECTS[name].checked_by
-        if entry.before is None or not what or not EFFECTS[name].is_described(described):
-            continue
-        if getattr(observed.observed, what) is not None:
+        if entry.before is not None and what and getattr(observed.observed, what) is not None:
             table[name] = replace(entry, after=EFFECTS[name].judge(observed))
     return table
 

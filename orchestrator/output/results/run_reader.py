@@ -11,6 +11,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.case.deck.line import DeckLine, deck_line
 from orchestrator.case.deck.openings import smaller_sides_m
@@ -165,6 +166,20 @@ class RunReader:
         """Return the rows of a dataset that are later than ``start_s`` and not later than ``end_s``."""
         time_s = self.read(f"{group}/time_s")
         return self.read(f"{group}/{name}")[within(time_s, start_s, end_s, self.cycle_s)]
+
+    def output_rows(self, group: str, start_s: float, end_s: float) -> npt.NDArray[np.bool_]:
+        """Return the mask of a group's rows at output times later than ``start_s`` and up to ``end_s``.
+
+        A run also writes a row where it ends, and goes on from there if it is resumed.  Such a row is left
+        out between output times, unless there are no others: it would count as much as a whole interval.
+        """
+        time_s = self.read(f"{group}/time_s")
+        inside = within(time_s, start_s, end_s, self.cycle_s)
+        if len(time_s) < 3:
+            return inside
+        number = (time_s - time_s[0]) / np.median(np.diff(time_s))
+        even = inside & (np.abs(number - np.round(number)) < 1e-3)
+        return even if even.any() else inside
 
     def read_cycles(self, group: str, start_s: float, end_s: float) -> dict[str, Array]:
         """Return the columns of a group of ``point_cycles`` or ``panel_cycles`` for the cycles in a span.
