@@ -154,9 +154,13 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
     },
     "panels": {
         "middle_amplitude": ("largest half range of a probe on a panel / m", 1e-6, _middle),
-        "rms_g": ("acceleration of probes on panels, root mean square / g", 1e-3, _mean(_POINTS, "rms_g")),
+        "rms_g": (
+            "acceleration, mean of the probes on panels, root mean square / g",
+            1e-3,
+            _mean(_POINTS, "rms_g"),
+        ),
         "peak_g": (
-            "acceleration of probes on panels, peak in a cycle / g",
+            "acceleration, mean of the probes on panels, peak in a cycle / g",
             1e-2,
             _mean(_POINTS, "cycle_peak_g"),
         ),

@@ -148,13 +148,16 @@ def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> No
     if not has_particles(run.case):
         return
     if not run.has("profile"):
-        table["missing"]["bed"] = "the panels form no deck in which one follows the other"
+        along_deck = ("bed", "held", "passing", "velocity by residence time")
+        table["missing"] |= dict.fromkeys(
+            along_deck, "the panels form no deck in which one follows the other"
+        )
         return
     steady = table.get("steady", {"start_s": 0.0, "end_s": run.end_s, "is_steady": False})
     start_s, end_s = steady["start_s"], steady["end_s"]
     time_s = run.read("profile/time_s")[run.output_rows("profile", start_s, end_s)]
     if why := phases_missed(time_s, run.cycle_s if run.is_driven else None):
-        table["missing"]["bed"] = why
+        table["missing"] |= {"bed": why, "held": why}
         return
     times = (start_s, end_s, steady["is_steady"])
     table["bed"] = bed_metrics(run, *times)
