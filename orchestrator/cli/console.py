@@ -35,8 +35,14 @@ def reported_errors() -> Iterator[None]:
         code = _code(error)
         if code is None:
             raise
-        ERRORS.print(TOO_LARGE if isinstance(error, MemoryError) else str(error))
+        ERRORS.print(TOO_LARGE if isinstance(error, MemoryError) else _in_words(error))
         raise typer.Exit(code) from None
+
+
+def _in_words(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
 
 
 def _code(error: Exception) -> int | None:

@@ -128,5 +128,10 @@ def test_what_does_not_fit_is_said(machine: tuple[Path, Path], tmp_path: Path) -
     assert (nothing.returncode, "no shapes were recorded" in nothing.stderr) == (2, True)
     empty = flipflow("record", "cases/double-deck", "--out", str(tmp_path / "again.h5"))
     assert (empty.returncode, "the case has no panels" in empty.stderr) == (2, True)
-    for done in (none, thicker, backwards, gone, nothing, empty):
+    other = tmp_path / "bed.h5"
+    other.write_text("no recording")
+    taken = flipflow("record", str(machine[0]), "--out", str(other))
+    assert (taken.returncode, taken.stderr.startswith(f"{other}: exists already")) == (2, True)
+    assert other.read_text() == "no recording"
+    for done in (none, thicker, backwards, taken, gone, nothing, empty):
         said_plainly(done)
