@@ -25,7 +25,7 @@ from orchestrator.case.deck.panels import (
     unit_vector,
 )
 from orchestrator.case.file.bushing_curve import elements_of
-from orchestrator.case.file.slice import period_m
+from orchestrator.case.file.slice import joins_sides, period_m
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
 from orchestrator.ports import Array
@@ -231,7 +231,7 @@ def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> 
             playback=(playbacks or {}).get(panel.name),
             stops=planned_stops(case, panel),
             point_masses=sensors(case, panel),
-            joined_sides=period_m(case) > 0,
+            joined_sides=joins_sides(case, panel.rectangle.length_m),
         )
         for panel in single_panels(case)
     )

@@ -142,9 +142,9 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *bed.other_densities(case),
         *bed.narrow_beds(case),
         *bed.soft_contacts(loaded.described),
+        *bed.rounded_counts(case),
         *panels.other_speed(case, loaded.folder),
         *bed.doubtful_slice(case, loaded.folder),
-        *panels.free_sides(case),
         *panels.machine_memory(case),
         *loaded.choice.lacking,
     ]

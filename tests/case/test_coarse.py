@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.case.bed.adhesion import sjkr_diameter_m
 from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.output.records.run_folder import resolved_case
+from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from tests.case.test_apertures import SLOTTED
 from tests.cases import BLOCK, CASE, FEED, case_folder, load_case, only_complaint
@@ -50,11 +52,30 @@ def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
         assert large.mass_fraction == small.mass_fraction
 
 
+def test_a_mass_that_whole_numbers_change_is_told(tmp_path: Path) -> None:
+    """40 particles are 5 coarse ones, 12 are 1.5, and 2 are computed."""
+    for count, said in (
+        (40, []),
+        (12, ["1.5 of its particles would have its mass here, and 2 are computed"]),
+    ):
+        found = warnings(of(tmp_path / str(count), BED.replace("count=64", f"count={count}"), COARSE))
+        told = [line for line in found if "its mass changes" in line]
+        assert [one in line for one, line in zip(said, told, strict=True)] == [True] * len(said)
+
+
+def test_the_diameter_of_the_pull_off_grows_with_the_particles(tmp_path: Path) -> None:
+    """The strength of sjkr is then that of the fine particles: the force grows as k squared, as JKR's."""
+    given = [BED, WET, "particles.sjkr_diameter_m=0.006"]
+    fine, coarse = (of(tmp_path, *given, *more).case for more in ([], [COARSE]))
+    assert sjkr_diameter_m(coarse) == 2 * sjkr_diameter_m(fine) == 0.012
+
+
 def test_the_resolved_case_is_the_same_case(tmp_path: Path) -> None:
-    first = of(tmp_path, BED, WET, COARSE)
+    first = of(tmp_path, BED, WET, COARSE, "particles.sjkr_diameter_m=0.006")
     again = load_judged(case_folder(tmp_path / "again", resolved_case(first)))
     assert again.case.bed == first.case.bed  # and not coarser still
     assert again.case.contacts == first.case.contacts
+    assert again.case.particles == first.case.particles
     assert resolved_case(again) == resolved_case(first)
 
 

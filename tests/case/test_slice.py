@@ -11,6 +11,7 @@ from orchestrator.case.deck.panels import walls
 from orchestrator.case.file.slice import cut_triangles, share
 from orchestrator.case.solver_plans import panel_plans, particles_plan
 from orchestrator.preflight.check import warnings
+from orchestrator.preflight.effects.full_width import left_out
 from orchestrator.preflight.judge import load_judged
 from tests.cases import BLOCK, FEED, loaded, only_complaint
 from tests.runs.outside import ROOT
@@ -170,15 +171,24 @@ def test_a_slice_with_more_openings_than_its_part_of_the_width_is_warned_of() ->
     assert "8.1 % more openings" in said[0]
 
 
-def test_narrow_panels_with_free_sides_are_warned_of(tmp_path: Path) -> None:
-    """Panels of the case are 0.2 m wide."""
-    narrow = ["slice.width_m=0.1"]
-
-    def warned(*settings: str) -> bool:
-        return any("free sides" in line for line in warnings(loaded(tmp_path, list(settings))))
-
-    assert warned(*narrow, "panel.solver=solid")
-    assert warned('slice={width_m=0.1, sides="walls"}', "panel.solver=sheet")
-    assert not warned(*narrow, "panel.solver=sheet")
-    assert not warned(*narrow, "panel.solver=strip")
-    assert not warned("slice.width_m=0.2", "panel.solver=solid")
+@pytest.mark.parametrize(
+    ("widths_over_lengths", "sets", "said"),
+    [
+        (4, ["panel.solver=sheet"], "up to 8 % stiffer"),  # 4/3 over 1.236
+        (4, ["panel.solver=sheet", 'slice={width_m=0.02, sides="walls"}'], "up to 19 % softer"),
+        (4, ["panel.solver=strip"], ""),
+        (1, ["panel.solver=sheet"], "up to 6 % softer"),  # its sides are free
+        (0.1, ["panel.solver=sheet"], ""),
+    ],
+)
+def test_what_a_slice_does_to_the_stiffness_of_sheets_is_told(
+    tmp_path: Path, widths_over_lengths: float, sets: list[str], said: str
+) -> None:
+    length_m = loaded(tmp_path).case.screen.panels["deck"].length_m
+    width_m = widths_over_lengths * length_m
+    wide = [
+        f"screen.panels.deck.width_m={width_m}",
+        f"bed.particles.ball.position_m=[0.15, {width_m / 2}, 0.1]",
+    ]
+    text = left_out(loaded(tmp_path, ["slice.width_m=0.02", *wide, *sets]).case)
+    assert (said in text) if said else text.endswith("middle of the width")

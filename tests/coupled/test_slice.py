@@ -32,12 +32,13 @@ def moved_m(folder: Path, settings: Sequence[str]) -> Array:
 
 def test_sheets_of_slices_of_any_width_move_alike(tmp_path: Path) -> None:
     """Their sides are joined, so that they do not contract across.  Sides are free to turn, which a sheet
-    of 1 mm hardly feels: 3e-4, 2e-4 by measurement.  Free sides make 4 %."""
+    of 1 mm hardly feels: 2e-3, 1.3e-3 by measurement.  Free sides make more than ten times as much."""
     settings = ["panel.solver=sheet", "panel.cells=[6, 2]", "screen.panels.deck.thickness_m=0.001"]
+    settings += ["screen.panels.deck.width_m=0.4", "frames.solver=two-mass"]  # 2.7 times as wide as long
     narrow, wide = (moved_m(tmp_path, [*settings, f"slice.width_m={width_m}"]) for width_m in (0.02, 0.09))
-    np.testing.assert_allclose(narrow, wide, rtol=0.0, atol=3e-4 * np.abs(wide).max())
+    np.testing.assert_allclose(narrow, wide, rtol=0.0, atol=2e-3 * np.abs(wide).max())
     walls = moved_m(tmp_path, [*settings, 'slice={width_m=0.02, sides="walls"}'])
-    assert np.abs(walls - wide).max() > 1e-2 * np.abs(wide).max()
+    assert np.abs(walls - wide).max() > 2e-2 * np.abs(wide).max()
 
 
 @pytest.mark.parametrize("frames", ["two-mass", "exudyn"])

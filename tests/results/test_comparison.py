@@ -68,6 +68,14 @@ def test_what_a_run_does_not_resolve_is_the_same() -> None:
     assert judge_difference(one, two) == SAME
 
 
+def test_a_difference_that_intervals_show_is_told_however_small() -> None:
+    slow, fast = (Result("x", value, 5e-5, "m/s", floor=1e-3) for value in (8e-4, 1.6e-3))
+    assert judge_difference(slow, fast) == MORE
+    assert (
+        judge_difference(*(Result("x", value, None, "m/s", floor=1e-3) for value in (0.1624, 0.1628))) == SAME
+    )
+
+
 def test_single_numbers_of_results() -> None:
     table = {"a": {"b_m": [1.0, 2.0, 3.0]}, "c": estimate(4.0, 0.5), "rows": [{"exit": "one", "d": 5.0}]}
     assert dict(single_numbers(table | {"text": "no", "curve": [1.0, 2.0]})) == {

@@ -37,7 +37,10 @@ def coarsen(case: Case) -> Case:
     if problems := [*_single_particles(case), *_across_openings(case)]:
         raise CaseError(problems)
     contacts = tuple(row.times(k, "work_of_adhesion_J_per_m2") for row in case.contacts)
-    return case.computed_with({"bed": _bed(case.bed, k), "contacts": contacts})
+    particles = case.particles
+    if particles.sjkr_diameter_m is not None:
+        particles = particles.times(k, "sjkr_diameter_m")
+    return case.computed_with({"bed": _bed(case.bed, k), "contacts": contacts, "particles": particles})
 
 
 def _single_particles(case: Case) -> list[CaseProblem]:

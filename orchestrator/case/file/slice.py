@@ -67,6 +67,46 @@ def period_m(case: Case) -> float:
     return case.slice.width_m if case.slice is not None and case.slice.sides == "periodic" else 0.0
 
 
+WIDE = 2.0  # widths over lengths from which panels of a slice have joined sides (docs/measured/feed.md)
+WIDTHS_OVER_LENGTHS = 0.0, 0.33, 0.67, 1.0, 1.33, 2.0, 2.67, 4.0, 8.0
+STIFFENING = (
+    1.0,
+    1.023,
+    1.046,
+    1.072,
+    1.099,
+    1.150,
+    1.189,
+    1.236,
+    1.287,
+)  # of sheets with free sides, measured
+PURE_SHEAR = 4 / 3  # the stiffness of a sheet that cannot contract across, over that of a narrow one
+
+
+def joins_sides(case: Case, length_m: float) -> bool:
+    """Return whether both sides of a panel of the slice move alike, as its free length is ``length_m``.
+
+    They do where sides are periodic and the whole panel is so wide that its middle hardly contracts across.
+    """
+    if not period_m(case) or case.slice is None:
+        return False
+    low, high = full_width_m(case.whole_machine)
+    width_m = high - low
+    return case.slice.width_m < width_m * (1 - 1e-9) and width_m >= WIDE * length_m
+
+
+def stretched_stiffness_error(case: Case, length_m: float, joined: bool) -> float:
+    """Return how much stiffer the slice's part of a sheet is in stretch than that of the whole sheet.
+
+    The sheet has a free length of ``length_m``; negative is softer.  Openings make it less.
+    """
+    assert case.slice is not None
+    low, high = full_width_m(case.whole_machine)
+    widths_m = np.array([case.slice.width_m, high - low])
+    part, whole = np.interp(widths_m / length_m, WIDTHS_OVER_LENGTHS, STIFFENING)
+    return float((PURE_SHEAR if joined else part) / whole - 1)
+
+
 def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Array, Indices]:
     """Cut a rigid surface, points (n, 3) and triangles (m, 3), to the slice of a case.
 

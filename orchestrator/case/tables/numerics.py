@@ -83,8 +83,8 @@ class ParticlesSolver(Table):
     """Law of adhesion (docs/theory/adhesion.md).  By default, it is jkr if contacts have a work of
     adhesion."""
     sjkr_diameter_m: Positive | None = None
-    """Diameter at which ``sjkr`` has the true pull-off force.  By default, it is the geometric mean of the
-    smallest and the largest diameter."""
+    """Diameter of real particles at which ``sjkr`` has the true pull-off force.  By default, it is the
+    geometric mean of the smallest and the largest diameter."""
     rolling: Literal["none", "cdt", "epsd2"] = "epsd2"
     """Law of rolling friction for contacts that have some.  cdt: constant torque.  epsd2:
     elastic-plastic."""

@@ -119,18 +119,22 @@ class Comparison:
 
 
 def judge_difference(one: Result, other: Result) -> str:
-    """Return whether two results are the same, or differ within or by more than chance."""
-    difference = abs(other.value - one.value)
-    if difference <= max(one.floor, EQUAL * max(abs(one.value), abs(other.value))):
+    """Return whether two results are the same, or differ within or by more than chance.
+
+    Values that runs do not resolve are the same; without intervals, so are values that differ by less than
+    runs resolve.
+    """
+    difference, largest = abs(other.value - one.value), max(abs(one.value), abs(other.value))
+    if largest <= one.floor or difference <= EQUAL * largest:
         return SAME
     if one.half_width is None or other.half_width is None:
-        return UNKNOWN
+        return SAME if difference <= one.floor else UNKNOWN
     return MORE if difference > math.hypot(one.half_width, other.half_width) else BY_CHANCE
 
 
 def _change(first: Result, other: Result) -> float:
-    """Return the difference of two results over the size of the first; 0 for the same."""
-    if judge_difference(first, other) == SAME:
+    """Return the difference of two results over the size of the first; 0 if runs resolve neither."""
+    if max(abs(first.value), abs(other.value)) <= first.floor or first.value == other.value:
         return 0.0
     return (other.value - first.value) / abs(first.value)
 

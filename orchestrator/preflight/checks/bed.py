@@ -18,7 +18,7 @@ from orchestrator.case.bed.sources import batch_s, initial_particles, inlets, la
 from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import Layers
-from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m
+from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m, share
 from orchestrator.case.materials.library import no_grains
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case, has_particles
@@ -246,6 +246,23 @@ def soft_contacts(case: Case) -> Iterator[str]:
             f"radius ({why}): beyond {LARGEST_CARRIED_OVERLAP:g} no contact law holds, at 1 they "
             "go through panels; raise particles.largest_youngs_modulus_Pa"
         )
+
+
+OTHER_MASS = 0.02  # of a block: a smaller change is not told
+
+
+def rounded_counts(case: Case) -> Iterator[str]:
+    """Yield a warning for each block whose mass changes because its few particles become whole numbers of
+    coarse ones, or of those in a slice."""
+    part = share(case.whole_machine) / case.particles.coarse_graining**3
+    for name, row in case.bed.blocks.items():
+        exact = case.original.bed.blocks[name].count * part
+        change = row.count / exact - 1
+        if abs(change) > OTHER_MASS:
+            yield (
+                f"bed.blocks.{name}: {exact:.3g} of its particles would have its mass here, and {row.count} "
+                f"are computed: its mass changes by {100 * change:+.2g} %"
+            )
 
 
 SLACK_M = 1e-9  # allowance for rounding in rotated boxes

@@ -12,7 +12,6 @@ from orchestrator.case import recordings, solvers
 from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import is_outside
-from orchestrator.case.file.slice import period_m
 from orchestrator.case.recordings import NoMatch, playbacks, turning
 from orchestrator.case.solver_plans import UNKNOWNS, memory_GiB, mesh_sizes
 from orchestrator.case.tables.case import Case, has_particles
@@ -193,22 +192,6 @@ def stops(case: Case) -> Iterator[CaseProblem]:
             what = f"is too stiff for a sync interval of {interval_s:g} s: the panel would be kicked"
             hint = f"at most {most_Pa_per_m:.3g} Pa/m, or a shorter coupling.sync_interval_s"
             yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint)
-
-
-def free_sides(case: Case) -> Iterator[str]:
-    """Yield a warning where panels of a narrow slice contract across as no wide panel does.
-
-    In a whole panel that is wider than long, the clamps keep nearly all of it from contracting across.
-    """
-    able, panels = case.panel.adapter, case.screen.panels
-    if case.slice is None or not (able.varies_across and able.yields):
-        return
-    joined = able.joins_sides and period_m(case) > 0 and case.panel.integrator == "explicit"
-    if not joined and any(case.slice.width_m < min(row.length_m, row.width_m) for row in panels.values()):
-        yield (
-            "panels of the slice are narrower than long and have free sides: they contract across and are "
-            "softer than their part of a wide panel, so that strokes are larger (by 7 % in 48 of 800 mm)"
-        )
 
 
 def named_recording(case: Case) -> Iterator[CaseProblem]:

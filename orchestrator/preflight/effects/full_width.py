@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from orchestrator.case.bed.sources import largest_diameter_m
-from orchestrator.case.file.slice import ENOUGH_DIAMETERS
+from orchestrator.case.file.slice import ENOUGH_DIAMETERS, joins_sides, stretched_stiffness_error
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
+
+NOTICED = 0.02  # a smaller error of a panel's stiffness is not told
 
 
 def judge(scene: Scene) -> Verdict | None:
@@ -27,10 +29,27 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def left_out(case: Case) -> str:
-    """Return the width of the slice that stands for the machine; empty without a slice."""
+    """Return the width of the slice that stands for the machine; empty without a slice.
+
+    Panels that vary across are stiffer or softer in a slice, because the clamps keep the middle of a wide
+    panel from contracting across.
+    """
     if case.slice is None:
         return ""
-    return f"slice.width_m = {case.slice.width_m:g}: the middle of the width"
+    text = f"slice.width_m = {case.slice.width_m:g}: the middle of the width"
+    able = case.panel.adapter
+    if not (able.varies_across and able.yields):
+        return text
+    can_join = able.joins_sides and case.panel.integrator == "explicit"
+    errors = [
+        stretched_stiffness_error(case, row.length_m, can_join and joins_sides(case, row.length_m))
+        for row in case.screen.panels.values()
+    ]
+    worst = max(errors, key=abs, default=0.0)
+    if abs(worst) < NOTICED:
+        return text
+    than = "stiffer" if worst > 0 else "softer"
+    return f"{text}, whose panels are up to {100 * abs(worst):.0f} % {than} in stretch"
 
 
 EFFECT = Effect(part="machine", judge=judge, left_out=left_out, key="slice.width_m")
