@@ -46,6 +46,13 @@ def results_of(point: Point, wanted: Sequence[str]) -> dict[str, Value]:
     return {name: value for name, value in values.items() if value is not None}
 
 
+def short_keys(keys: Sequence[str]) -> list[str]:
+    """Return the last words of dotted keys, as many of them as tell all keys apart."""
+    words = [key.split(".") for key in keys]
+    longer = ([".".join(each[-count:]) for each in words] for count in range(1, max(map(len, words)) + 1))
+    return next((names for names in longer if len(set(names)) == len(names)), list(keys))
+
+
 def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Sequence[str]) -> Table:
     """Return a table for the terminal with a row for each setting."""
 
@@ -56,7 +63,7 @@ def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Seq
             yield interval(None if value is None else vars(value))
         yield row.status
 
-    head = [*(key.rpartition(".")[2] for key in keys), *wanted, "state"]
+    head = [*short_keys(keys), *wanted, "state"]
     return console_table("", head, (list(cells(row)) for row in rows), left=("state",))
 
 

@@ -13,7 +13,7 @@ from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.studies.commands import sweep
 from orchestrator.studies.points import CaseStudy, parse_vary
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep
-from orchestrator.studies.sweep_results import SweptSetting, draw_results
+from orchestrator.studies.sweep_results import SweptSetting, draw_results, short_keys
 from tests.runs.outside import ROOT
 
 SPEED, SLOPE = "screen.exciters.shaft.speed_rad_per_s", "screen.inclination_deg"
@@ -137,3 +137,9 @@ def test_results_are_drawn_with_their_intervals(tmp_path: Path, how: str, pictur
     height = matplotlib.image.imread(file).shape[0]
     assert (height > 600) == (pictures > 2), "two parts in one row, or four in two"
     assert draw_results(keys, rows[:1], wanted, tmp_path / "none.png") == []
+
+
+def test_columns_are_headed_by_as_many_words_as_tell_them_apart() -> None:
+    assert short_keys(["duration_s", "screen.frames.driven.mass_kg"]) == ["duration_s", "mass_kg"]
+    frames = [f"screen.frames.{name}.mass_kg" for name in ("driving", "driven")]
+    assert short_keys(frames) == ["driving.mass_kg", "driven.mass_kg"]
