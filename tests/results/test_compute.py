@@ -241,7 +241,7 @@ def test_a_row_between_output_times_counts_in_no_mean(tmp_path: Path, found: dic
     """A run that was stopped between two output times, and resumed, has one."""
     folder = folder_of(tmp_path / "resumed")
     with h5py.File(folder / "history.h5", "a") as history:
-        for group in (history["profile"], history["bed"], history["held"]):
+        for group in (history["profile"], history["bed"], history["held"], *history["wear"].values()):
             time_s = group["time_s"][:]
             row = int(np.searchsorted(time_s, 40 * CYCLE_S))
             for name in list(group):
@@ -255,6 +255,8 @@ def test_a_row_between_output_times_counts_in_no_mean(tmp_path: Path, found: dic
     assert resumed["bed"]["on_deck_kg"] == found["bed"]["on_deck_kg"]
     assert resumed["bed"]["particles"] == found["bed"]["particles"]
     assert resumed["held"] == found["held"]
+    for name, panel in resumed["wear"]["panels"].items():
+        assert panel["mean_m_per_h"] == found["wear"]["panels"][name]["mean_m_per_h"]
 
 
 def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(

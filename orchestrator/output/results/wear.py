@@ -22,8 +22,11 @@ def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) 
     Only a steady state has confidence intervals.  Return None with fewer than two output times.
     """
     panels = {panel.name: panel for panel in single_panels(run.case)}
-    time_s = run.read(f"wear/{next(iter(panels))}/time_s")
-    there = np.flatnonzero((time_s >= start_s - 1e-9) & (time_s <= end_s + 1e-9))
+    group = f"wear/{next(iter(panels))}"
+    time_s = run.read(f"{group}/time_s")
+    inside = (time_s >= start_s - 1e-9) & (time_s <= end_s + 1e-9)
+    even = inside & run.output_rows(group, -1.0, end_s)  # the row at the start of the window, too
+    there = np.flatnonzero(even if even.sum() > 1 else inside)
     if len(there) < 2:
         return None
     time_s = time_s[there]
