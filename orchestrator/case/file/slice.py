@@ -69,17 +69,8 @@ def period_m(case: Case) -> float:
 
 WIDE = 2.0  # widths over lengths from which panels of a slice have joined sides (docs/measured/feed.md)
 WIDTHS_OVER_LENGTHS = 0.0, 0.33, 0.67, 1.0, 1.33, 2.0, 2.67, 4.0, 8.0
-STIFFENING = (
-    1.0,
-    1.023,
-    1.046,
-    1.072,
-    1.099,
-    1.150,
-    1.189,
-    1.236,
-    1.287,
-)  # of sheets with free sides, measured
+# pull of sheets with free sides of these widths, over that of narrow ones: measured, as above
+STIFFENING = 1.0, 1.023, 1.046, 1.072, 1.099, 1.150, 1.189, 1.236, 1.287
 PURE_SHEAR = 4 / 3  # the stiffness of a sheet that cannot contract across, over that of a narrow one
 
 
