@@ -136,6 +136,7 @@ class Ending:
                 self.console.print(line)
 
     def _is_gone(self, name: str, entry: Entry) -> bool:
+        """Return whether an effect was left out by taking tables away that the case no longer has."""
         loaded = self.loaded
         return (
             bool(entry.left_out) and loaded.choice.described is None and not why_left_out(loaded.case, name)
