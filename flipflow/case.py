@@ -15,7 +15,7 @@ from flipflow.run import Run, make_run
 from orchestrator.case.file.base import CASE_FILE, lay_chain, level_names, read_chain
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.load import choose_level
-from orchestrator.cli.console import find_all_problems
+from orchestrator.cli.console import find_all_problems, find_all_problems_when_open
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
@@ -83,7 +83,7 @@ class Case:
         be run.
         """
         try:
-            return [str(problem) for problem in find_all_problems(self._judged)]
+            return [str(problem) for problem in find_all_problems_when_open(self._judged)]
         except CaseError as error:
             return [str(problem) for problem in error.problems]
 

@@ -233,7 +233,7 @@ def test_a_run_that_failed_is_no_value(case: Path) -> None:
     compared(case, ROW)
     write_summary(case.parent / "out/speed/speed_rad_per_s-70", {"status": "failed"})
     (line,) = compared(case, ROW)
-    assert (line.value_in_words, line.verdict) == ("speed_rad_per_s-70: failed", "NOT MET")
+    assert (line.value_in_words, line.verdict) == ("speed_rad_per_s-70: failed", "no number")
 
 
 @pytest.mark.parametrize(
@@ -256,7 +256,7 @@ def test_the_file_has_every_row(case: Path) -> None:
     none = replace(found[0], measured=None, why="not run")
     file = write_verdicts([*found, none], case, "paper")[0]
     rows = list(csv.DictReader(file.read_text().splitlines()))
-    assert [row["verdict"] for row in rows] == ["NOT MET", "NOT MET"]
+    assert [row["verdict"] for row in rows] == ["NOT MET", "no number"]
     assert float(rows[0]["value"]) == pytest.approx(sum(moved_mm(70)), rel=1e-6)
     assert rows[1]["measured"] == "not run"
 

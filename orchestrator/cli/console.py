@@ -72,6 +72,13 @@ def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:
     return problems
 
 
+def find_all_problems_when_open(loaded: JudgedCase) -> list[CaseProblem]:
+    """Return every problem that prevents a run, with those that show when a run opens its panels."""
+    from orchestrator.coupling.build import find_problems_when_open
+
+    return find_all_problems(loaded) or find_problems_when_open(loaded)
+
+
 def check_or_report(
     case: Path,
     level: str | None,

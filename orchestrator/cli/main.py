@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.cli.console import CONSOLE, ERRORS, FAILED, WRONG, check_or_report, refuse, reported_errors
+from orchestrator.cli.console import (
+    CONSOLE,
+    ERRORS,
+    FAILED,
+    WRONG,
+    check_or_report,
+    find_all_problems_when_open,
+    refuse,
+    reported_errors,
+)
 from orchestrator.cli.new import new
 from orchestrator.cli.study import study
 from orchestrator.studies.options import CasePath, Level, Overrides
@@ -180,7 +189,7 @@ def check(
 
     if as_json and ranks is not None:
         raise typer.BadParameter("--ranks prints a table: leave out --json", param_hint="--ranks")
-    loaded = check_or_report(case, level, overrides)
+    loaded = check_or_report(case, level, overrides, find_all_problems_when_open)
     with reported_errors():
         if as_json:
             from orchestrator.cli.json_forms import check_form, print_json

@@ -13,7 +13,8 @@ from orchestrator.case.bed.feed import Feeds
 from orchestrator.case.bed.material_book import MaterialBook, MaterialMonitor
 from orchestrator.case.bed.packing import no_particles
 from orchestrator.case.deck.openings import smaller_sides_m
-from orchestrator.case.file.errors import CaseError
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.solver_plans import bushings, frames_plan, particles_plan
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ablation import (
@@ -67,12 +68,9 @@ def _open_machine(
     opened.callback(surface_panel.close)
     surface, centres = opened_surface.triangle_surface(), opened_surface.centres()
     of_frames, points = frame_points(centres)
-    triangle_panels, gone_through = opened_surface.panel_of_triangle(), opened_surface.penetrations()
     # plans of the other solvers
     plan_of_particles = particles_plan(case, surface, world, folder)
-    start_list = plan_of_particles.particles if plan_of_particles is not None else no_particles()
-    problems = find_problems_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
-    if problems:
+    if problems := _problems_at_rest(loaded, opened_surface, plan_of_particles):
         raise CaseError(problems)
     plan_of_frames = _plan_frames(case, surface_panel)
     # solvers
@@ -91,14 +89,43 @@ def _open_machine(
         scheme=create_scheme(case.coupling.scheme, case_effort(case)),
         stopwatch=stopwatch,
         surface=surface,
-        panel_of_triangle=triangle_panels,
+        panel_of_triangle=opened_surface.panel_of_triangle(),
         panels=opened_surface.panel_points(),
-        penetrations=gone_through,
+        penetrations=opened_surface.penetrations(),
         centres=centres,
         probes=opened_surface.probes(),
         bushings=BushingForces.of(bushings(case), of_frames, surface_panel.mount.position_m[points]),
         material=material,
         wearing=wearing,
+    )
+
+
+def find_problems_when_open(loaded: JudgedCase) -> list[CaseProblem]:
+    """Return the problems of a case that only open panels show, whose shapes at rest gravity makes.
+
+    The case has no other problem.  Only panels that hang slack or may lie on a stop are opened: all others
+    are, but for a small sag, where the checks before have taken them to be.  Raises SolverMissing or
+    SolverFailed where a panel cannot be opened.
+    """
+    panels = single_panels(loaded.case)
+    if not any(panel.table.stops or panel.rectangle.span_m < panel.rectangle.length_m for panel in panels):
+        return []
+    try:
+        opened = OpenSurface.of(loaded.case, loaded.folder, Stopwatch(), None)
+    except CaseError as error:  # a panel that lies on a stop
+        return list(error.problems)
+    try:
+        return _problems_at_rest(loaded, opened, particles_plan(loaded.case, opened.triangle_surface()))
+    finally:
+        opened.together.close()
+
+
+def _problems_at_rest(
+    loaded: JudgedCase, opened: OpenSurface, plan: ParticlesPlan | None
+) -> list[CaseProblem]:
+    start_list = plan.particles if plan is not None else no_particles()
+    return find_problems_at_rest(
+        loaded, opened.triangle_surface(), opened.panel_of_triangle(), opened.penetrations(), start_list
     )
 
 

@@ -68,17 +68,19 @@ class CriterionResult:
 
     @property
     def verdict(self) -> str:
-        """The verdict on the number, in words."""
+        """The verdict on the number, in words; a number that the runs do not have is neither met nor not."""
         row = self.row
+        if self.measured is None:
+            return "no number"
         if row.known_failure:
             return "MET, but marked as failing" if self.is_inside else "known failure"
         if row.band is None and row.ratio is None:
-            return "not compared" if self.measured is not None else "no number"
-        if self.measured is not None and self.is_chance:
+            return "not compared"
+        if self.is_chance:
             return "chance"
-        if self.measured is not None and row.ours != "predicted":
+        if row.ours != "predicted":
             return f"{row.ours}, {'inside' if self.is_inside else 'OUTSIDE'}"
-        if self.measured is not None and row.band_from == "own-theory":
+        if row.band_from == "own-theory":
             return "as own theory" if self.is_inside else "NOT as own theory"
         return "met" if self.is_inside else "NOT MET"
 

@@ -123,7 +123,7 @@ def test_a_run_that_is_not_to_be_trusted_has_no_number_but_that(
     assert evaluate(criterion(measure="trusted"), runs) == trusted
     assert evaluate(criterion(measure="clear"), runs) == clear
     result = judge("a", criterion(measure="result", of="n"), runs)
-    assert (result.measured, result.verdict) == ((1.0, "met") if state == "done" else (None, "NOT MET"))
+    assert (result.measured, result.verdict) == ((1.0, "met") if state == "done" else (None, "no number"))
     assert result.value_in_words == ("1" if state == "done" else f"one: {state}")
 
 
@@ -184,7 +184,7 @@ def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> 
         (None, {"band": None}, "no number"),
         (3.0, {"known_failure": "why"}, "known failure"),
         (1.0, {"known_failure": "why"}, "MET, but marked as failing"),
-        (None, {}, "NOT MET"),
+        (None, {}, "no number"),
     ],
 )
 def test_verdicts(measured: float | None, given: dict[str, object], verdict: str) -> None:
@@ -290,7 +290,7 @@ def test_too_few_values_of_a_varied_key_are_unknown(
     points = [replace(of.points[0], value=value) for of, value in zip(runs.values(), "12", strict=True)]
     varied = {"one": Runs(tuple(points), Vary("n", ("1", "2")))}
     result = judge("a", criterion(measure="result", of="n", **given), varied)
-    assert (result.measured, result.verdict) == (None, "NOT MET")
+    assert (result.measured, result.verdict) == (None, "no number")
     assert said in result.value_in_words
 
 

@@ -106,7 +106,7 @@ def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> 
     results = [CriterionResult("restart", row, -2.0), CriterionResult("restart", row, None, "<nothing>")]
     page = stability.write_stability_page([(case, results)], spots, picture, tmp_path).read_text()
     assert "1 met" in page
-    assert "1 NOT MET" in page
+    assert "1 no number" in page
     assert "&lt;nothing&gt;" in page
     assert "data:image/png;base64," in page
 

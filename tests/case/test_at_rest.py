@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.coupling.build import build
+from orchestrator.coupling.build import build, find_problems_when_open
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.preflight.check import find_problems
 from tests.cases import FEED, LEVEL, case_folder, loaded
@@ -31,14 +31,17 @@ def plate(height_m: float) -> str:
 
 
 def said(folder: Path, overrides: Sequence[str]) -> list[str]:
-    """What is said when the solvers are open; nothing was wrong before."""
+    """What is said when the solvers are open, and by a check before; nothing else was wrong."""
     given = loaded(folder, overrides)
     assert find_problems(given) == []
+    checked = [str(mistake) for mistake in find_problems_when_open(given)]
     try:
         build(given, folder, None, Stopwatch()).close()
     except CaseError as error:
-        return [str(mistake) for mistake in error.problems]
-    return []
+        assert [str(mistake) for mistake in error.problems] == checked
+    else:
+        assert checked == []
+    return checked
 
 
 def ball_at(height_m: float) -> str:
@@ -86,15 +89,25 @@ def test_a_plate_below_or_above_it_is_none_of_its_business(tmp_path: Path, heigh
     assert said(tmp_path, [*SLACK, plate(height_m)]) == []
 
 
+def test_a_slack_panel_on_its_stop_is_refused(tmp_path: Path) -> None:
+    """The stop is 20 mm below the flat panel, which hangs 59 mm deep."""
+    stop = 'screen.panels.deck.stops.beam={frame="ground", from_m=0.1, to_m=0.2, gap_m=0.02}'
+    found = said(tmp_path, [*SLACK, stop])
+    assert len(found) == 1
+    assert "panel deck lies on its stop beam before anything moves" in found[0]
+
+
 def test_nothing_is_left_behind(tmp_path: Path) -> None:
-    """From outside: exit code 2, one message, no folder."""
+    """From outside: exit code 2, one message, no folder; a check says the same."""
     case = case_folder(tmp_path / "case", draft=LEVEL)
     sets = [*QUICK, *SLACK, *BALL, ball_at(-0.06), plate(-0.02)]
-    done = flipflow(*run_words(str(case), tmp_path / "run", sets))
-    assert done.returncode == 2, done.stderr
-    assert "2 problems in the case:" in done.stderr
-    assert "inside panel deck as it hangs at rest" in done.stderr
-    assert "through plate before anything moves" in done.stderr
+    run = run_words(str(case), tmp_path / "run", sets)
+    for words in (run, ["check", *(word for word in run[1:] if word not in ("--out", str(tmp_path / "run")))]):
+        done = flipflow(*words)
+        assert done.returncode == 2, done.stderr
+        assert "2 problems in the case:" in done.stderr
+        assert "inside panel deck as it hangs at rest" in done.stderr
+        assert "through plate before anything moves" in done.stderr
     assert not (tmp_path / "run").exists()
 
 

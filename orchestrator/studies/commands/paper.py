@@ -127,17 +127,12 @@ def row(result: CriterionResult) -> tuple[str, ...]:
         result.distance_in_words,
         criterion.ours,
         result.band_in_words,
-        verdict(result),
+        result.verdict,
     )
-
-
-def verdict(result: CriterionResult) -> str:
-    """Return the verdict on a number, in words; a number that the runs do not have is neither met nor not."""
-    return "no number" if result.measured is None else result.verdict
 
 
 def counts(results: Sequence[CriterionResult]) -> str:
     """Return a sentence with the number of results of each verdict."""
-    verdicts = [verdict(result) for result in results]
+    verdicts = [result.verdict for result in results]
     counted = (f"{verdicts.count(name)} {name}" for name in dict.fromkeys(verdicts))
     return f"Of {len(verdicts)} numbers: {', '.join(counted)}."
