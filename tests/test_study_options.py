@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -35,6 +36,19 @@ def test_the_folder_of_something_else_is_refused(file: str, tmp_path: Path) -> N
     said = refused("sweep", EMPTY, *VARY, "--out", str(tmp_path))
     assert f"has {file}, of a case, a run or another study; give another folder with --out" in said
     assert [each.name for each in tmp_path.iterdir()] == [file]
+
+
+@pytest.mark.parametrize(
+    ("words", "case"), [(("paper", "."), "crank-link-panel"), (("stability", "hard"), "hard/at-rest")]
+)
+def test_runs_do_not_go_into_the_folders_of_cases(
+    words: tuple[str, str], case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(ROOT / "cases" / case, tmp_path / case)
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
+    assert f"{case}: has case.toml, of a case, a run or another study" in refused(*words, "--out", ".")
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_a_study_of_too_many_seeds_is_refused_in_a_moment() -> None:

@@ -14,7 +14,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.output.records.run_folder import study_folder, write_text
 from orchestrator.studies.commands.sweep import write_sweep
 from orchestrator.studies.criteria import FILE, read_criteria
-from orchestrator.studies.options import StudyOutput
+from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.report import markdown_table, write_csv, write_page
 from orchestrator.studies.verdicts import CaseCriteria, CriterionResult, case_criteria, verdict_table
@@ -59,7 +59,7 @@ def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
     """Return the criteria of a study's case, or of all cases of its folder that name a source.
 
     Each comes with the folder of its runs; nothing is run here.  Raises CaseError with the problems of all
-    cases, or if there is no case to compare.
+    cases, or if there is no case to compare, and FolderUnusable where the runs would go into a case's folder.
     """
     if study.case.is_file() or (study.case / CASE_FILE).is_file():
         return [(of_case(study), study.folder)]
@@ -69,6 +69,7 @@ def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
         try:
             if read_criteria(case).source:
                 own = replace(study, case=case, out=study.folder / case.name)
+                check_folder(own.folder, study.name)
                 papers.append((of_case(own), own.folder))
         except CaseError as error:
             problems += [replace(each, file=f"{case.name}: {each.file}") for each in error.problems]

@@ -28,7 +28,7 @@ from orchestrator.output.drawing import save
 from orchestrator.output.records.run_folder import study_folder
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
-from orchestrator.studies.options import StudyOutput
+from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
 from orchestrator.studies.quantities import outcome
 from orchestrator.studies.report import figure_parts, write_csv, write_page
@@ -115,12 +115,16 @@ def write_stability_page(
 def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
     """Return every case of a folder with criteria, in the order of their numbers; nothing is run here.
 
-    Raises CaseError if one of them is wrong or there is none.
+    Raises CaseError if one of them is wrong or there is none, and FolderUnusable where its runs would go into
+    a case's folder.
     """
     for case in folder.glob("*/"):
         if not (case / FILE).exists():
             refuse_former(case)
-    benchmarks = [benchmark(file.parent, out) for file in sorted(folder.glob(f"*/{FILE}"))]
+    cases = [file.parent for file in sorted(folder.glob(f"*/{FILE}"))]
+    for case in cases:
+        check_folder(out / case.name, "stability")
+    benchmarks = [benchmark(case, out) for case in cases]
     if not benchmarks:
         raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder))])
     return sorted(benchmarks, key=lambda each: each.criteria.number or 0)
