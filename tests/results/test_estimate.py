@@ -49,10 +49,11 @@ def test_a_ratio_has_the_interval_of_its_linearisation() -> None:
     assert found.half_width == pytest.approx(half_width((y - ratio * x) / x.mean()), rel=0.01)
 
 
-def test_batches_leave_out_the_front() -> None:
+def test_the_first_batch_has_what_is_left_over() -> None:
     """Of 43 cycles, fourteen batches of three leave one over, and ten of four would leave three."""
     sums = batch_sums(np.arange(43.0)[:, None])
-    assert sums.ravel().tolist() == [float(3 * first + 3) for first in range(1, 43, 3)]
+    assert sums.ravel().tolist() == [6.0, *(float(3 * first + 3) for first in range(4, 43, 3))]
+    assert mean(np.arange(43.0)).value == pytest.approx(21.0, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +71,7 @@ def test_what_cannot_be_said_is_not_said() -> None:
     assert mean(np.ones(30)).half_width == 0.0
 
 
-@pytest.mark.parametrize(("phi", "cycles"), [(0.0, 40), (0.5, 200), (0.8, 400), (0.9, 1000)])
+@pytest.mark.parametrize(("phi", "cycles"), [(0.0, 40), (0.0, 29), (0.5, 200), (0.8, 400), (0.9, 1000)])
 def test_intervals_hold_the_mean_as_often_as_they_say(phi: float, cycles: int) -> None:
     """Of an autoregression x' = phi x + e with mean 0.  95 % promised; 1000 runs find a share
     with a standard error of 0.7 %.  Without regard to correlation it were 49 % at phi = 0.8."""

@@ -58,12 +58,13 @@ def batch_count(cycles: int) -> int:
 def batch_sums(per_cycle: Array) -> Array:
     """Return the sums (batches, ...) of values (cycles, ...) over equal batches of whole cycles.
 
-    Cycles that are left over are the first ones, next to the start-up.
+    The first batch also has the cycles that are left over, so that all cycles count.
     """
-    count = batch_count(len(per_cycle))
-    length = len(per_cycle) // count
-    batched = per_cycle[len(per_cycle) - count * length :]
-    return np.asarray(batched.reshape(count, length, *per_cycle.shape[1:]).sum(axis=1))
+    cycles = len(per_cycle)
+    count = batch_count(cycles)
+    first = cycles - cycles // count * np.arange(count, 0, -1)
+    first[0] = 0
+    return np.asarray(np.add.reduceat(per_cycle, first, axis=0))
 
 
 def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
