@@ -154,8 +154,9 @@ def _cost(case: Case, at_start: int) -> Iterator[str]:
     """Yield lines about the time of the whole run, and of the parts that take more than a tenth of it."""
     ranges = [predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK)]
     least, most = (sum(parts.values()) for parts in ranges)
-    fed = most > 1.1 * least
-    time = f"{in_words(least)} to {in_words(most)}" if fed else in_words(most)
+    shortest, longest = in_words(least), in_words(most)
+    fed = most > 1.1 * least and shortest != longest
+    time = f"{shortest} to {longest}" if fed else longest
     larger = sorted(ranges[1].items(), key=lambda part: -part[1])
     shares = ", ".join(f"{name} {in_words(s)}" for name, s in larger if s > 0.1 * most)
     layers = ": a thin dry layer to a thick wet one" if fed else ""

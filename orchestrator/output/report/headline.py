@@ -120,6 +120,11 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
         yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
     for name, speed_rad_per_s in motion.get("shafts", {}).items():
         yield Tile(f"speed of the shaft {name}", number(speed_rad_per_s), "", "rad/s", over, unsteady)
+    whole, of_width = _scale_to_width(results)
+    if ground := motion.get("ground"):
+        for axis, name in (("x", "horizontal"), ("z", "vertical")):
+            what = f"force of the bushings on the ground, {name} amplitude{of_width}"
+            yield _tile(what, ground["amplitude_N"][axis], "kN", over, unsteady, 1e-3 * whole)
     if points := motion["panel_points"]:
         name = max(points, key=lambda name: points[name]["cycle_peak_g"]["value"] or 0.0)
         part = "cycle" if motion["cycles"] else "fiftieth of the run"
@@ -128,7 +133,7 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     stretched = [panel["stretch_largest_percent"] for panel in motion["panels"].values()]
     yield Tile("largest panel stretch", number(max(stretched, default=None)), "", "%", over, unsteady)
     if power := results.get("power"):
-        (whole, of_width), state = _scale_to_width(results), results.get("steady")
+        state = results.get("steady")
         filling = state is not None and not state["is_steady"]
         name = f"power of the drives{of_width}"
         yield _tile(name, power["drives_W"], "kW", over, unsteady or filling, 1e-3 * whole)

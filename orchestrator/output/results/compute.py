@@ -174,6 +174,7 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
         "relative": {},
         "drift": None,
         "shafts": {},
+        "ground": None,
         "panel_points": {},
         "panels": machine.panel_loads(run, start_s, end_s),
     }
@@ -187,6 +188,7 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
     else:
         table_of_orbits, other = machine.orbits(run, start_s, end_s)
         motion |= table_of_orbits
+        motion["ground"] = machine.force_on_ground(run, start_s, end_s)
         if (whole := course(run)) is not None:
             table["course"] = whole
     motion["reason"] = machine.why_not_settled(run, start_s, end_s, motion["drift"], other)

@@ -6,8 +6,11 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.solver_plans import bushings
+from orchestrator.case.tables.quantities import GROUND
 from orchestrator.output.cycles import cycle_numbers, within
 from orchestrator.output.results.estimate import Estimate, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
@@ -15,6 +18,7 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
+from orchestrator.ports.plans import BushingPlan
 
 BAND_HZ = 500.0
 FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
@@ -57,6 +61,48 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> tuple[dict[str, Any]
         "shafts": run.shaft_speeds_rad_per_s(start_s, end_s),
     }
     return table, mostly_other(single | relative)
+
+
+def force_on_ground(run: RunReader, start_s: float, end_s: float) -> dict[str, Any] | None:
+    """Return the force of all bushings on the ground, in N along x, y, z of the world, z upwards.
+
+    ``amplitude_N`` has the first harmonic, ``mean_N`` the mean of the cycles from ``start_s`` to ``end_s``,
+    and ``largest_N`` the largest distance from the mean in a row of the series.  Like the forces of bushings,
+    all count from t = 0: the weight that they carry then is not in them.  Return None without bushings on the
+    ground, and where a frame moves as prescribed: what moves it stands on the ground, too.
+    """
+    case = run.case
+    if not case.frames.adapter.moved_by_forces or any(one.drive for one in case.screen.frames.values()):
+        return None
+    standing = [
+        bushing
+        for bushing in bushings(case)
+        if GROUND in bushing.bodies and run.has(f"bushings/{bushing.name}")
+    ]
+    if not standing:
+        return None
+    time_s = run.series_s()
+    force_N = np.sum([_on_ground_N(run, bushing) for bushing in standing], axis=0)
+    harmonic = first_harmonic(time_s, force_N, run.turn_s(start_s, end_s), start_s, end_s)
+    inside_N = force_N[within(time_s, start_s, end_s, run.cycle_s)]
+    mean_N = inside_N.mean(axis=0)
+    return {
+        "amplitude_N": {axis: harmonic.estimate(number) for number, axis in enumerate("xyz")},
+        "mean_N": mean_N,
+        "largest_N": np.abs(inside_N - mean_N).max(axis=0),
+    }
+
+
+def _on_ground_N(run: RunReader, bushing: BushingPlan) -> Array:
+    """Return the force (rows, 3) of a bushing on the ground, in world axes.
+
+    Its record is the force that holds the second end, along axes that turn with the first body.
+    """
+    first, second = bushing.bodies
+    force_N: Array = run.read(f"bushings/{bushing.name}/force_N") @ bushing.axes
+    if second == GROUND:
+        force_N = -Rotation.from_rotvec(run.read(f"frames/{first}/rotation_rad")).apply(force_N)
+    return force_N
 
 
 def mostly_other(motions: dict[str, Harmonic]) -> str:
