@@ -7,7 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.case.bed.size_distribution import classes, diameters_m, faults, finer_share, share_left_out
+from orchestrator.case.bed.size_distribution import (
+    CurveClass,
+    classes,
+    diameter_m,
+    diameters_m,
+    faults,
+    finer_share,
+    mean_cube_m3,
+    share_between,
+    share_left_out,
+    size_class,
+)
 from orchestrator.case.tables.bed import Block
 
 CURVE = [(0.002, 0.0), (0.004, 0.3), (0.01, 0.9), (0.02, 1.0)]
@@ -34,10 +45,31 @@ def passing(block: Block, at_m: float) -> float:
     return float(np.sum(drawn_m[drawn_m <= at_m] ** 3) / np.sum(drawn_m**3))
 
 
-@pytest.mark.parametrize("at_m", [0.0025, 0.003, 0.004, 0.006, 0.008, 0.01, 0.015])
-def test_a_curve_is_followed_at_its_points_and_between_them(at_m: float) -> None:
-    wanted = np.interp(at_m, *np.transpose(CURVE))
-    assert passing(curve(), at_m) == pytest.approx(wanted, abs=0.006)
+WIDE = [(0.004, 0.0), (0.008, 0.4), (0.016, 1.0)]  # few points, far apart
+
+
+@pytest.mark.parametrize("points", [CURVE, WIDE])
+@pytest.mark.parametrize("at_m", [0.0025, 0.003, 0.004, 0.006, 0.0067, 0.0072, 0.008, 0.01, 0.0148, 0.015])
+def test_a_curve_is_followed_at_its_points_and_between_them(
+    points: list[tuple[float, float]], at_m: float
+) -> None:
+    """The classes follow it without an error, drawn particles as far as their number goes: the mass below a
+    diameter is a share of a sum whose largest parts are single particles."""
+    wanted = np.interp(at_m, *np.transpose(points))
+    block = curve(points)
+    below = sum(row.mass_fraction * share_between(row, 0.0, at_m) for row in classes(block))
+    assert below == pytest.approx(wanted, abs=1e-12)
+    assert passing(block, at_m) == pytest.approx(wanted, abs=0.006)
+
+
+def test_the_mean_cube_is_that_of_the_particles_drawn() -> None:
+    """With limits far apart, for both kinds of classes."""
+    for row in (
+        size_class(0.002, 0.02, 1.0),
+        CurveClass(smallest_m=0.002, largest_m=0.02, mass_fraction=1.0),
+    ):
+        middle = (np.arange(2_000_000) + 0.5) / 2_000_000
+        assert mean_cube_m3([row])[0] == pytest.approx(np.mean(diameter_m(row, middle) ** 3), rel=1e-5)
 
 
 def test_a_flat_piece_of_a_curve_has_no_particles() -> None:

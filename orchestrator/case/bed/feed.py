@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.case.bed.packing import concatenate, equal_particles, find_places, no_particles
-from orchestrator.case.bed.size_distribution import shares
+from orchestrator.case.bed.size_distribution import diameter_m, shares
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.clock import Interval
@@ -153,8 +153,7 @@ class RateFeed:
         """Draw a diameter from the size class that lags most behind its share, and note the class."""
         lag_kg = self._shares * self._drawn_kg.sum() - self._drawn_kg
         self._class = int(np.argmax(lag_kg))
-        row = self.inlet.sizes[self._class]
-        return np.asarray(self._generator.uniform(row.smallest_m, row.largest_m))
+        return diameter_m(self.inlet.sizes[self._class], np.asarray(self._generator.random()))
 
 
 @dataclass(frozen=True)

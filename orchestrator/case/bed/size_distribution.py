@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from orchestrator.case.tables.bed import Filling, PassingPoint, SizeClass
 from orchestrator.ports import Array, Indices
@@ -16,6 +17,12 @@ from orchestrator.ports.physics import sphere_volume_m3
 
 RANGES = 10  # of the sizes of particles that are given one by one
 FINEST_STEP = 1.2  # A curve is cut into classes whose limits have at most this ratio.
+
+
+class CurveClass(SizeClass):
+    """A class along a curve, which is straight between its points: its mass is spread evenly."""
+
+    MASS_POWER = 1
 
 
 def classes(source: Filling) -> tuple[SizeClass, ...]:
@@ -39,16 +46,21 @@ def finer_share(source: Filling) -> float:
 
 
 def coarser_share(row: SizeClass, limit_m: float) -> float:
-    """Return the share of a class's mass that is as large as a limit.
-
-    Its diameters are evenly spread by number.
-    """
+    """Return the share of a class's mass that is as large as a limit."""
     if limit_m <= row.smallest_m:
         return 1.0
     if limit_m >= row.largest_m:
         return 0.0
-    powers = row.largest_m**4 - np.array([limit_m, row.smallest_m]) ** 4
-    return float(powers[0] / powers[1])
+    finer = (np.array([limit_m, row.smallest_m]) / row.largest_m) ** row.MASS_POWER
+    return float((1.0 - finer[0]) / (1.0 - finer[1]))
+
+
+def share_between(row: SizeClass, low_m: float, high_m: float) -> float:
+    """Return the share of a class's mass from one diameter up to another.
+
+    A class with one diameter is inside or outside as a whole.
+    """
+    return coarser_share(row, low_m) - coarser_share(row, high_m)
 
 
 def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
@@ -96,8 +108,10 @@ def _segment(fine_m: float, coarse_m: float, share: float) -> list[SizeClass]:
     count = max(1, int(np.ceil(np.log(coarse_m / fine_m) / np.log(FINEST_STEP))))
     limits_m = np.geomspace(fine_m, coarse_m, count + 1)
     shares = share * np.diff(limits_m) / (coarse_m - fine_m)
-    rows = zip(limits_m, limits_m[1:], shares, strict=False)
-    return [size_class(a, b, part) for a, b, part in rows]
+    return [
+        CurveClass(smallest_m=float(low), largest_m=float(high), mass_fraction=float(part))
+        for (low, high), part in zip(pairwise(limits_m), shares, strict=True)
+    ]
 
 
 def classes_of_diameters(diameter_m: Array) -> tuple[SizeClass, ...]:
@@ -127,8 +141,10 @@ def _computed_classes(source: Filling) -> list[SizeClass]:
     If the source wants it (``finer``), the finest class takes over the mass of these particles.
     """
     limit_m = source.smallest_fed_m or 0.0
-    rows = [
-        size_class(max(row.smallest_m, limit_m), row.largest_m, row.mass_fraction * coarser)
+    rows: list[SizeClass] = [
+        row.model_copy(
+            update={"smallest_m": max(row.smallest_m, limit_m), "mass_fraction": row.mass_fraction * coarser}
+        )
         for row in given_classes(source)
         if (coarser := coarser_share(row, limit_m)) > 0
     ]
@@ -155,9 +171,10 @@ def shares(sizes: Sequence[SizeClass]) -> Array:
 
 def mean_cube_m3(sizes: Sequence[SizeClass]) -> Array:
     """Return the mean of the cubed diameter in each class, (classes,)."""
-    low = np.array([row.smallest_m for row in sizes])
-    high = np.array([row.largest_m for row in sizes])
-    return np.asarray((low**2 + high**2) * (low + high) / 4.0)  # (b^4 - a^4) / (4 (b - a))
+    low, high, power = np.array([(row.smallest_m, row.largest_m, row.MASS_POWER) for row in sizes]).T
+    even_mass = 2.0 * low**2 * high**2 / (low + high)  # (b - a) / ((1/a^2 - 1/b^2) / 2)
+    even_number = (low**2 + high**2) * (low + high) / 4.0  # (b^4 - a^4) / (4 (b - a))
+    return np.where(power == CurveClass.MASS_POWER, even_mass, even_number)
 
 
 def counts(sizes: Sequence[SizeClass], total: int) -> Indices:
@@ -176,24 +193,35 @@ def counts(sizes: Sequence[SizeClass], total: int) -> Indices:
 def diameters_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Generator) -> Array:
     """Return ``total`` random diameters, class by class."""
     rows = zip(sizes, counts(sizes, total), strict=True)
-    return np.concatenate([generator.uniform(r.smallest_m, r.largest_m, n) for r, n in rows])
+    return np.concatenate([diameter_m(row, generator.random(number)) for row, number in rows])
+
+
+def diameter_m(row: SizeClass, share: Array) -> Array:
+    """Return the diameters below which these shares of the number of a class's particles lie, (n,) each."""
+    power = row.MASS_POWER - 3.0  # a particle's mass goes with the third power
+    finest, coarsest = row.smallest_m**power, row.largest_m**power
+    return np.asarray((finest + share * (coarsest - finest)) ** (1.0 / power))
 
 
 def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
     """Return the diameter below which half of the mass lies.
 
-    The classes may overlap, and their mass fractions may add up to any sum.  The diameters of a class are
-    evenly spread by number, so that the mass below d is a straight line over d^4 between two limits.
+    The classes may overlap, and their mass fractions may add up to any sum.
     """
-    limits_m = sorted({limit_m for row in sizes for limit_m in (row.smallest_m, row.largest_m)})
-    largest_m = limits_m[-1] or 1.0  # the fourth power of a share of it stays within the range of numbers
-    quartic, finer = [], []
-    for limit_m in limits_m:
-        below = sum(row.mass_fraction * (1.0 - coarser_share(row, limit_m)) for row in sizes)
+    half, finer_m = sum(row.mass_fraction for row in sizes) / 2, 0.0
+
+    def missing(limit_m: float) -> float:
+        """Return what the mass below a diameter lacks of the half."""
+        return half - sum(row.mass_fraction * share_between(row, 0.0, limit_m) for row in sizes)
+
+    for limit_m in sorted({limit_m for row in sizes for limit_m in (row.smallest_m, row.largest_m)}):
+        if missing(limit_m) <= 0.0:
+            return float(brentq(missing, finer_m, limit_m, xtol=1e-15 * limit_m, rtol=1e-14))
         equal = sum(row.mass_fraction for row in sizes if row.smallest_m == row.largest_m == limit_m)
-        quartic += [(limit_m / largest_m) ** 4] * 2
-        finer += [below, below + equal]
-    return float(largest_m * np.interp(finer[-1] / 2, finer, quartic) ** 0.25)
+        if missing(limit_m) <= equal:
+            return limit_m
+        finer_m = limit_m
+    raise ValueError("no size classes")
 
 
 def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:

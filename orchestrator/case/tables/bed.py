@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field, PrivateAttr
 
@@ -24,6 +24,9 @@ from orchestrator.case.tables.quantities import (
 
 class SizeClass(Table):
     """A class of spheres whose diameters are spread evenly between two limits."""
+
+    MASS_POWER: ClassVar[int] = 4
+    """The mass below a diameter is a straight line over this power of it; numbers are spread evenly."""
 
     smallest_m: Positive
     """Smallest diameter."""

@@ -25,7 +25,13 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import roots_legendre
 
-from orchestrator.case.bed.size_distribution import classes, coarser_share, given_classes, share_left_out
+from orchestrator.case.bed.size_distribution import (
+    classes,
+    coarser_share,
+    given_classes,
+    share_between,
+    share_left_out,
+)
 from orchestrator.case.tables.bed import Feed, SizeClass
 from orchestrator.output.results.estimate import share
 from orchestrator.output.results.events import LOST, UNDERSIZE, Events, per_cycle
@@ -144,7 +150,7 @@ def feed_fines(feeds: Sequence[Feed], cut_m: float, until_s: float = math.inf) -
             if (coarser := coarser_share(row, limit_m)) < 1.0:
                 low, high = row.smallest_m, min(row.largest_m, limit_m)
                 sizes = (low + high) / 2 + nodes * (high - low) / 2
-                mass = weights * sizes**3
+                mass = weights * sizes ** (row.MASS_POWER - 1)
                 diameter_m.append(sizes)
                 shares.append(part * row.mass_fraction * (1.0 - coarser) * mass / mass.sum())
     return FeedFines(cut_m, tuple(given), tuple(fed), np.concatenate(diameter_m), np.concatenate(shares))
@@ -152,7 +158,7 @@ def feed_fines(feeds: Sequence[Feed], cut_m: float, until_s: float = math.inf) -
 
 def _share_between(rows: Sequence[tuple[SizeClass, float]], low_m: float, high_m: float) -> float:
     """Return the share of the mass of classes with their shares that lies between two diameters."""
-    return sum(part * (coarser_share(row, low_m) - coarser_share(row, high_m)) for row, part in rows)
+    return sum(part * share_between(row, low_m, high_m) for row, part in rows)
 
 
 def whole_feed(events: Events, fines: FeedFines, opening_m: float, is_uniform: bool) -> dict[str, Any]:

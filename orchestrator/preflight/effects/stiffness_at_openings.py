@@ -15,6 +15,7 @@ from orchestrator.case.bed.contact_times import (
     reduced_modulus_Pa,
     smallest_diameters_m,
 )
+from orchestrator.case.bed.size_distribution import share_between
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.contacts import STEP_COST, compute_softness, is_softened
@@ -68,22 +69,11 @@ def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
     The result is 0 if no particle passes by overlap alone; else it is infinite if none is finer.
     """
     masses = list(_masses(scene))
-    more = sum(kg * _share_between(row, opening_m, opening_m + 2 * overlap_m) for kg, row in masses)
-    finer = sum(kg * _share_between(row, 0.0, opening_m) for kg, row in masses)
+    more = sum(kg * share_between(row, opening_m, opening_m + 2 * overlap_m) for kg, row in masses)
+    finer = sum(kg * share_between(row, 0.0, opening_m) for kg, row in masses)
     if more == 0.0:
         return 0.0
     return more / finer if finer else math.inf
-
-
-def _share_between(row: SizeClass, low_m: float, high_m: float) -> float:
-    """Return the share of a class's mass between two diameters, with evenly spread diameters.
-
-    A class with one diameter is inside or outside as a whole.
-    """
-    if row.largest_m <= row.smallest_m:
-        return 1.0 if low_m <= row.smallest_m < high_m else 0.0
-    low, high = (min(max(limit, row.smallest_m), row.largest_m) for limit in (low_m, high_m))
-    return (high**4 - low**4) / (row.largest_m**4 - row.smallest_m**4)
 
 
 def _masses(scene: Scene) -> Iterator[tuple[float, SizeClass]]:
