@@ -100,7 +100,7 @@ def linearise(plan: FramesPlan, coordinates: tuple[int, ...], moving: Indices | 
     bodies = free(plan) if moving is None else moving
     columns = (each * bodies[:, None] + np.arange(each)).ravel()
     return LinearMachine(
-        stretch.reshape(-1, each * len(plan.bodies))[:, columns],
+        stretch.reshape(3 * len(plan.bushings), each * len(plan.bodies))[:, columns],
         np.array([bushing.stiffness_N_per_m for bushing in plan.bushings]).reshape(-1),
         np.array([bushing.damping_N_s_per_m for bushing in plan.bushings]).reshape(-1),
         scipy.linalg.block_diag(*blocks)[np.ix_(columns, columns)],

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.build import build, find_problems_when_open
 from orchestrator.coupling.metered import Stopwatch
@@ -66,6 +67,26 @@ def test_a_ball_in_the_hollow_or_below_a_slack_panel_is_not(tmp_path: Path, heig
 def test_a_ball_inside_a_taut_panel_is_refused_before_any_solver_is_open(tmp_path: Path) -> None:
     given = loaded(tmp_path, [*TAUT_STRIP, ball_at(0.005)])
     assert [mistake.what for mistake in find_problems(given)] == ['"ball" is 0.005 m inside panel deck']
+
+
+OPENINGS = (
+    "screen.panels.deck.apertures={length_m=0.01, width_m=0.01, pitch_along_m=0.03, pitch_across_m=0.03, "
+    "margin_along_m=0.03, margin_across_m=0.02}"
+)
+
+
+def test_a_ball_in_an_opening_is_clear_of_the_panel(tmp_path: Path) -> None:
+    """Of 12 mm, on the rim of an opening of 10 x 10 mm, its centre is sqrt(6^2 - 5^2) = 3.32 mm high."""
+    x, y, _ = openings_m(loaded(tmp_path, [*TAUT_STRIP, OPENINGS]).case)[0]
+
+    def problems(along_m: float, height_m: float) -> int:
+        place = f"bed.particles.ball.position_m=[{along_m}, {y}, {height_m}]"
+        sets = [*TAUT_STRIP, OPENINGS, "bed.particles.ball.diameter_m=0.012", place]
+        return len(find_problems(loaded(tmp_path, sets)))
+
+    assert problems(x, 0.00335) == 0
+    assert problems(x, 0.0031) == 1
+    assert problems(x + 0.015, 0.00335) == 1
 
 
 def test_a_feed_into_which_a_slack_panel_hangs_is_refused(tmp_path: Path) -> None:

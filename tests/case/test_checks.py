@@ -11,6 +11,7 @@ from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.stability.report import stability_report
 from tests.cases import BLOCK, CASE, FEED, case_folder, complaints, loaded, only_complaint
+from tests.runs.outside import ROOT
 
 EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'
 FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1], center_of_mass_m=[0, 0.1, 0]"
@@ -455,3 +456,11 @@ def test_times_that_are_rounded_to_sync_intervals_are_said(tmp_path: Path) -> No
     assert said == [
         "output.series_s = 0.0007 s is taken as 0.00078 s, a whole number of sync intervals of 0.00013 s"
     ]
+
+
+@pytest.mark.parametrize("solver", ["exudyn", "planar", "two-mass"])
+def test_a_solver_of_frames_wants_frames(solver: str) -> None:
+    """The strip is clamped to the ground on both sides."""
+    strip = ROOT / "tools/bench/scenes/strip-drop"
+    (refusal,) = find_problems(load_judged(strip, None, [f"frames.solver={solver}"]))
+    assert f"frames.solver: {solver} has no frame to move; frames.solver = " in str(refusal)

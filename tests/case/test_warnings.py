@@ -205,6 +205,16 @@ def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
     assert [line for line in said(tmp_path, case=covered) if "between panels" in line] == []
 
 
+@pytest.mark.parametrize(("corner_m", "lines"), [(-0.26, 0), (-0.34, 1)])
+def test_a_panel_that_reaches_over_the_next_leaves_no_gap(corner_m: float, lines: int, tmp_path: Path) -> None:
+    """It is 0.3 m long and 50 mm higher, and ends 40 mm behind or before the edge of the deck."""
+    over = (
+        f'screen.panels.over={{material="PU", frames=["driving", "driving"], corner_m=[{corner_m}, 0, 0.05], '
+        "length_m=0.3, span_m=0.3, width_m=0.4, thickness_m=0.004}"
+    )
+    assert len([line for line in said(tmp_path, over) if "between panels over and deck-1" in line]) == lines
+
+
 def test_periodic_sides_are_closed(tmp_path: Path) -> None:
     gap, periodic = f"{PLATES}.gap_m=0.008", "slice.width_m=0.12"
     assert said(tmp_path, gap, periodic) == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -13,6 +14,7 @@ import pytest
 
 from orchestrator.output.records.history import write_results
 from orchestrator.output.results.compute import compute_results
+from orchestrator.output.results.machine import why_not_settled
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.studies.quantities import Question, number_of
 from tests.results.synthetic import (
@@ -421,3 +423,22 @@ def test_the_course_follows_a_load_that_comes_and_goes(folder: Path, tmp_path: P
     assert course["relative"]["driven-driving"]["along_m"] == pytest.approx([0.006] * 5 + [0.003] * 5)
     assert course["on_deck_kg"] == pytest.approx([0.0] * 5 + [8 * BIN_KG] * 5)
     assert course["velocity_m_per_s"][:5] == [None] * 5
+
+
+@pytest.mark.parametrize(("slow", "settles"), [(71.9, False), (86.79, True), (43.0, True)])
+def test_shafts_that_have_not_synchronised_beat(slow: float, settles: bool) -> None:
+    """Nearly equal speeds are one speed, and half of one is another use of a second exciter."""
+    speeds = {"a": 86.8, "b": slow}
+    run: Any = SimpleNamespace(
+        is_driven=True,
+        shaft_speeds_rad_per_s=lambda *_: speeds,
+        case=SimpleNamespace(
+            screen=SimpleNamespace(
+                exciters={name: SimpleNamespace(speed_rad_per_s=each) for name, each in speeds.items()}
+            )
+        ),
+        names=lambda _: [],
+    )
+    reason = why_not_settled(run, 0.0, 1.0, 0.0, "")
+    assert ("the shafts of b and a turn at 71.9 and 86.8 rad/s" in reason) != settles
+    assert bool(reason) != settles

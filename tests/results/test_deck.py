@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,8 @@ from orchestrator.case.deck.line import DeckLine, deck_line, join_lines, locate
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import axes
 from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
+from orchestrator.output.results import bed
+from orchestrator.output.results.bed import deck_area_m2, retained_metrics
 from orchestrator.output.results.run_reader import cut_size_m
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
@@ -150,6 +155,7 @@ def test_what_sits_in_an_opening_blinds_it() -> None:
     assert shaken(0.2, 0.0, np.array([seated, 0.002]))["openings"] == 1.0
     assert shaken(0.2, 0.0, np.array([seated, seated]))["openings"] == 2.0
     assert shaken(0.2, 0.0, np.array([0.002, 0.002]))["openings"] == 0.0
+    assert shaken(0.2, 0.0, np.array([-seated, -0.002]))["openings"] == 1.0  # the other hangs under the panel
 
 
 def test_ids_that_come_and_go() -> None:
@@ -177,3 +183,30 @@ def test_openings_in_the_world() -> None:
     plain = load_judged(ROOT / "cases/quickstart", "draft").case
     assert openings_m(plain).shape == (0, 3)
     assert cut_size_m(plain) is None
+
+
+def test_the_first_cycles_in_which_nothing_can_be_held_are_in_no_mean() -> None:
+    """Seven particles stick from the start, and count from the end of the fifth cycle on."""
+    time_s = np.arange(1, 81) * CYCLE_S / 8
+    stuck = np.where(time_s - time_s[0] >= (HELD_CYCLES - 1e-9) * CYCLE_S, 7.0, 0.0)
+    table = {"time_s": time_s, "stickers": stuck, "mass_kg": 0.001 * stuck, "openings": 0.0 * stuck}
+
+    def held_until(end_s: float) -> dict[str, Any]:
+        run: Any = SimpleNamespace(
+            cycle_s=CYCLE_S,
+            read=lambda name: table[name.removeprefix("held/")],
+            output_rows=lambda _, start_s, until_s: (time_s > start_s) & (time_s <= until_s),
+        )
+        return retained_metrics(run, 0.0, end_s, False)
+
+    assert held_until(10 * CYCLE_S)["stickers"].value == pytest.approx(7.0)
+    assert held_until(4 * CYCLE_S)["stickers"].value is None
+
+
+def test_the_area_of_unequal_panels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two panels of 0.3 x 0.2 m and one of 0.6 x 0.4 m: 0.36 m2 on a length of 1.2 m."""
+    sides = [(0.3, 0.2), (0.3, 0.2), (0.6, 0.4)]
+    panels = [SimpleNamespace(rectangle=SimpleNamespace(length_m=a, width_m=b)) for a, b in sides]
+    monkeypatch.setattr(bed, "single_panels", lambda _: panels)
+    run: Any = SimpleNamespace(case=None, read=lambda _: (np.arange(12) * 0.1 + 0.05)[None])
+    assert deck_area_m2(run) == pytest.approx(0.36, rel=1e-12)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from orchestrator.case.bed.size_distribution import finer_share
 from orchestrator.case.tables.bed import Feed
+from orchestrator.output.results import compute
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.events import Events, EventTable, Exits
 from orchestrator.output.results.whole_feed import PartitionCurve, feed_fines, fit_partition, whole_feed
@@ -111,7 +114,7 @@ def test_the_whole_feed_is_completed(limit_m: float) -> None:
     """
     seen = events(LAW, limit_m)
     fines = feed_fines([feed(limit_m)], OPENING_M)
-    table = whole_feed(seen, fines, OPENING_M, True)
+    table = whole_feed(seen, fines, OPENING_M)
     placement = table["fine_placement_percent"]
     assert placement.standard_error < 2.0
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
@@ -140,16 +143,16 @@ def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
     more = np.where(seen.removed.diameter_m < finest, 1.0 / heavier, 1.0)
     rows = (replace(row, mass_kg=row.mass_kg * more) for row in (seen.fed, seen.removed))
     fed_more = Events(*rows, seen.exits, seen.edges_s)
-    placement = whole_feed(fed_more, fines, OPENING_M, True)["fine_placement_percent"]
+    placement = whole_feed(fed_more, fines, OPENING_M)["fine_placement_percent"]
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
-    unweighed = whole_feed(fed_more, feed_fines([feed(limit_m)], OPENING_M), OPENING_M, True)
+    unweighed = whole_feed(fed_more, feed_fines([feed(limit_m)], OPENING_M), OPENING_M)
     assert unweighed["fine_placement_percent"].value > placement.value + 1.0
 
 
 def test_coarse_grains_that_pass_lower_the_efficiency() -> None:
     """Particles above a cut size of 2 mm pass openings of 3 mm, and their share counts against the screen."""
     seen, fines = events(LAW, 0.001), feed_fines([feed(0.001)], 0.002)
-    table = whole_feed(seen, fines, OPENING_M, True)
+    table = whole_feed(seen, fines, OPENING_M)
     coarse = seen.removed.diameter_m >= 0.002
     passed = seen.removed.mass_kg[coarse & (seen.removed.exit < 2)].sum() / seen.removed.mass_kg[coarse].sum()
     lower = table["fine_placement_percent"].value - table["efficiency_percent"].value
@@ -157,10 +160,16 @@ def test_coarse_grains_that_pass_lower_the_efficiency() -> None:
     assert table["efficiency_percent"].half_width > table["fine_placement_percent"].half_width
 
 
-def test_sections_are_left_out_where_openings_differ() -> None:
-    table = whole_feed(events(LAW, 0.001), feed_fines([feed(0.001)], OPENING_M), OPENING_M, False)
-    assert table["sections"] == []
-    assert table["efficiency_percent"].value is not None
+def test_openings_that_differ_have_no_common_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Undersize of a double deck must pass the smaller openings, through which the curve of the larger ones
+    lets too much: 89 instead of 79 % of a fine class."""
+    run: Any = SimpleNamespace(case=SimpleNamespace(bed=SimpleNamespace(feeds={"coal": feed(0.001)})))
+    for openings_m, is_there in (((OPENING_M, OPENING_M), True), ((2 * OPENING_M, OPENING_M), False)):
+        monkeypatch.setattr(compute, "smaller_sides_m", lambda _, given=openings_m: given)
+        table: dict[str, Any] = {"screening": {"fine_particles": 10_000}, "missing": {}}
+        compute._add_whole_feed(run, events(LAW, 0.001), OPENING_M, table)
+        assert ("whole_feed" in table["screening"]) == is_there
+        assert ("whole feed" in table["missing"]) != is_there
 
 
 def test_a_run_that_computes_all_sizes_has_none(tmp_path_factory: pytest.TempPathFactory) -> None:

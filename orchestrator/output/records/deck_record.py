@@ -20,7 +20,7 @@ DEPTH_SHARE = 0.95  # share of a bin's mass that lies below the bed depth
 HELD_CYCLES = 5
 NEAR = 0.25  # diameters: largest gap between panel and particle that counts as lying on the panel
 STAYS = 0.5  # diameters: largest motion along or across that counts as the same place
-SEATED = 0.75  # radii: a centre that is nearer to the surface sits in an opening
+SEATED = 0.75  # radii: a centre that is nearer to the surface, above or below, sits in an opening
 
 
 def bins_m(deck: DeckLine) -> Array:
@@ -119,7 +119,7 @@ class RetainedParticles(SavedAttributes):
         retained = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
         retained &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > STANDARD_GRAVITY_M_PER_S2
         mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
-        seated_m = place[retained & (places.height_m < SEATED * radius)]
+        seated_m = place[retained & (np.abs(places.height_m) < SEATED * radius)]
         blinded = self._openings.query(seated_m)[1] if self._openings is not None else []
         return {
             "stickers": float(retained.sum()),

@@ -8,9 +8,9 @@ import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.output.cycles import cycle_numbers
-from orchestrator.output.records.deck_record import bins_m
-from orchestrator.output.results.estimate import mean_by_cycles, ratio_by_cycles, share
+from orchestrator.output.cycles import ROUNDING, cycle_numbers
+from orchestrator.output.records.deck_record import HELD_CYCLES, bins_m
+from orchestrator.output.results.estimate import Estimate, mean_by_cycles, ratio_by_cycles, share
 from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, EventTable, per_cycle
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
@@ -52,20 +52,29 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
 
 
 def deck_area_m2(run: RunReader) -> float:
-    """Return the area of the deck, cross beams included: its length times the mean width of the panels.
+    """Return the area of the deck, cross beams included: its length times the mean width of the panels, of
+    which longer ones count more.
 
     Raises KeyError if the panels form no deck.
     """
     along_m = run.read("profile/along_m")[0]
     length_m = len(along_m) * (along_m[1] - along_m[0])
-    width_m = np.mean([panel.rectangle.width_m for panel in single_panels(run.case)])
+    panels = [panel.rectangle for panel in single_panels(run.case)]
+    width_m = np.average([at.width_m for at in panels], weights=[at.length_m for at in panels])
     return float(length_m * width_m)
 
 
 def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
-    """Return the means of stickers and blinded openings over the output times in a window."""
+    """Return the means of stickers and blinded openings over the output times in a window.
+
+    Those of the run's first cycles, in which no particle can have lain for long enough, do not count.
+    """
     window = run.output_rows("held", start_s, end_s)
-    cycle = cycle_numbers(run.read("held/time_s")[window], run.cycle_s, start_s)
+    time_s = run.read("held/time_s")
+    window &= time_s >= time_s[0] + (HELD_CYCLES - ROUNDING) * run.cycle_s
+    if not window.any():
+        return dict.fromkeys(("stickers", "sticking_kg", "blinded_openings"), Estimate(None))
+    cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     return {
         name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady)

@@ -140,8 +140,10 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
     if number < FEWEST_FINES:
         table["missing"]["whole feed"] = f"{number} fine particles left; its curve needs {FEWEST_FINES}"
         return
-    is_uniform = min(openings_m) == max(openings_m)
-    table["screening"]["whole_feed"] = whole_feed(events, fines, max(openings_m), is_uniform)
+    if min(openings_m) < max(openings_m):
+        table["missing"]["whole feed"] = "the openings differ: one curve does not continue through them"
+        return
+    table["screening"]["whole_feed"] = whole_feed(events, fines, openings_m[0])
 
 
 def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, pairwise
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
 SMALL_MOTION = 0.05  # of the largest motion of a frame
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
 SLOW_SHAFT = 0.8  # of its named speed: a rated slip is at most 0.2
+APART, FAR_APART = 0.005, 0.5  # of a speed: motors' shafts that differ by a share between these beat
 FEWEST_CYCLES = 4  # in a window whose halves are compared
 RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
 UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
@@ -137,12 +139,21 @@ def why_not_settled(
     """
     if not run.is_driven:
         return "nothing drives the machine: it has no steady motion"
-    for name, speed_rad_per_s in run.shaft_speeds_rad_per_s(start_s, end_s).items():
+    speeds_rad_per_s = run.shaft_speeds_rad_per_s(start_s, end_s)
+    for name, speed_rad_per_s in speeds_rad_per_s.items():
         share = speed_rad_per_s / run.case.screen.exciters[name].speed_rad_per_s
         if share < SLOW_SHAFT:
             return (
                 f"the motor of {name} turns its shaft at {speed_rad_per_s:.3g} rad/s, {share:.2g} of its "
                 "speed_rad_per_s: it is too weak for this machine, or still runs up"
+            )
+    for (slow, slow_speed), (fast, fast_speed) in pairwise(
+        sorted(speeds_rad_per_s.items(), key=itemgetter(1))
+    ):
+        if APART < fast_speed / slow_speed - 1 < FAR_APART:
+            return (
+                f"the shafts of {slow} and {fast} turn at {slow_speed:.4g} and {fast_speed:.4g} rad/s: "
+                "they have not synchronised, and the motion beats"
             )
     for name in run.names("frames"):
         rows = run.read_cycles(f"point_cycles/{name}", start_s, end_s)

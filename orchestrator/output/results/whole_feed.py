@@ -161,12 +161,11 @@ def _share_between(rows: Sequence[tuple[SizeClass, float]], low_m: float, high_m
     return sum(part * share_between(row, low_m, high_m) for row, part in rows)
 
 
-def whole_feed(events: Events, fines: FeedFines, opening_m: float, is_uniform: bool) -> dict[str, Any]:
+def whole_feed(events: Events, fines: FeedFines, opening_m: float) -> dict[str, Any]:
     """Return the separation of the whole feed, and the curve by which its fines are completed.
 
-    ``opening_m`` is the smaller side of the largest openings; without ``is_uniform`` others are smaller, and
-    the sections, to which it does not apply, are left out.  A figure is an estimate without a value where the
-    particles that left do not determine the curve.
+    ``opening_m`` is the smaller side of the openings, which are all alike.  A figure is an estimate without a
+    value where the particles that left do not determine the curve.
     """
     undersize = events.exits.of(UNDERSIZE)
     mean_m, sums = _numbers_and_masses(events, fines)
@@ -198,7 +197,7 @@ def whole_feed(events: Events, fines: FeedFines, opening_m: float, is_uniform: b
             "cumulative_efficiency_percent": events.figure(partial(placement, place + 1), sums),
             "yield_percent": events.figure(partial(section_yield, place), sums),
         }
-        for place, number in enumerate(undersize if is_uniform else ())
+        for place, number in enumerate(undersize)
     ]
     curve, _ = up_to(last, sums[events.window].sum(axis=0))
     return {

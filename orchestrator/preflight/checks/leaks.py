@@ -165,9 +165,12 @@ class _Deck:
                 )
 
     def _gap_at(self, joint: Joint) -> float:
-        """Return the width of the widest open gap at a joint, over some lines along the deck."""
+        """Return the width of the widest open gap at a joint, over some lines along the deck.
+
+        An upper panel that reaches over the lower one leaves none.
+        """
         gap_m = joint.gap_m - (joint.gap_m @ joint.upper.across) * joint.upper.across
-        if np.linalg.norm(gap_m) <= self.smallest_m:
+        if np.linalg.norm(gap_m) <= self.smallest_m or gap_m @ joint.upper.along <= 0.0:
             return 0.0
         return max(
             self._open_width_m(joint.upper.point_m(1.0, across), gap_m, joint.upper.normal)

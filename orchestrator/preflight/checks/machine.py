@@ -21,10 +21,15 @@ FASTEST_MOTOR = 1.25  # synchronous speed over the exciter's: motors slip by som
 
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
-    """Check that frames that forces move have masses, and that the solver of driven frames knows drives."""
+    """Check that a solver that moves frames by forces has frames, that these have masses, and that the solver
+    of driven frames knows drives.
+    """
     solver, able = case.frames.solver, case.frames.adapter
     if not able.moved_by_forces:
         return
+    if not case.screen.frames:
+        still = solvers.names_able_to("frames", lambda frames: not frames.moved_by_forces)
+        yield CaseProblem(("frames", "solver"), f"{solver} has no frame to move", f"frames.solver = {still}")
     driving = solvers.names_able_to("frames", lambda frames: frames.drives and frames.moved_by_forces)
     for key, frame in rows(case, "screen.frames"):
         if frame.drive is not None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +15,7 @@ from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck import stl
 from orchestrator.case.deck.panels import SinglePanel, plate_corners_m, single_panels, to_world, walls
-from orchestrator.case.deck.triangle_grid import grid
+from orchestrator.case.deck.triangle_grid import TriangleGrid, grid, surface_grids
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.slice import period_m
 from orchestrator.case.solver_plans import material_numbers
@@ -185,8 +186,12 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     if apart:
         return
     yield from _overlapping(case, particles)
-    for name, corners_m in _surfaces(case, folder):
-        yield from _in_surface(case, particles, name, corners_m)
+    closed = [
+        problem for surface in _surfaces(case, folder) for problem in _in_surface(case, particles, *surface)
+    ]
+    if closed:  # particles may sit in openings, the meshing of which takes a while
+        for surface in _surfaces(case, folder, surface_grids(case)):
+            yield from _in_surface(case, particles, *surface)
 
 
 def feeds_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
@@ -251,14 +256,16 @@ def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CasePro
             yield CaseProblem(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it")
 
 
-def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
+def _surfaces(
+    case: Case, folder: Path, grids: Mapping[str, TriangleGrid] = MappingProxyType({})
+) -> Iterator[tuple[str, Array]]:
     """Yield the names and the triangles (m, 3, 3), in world axes, of taut panels and rigid surfaces.
 
-    Taut panels are straight between their clamps.
+    Taut panels are straight between their clamps, and have no openings unless ``grids`` has theirs.
     """
     for panel in single_panels(case):
         if panel.rectangle.span_m >= panel.rectangle.length_m:
-            flat = grid(panel.rectangle, (1, 1))
+            flat = grids.get(panel.name) or grid(panel.rectangle, (1, 1))
             yield f"panel {panel.name}", panel.rectangle.mounted(flat.coordinates_m)[flat.triangles]
     for wall in walls(case, folder):
         yield f"surface {wall.name}", wall.position_m[wall.triangles]
