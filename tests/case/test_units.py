@@ -156,6 +156,11 @@ def test_a_deck_takes_its_tension_in_millimetres(tmp_path: Path) -> None:
         ("screen.exciters.shaft.speed_rad_per_s=750 1/min", "is ambiguous: 1/min may count turns or radians"),
         ("screen.panels.deck.thickness_m=78 1/s", "is a number per time; a length is wanted"),
         ("duration_s=fast", "'fast' is wrong, a valid number is wanted"),
+        ("panel.cells=fast", "'fast' is wrong, a list is wanted"),
+        (
+            "gravity_m_per_s2.2=-1.6",
+            "is not in the case, so that it has no elements to change; give all of it",
+        ),
         ("contacts.0.restitution=3 mm", "'3 mm' is wrong, a valid number is wanted"),
         ("screen.frames.driving.inertia_kg_m2=[2.0, '6 kg', 6.0]", "inertia_kg_m2.1: '6 kg' is a mass"),
         ("screen.panels.deck.tension_m=2 kN", "is of another kind; a length is wanted"),

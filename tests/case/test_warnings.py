@@ -206,7 +206,9 @@ def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("corner_m", "lines"), [(-0.26, 0), (-0.34, 1)])
-def test_a_panel_that_reaches_over_the_next_leaves_no_gap(corner_m: float, lines: int, tmp_path: Path) -> None:
+def test_a_panel_that_reaches_over_the_next_leaves_no_gap(
+    corner_m: float, lines: int, tmp_path: Path
+) -> None:
     """It is 0.3 m long and 50 mm higher, and ends 40 mm behind or before the edge of the deck."""
     over = (
         f'screen.panels.over={{material="PU", frames=["driving", "driving"], corner_m=[{corner_m}, 0, 0.05], '

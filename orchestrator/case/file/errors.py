@@ -171,6 +171,12 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
         return CaseProblem(key, f"{value} {why}")
     if kind == "model_type":
         expected = "a table"
+    if kind == "tuple_type":
+        expected = "a list"
+        if isinstance(detail["input"], dict) and all(str(word).isdecimal() for word in detail["input"]):
+            return CaseProblem(
+                key, "is not in the case, so that it has no elements to change", "give all of it"
+            )
     return CaseProblem(key, f"{value} is wrong, {expected} is wanted")
 
 
