@@ -186,10 +186,8 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     if apart:
         return
     yield from _overlapping(case, particles)
-    closed = [
-        problem for surface in _surfaces(case, folder) for problem in _in_surface(case, particles, *surface)
-    ]
-    if closed:  # particles may sit in openings, the meshing of which takes a while
+    if any(any(_in_surface(case, particles, *surface)) for surface in _surfaces(case, folder)):
+        # particles may sit in openings, the meshing of which takes a while
         for surface in _surfaces(case, folder, surface_grids(case)):
             yield from _in_surface(case, particles, *surface)
 
