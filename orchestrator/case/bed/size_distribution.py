@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
 
 from orchestrator.case.tables.bed import Filling, PassingPoint, SizeClass
 from orchestrator.ports import Array, Indices
@@ -208,6 +207,8 @@ def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
 
     The classes may overlap, and their mass fractions may add up to any sum.
     """
+    from scipy.optimize import brentq
+
     half, finer_m = sum(row.mass_fraction for row in sizes) / 2, 0.0
 
     def missing(limit_m: float) -> float:
