@@ -207,8 +207,6 @@ def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
 
     The classes may overlap, and their mass fractions may add up to any sum.
     """
-    from scipy.optimize import brentq
-
     half, finer_m = sum(row.mass_fraction for row in sizes) / 2, 0.0
 
     def missing(limit_m: float) -> float:
@@ -217,7 +215,13 @@ def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
 
     for limit_m in sorted({limit_m for row in sizes for limit_m in (row.smallest_m, row.largest_m)}):
         if missing(limit_m) <= 0.0:
-            return float(brentq(missing, finer_m, limit_m, xtol=1e-15 * limit_m, rtol=1e-14))
+            coarser_m = limit_m
+            while finer_m < (middle_m := (finer_m + coarser_m) / 2) < coarser_m:  # to the last bit
+                if missing(middle_m) > 0.0:
+                    finer_m = middle_m
+                else:
+                    coarser_m = middle_m
+            return coarser_m
         equal = sum(row.mass_fraction for row in sizes if row.smallest_m == row.largest_m == limit_m)
         if missing(limit_m) <= equal:
             return limit_m
