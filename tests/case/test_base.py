@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.layers import Layers
 from orchestrator.case.file.origin import CHEAP_LEVEL
 from orchestrator.output.records.run_folder import create_run_folder, resolved_case
 from orchestrator.preflight.check import find_problems
@@ -144,6 +145,16 @@ def test_a_wrong_key_is_said_with_the_file_that_gives_it(below: Path) -> None:
     )
     (below / "case.toml").write_text(CASE.replace("thickness_m", "thicknes_m"))
     assert refusal(over(below, name="other")).startswith("../below/case.toml screen.panels.deck.thicknes_m")
+
+
+def test_a_list_is_named_with_all_that_gave_it_or_changed_its_elements() -> None:
+    layers = Layers({"sizes": [{"mass": 0.5}, {"mass": 0.5}]}, "case.toml")
+    layers.lay({"sizes": {"1": {"mass": 0.6}}}, "levels/fine.toml")
+    layers.lay({"sizes": {"0": {"mass": 0.6}}}, "--set")
+    assert layers.source(("sizes",)) == "case.toml, levels/fine.toml, --set"
+    assert layers.source(("sizes", 1, "mass")) == "levels/fine.toml"
+    layers.lay({"sizes": [{"mass": 0.9}, {"mass": 0.2}]}, "other.toml")
+    assert layers.source(("sizes",)) == layers.source(("sizes", 1, "mass")) == "other.toml"
 
 
 def test_base_is_no_key_of_levels_and_sets(below: Path) -> None:

@@ -107,17 +107,32 @@ class Layers:
         self._with_units |= {*keys_with_units(overlay)}
 
     def source(self, key: Key) -> str:
-        """Return the file or option that last gave this key or the table that holds it."""
+        """Return the file or option that last gave this key or the table that holds it.
+
+        Of a list whose elements were changed later, it names those that changed them, too.
+        """
         words = tuple(str(part) for part in key)
-        for end in range(len(words), 0, -1):
-            if words[:end] in self._source:
-                return self._source[words[:end]]
-        return self._first
+        below = [self._source[words[:end]] for end in range(len(words), 0, -1) if words[:end] in self._source]
+        own = below[0] if below else self._first
+        if not isinstance(self._value(words), list):
+            return own
+        changed = [source for other, source in self._source.items() if other[: len(words)] == words]
+        return ", ".join(dict.fromkeys((own, *changed)))
 
     def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
         """Return the problems with their files filled in, without guesses at units that the user gave."""
         told = [replace(m, hint="") if m.guesses_unit and self._has_unit(m.key) else m for m in problems]
         return [m if m.file else replace(m, file=self.source(m.key)) for m in told]
+
+    def _value(self, words: Sequence[str]) -> Any:
+        """Return what stands at a key, or None."""
+        value: Any = self.merged
+        for word in words:
+            if isinstance(value, list) and word.isdecimal() and int(word) < len(value):
+                value = value[int(word)]
+            else:
+                value = value.get(word) if isinstance(value, Mapping) else None
+        return value
 
     def _has_unit(self, key: Key) -> bool:
         """Return whether the last layer that gave this number gave it with a unit."""
@@ -126,8 +141,7 @@ class Layers:
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
         """Return ``overlay`` merged over ``below`` at ``key``, and change neither of them."""
         if not isinstance(overlay, Mapping):
-            self._source[key] = source
-            self._with_units = {other for other in self._with_units if other[: len(key)] != key}
+            self._give_whole(key, source)
             return overlay
         if isinstance(below, list):
             below = list(below)
@@ -136,7 +150,7 @@ class Layers:
                 below[number] = self._over(below[number], value, (*key, word), source)
             return below
         if not isinstance(below, Mapping):
-            self._source[key] = source
+            self._give_whole(key, source)
             below = {}
         other_ways = {other for word in overlay for other in REPLACED_BY.get(word, ())} - overlay.keys()
         merged = {word: value for word, value in below.items() if word not in other_ways}
@@ -145,6 +159,11 @@ class Layers:
             if value is None:
                 del merged[word]
         return merged
+
+    def _give_whole(self, key: tuple[str, ...], source: str) -> None:
+        """Note that ``source`` gives all that stands at a key, and forget what was known of it."""
+        self._source = {at: by for at, by in self._source.items() if at[: len(key)] != key} | {key: source}
+        self._with_units = {at for at in self._with_units if at[: len(key)] != key}
 
 
 def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
