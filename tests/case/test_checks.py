@@ -396,6 +396,32 @@ def test_a_feed_that_brings_no_particle_before_the_end_is_said(
     assert all(said in line for line in found if said)
 
 
+@pytest.mark.parametrize(("duration_s", "told"), [("0.1", True), ("30", False)])
+def test_a_feed_that_brings_nothing_of_its_coarsest_sizes_is_said(
+    tmp_path: Path, duration_s: str, told: bool
+) -> None:
+    """Lumps of 90 mm are a tenth of the mass: half of the first is due when five times its mass have come."""
+    lumps = FEED.replace("mass_fraction=1", "mass_fraction=0.9").replace(
+        "}]", "}, {smallest_m=0.09, largest_m=0.09, mass_fraction=0.1}]"
+    )
+    found = warned(tmp_path, lumps, f"duration_s={duration_s}")
+    said = 'feed "chute" brings no particle of 90 to 90 mm in 0.1 s, which are 10 % of its mass'
+    assert any(line.startswith(said) for line in found) == told
+
+
+@pytest.mark.parametrize(("count", "told"), [(40, True), (188, False)])
+def test_a_block_that_loses_its_coarsest_sizes_is_said(tmp_path: Path, count: int, told: bool) -> None:
+    """Half of the mass each, and mean cubes of 167.75 and 15 650 mm3: one in 1 + 93.3 particles is large."""
+    sizes = "{smallest_m=0.005, largest_m=0.006, mass_fraction=0.5}, "
+    sizes += "{smallest_m=0.024, largest_m=0.026, mass_fraction=0.5}"
+    block = BLOCK[: BLOCK.index("[{") + 1] + sizes + BLOCK[BLOCK.index("}]") + 1 :]
+    found = warned(tmp_path, block.replace("count=1,", f"count={count},"))
+    said = (
+        "40 particles cannot have its sizes: 0 % of their mass is of 24 to 26 mm instead of 50 %; one in 94.3"
+    )
+    assert any(said in line for line in found) == told
+
+
 @pytest.mark.parametrize(
     ("overrides", "wanted"),
     [

@@ -102,8 +102,16 @@ def test_feeds_are_mixed_by_what_they_have_fed() -> None:
     short = feed(0.001).model_copy(update={"start_s": 0.0, "stop_s": 1.0})
     rest = feed(rate=feed().rate_kg_per_s).model_copy(update={"start_s": 1.0})
     alone = feed_fines([feed(0.001)], OPENING_M).left_out
-    assert feed_fines([short, rest], OPENING_M, 10.0).left_out == pytest.approx(0.1 * alone, rel=1e-12)
-    assert feed_fines([short, rest], OPENING_M, 0.5).left_out == pytest.approx(alone, rel=1e-12)
+
+    def left_out(start_s: float, end_s: float) -> float:
+        return feed_fines([short, rest], OPENING_M, (start_s, end_s)).left_out
+
+    assert left_out(0.0, 10.0) == pytest.approx(0.1 * alone, rel=1e-12)
+    assert left_out(0.0, 0.5) == left_out(0.8, 1.0) == pytest.approx(alone, rel=1e-12)
+    assert left_out(0.9, 1.4) == pytest.approx(0.2 * alone, rel=1e-12)
+    assert left_out(2.0, 10.0) == 0.0  # the short one, which has left long ago, counts no more
+    over = feed_fines([short], OPENING_M, (2.0, 10.0))  # what leaves then was fed before
+    assert over.left_out == pytest.approx(alone, rel=1e-12)
 
 
 @pytest.mark.parametrize("limit_m", [0.001, 0.0015, 0.002])

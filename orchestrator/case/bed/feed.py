@@ -78,14 +78,14 @@ class Inlet:
         return np.asarray(corners @ self.axes.T)
 
 
-_STATE = ("_drawn_kg", "_waiting_m", "_offered", "_next_m", "_class", "due_kg", "fed_kg")
+_STATE = ("_drawn_kg", "_waiting_m", "_offered", "_next_m", "due_kg", "fed_kg")
 
 
 class RateFeed:
     """A ``Feed`` of one inlet; it is picklable, and the same inlet gives the same particles everywhere.
 
-    The mass drawn stays within half a particle of ``due_kg``.  Each particle is drawn from the size
-    class whose mass lags most behind its share.  Particles that find no room wait for the next batch.
+    The mass drawn of each size class stays within half a particle of its share of ``due_kg``.  Particles
+    that find no room wait for the next batch.
     """
 
     def __init__(self, inlet: Inlet) -> None:
@@ -95,13 +95,17 @@ class RateFeed:
         self._drawn_kg = np.zeros(len(inlet.sizes))
         self._waiting_m = np.empty(0)
         self._offered = np.empty(0, dtype=np.int64)
-        self._next_m = self._diameter_m()
+        self._next_m = np.array([self._diameter_m(number) for number in range(len(inlet.sizes))])
         self.due_kg = self.fed_kg = 0.0
 
     @property
-    def next_kg(self) -> float:
-        """The mass of the next particle, which is drawn when half of it is due."""
-        return float(sphere_mass_kg(self._next_m, self.inlet.density_kg_per_m3))
+    def next_due_kg(self) -> Array:
+        """The mass due of all classes at which the next particle of each is drawn, (classes,).
+
+        Half of the particle is then due of its class.
+        """
+        half_kg = sphere_mass_kg(self._next_m, self.inlet.density_kg_per_m3) / 2.0
+        return np.asarray((self._drawn_kg + half_kg) / self._shares)
 
     def due(self, interval: Interval) -> ParticleList:
         """Return the particles offered at the start of an interval, in world axes."""
@@ -141,19 +145,18 @@ class RateFeed:
         _set_generator_state(self._generator, saved["generator"])
 
     def _draw(self) -> None:
-        """Draw particles until the next one would exceed the mass that is due."""
+        """Draw the particles of which half is due by now, in the order in which they became due."""
         drawn_m = []
-        while self._drawn_kg.sum() + self.next_kg / 2.0 <= self.due_kg:
-            drawn_m.append(float(self._next_m))
-            self._drawn_kg[self._class] += self.next_kg
-            self._next_m = self._diameter_m()
+        while (next_due_kg := self.next_due_kg).min() <= self.due_kg:
+            number = int(np.argmin(next_due_kg))
+            drawn_m.append(float(self._next_m[number]))
+            self._drawn_kg[number] += sphere_mass_kg(self._next_m[number], self.inlet.density_kg_per_m3)
+            self._next_m[number] = self._diameter_m(number)
         self._waiting_m = np.append(self._waiting_m, drawn_m)
 
-    def _diameter_m(self) -> Array:
-        """Draw a diameter from the size class that lags most behind its share, and note the class."""
-        lag_kg = self._shares * self._drawn_kg.sum() - self._drawn_kg
-        self._class = int(np.argmax(lag_kg))
-        return diameter_m(self.inlet.sizes[self._class], np.asarray(self._generator.random()))
+    def _diameter_m(self, number: int) -> float:
+        """Draw the diameter of a particle of a size class."""
+        return float(diameter_m(self.inlet.sizes[number], np.asarray(self._generator.random())))
 
 
 @dataclass(frozen=True)

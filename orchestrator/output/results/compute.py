@@ -133,7 +133,7 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
     feeds, openings_m = tuple(run.case.bed.feeds.values()), [*smaller_sides_m(run.case)]
     if not feeds or not openings_m:
         return
-    fines = feed_fines(feeds, cut_m, events.window_s[1])
+    fines = feed_fines(feeds, cut_m, events.window_s)
     if not fines.left_out:
         return
     number = table["screening"]["fine_particles"]

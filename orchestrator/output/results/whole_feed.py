@@ -132,16 +132,21 @@ class FeedFines:
         return ((self.total - self.left_out) * computed + finer) / self.total
 
 
-def feed_fines(feeds: Sequence[Feed], cut_m: float, until_s: float = math.inf) -> FeedFines:
-    """Return the fines, below ``cut_m``, of feeds that are mixed by what they feed until a time.
+def feed_fines(
+    feeds: Sequence[Feed], cut_m: float, window_s: tuple[float, float] = (0.0, math.inf)
+) -> FeedFines:
+    """Return the fines, below ``cut_m``, of feeds that are mixed by what they feed in a window of time.
 
-    If it is infinite, or none has begun by then, they are mixed by their rates.
+    If they feed nothing then, they are mixed by what they fed before; if the window has no end, or none has
+    begun by then, by their rates.
     """
     nodes, weights = roots_legendre(NODES)
     given, fed, diameter_m, shares = [], [], [np.empty(0)], [np.empty(0)]
-    fed_kg = [feed.rate_kg_per_s * (min(feed.stop_s or until_s, until_s) - feed.start_s) for feed in feeds]
-    parts = [max(0.0, each) for each in fed_kg] if np.isfinite(fed_kg).all() else [0.0]
-    parts = parts if sum(parts) > 0 else [feed.rate_kg_per_s for feed in feeds]
+    start_s, end_s = window_s
+    parts = [feed.rate_kg_per_s for feed in feeds]
+    for since_s in (0.0, start_s):
+        fed_kg = [_fed_kg(feed, since_s, end_s) for feed in feeds]
+        parts = fed_kg if 0.0 < sum(fed_kg) < math.inf else parts
     for feed, weight in zip(feeds, parts, strict=True):
         part, limit_m = weight / sum(parts), min(feed.smallest_fed_m or 0.0, cut_m)
         given += [(row, part * row.mass_fraction) for row in given_classes(feed)]
@@ -154,6 +159,12 @@ def feed_fines(feeds: Sequence[Feed], cut_m: float, until_s: float = math.inf) -
                 diameter_m.append(sizes)
                 shares.append(part * row.mass_fraction * (1.0 - coarser) * mass / mass.sum())
     return FeedFines(cut_m, tuple(given), tuple(fed), np.concatenate(diameter_m), np.concatenate(shares))
+
+
+def _fed_kg(feed: Feed, start_s: float, end_s: float) -> float:
+    """Return the mass that is due of a feed from one time to another."""
+    stop_s = end_s if feed.stop_s is None else min(feed.stop_s, end_s)
+    return feed.rate_kg_per_s * max(0.0, stop_s - max(feed.start_s, start_s))
 
 
 def _share_between(rows: Sequence[tuple[SizeClass, float]], low_m: float, high_m: float) -> float:

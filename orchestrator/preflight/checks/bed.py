@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, combinations_with_replacement, product
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,15 @@ import numpy as np
 from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.feed import RateFeed, are_apart
-from orchestrator.case.bed.size_distribution import classes, faults, finer_share, mean_mass_kg
+from orchestrator.case.bed.size_distribution import (
+    classes,
+    counts,
+    faults,
+    finer_share,
+    mean_cube_m3,
+    mean_mass_kg,
+    shares,
+)
 from orchestrator.case.bed.sources import batch_s, initial_particles, inlets, largest_diameter_m
 from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
@@ -21,6 +29,7 @@ from orchestrator.case.file.layers import Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m, share
 from orchestrator.case.materials.library import no_grains
 from orchestrator.case.solver_plans import material_numbers
+from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
 from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
@@ -249,11 +258,14 @@ def soft_contacts(case: Case) -> Iterator[str]:
 
 
 OTHER_MASS = 0.02  # of a block: a smaller change is not told
+OTHER_SHARE = 0.05  # of the mass of a block or a feed: a smaller share of other sizes is not told
 
 
 def rounded_counts(case: Case) -> Iterator[str]:
-    """Yield a warning for each block whose mass changes because its few particles become whole numbers of
-    coarse ones, or of those in a slice."""
+    """Yield a warning for each block whose mass or sizes change because its particles are few.
+
+    They are whole numbers of each size class, of coarse particles, and of those in a slice.
+    """
     part = share(case.whole_machine) / case.particles.coarse_graining**3
     for name, row in case.bed.blocks.items():
         exact = case.original.bed.blocks[name].count * part
@@ -263,6 +275,25 @@ def rounded_counts(case: Case) -> Iterator[str]:
                 f"bed.blocks.{name}: {exact:.3g} of its particles would have its mass here, and {row.count} "
                 f"are computed: its mass changes by {100 * change:+.2g} %"
             )
+        sizes = classes(row)
+        wanted = shares(sizes)
+        cube_m3 = mean_cube_m3(sizes)
+        given = counts(sizes, row.count) * cube_m3 / (counts(sizes, row.count) @ cube_m3)
+        other = np.round(np.abs(given - wanted), 6)
+        if other.sum() / 2 > OTHER_SHARE:
+            worst = max(range(len(sizes)), key=lambda number: (other[number], cube_m3[number]))
+            number = wanted / cube_m3
+            yield (
+                f"bed.blocks.{name}: {row.count} particles cannot have its sizes: {100 * given[worst]:.3g} % "
+                f"of their mass is of {_range_mm([sizes[worst]])} instead of {100 * wanted[worst]:.3g} %; "
+                f"one in {number.sum() / number[worst]:.3g} particles would be of that size"
+            )
+
+
+def _range_mm(sizes: Sequence[SizeClass]) -> str:
+    """Return the range of diameters of size classes in words."""
+    smallest_m, largest_m = min(row.smallest_m for row in sizes), max(row.largest_m for row in sizes)
+    return f"{1e3 * smallest_m:.3g} to {1e3 * largest_m:.3g} mm"
 
 
 SLACK_M = 1e-9  # allowance for rounding in rotated boxes
@@ -300,7 +331,8 @@ ROUNDED = 0.01  # allowed change of the time between batches by rounding, as a s
 
 
 def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
-    """Yield warnings about feeds that bring nothing, or clearly less than is due by the end.
+    """Yield warnings about feeds that bring nothing, or clearly less than is due by the end, or nothing of
+    their coarsest sizes.
 
     Particles come in batches, and the last batch may be long before the end.  Yield a warning as well
     if the time between batches is no whole number of sync intervals.
@@ -310,18 +342,27 @@ def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
         last_s = (batches - 1) * inlet.batch_s
         comes_kg, due_kg = inlet.due_kg(last_s), inlet.due_kg(case.duration_s)
         when = f"its batches come every {inlet.batch_s:g} s, the last at t = {last_s:g} s"
-        first_kg = RateFeed(inlet).next_kg
-        if comes_kg < first_kg / 2:
+        first_due_kg = RateFeed(inlet).next_due_kg
+        late = np.flatnonzero(first_due_kg > comes_kg)
+        absent = float(shares(inlet.sizes)[late].sum())
+        if len(late) == len(first_due_kg):
             yield (
                 f'feed "{name}" feeds nothing in {case.duration_s:g} s: {when}, when '
-                f"{comes_kg:.3g} kg are due and its first particle has {first_kg:.3g} kg; a longer "
-                "run, a higher rate_kg_per_s, an earlier start_s or a shorter "
+                f"{comes_kg:.3g} kg are due, and its first particle comes when {first_due_kg.min():.3g} kg "
+                "are; a longer run, a higher rate_kg_per_s, an earlier start_s or a shorter "
                 "particles.feed_interval_s helps"
             )
         elif comes_kg < ENOUGH * due_kg:
             yield (
                 f'feed "{name}" feeds {comes_kg:.3g} of the {due_kg:.3g} kg that are due in '
                 f"{case.duration_s:g} s: {when}; shorten particles.feed_interval_s"
+            )
+        elif absent > OTHER_SHARE:
+            rows = [inlet.sizes[number] for number in late]
+            yield (
+                f'feed "{name}" brings no particle of {_range_mm(rows)} in {case.duration_s:g} s, which are '
+                f"{100 * absent:.2g} % of its mass: the first is due when {first_due_kg[late].min():.3g} kg "
+                f"have come, and {comes_kg:.3g} kg come"
             )
     wanted_s, taken_s = case.particles.feed_interval_s, batch_s(case)
     if case.bed.feeds and wanted_s > 0 and abs(taken_s - wanted_s) > ROUNDED * wanted_s:
