@@ -243,6 +243,8 @@ def test_a_run_that_failed_is_no_value(case: Path) -> None:
         (("amplitude", "amplitudes"), 'no measure "amplitudes"'),
         (('what = "a"\n', ""), "what: missing"),
         (("what = ", "whut = "), 'did you mean "what"?'),
+        (('unit = "mm"', 'unit = "mm"\naxis = "size"'), 'criteria.0.axis: "size" is wrong for an amplitude'),
+        (('unit = "mm"', 'unit = "N"'), 'unit: "N" is wrong for an amplitude, one of m, mm is wanted'),
     ],
 )
 def test_a_wrong_table_is_said(case: Path, change: tuple[str, str], said: str) -> None:

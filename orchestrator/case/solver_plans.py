@@ -125,16 +125,21 @@ def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
     )
 
 
-def bushings(case: Case) -> list[BushingPlan]:
-    """Return the plans of all single bushings, in world axes."""
+def bushing_axes(case: Case, row: tables.Bushing) -> Array:
+    """Return the axes of a bushing in the world, (3, 3): one in each row."""
     from scipy.spatial.transform import Rotation
 
+    return to_world(case, Rotation.from_euler("xyz", row.rotation_deg, True).as_matrix().T)
+
+
+def bushings(case: Case) -> list[BushingPlan]:
+    """Return the plans of all single bushings, in world axes."""
     return [
         BushingPlan(
             name=name if len(row.positions_m) == 1 else f"{name}-{number + 1}",
             bodies=row.between,
             position_m=to_world(case, position),
-            axes=to_world(case, Rotation.from_euler("xyz", row.rotation_deg, True).as_matrix().T),
+            axes=bushing_axes(case, row),
             stiffness_N_per_m=np.array(row.stiffness_N_per_m),
             damping_N_s_per_m=np.array(row.damping_N_s_per_m),
             hysteresis=tuple(_hysteresis(row)) if case.frames.adapter.hysteresis else (),

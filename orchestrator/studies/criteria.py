@@ -158,6 +158,13 @@ def read_criteria(case: Path) -> Criteria:
             if (word := getattr(row, key)) not in words:
                 hint = did_you_mean(word, filter(None, words))
                 problems.append(CaseProblem(("criteria", number, key), f'no {key} "{word}"', hint, str(file)))
+        if row.measure == "amplitude":
+            of_component = {"axis": ["", "x", "y", "z"]} | ({} if row.compare else {"unit": ["m", "mm"]})
+            for key, words in of_component.items():
+                if (word := getattr(row, key)) not in words:
+                    wanted_words = ", ".join(filter(None, words))
+                    what = f'"{word}" is wrong for an amplitude, one of {wanted_words} is wanted'
+                    problems.append(CaseProblem(("criteria", number, key), what, file=str(file)))
         if row.ratio is not None and not row.reference:
             what = "is in multiples of a reference, which is missing"
             problems.append(CaseProblem(("criteria", number, "ratio"), what, file=str(file)))

@@ -123,6 +123,8 @@ def _series(question: Question, run: Path) -> float:
         values = np.linalg.norm(values, axis=-1)
     elif question.axis:
         values = values[..., AXES[question.axis]]
+    if values.ndim > 1:
+        raise Unknown(f"{question.of} is a vector: which component (axis = x, y, z or size) is not said")
     low, high = question.between_s or (-np.inf, np.inf)
     inside = (low <= time_s) & (time_s <= high)
     if not inside.any():

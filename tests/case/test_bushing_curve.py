@@ -12,7 +12,10 @@ from orchestrator.case.file.bushing_curve import Elements, fit_points, harmonic_
 from orchestrator.case.solver_plans import bushings
 from orchestrator.cli.overview import overview
 from orchestrator.output.records.run_folder import resolved_case
+from orchestrator.preflight.check import warnings
+from orchestrator.preflight.judge import load_judged
 from tests.cases import CASE, LEVEL, case_folder, complaints, load_case, loaded, only_complaint
+from tests.runs.outside import ROOT
 
 KNOWN = Elements(1.5e4, ((4e3, 3e-4), (3e3, 1.5e-3)), ((2e3, 5e-3),))
 PLANAR = 'frames.solver="planar"'
@@ -79,6 +82,16 @@ def test_check_says_how_well_the_curve_is_met(tmp_path: Path) -> None:
     lines = "\n".join(overview(loaded(tmp_path, [CURVE])))
     assert "isolation along x: spring with 2 friction and 1 Maxwell elements" in lines
     assert "at 15 points: stiffness off by 0.0% at most, loss factor by 0%" in lines
+
+
+@pytest.mark.parametrize(("amplitude_m", "told"), [("[0.004, 0, 0.03]", True), ("[0.03, 0, 0.004]", False)])
+def test_a_turned_bushing_is_judged_along_its_own_axis(amplitude_m: str, told: bool) -> None:
+    """Measured from 1 to 8 mm along its x, which stands upright."""
+    turned = "screen.bushings.spring.rotation_deg=[0, 90, 0]"
+    along = "screen.bushings.spring.curves.0.axes=x"
+    sets = [turned, along, f"screen.frames.plate.drive.amplitude_m={amplitude_m}"]
+    found = warnings(load_judged(ROOT / "cases/shear-spring", None, sets))
+    assert any("works at an amplitude of 30 mm" in line for line in found) == told
 
 
 def test_plans_have_the_elements_where_the_solver_has(tmp_path: Path) -> None:

@@ -289,4 +289,5 @@ def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: P
 def test_units_are_those_of_the_nearest_key() -> None:
     assert unit_along(["results", "power", "lost_W", "frames.bushing_damping"]) == "W"
     assert unit_along(["results", "bed", "velocity_m_per_s"]) == "m/s"
+    assert unit_along(["results", "motion", "shafts_rad_per_s", "main"]) == "rad/s"
     assert unit_along(["results", "screening", "particles"]) == "1"

@@ -95,7 +95,7 @@ def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
 
 
 def test_the_speed_of_a_shaft_with_a_motor_is_told(steady: dict[str, Any]) -> None:
-    tiles = tiles_of(steady | {"motion": steady["motion"] | {"shafts": {"main": 77.23}}})
+    tiles = tiles_of(steady | {"motion": steady["motion"] | {"shafts_rad_per_s": {"main": 77.23}}})
     assert tiles["speed of the shaft main"].line.startswith(
         "speed of the shaft main: 77.2 rad/s (over 50 cycles"
     )

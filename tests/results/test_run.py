@@ -14,13 +14,14 @@ from tests.results.small_screen import CASE
 from tests.runs.outside import flipflow, run_words, summary
 
 DURATION_S = 1.5  # 30 cycles, some 30 particles
+NONE_JUMPS_OUT = "bed.feeds.chute.seed=2"
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("screen")
     case_folder(place / "case", CASE)
-    words = run_words(str(place / "case"), place / "run", [f"duration_s={DURATION_S}"])
+    words = run_words(str(place / "case"), place / "run", [f"duration_s={DURATION_S}", NONE_JUMPS_OUT])
     done = flipflow(*words)
     assert done.returncode == 0, done.stderr
     return place / "run"

@@ -118,7 +118,7 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     over, unsteady = _describe_window(motion), not motion["is_settled"]
     for name, orbit in motion["relative"].items():
         yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
-    for name, speed_rad_per_s in motion.get("shafts", {}).items():
+    for name, speed_rad_per_s in motion.get("shafts_rad_per_s", {}).items():
         yield Tile(f"speed of the shaft {name}", number(speed_rad_per_s), "", "rad/s", over, unsteady)
     whole, of_width = _scale_to_width(results)
     if ground := motion.get("ground"):
@@ -132,7 +132,8 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
             yield _tile(f"panel acceleration at {name}, {what}", points[name][key], "g", over, unsteady)
     stretched = [panel["stretch_largest_percent"] for panel in motion["panels"].values()]
     yield Tile("largest panel stretch", number(max(stretched, default=None)), "", "%", over, unsteady)
-    if power := results.get("power"):
+    power = results.get("power")
+    if power and "drives_W" in power:
         state = results.get("steady")
         filling = state is not None and not state["is_steady"]
         name = f"power of the drives{of_width}"

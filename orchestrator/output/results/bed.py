@@ -103,14 +103,16 @@ def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
     """Return the residence time of the oversize, and the passing rate of the undersize along the deck.
 
-    In a steady run that begins with a bed, nobody knows when its particles entered.  The residence time then
-    begins when the last of them has left, since those that stay briefly leave first.
+    Nobody knows when, and where, the particles of a bed at the start entered, so that they do not count.
+    In a steady run, residence times begin when the last of them has left, since those that stay briefly
+    leave first.
     """
     removed, counted = events.removed, events.left_in_window
     stay_s = residence_s(events.fed, removed)
     over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE)) & np.isfinite(stay_s)
+    at_start = over & np.isin(removed.id, events.fed.id[events.fed.time_s <= 0])
+    over &= ~at_start
     if not events.steady.reason:
-        at_start = over & np.isin(removed.id, events.fed.id[events.fed.time_s <= 0])
         over &= removed.time_s > removed.time_s[at_start].max(initial=0.0)
     sums = np.hstack(
         [

@@ -14,6 +14,7 @@ import numpy as np
 from orchestrator.case.deck.openings import openings_m, smaller_sides_m
 from orchestrator.case.file.slice import share
 from orchestrator.case.tables.case import has_particles
+from orchestrator.case.tables.frames import Bushing
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
 from orchestrator.output.results.course import course
@@ -29,6 +30,7 @@ from orchestrator.output.results.whole_feed import feed_fines, whole_feed
 FEWEST_FINES = 100
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
 SEVERAL_CUTS = "the panels form no single deck: output.cut_size_m says which size counts as fine"
+NO_BUSHING_LOSS = "the frames move as told: what their bushings lose is in no account"
 NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
 
@@ -175,7 +177,7 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
         "frames": {},
         "relative": {},
         "drift": None,
-        "shafts": {},
+        "shafts_rad_per_s": {},
         "ground": None,
         "panel_points": {},
         "panels": machine.panel_loads(run, start_s, end_s),
@@ -230,8 +232,17 @@ def _add_power(run: RunReader, events: Events | None, table: dict[str, Any]) -> 
     metrics = power_metrics(run, *motion_window(run, events), events, is_steady)
     if metrics is None:
         table["missing"]["power"] = "no whole cycle in the part that is averaged over"
-    else:
-        table["power"] = metrics
+        return
+    bushings = run.case.screen.bushings.values()
+    if not run.case.frames.adapter.moved_by_forces and any(_loses(row) for row in bushings):
+        table["missing"]["power of the drives"] = NO_BUSHING_LOSS
+        metrics = {name: value for name, value in metrics.items() if not name.startswith("drives_")}
+    table["power"] = metrics
+
+
+def _loses(bushing: Bushing) -> bool:
+    """Return whether energy is lost in a bushing that moves."""
+    return any(bushing.damping_N_s_per_m) or bool(bushing.curves)
 
 
 def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:

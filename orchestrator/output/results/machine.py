@@ -34,7 +34,7 @@ UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s
 
 def orbits(run: RunReader, start_s: float, end_s: float) -> tuple[dict[str, Any], str]:
     """Return the first harmonics in deck axes, their ``drift`` and speed, and the mean speeds of motors'
-    ``shafts`` in a table, and the name of a motion that is ``mostly_other``.
+    ``shafts_rad_per_s`` in a table, and the name of a motion that is ``mostly_other``.
 
     ``frames`` has every frame's centre of mass and every probe on a frame.  ``relative`` has, for every
     two frames in the case's order, the motion of the second frame against the first, with its
@@ -60,7 +60,7 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> tuple[dict[str, Any]
         },
         "drift": drift(list(single.values())),
         "speed_rad_per_s": 2 * np.pi / turn_s,
-        "shafts": run.shaft_speeds_rad_per_s(start_s, end_s),
+        "shafts_rad_per_s": run.shaft_speeds_rad_per_s(start_s, end_s),
     }
     return table, mostly_other(single | relative)
 

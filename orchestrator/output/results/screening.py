@@ -156,7 +156,7 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
         "cut_size_m": cut_m,
         "lost_particles": int((removed.exit == LOST).sum()),
         "particles": int(counted.sum()),
-        "fine_particles": int((counted & (fine == FINE)).sum()),
+        "fine_particles": None if cut_m is None else int((counted & (fine == FINE)).sum()),
         **_flows(events, out_kg),
     }
     chance = counting_deviations(removed.mass_kg[counted], group[counted], exits)

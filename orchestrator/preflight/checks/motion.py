@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from orchestrator.case.deck.panels import axes
+from orchestrator.case.solver_plans import bushing_axes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.preflight.scene.clamp_motion import has_moved_by_forces
@@ -64,13 +64,14 @@ def missing_damping(case: Case, scene: Scene) -> Iterator[str]:
 
 def bushings_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
     """Yield a warning for each bushing that moves much farther, or faster, than its curves were measured."""
-    to_deck, shaken = axes(case).T, scene.shaken
+    shaken = scene.shaken
     speeds_Hz = [shaking.speed_rad_per_s / (2 * math.pi) for shaking in shaken]
     for name, bushing in case.screen.bushings.items():
+        own_axes = bushing_axes(case, bushing)
         moved = [s.relative_m(bushing.between) for s in shaken if set(bushing.between) <= set(s.amplitude_m)]
         for curve in bushing.curves:
             along = ["xyz".index(axis) for axis in curve.axes]
-            sizes_mm = [1e3 * float(np.linalg.norm((to_deck @ vector)[along])) for vector in moved]
+            sizes_mm = [1e3 * float(np.linalg.norm((own_axes @ vector)[along])) for vector in moved]
             measured_mm = [1e3 * point.amplitude_m for point in curve.points]
             measured_Hz = [point.frequency_Hz for point in curve.points]
             for what in (
