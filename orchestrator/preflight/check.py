@@ -134,6 +134,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *motion.missing_damping(case, shaken),
         *motion.sudden_exciters(case),
         *motion.bushings_beyond_points(case, shaken),
+        *motion.loss_curves_beyond_points(case, shaken),
         *machine.sudden_drives(case),
         *bed.feeds_that_hardly_feed(case),
         *bed.probes_without_particle(case),

@@ -11,12 +11,20 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.layers import Layers
 from orchestrator.case.file.origin import CHEAP_LEVEL
 from orchestrator.output.records.run_folder import create_run_folder, resolved_case
-from orchestrator.preflight.check import find_problems
+from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.level_file import write_level
 from tests.cases import CASE, case_folder
 
 LEVEL = 'about = "strips"\nwithout = ["variation-across"]\n[panel]\nsolver = "strip"\n'
+FEEDS = """
+[bed.feeds.chute]
+material = "coal"
+rate_kg_per_s = 1.0
+box_m = [[0.0, 0.0, 0.1], [0.1, 0.1, 0.2]]
+velocity_m_per_s = [0.0, 0.0, -1.0]
+sizes = [{ smallest_m = 0.01, largest_m = 0.02, mass_fraction = 1.0 }]
+"""
 HEAVIER = 'base = "../below"\ntitle = "a heavier frame"\n[screen.frames.driving]\nmass_kg = 90.0\n'
 CORNERS = ("0 0 0", "1 0 0", "0 1 0")
 PLATE = (
@@ -155,6 +163,13 @@ def test_a_list_is_named_with_all_that_gave_it_or_changed_its_elements() -> None
     assert layers.source(("sizes", 1, "mass")) == "levels/fine.toml"
     layers.lay({"sizes": [{"mass": 0.9}, {"mass": 0.2}]}, "other.toml")
     assert layers.source(("sizes",)) == layers.source(("sizes", 1, "mass")) == "other.toml"
+
+
+def test_a_level_of_the_base_that_feeds_less_is_said(tmp_path: Path) -> None:
+    below = case_folder(tmp_path / "below", CASE + FEEDS, thin="[bed.feeds.chute]\nrate_kg_per_s = 0.1\n")
+    for folder in (below, over(below)):
+        found = warnings(load_judged(folder, "thin"))
+        assert sum("levels/thin.toml feeds 10% of the case's throughput" in line for line in found) == 1
 
 
 def test_base_is_no_key_of_levels_and_sets(below: Path) -> None:

@@ -11,6 +11,7 @@ from orchestrator.case.file.loss_curve import Branches, Fit, fit_branches, modul
 from orchestrator.cli.overview import overview
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports import Array
+from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from tests.cases import complaints, load_case, loaded, only_complaint
 
@@ -65,6 +66,19 @@ def test_a_peak_sharper_than_any_branchs_cannot_be_met(tmp_path: Path) -> None:
     message = only_complaint(tmp_path, curve)
     assert "PU.hyperelastic.loss_curve: no 8 Maxwell branches meet it: the best are off" in message
     assert "smooth the curve" in message
+
+
+@pytest.mark.parametrize(("measured_Hz", "told"), [((150, 300), True), ((20, 40), False)])
+def test_a_curve_measured_far_from_the_machines_speed_is_said(
+    tmp_path: Path, measured_Hz: tuple[int, int], told: bool
+) -> None:
+    """The machine turns at 12.5 Hz."""
+    rows = ", ".join(f"{{frequency_Hz={f}, loss_factor=0.12}}" for f in measured_Hz)
+    found = warnings(loaded(tmp_path, [f"materials.PU.hyperelastic.loss_curve=[{rows}]"]))
+    said = (
+        "material PU of panels works at a frequency of 12.5 Hz, and its curve was measured from 150 to 300 Hz"
+    )
+    assert any(line.startswith(said) for line in found) == told
 
 
 def test_frequencies_rise(tmp_path: Path) -> None:

@@ -136,7 +136,7 @@ def reduced_feeds(given: Mapping[str, Any], layers: Layers) -> Iterator[str]:
     for name, feed in layers.merged.get("bed", {}).get("feeds", {}).items():
         case_kg_per_s, kg_per_s = rates.get(name), feed.get(RATE)
         by = layers.source(("bed", "feeds", name, RATE))
-        if case_kg_per_s and kg_per_s and kg_per_s < case_kg_per_s and by.startswith("levels/"):
+        if case_kg_per_s and kg_per_s and kg_per_s < case_kg_per_s and Path(by).parent.name == "levels":
             yield (
                 f"{name}: {by} feeds {kg_per_s / case_kg_per_s:.0%} of the case's throughput, "
                 f"{3.6 * kg_per_s:.3g} of {3.6 * case_kg_per_s:.3g} t/h: a thinner bed moves faster and "

@@ -81,6 +81,16 @@ def bushings_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
                 yield f"bushing {name} along {curve.axes} works at {what}: there the law is a guess"
 
 
+def loss_curves_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
+    """Yield a warning for each material of panels whose loss curve was measured far from the machine's speed."""
+    speeds_Hz = [shaking.speed_rad_per_s / (2 * math.pi) for shaking in scene.shaken]
+    for name in dict.fromkeys(panel.material for panel in case.screen.panels.values()):
+        law = case.materials[name].hyperelastic
+        measured_Hz = [point.frequency_Hz for point in law.loss_curve] if law is not None else []
+        for what in _beyond("a frequency", "Hz", speeds_Hz, measured_Hz):
+            yield f"material {name} of panels works at {what}: there its loss is a guess"
+
+
 def _beyond(what: str, unit: str, works: Sequence[float], measured: Sequence[float]) -> Iterator[str]:
     """Yield a text if the largest of these numbers is far outside of the measured ones."""
     if works and measured and not min(measured) / BEYOND <= max(works) <= BEYOND * max(measured):

@@ -24,11 +24,12 @@ def judge(scene: Scene) -> Verdict | None:
         why = "all frames move as prescribed: panels cannot change that"
     if not scene.panels:
         why = "there are no panels"
-    number, threshold = "panels / bushings, stiffness along the deck", "0.1, or the stroke by a tenth"
-    value = max(_panels_share(scene), abs(change))
+    number, value = "panels / bushings, stiffness along the deck", _panels_share(scene)
+    if abs(change) > value:
+        number, value = "change of the stroke", abs(change)
     if not free:
-        return Verdict(number, None, threshold, False, why, "hardly anything")
-    return compare(number, value, why, threshold, cost="hardly anything")
+        return Verdict(number, None, "0.1", False, why, "hardly anything")
+    return compare(number, value, why, cost="hardly anything")
 
 
 def _panels_share(scene: Scene) -> float:
