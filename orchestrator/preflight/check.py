@@ -130,6 +130,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *leaks.leaks(case, loaded.folder),
         *steps.rounded_times(case),
         *motion.resonances(shaken),
+        *motion.slips_of_magnitude(shaken),
         *motion.normal_strokes(shaken),
         *motion.missing_damping(case, shaken),
         *motion.sudden_exciters(case),

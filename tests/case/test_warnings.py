@@ -158,6 +158,11 @@ def test_a_good_machine_has_no_warning(tmp_path: Path) -> None:
             1,
         ),
         (("materials.PU.hyperelastic.maxwell=[]",), "no damping in panels of PU", 1),
+        (
+            ("screen.bushings.shear.stiffness_N_per_m=[28.9e3, 97.0e3, 97]",),
+            "soft bushings: motion normal to the deck of the driven frame, 0.708 Hz, as if it hung 0.5 m",
+            1,
+        ),
         ((f"{SHAFT}.run_up_s=0",), 'no run-up of exciter "shaft": its full force of 2.16e+03 N', 1),
         (
             (f"{SHAFT}.speed_rad_per_s=102",),

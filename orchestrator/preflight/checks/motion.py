@@ -10,13 +10,16 @@ import numpy as np
 from orchestrator.case.solver_plans import bushing_axes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.scene.clamp_motion import has_moved_by_forces
 from orchestrator.preflight.scene.frame_modes import frame_modes, name_frame
 from orchestrator.preflight.scene.moved_panel import MovedPanel
 from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.shaking import free_frames
 
 NEAR = 0.15  # A mode this close to an excitation, as a share of it, is resonant or soon may be.
 UNDAMPED = 0.002  # Share of the critical damping below which a mode rings for more than 80 cycles.
+SOFT_HZ = 0.8  # A frame that hangs 0.4 m deep in its springs; screens have 2 Hz and more.
 CYCLES = 4  # of a usual run-up
 BEYOND = 2.0  # factor by which a bushing may work beyond its measured amplitudes and frequencies
 SHEARED = 1.5  # Motion normal to a panel over that along it; a circular motion has 1.
@@ -36,6 +39,31 @@ def resonances(scene: Scene) -> Iterator[str]:
                 f"the excitation at {excited_Hz:.3g} Hz is within {NEAR:.0%} of {_count(len(near))} of the "
                 f"frames: {which}; small changes of stiffness, mass or load then change the motion strongly; "
                 "change bushings, masses or the speed"
+            )
+
+
+def slips_of_magnitude(scene: Scene) -> Iterator[str]:
+    """Yield warnings about frames that would hang deep in their bushings, or weigh less than their panels.
+
+    Stiffnesses in kN/m and masses in tonnes, typed as numbers in N/m and kg, are a thousand times too small.
+    """
+    translations = (
+        mode for mode in frame_modes(scene) if mode.energy[:, :3].sum() > mode.energy[:, 3:].sum()
+    )
+    softest = next((mode for mode in translations if 0.0 < mode.frequency_Hz < SOFT_HZ), None)
+    if softest is not None:
+        sag_m = STANDARD_GRAVITY_M_PER_S2 / (2 * math.pi * softest.frequency_Hz) ** 2
+        yield (
+            f"soft bushings: {softest.in_words}, as if it hung {sag_m:.2g} m deep in them under its weight; "
+            "stiffness_N_per_m is in N/m, and rubber springs of screens have 1e4 to 1e7"
+        )
+    free = free_frames(scene.plan)
+    for body in (body for body in scene.plan.bodies if body.name in free):
+        panels_kg = sum(s.mass_kg * s.frames.count(body.name) / 2 for s in scene.springs)
+        if body.mass_kg < panels_kg:
+            yield (
+                f"{name_frame(body.name)} of {body.mass_kg:.3g} kg is lighter than the panels that it "
+                f"carries, {panels_kg:.3g} kg; mass_kg is in kg"
             )
 
 
@@ -82,7 +110,7 @@ def bushings_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
 
 
 def loss_curves_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
-    """Yield a warning for each material of panels whose loss curve was measured far from the machine's speed."""
+    """Yield a warning for each material of panels whose loss curve is far from the machine's speed."""
     speeds_Hz = [shaking.speed_rad_per_s / (2 * math.pi) for shaking in scene.shaken]
     for name in dict.fromkeys(panel.material for panel in case.screen.panels.values()):
         law = case.materials[name].hyperelastic
