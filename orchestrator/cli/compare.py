@@ -9,7 +9,6 @@ from orchestrator.cli.console import CONSOLE, ERRORS, reported_errors
 from orchestrator.cli.json_forms import print_json
 from orchestrator.output.report.comparison import change, interval, write_comparison
 from orchestrator.output.results.comparison import MORE, Comparison, compare
-from orchestrator.output.results.tidy import doubtful
 from orchestrator.studies.report import console_table
 
 WIDE = 150  # columns of an output that no terminal shows
@@ -21,7 +20,7 @@ def print_comparison(folders: Sequence[Path], out: Path | None, as_json: bool) -
         comparison = compare(folders)
         if out is not None:
             write_comparison(comparison, out)
-    for line in doubtful(comparison.runs):
+    for line in comparison.doubts:
         ERRORS.print(f"warning: {line}")
     if as_json:
         print_json(comparison.as_json())

@@ -201,9 +201,10 @@ def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
     one = folder_of(tmp_path / "one", cycles=12)
     two = tmp_path / "two"
     shutil.copytree(one, two)
-    for folder, speed in ((one, 0.3), (two, 0.4)):
+    for folder, speed, share in ((one, 0.3, 1.0), (two, 0.4, 0.5)):
         summary = json.loads((folder / "summary.json").read_text())
-        results = {"bed": {"velocity_m_per_s": estimate(speed, 0.01)}, "missing": {}, "failed": {}}
+        results: dict[str, Any] = {"bed": {"velocity_m_per_s": estimate(speed, 0.01)}}
+        results |= {"missing": {}, "failed": {}, "share_of_width": share}
         (folder / "summary.json").write_text(json.dumps(summary | {"results": results}))
         (folder / "deck.png").write_bytes(b"\x89PNG")
     page = tmp_path / "page.html"
@@ -211,6 +212,8 @@ def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     text = page.read_text()
     assert "more than chance" in text
+    assert "compared as those of the whole width.</p>" in text
+    assert "not to be trusted" not in text
     assert 'alt="orbits of the frames in the last cycle"' in text
     assert 'alt="The deck at the end of two"' in text
     assert text.count("src=") == text.count('src="data:')
@@ -249,7 +252,7 @@ def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> 
 
 
 def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
-    """Short names are of the whole width, so that a slice and the whole machine have the same power."""
+    """Results are compared as those of the whole width: a slice and the whole machine have the same power."""
     whole, sliced = tmp_path / "whole", tmp_path / "sliced"
     reason = "in less out is +8.0 % of the feed over the last 30 cycles; up to 2 % counts as steady"
     for place, share, steady in ((whole, 1.0, ""), (sliced, 0.25, reason)):
@@ -258,15 +261,24 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
             "power": power,
             "share_of_width": share,
             "steady": {"is_steady": not steady, "reason": steady},
+            "held": {"stickers": estimate(20.0 * share, 0.1)},
+            "motion": {"ground": {"amplitude_N": {"z": estimate(800.0 * share, 1.0)}}, "reason": ""},
         }
         tables |= {"bed": {"velocity_m_per_s": estimate(0.5, 0.1)}, "missing": {}, "failed": {}}
         run_folder(place, {}, results=tables)
     done = CALL.invoke(app, ["compare", str(whole), str(sliced), "--json"])
-    told = json.loads(done.stdout)["results"]["power"]
-    assert told["values"] == pytest.approx([400.0, 400.0])
-    assert told["half_widths"] == pytest.approx([8.0, 8.0])
+    told = json.loads(done.stdout)
+    for name in ("power", "power.drives_W"):
+        assert told["results"][name]["values"] == pytest.approx([400.0, 400.0])
+        assert told["results"][name]["half_widths"] == pytest.approx([8.0, 8.0])
+    assert told["results"]["motion.ground.amplitude_N.z"]["values"] == pytest.approx([800.0, 800.0])
+    assert told["results"]["held.stickers"]["values"] == pytest.approx([20.0, 20.0])
+    assert told["more_than_chance"] == 0
     assert f"{sliced}: not steady: {reason}" in " ".join(done.stderr.split())
     assert "slices of different shares of the width (whole 1, sliced 0.25)" in " ".join(done.stderr.split())
+    rows = json.loads(CALL.invoke(app, ["results", str(sliced), "--json"]).stdout)["results"]
+    values = {row["result"]: row["value"] for row in rows}
+    assert (values["power"], values["power.drives_W"]) == (400.0, 100.0)
 
 
 def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: Path) -> None:

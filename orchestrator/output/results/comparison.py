@@ -2,7 +2,8 @@
 
 The first run is the reference.  Two results with 95 % confidence intervals of half widths w1 and w2 differ by
 more than chance if they are farther apart than sqrt(w1^2 + w2^2), the half width of the interval of their
-difference for independent runs.  By chance alone, this is true for one result in twenty.
+difference for independent runs.  By chance alone, this is true for one result in twenty.  Results of a slice
+are compared as those of the whole width.
 """
 
 from __future__ import annotations
@@ -19,12 +20,13 @@ from orchestrator.case.file.errors import CaseError, show_value
 from orchestrator.case.file.layers import find_changes, read_toml
 from orchestrator.case.provenance import read_provenance
 from orchestrator.output.records.run_folder import FolderUnusable
-from orchestrator.output.results.tidy import Result, RunResults, read_results
+from orchestrator.output.results.tidy import Result, RunResults, doubtful, read_results
 
 SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "no interval"
 UNIMPORTANT = {"title", "description", "default_level"}
 EQUAL = 1e-12  # results with a smaller relative difference are the same
 MISSING = "–"
+SCALED = "masses, rates, numbers, forces and powers are compared as those of the whole width"
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,11 @@ class Comparison:
         return tuple(rows.values())
 
     @property
+    def doubts(self) -> list[str]:
+        """The lines about runs that are not to be trusted, and about slices of different widths."""
+        return doubtful(self.runs, SCALED)
+
+    @property
     def compared(self) -> int:
         """The number of comparisons by intervals."""
         return sum(verdict in (BY_CHANCE, MORE) for row in self.distinct for verdict in row.verdicts)
@@ -145,7 +152,7 @@ def compare(folders: Sequence[Path]) -> Comparison:
     Raises FolderUnusable if there are fewer than two runs, if one is named twice or cannot be read, and if
     the runs have no results in common.
     """
-    runs = tuple(read_results(folders))
+    runs = tuple(run.of_the_whole_width() for run in read_results(folders))
     places = [run.folder.resolve() for run in runs]
     if len(set(places)) < len(places):
         raise FolderUnusable("a run is named twice; it would be compared with itself")
