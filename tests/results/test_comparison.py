@@ -18,7 +18,14 @@ from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.quantities import unit_along
 from orchestrator.cli.main import app
 from orchestrator.output.records.summary import SUMMARY_FORMAT
-from orchestrator.output.results.comparison import BY_CHANCE, MORE, SAME, UNKNOWN, judge_difference
+from orchestrator.output.results.comparison import (
+    BY_CHANCE,
+    MORE,
+    SAME,
+    UNKNOWN,
+    ComparedResult,
+    judge_difference,
+)
 from orchestrator.output.results.tidy import Result, single_numbers, tidy_results
 from tests.cases import CASE, case_folder
 from tests.results.synthetic import folder_of
@@ -74,6 +81,23 @@ def test_a_difference_that_intervals_show_is_told_however_small() -> None:
     assert (
         judge_difference(*(Result("x", value, None, "m/s", floor=1e-3) for value in (0.1624, 0.1628))) == SAME
     )
+
+
+@pytest.mark.parametrize(
+    ("unit", "floor", "values", "change"),
+    [
+        ("m", 1e-9, (0.5, 0.4), -0.2),
+        ("m", 1e-9, (9e-16, 2.2e-6), None),
+        ("%", 0.0, (0.0, 3.0), None),
+        ("rad", 1e-9, (0.5, -0.7), None),
+        ("degree", 0.0, (-5.9, 79.3), None),
+    ],
+)
+def test_a_relative_change_is_told_only_where_it_has_a_meaning(
+    unit: str, floor: float, values: tuple[float, float], change: float | None
+) -> None:
+    one, two = (Result("x", value, None, unit, floor=floor) for value in values)
+    assert ComparedResult("x", unit, (one, two)).changes()[1] == pytest.approx(change)
 
 
 def test_single_numbers_of_results() -> None:

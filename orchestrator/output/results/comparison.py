@@ -26,6 +26,7 @@ SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "n
 UNIMPORTANT = {"title", "description", "default_level"}
 EQUAL = 1e-12  # results with a smaller relative difference are the same
 MISSING = "–"
+ANGLES = {"rad", "degree"}
 SCALED = "masses, rates, numbers, forces and powers are compared as those of the whole width"
 
 
@@ -66,12 +67,16 @@ class ComparedResult:
         return any(result is not None and result.is_short for result in self.results)
 
     def changes(self) -> tuple[float | None, ...]:
-        """Return the difference of each run from the first over the size of the first; None if unknown."""
+        """Return the difference of each run from the first over the size of the first; None if unknown.
+
+        Angles have none, and neither has what the first run does not resolve.
+        """
         first, *others = self.results
         assert first is not None
-        if not first.value:
+        if self.unit in ANGLES or abs(first.value) <= first.floor:
             return (None,) * len(self.results)
-        return (0.0, *(None if other is None else _change(first, other) for other in others))
+        differences = (None if other is None else other.value - first.value for other in others)
+        return (0.0, *(None if each is None else each / abs(first.value) for each in differences))
 
 
 @dataclass(frozen=True)
@@ -137,13 +142,6 @@ def judge_difference(one: Result, other: Result) -> str:
     if one.half_width is None or other.half_width is None:
         return SAME if difference <= one.floor else UNKNOWN
     return MORE if difference > math.hypot(one.half_width, other.half_width) else BY_CHANCE
-
-
-def _change(first: Result, other: Result) -> float:
-    """Return the difference of two results over the size of the first; 0 if runs resolve neither."""
-    if max(abs(first.value), abs(other.value)) <= first.floor or first.value == other.value:
-        return 0.0
-    return (other.value - first.value) / abs(first.value)
 
 
 def compare(folders: Sequence[Path]) -> Comparison:
