@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import signal
+import tomllib
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import tomli_w
 
 from orchestrator.output.drawing import figure
 from orchestrator.output.records.run_folder import RUN_LOCK, FolderUnusable, lock
@@ -114,6 +116,19 @@ def test_the_page_of_a_slice_says_how_wide_it_is_and_what_is_scaled(tmp_path: Pa
     text = re.sub(r"\s+", " ", page(run, found, lambda *_: Film(b"", reason="left out by the test")))
     assert "Computed is a slice of 50.0 mm, 25.0 % of the width" in text
     assert ">feed, of the whole width<" in text
+
+
+def test_the_page_tells_the_sizes_along_a_curve(tmp_path: Path) -> None:
+    """Straight between 6 and 10 mm, half of the mass lies below 7 mm."""
+    run = folder_of(tmp_path / "run", cycles=15)
+    case = tomllib.loads((run / "case.toml").read_text())
+    points = ((0.0005, 0.0), (0.006, 0.45), (0.01, 0.65), (0.02, 1.0))
+    for block in case["bed"]["blocks"].values():
+        del block["sizes"]
+        block["curve"] = [{"diameter_m": diameter_m, "passing": passing} for diameter_m, passing in points]
+    (run / "case.toml").write_text(tomli_w.dumps(case))
+    text = page(run, compute_results(run), lambda *_: Film(b"", reason="left out by the test"))
+    assert ": curve 0.5 to 20 mm, half of the mass below 7 mm<" in text
 
 
 @pytest.mark.process
