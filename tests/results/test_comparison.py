@@ -184,6 +184,22 @@ def test_a_comparison_tells_keys_and_results_that_differ(runs: list[str]) -> Non
     assert "+13.3 %" in lines
 
 
+def test_tables_that_no_terminal_shows_cut_nothing(tmp_path: Path) -> None:
+    """The runs of a sweep have long names, and so have points of a machine and values of tables."""
+    point = "a-point-with-a-name-that-is-longer-than-many"
+    names = [f"speed_rad_per_s-{73.30382858376184 + n}_tension_m-0.002" for n in range(6)]
+    for number, name in enumerate(names):
+        points = {f"{point}-{k}": {"rms_g": estimate(1.0 + 5 * number + k, 0.1)} for k in range(2)}
+        tables = {"motion": {"panel_points": points}, "missing": {}, "failed": {}}
+        longer = CASE.replace("duration_s = 0.1", f"duration_s = 0.{number + 1}")
+        run_folder(tmp_path / name, {}, longer, results=tables)
+    lines = CALL.invoke(app, ["compare", *(str(tmp_path / name) for name in names)]).stdout
+    assert "\n  duration_s   0.1" in lines
+    assert "…" not in lines
+    for shown in (*names, f"  motion.panel_points.{point}-1.rms_g "):
+        assert shown in lines
+
+
 def test_files_of_one_name_differ_by_their_contents(tmp_path: Path) -> None:
     """Every run keeps the bed with which it began as bed.h5, and its surfaces under the same names."""
     case = CASE.replace('title = "a test"', 'title = "a test"\nbed.table = "bed.h5"')
