@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -140,8 +140,7 @@ def tidy_results(summary: dict[str, Any]) -> dict[str, Result]:
     found: dict[str, Result] = {}
     for name, scalar in SCALARS.items():
         if (value := scalar.of(summary)) is not None:
-            unit = scalar.words.rpartition(" / ")[2].strip("()")
-            found[name] = Result(name, value.value, value.half_width, unit, True, scalar.floor)
+            found[name] = Result(name, value.value, value.half_width, scalar.unit, True, scalar.floor)
     numbers = dict(single_numbers(summary.get("results") or {}))
     for name, number in numbers.items():
         if not name.endswith(HALF_WIDTH) and not isinstance(number, bool):
@@ -195,7 +194,7 @@ def _read(folder: Path) -> RunResults:
     if not results:
         why = json.dumps(tables.get("missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
-    unsteady = str((tables.get("steady") or {}).get("reason") or "")
+    unsteady, unsettled = why_transient(tables)
     return RunResults(
         folder=folder,
         case=str(summary.get("case", folder.name)),
@@ -203,9 +202,17 @@ def _read(folder: Path) -> RunResults:
         status=status,
         results=results,
         share_of_width=float(tables.get("share_of_width", 1.0)),
-        unsteady="" if unsteady == BATCH else unsteady,  # a batch never could be steady
-        unsettled=str((tables.get("motion") or {}).get("reason") or ""),
+        unsteady=unsteady,
+        unsettled=unsettled,
     )
+
+
+def why_transient(results: Mapping[str, Any]) -> tuple[str, str]:
+    """Return why a bed that is fed is not steady, and why a machine has not settled; empty if they are."""
+    unsteady, unsettled = (
+        str((results.get(part) or {}).get("reason") or "") for part in ("steady", "motion")
+    )
+    return "" if unsteady == BATCH else unsteady, unsettled  # a batch never could be steady
 
 
 def doubtful(runs: Sequence[RunResults], scaled: str = BY_PATH) -> list[str]:
