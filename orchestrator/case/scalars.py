@@ -14,6 +14,8 @@ from difflib import get_close_matches
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
+from orchestrator.case.tables.quantities import unit_along
+
 if TYPE_CHECKING:
     from orchestrator.case.tables.case import Case
 
@@ -48,6 +50,12 @@ class Scalar:
     floor: float
     of: Callable[[Summary], Value | None]
     part: str = ""
+
+    @property
+    def unit(self) -> str:
+        """Its unit; "1" of a pure number."""
+        _, told, unit = self.words.rpartition(" / ")
+        return unit.strip("()") if told else unit_along(self.words.split("."))
 
 
 def _inner(table: Any, path: str) -> Any:

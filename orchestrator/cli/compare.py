@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from orchestrator.cli.console import CONSOLE, ERRORS, reported_errors
+from orchestrator.cli.console import CONSOLE, ERRORS, UNLIMITED, reported_errors
 from orchestrator.cli.json_forms import print_json
 from orchestrator.output.report.comparison import change, interval, write_comparison
 from orchestrator.output.results.comparison import MORE, Comparison, compare
-from orchestrator.output.results.tidy import doubtful
 from orchestrator.studies.report import console_table
-
-WIDE = 150  # columns of an output that no terminal shows
 
 
 def print_comparison(folders: Sequence[Path], out: Path | None, as_json: bool) -> None:
@@ -21,13 +18,13 @@ def print_comparison(folders: Sequence[Path], out: Path | None, as_json: bool) -
         comparison = compare(folders)
         if out is not None:
             write_comparison(comparison, out)
-    for line in doubtful(comparison.runs):
+    for line in comparison.doubts:
         ERRORS.print(f"warning: {line}")
     if as_json:
         print_json(comparison.as_json())
         return
     if not CONSOLE.is_terminal:
-        CONSOLE.width = WIDE
+        CONSOLE.width = UNLIMITED
     _print_tables(comparison)
     if out is not None:
         CONSOLE.print(f"written: {out}")
@@ -38,7 +35,7 @@ def _print_tables(comparison: Comparison) -> None:
     names = comparison.names
     if comparison.keys:
         keys = ([row.key, *row.values] for row in comparison.keys)
-        CONSOLE.print(console_table("cases", ["key", *names], keys), soft_wrap=False)
+        CONSOLE.print(console_table("cases", ["key", *names], keys, left=names), soft_wrap=False)
     else:
         CONSOLE.print("the cases are the same")
     for number, name in enumerate(names[1:], start=1):

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
 ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
 WRONG, MISSING, FAILED = 2, 3, 4
+UNLIMITED = 10_000  # columns of tables that no terminal shows: nothing of them is cut
 TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.cells need less of it"
 
 

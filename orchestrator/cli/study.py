@@ -20,14 +20,13 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
+from orchestrator.cli.console import CONSOLE, FAILED, UNLIMITED, reported_errors
 from orchestrator.output.subprocesses import stop_all
 from orchestrator.run.interruption import ImmediateStop
 from orchestrator.studies import commands
 from orchestrator.studies.options import StudyOutput, with_options
 
 GROUP = "flipflow.studies"
-WIDE = 150  # columns of an output that no terminal shows
 
 
 class Studies(TyperGroup):
@@ -97,7 +96,7 @@ def ending_with_runs() -> Iterator[None]:
 def _print_all(output: StudyOutput) -> bool:
     """Print all that a study yields, and return whether it succeeded."""
     if not CONSOLE.is_terminal:
-        CONSOLE.width = WIDE
+        CONSOLE.width = UNLIMITED
     while True:
         try:
             item = next(output)

@@ -50,11 +50,14 @@ def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
 def console_table(
     title: str, head: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()
 ) -> Table:
-    """Return a table for the terminal; the first column and the columns ``left`` are text, others numbers."""
+    """Return a table for the terminal; the first column and the columns ``left`` are text, others numbers.
+
+    What is too long for its column goes on in the next line.
+    """
     table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD)
     for number, name in enumerate(head):
         text = number == 0 or name in left
-        table.add_column(name, justify="left" if text else "right", no_wrap=not text)
+        table.add_column(name, justify="left" if text else "right", overflow="fold")
     for row in rows:
         table.add_row(*row)
     return table

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 from rich.table import Table
@@ -14,17 +15,34 @@ from orchestrator.case.scalars import Value, scalar
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
 from orchestrator.output.report.formatting import interval
+from orchestrator.output.results.tidy import why_transient
 from orchestrator.studies.points import Point, summary_of
 from orchestrator.studies.report import console_table, figure_parts
+
+LOOKS: dict[str, dict[str, Any]] = {
+    "good": {"marker": "o", "ms": 4},
+    "open": {"marker": "o", "ms": 5, "mfc": "white"},
+    "cross": {"marker": "x", "ms": 6},
+}
+LABEL = 42  # characters of a line beside an axis of 4 inches
 
 
 @dataclass(frozen=True)
 class SweptSetting:
-    """A setting of a sweep, by key, with the state of its run and the wanted results that the run has."""
+    """A setting of a sweep, by key, with the state of its run and the wanted results that the run has.
+
+    ``transient`` has words for a machine that has not settled and for a bed that is not steady.
+    """
 
     setting: Mapping[str, str]
     status: str
     results: Mapping[str, Value]
+    transient: tuple[str, ...] = ()
+
+    @property
+    def look(self) -> str:
+        """The look of its marks."""
+        return "cross" if not trust.is_trusted(self.status) else "open" if self.transient else "good"
 
     def text(self, key: str) -> str:
         """Return the value of a key for people, a number with up to six digits."""
@@ -46,11 +64,23 @@ def results_of(point: Point, wanted: Sequence[str]) -> dict[str, Value]:
     return {name: value for name, value in values.items() if value is not None}
 
 
+def transient_words(point: Point) -> tuple[str, ...]:
+    """Return words for a machine that has not settled, and for a bed that is not steady."""
+    unsteady, unsettled = why_transient(summary_of(point.folder).get("results") or {})
+    return tuple(words for words, why in (("not settled", unsettled), ("not steady", unsteady)) if why)
+
+
 def short_keys(keys: Sequence[str]) -> list[str]:
     """Return the last words of dotted keys, as many of them as tell all keys apart."""
     words = [key.split(".") for key in keys]
     longer = ([".".join(each[-count:]) for each in words] for count in range(1, max(map(len, words)) + 1))
     return next((names for names in longer if len(set(names)) == len(names)), list(keys))
+
+
+def with_unit(name: str) -> str:
+    """Return the name of a result with its unit, such as "velocity / (m/s)"."""
+    unit = scalar(name).unit
+    return f"{name} / ({unit})" if "/" in unit else name if unit == "1" else f"{name} / {unit}"
 
 
 def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Sequence[str]) -> Table:
@@ -61,9 +91,9 @@ def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Seq
         for name in wanted:
             value = row.results.get(name)
             yield interval(None if value is None else vars(value))
-        yield row.status
+        yield ", ".join((row.status, *row.transient))
 
-    head = [*short_keys(keys), *wanted, "state"]
+    head = [*short_keys(keys), *(with_unit(name) for name in wanted), "state"]
     return console_table("", head, (list(cells(row)) for row in rows), left=("state",))
 
 
@@ -73,8 +103,8 @@ def draw_results(
     """Draw each wanted result over each varied key with its interval, and return the file.
 
     Over the first key of a grid, lines join the runs whose other keys are equal.  Nothing is drawn where
-    the values of the keys are no numbers, or fewer than two runs have results.  Runs that are not to be
-    trusted are crosses.
+    the values of the keys are no numbers, or fewer than two runs have results.  Runs that are transient have
+    open marks, and those that are not to be trusted are crosses.
     """
     drawn = [row for row in rows if row.results and trust.came_to_its_end(row.status)]
     numeric = [key for key in keys if all(math.isfinite(row.number(key)) for row in drawn)]
@@ -85,6 +115,8 @@ def draw_results(
     fig, axes = figure_parts(len(wanted) * len(over), max(len(over), min(2, len(wanted))), 5.5, 4.0)
     for number, (name, key) in enumerate((name, key) for name in wanted for key in over):
         _draw_result(axes[number], name, key, keys, lines or {"": drawn})
+    note = "open: not settled, or not steady; cross: not to be trusted"
+    fig.suptitle(note, fontsize=9, x=0.01, ha="left")
     save(fig, file)
     return [file]
 
@@ -105,12 +137,11 @@ def _draw_result(
         some = sorted((row for row in rows if name in row.results), key=lambda row: row.number(key))
         colour, joined = f"C{number}", len(lines) > 1 or len(keys) == 1
         x, y = [row.number(key) for row in some], [row.results[name].value for row in some]
-        for place, height, row in zip(x, y, some, strict=True):
-            mark = "o" if trust.is_trusted(row.status) else "x"
-            width = row.results[name].half_width or 0.0
-            axes.errorbar(place, height, width, fmt=mark, ms=5, capsize=3, color=colour)
         axes.plot(x, y, lw=1 if joined else 0, color=colour, label=label or None)
-    axes.set(xlabel=key, ylabel=scalar(name).words)
+        for place, height, row in zip(x, y, some, strict=True):
+            width = row.results[name].half_width or 0.0
+            axes.errorbar(place, height, width, capsize=3, color=colour, **LOOKS[row.look])
+    axes.set(xlabel=key, ylabel=fill(scalar(name).words, LABEL))
     axes.locator_params(axis="x", nbins=5)
     if len(lines) > 1:
         axes.legend(fontsize=8)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib.image
 import pytest
@@ -13,7 +14,7 @@ from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.studies.commands import sweep
 from orchestrator.studies.points import CaseStudy, parse_vary
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep
-from orchestrator.studies.sweep_results import SweptSetting, draw_results, short_keys
+from orchestrator.studies.sweep_results import SweptSetting, draw_results, results_table, short_keys
 from tests.runs.outside import ROOT
 
 SPEED, SLOPE = "screen.exciters.shaft.speed_rad_per_s", "screen.inclination_deg"
@@ -137,6 +138,30 @@ def test_results_are_drawn_with_their_intervals(tmp_path: Path, how: str, pictur
     height = matplotlib.image.imread(file).shape[0]
     assert (height > 600) == (pictures > 2), "two parts in one row, or four in two"
     assert draw_results(keys, rows[:1], wanted, tmp_path / "none.png") == []
+
+
+def test_a_transient_run_is_told_and_has_an_open_mark(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    rows = [
+        SweptSetting({"a.x_m": str(number)}, status, {"stroke": Value(0.01, 0.001)}, transient)
+        for number, (status, transient) in enumerate(
+            (("done", ()), ("done", ("not settled",)), ("doubtful", ("not settled", "not steady")))
+        )
+    ]
+    table = results_table(["a.x_m"], rows, ["stroke", "velocity", "results.bed.particles"])
+    names = [column.header for column in table.columns]
+    assert names == ["x_m", "stroke / m", "velocity / (m/s)", "results.bed.particles", "state"]
+    assert [*table.columns[-1].cells] == ["done", "done, not settled", "doubtful, not settled, not steady"]
+    assert [row.look for row in rows] == ["good", "open", "cross"]
+    drawn: list[Any] = []
+    monkeypatch.setattr("orchestrator.studies.sweep_results.save", lambda fig, _: drawn.append(fig))
+    draw_results(["a.x_m"], rows, ["stroke"], tmp_path / "results.png")
+    (axes,) = drawn[0].axes
+    drawn[0].draw_without_rendering()
+    assert axes.yaxis.label.get_window_extent().y0 >= 0.0, "the unit is in the picture"
+    assert [each[0].get_markerfacecolor() for each in axes.containers][1] == "white"
+    assert [each[0].get_marker() for each in axes.containers] == ["o", "o", "x"]
 
 
 def test_columns_are_headed_by_as_many_words_as_tell_them_apart() -> None:

@@ -18,7 +18,14 @@ from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.quantities import unit_along
 from orchestrator.cli.main import app
 from orchestrator.output.records.summary import SUMMARY_FORMAT
-from orchestrator.output.results.comparison import BY_CHANCE, MORE, SAME, UNKNOWN, judge_difference
+from orchestrator.output.results.comparison import (
+    BY_CHANCE,
+    MORE,
+    SAME,
+    UNKNOWN,
+    ComparedResult,
+    judge_difference,
+)
 from orchestrator.output.results.tidy import Result, single_numbers, tidy_results
 from tests.cases import CASE, case_folder
 from tests.results.synthetic import folder_of
@@ -74,6 +81,23 @@ def test_a_difference_that_intervals_show_is_told_however_small() -> None:
     assert (
         judge_difference(*(Result("x", value, None, "m/s", floor=1e-3) for value in (0.1624, 0.1628))) == SAME
     )
+
+
+@pytest.mark.parametrize(
+    ("unit", "floor", "values", "change"),
+    [
+        ("m", 1e-9, (0.5, 0.4), -0.2),
+        ("m", 1e-9, (9e-16, 2.2e-6), None),
+        ("%", 0.0, (0.0, 3.0), None),
+        ("rad", 1e-9, (0.5, -0.7), None),
+        ("degree", 0.0, (-5.9, 79.3), None),
+    ],
+)
+def test_a_relative_change_is_told_only_where_it_has_a_meaning(
+    unit: str, floor: float, values: tuple[float, float], change: float | None
+) -> None:
+    one, two = (Result("x", value, None, unit, floor=floor) for value in values)
+    assert ComparedResult("x", unit, (one, two)).changes()[1] == pytest.approx(change)
 
 
 def test_single_numbers_of_results() -> None:
@@ -160,6 +184,22 @@ def test_a_comparison_tells_keys_and_results_that_differ(runs: list[str]) -> Non
     assert "+13.3 %" in lines
 
 
+def test_tables_that_no_terminal_shows_cut_nothing(tmp_path: Path) -> None:
+    """The runs of a sweep have long names, and so have points of a machine and values of tables."""
+    point = "a-point-with-a-name-that-is-longer-than-many"
+    names = [f"speed_rad_per_s-{73.30382858376184 + n}_tension_m-0.002" for n in range(6)]
+    for number, name in enumerate(names):
+        points = {f"{point}-{k}": {"rms_g": estimate(1.0 + 5 * number + k, 0.1)} for k in range(2)}
+        tables = {"motion": {"panel_points": points}, "missing": {}, "failed": {}}
+        longer = CASE.replace("duration_s = 0.1", f"duration_s = 0.{number + 1}")
+        run_folder(tmp_path / name, {}, longer, results=tables)
+    lines = CALL.invoke(app, ["compare", *(str(tmp_path / name) for name in names)]).stdout
+    assert "\n  duration_s   0.1" in lines
+    assert "…" not in lines
+    for shown in (*names, f"  motion.panel_points.{point}-1.rms_g "):
+        assert shown in lines
+
+
 def test_files_of_one_name_differ_by_their_contents(tmp_path: Path) -> None:
     """Every run keeps the bed with which it began as bed.h5, and its surfaces under the same names."""
     case = CASE.replace('title = "a test"', 'title = "a test"\nbed.table = "bed.h5"')
@@ -201,9 +241,10 @@ def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
     one = folder_of(tmp_path / "one", cycles=12)
     two = tmp_path / "two"
     shutil.copytree(one, two)
-    for folder, speed in ((one, 0.3), (two, 0.4)):
+    for folder, speed, share in ((one, 0.3, 1.0), (two, 0.4, 0.5)):
         summary = json.loads((folder / "summary.json").read_text())
-        results = {"bed": {"velocity_m_per_s": estimate(speed, 0.01)}, "missing": {}, "failed": {}}
+        results: dict[str, Any] = {"bed": {"velocity_m_per_s": estimate(speed, 0.01)}}
+        results |= {"missing": {}, "failed": {}, "share_of_width": share}
         (folder / "summary.json").write_text(json.dumps(summary | {"results": results}))
         (folder / "deck.png").write_bytes(b"\x89PNG")
     page = tmp_path / "page.html"
@@ -211,6 +252,8 @@ def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     text = page.read_text()
     assert "more than chance" in text
+    assert "compared as those of the whole width.</p>" in text
+    assert "not to be trusted" not in text
     assert 'alt="orbits of the frames in the last cycle"' in text
     assert 'alt="The deck at the end of two"' in text
     assert text.count("src=") == text.count('src="data:')
@@ -249,7 +292,7 @@ def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> 
 
 
 def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
-    """Short names are of the whole width, so that a slice and the whole machine have the same power."""
+    """Results are compared as those of the whole width: a slice and the whole machine have the same power."""
     whole, sliced = tmp_path / "whole", tmp_path / "sliced"
     reason = "in less out is +8.0 % of the feed over the last 30 cycles; up to 2 % counts as steady"
     for place, share, steady in ((whole, 1.0, ""), (sliced, 0.25, reason)):
@@ -258,15 +301,24 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
             "power": power,
             "share_of_width": share,
             "steady": {"is_steady": not steady, "reason": steady},
+            "held": {"stickers": estimate(20.0 * share, 0.1)},
+            "motion": {"ground": {"amplitude_N": {"z": estimate(800.0 * share, 1.0)}}, "reason": ""},
         }
         tables |= {"bed": {"velocity_m_per_s": estimate(0.5, 0.1)}, "missing": {}, "failed": {}}
         run_folder(place, {}, results=tables)
     done = CALL.invoke(app, ["compare", str(whole), str(sliced), "--json"])
-    told = json.loads(done.stdout)["results"]["power"]
-    assert told["values"] == pytest.approx([400.0, 400.0])
-    assert told["half_widths"] == pytest.approx([8.0, 8.0])
+    told = json.loads(done.stdout)
+    for name in ("power", "power.drives_W"):
+        assert told["results"][name]["values"] == pytest.approx([400.0, 400.0])
+        assert told["results"][name]["half_widths"] == pytest.approx([8.0, 8.0])
+    assert told["results"]["motion.ground.amplitude_N.z"]["values"] == pytest.approx([800.0, 800.0])
+    assert told["results"]["held.stickers"]["values"] == pytest.approx([20.0, 20.0])
+    assert told["more_than_chance"] == 0
     assert f"{sliced}: not steady: {reason}" in " ".join(done.stderr.split())
     assert "slices of different shares of the width (whole 1, sliced 0.25)" in " ".join(done.stderr.split())
+    rows = json.loads(CALL.invoke(app, ["results", str(sliced), "--json"]).stdout)["results"]
+    values = {row["result"]: row["value"] for row in rows}
+    assert (values["power"], values["power.drives_W"]) == (400.0, 100.0)
 
 
 def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: Path) -> None:

@@ -7,23 +7,27 @@ import os
 import re
 import shutil
 import signal
+import tomllib
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import tomli_w
 
 from orchestrator.output.drawing import figure
 from orchestrator.output.records.run_folder import RUN_LOCK, FolderUnusable, lock
 from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.report.page import Film, page, report
-from orchestrator.output.report.pictures import draw_sections, draw_wear
+from orchestrator.output.report.pictures import draw_bushing_loops, draw_energy, draw_sections, draw_wear
 from orchestrator.output.report.rendering import last_snapshots
 from orchestrator.output.results.compute import compute_results
+from orchestrator.output.results.run_reader import RunReader
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
 from tests.runs.outside import flipflow, said_plainly
@@ -114,6 +118,45 @@ def test_the_page_of_a_slice_says_how_wide_it_is_and_what_is_scaled(tmp_path: Pa
     text = re.sub(r"\s+", " ", page(run, found, lambda *_: Film(b"", reason="left out by the test")))
     assert "Computed is a slice of 50.0 mm, 25.0 % of the width" in text
     assert ">feed, of the whole width<" in text
+    for told in (
+        "panel widths, feed rates and numbers of particles here are of the slice",
+        "Energies here are of",
+    ):
+        assert told in text
+
+
+def test_bushings_of_a_slice_are_drawn_as_those_of_the_whole_width() -> None:
+    """A bushing of a slice has its share of the force and of the energy lost; the ledger is the slice's."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 401)
+    loop = {"deformation_m": 0.001 * np.cos(turn), "force_N": 500.0 * np.sin(turn)}
+    along = {name: np.outer(values, [1.0, 0.0, 0.0]) for name, values in loop.items()}
+    run = SimpleNamespace(
+        cycle_s=1.0,
+        names=lambda group: ["one"] if group == "bushings" else ["supplied.a_J"],
+        read=lambda _: turn,
+        read_between=lambda _, what, *__: along[what],
+    )
+    for part, largest_kN, loss in ((1.0, 0.5, "1.57 J"), (0.25, 2.0, "6.28 J")):
+        run.share_of_width = part
+        (axes, *_) = draw_bushing_loops(cast("RunReader", run)).axes
+        assert np.ptp(axes.lines[0].get_ydata()) == pytest.approx(2.0 * largest_kN)
+        assert axes.get_title(loc="left") == f"one, x: {loss}"
+        ledger = draw_energy(cast("RunReader", run)).axes[0]
+        assert ("whole width" in axes.get_ylabel()) == ("slice" in ledger.get_ylabel()) == (part < 1.0)
+    plt.close("all")
+
+
+def test_the_page_tells_the_sizes_along_a_curve(tmp_path: Path) -> None:
+    """Straight between 6 and 10 mm, half of the mass lies below 7 mm."""
+    run = folder_of(tmp_path / "run", cycles=15)
+    case = tomllib.loads((run / "case.toml").read_text())
+    points = ((0.0005, 0.0), (0.006, 0.45), (0.01, 0.65), (0.02, 1.0))
+    for block in case["bed"]["blocks"].values():
+        del block["sizes"]
+        block["curve"] = [{"diameter_m": diameter_m, "passing": passing} for diameter_m, passing in points]
+    (run / "case.toml").write_text(tomli_w.dumps(case))
+    text = page(run, compute_results(run), lambda *_: Film(b"", reason="left out by the test"))
+    assert ": curve 0.5 to 20 mm, half of the mass below 7 mm<" in text
 
 
 @pytest.mark.process

@@ -17,7 +17,7 @@ from orchestrator.output.report.formatting import NONE
 from orchestrator.output.report.formatting import interval as in_words
 from orchestrator.output.results.comparison import Comparison
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.output.results.tidy import Result, doubtful
+from orchestrator.output.results.tidy import Result
 
 BESIDE = {
     "The deck at the end": "deck.png",
@@ -54,7 +54,6 @@ def comparison_page(comparison: Comparison) -> str:
         "output/report/comparison.html",
         comparison=comparison,
         colours=[_colour(number) for number in range(len(comparison.runs))],
-        doubts=doubtful(comparison.runs),
         overlaid=overlaid,
         beside=_pictures_beside(comparison),
         interval=interval,
@@ -151,9 +150,11 @@ def _draw_orbits(runs: Sequence[tuple[int, str, RunReader]]) -> Any:
 def _draw_mass(runs: Sequence[tuple[int, str, RunReader]]) -> Any:
     fig, ((axes,),) = figure(1, 1, WIDE, 3.0)
     for number, label, run in runs:
-        time_s, mass_kg = run.read("bed/time_s"), run.read("bed/mass_kg")
+        time_s, mass_kg = run.read("bed/time_s"), run.read("bed/mass_kg") / run.share_of_width
         axes.plot(time_s, mass_kg, color=_colour(number), label=label)
-    axes.set(xlabel="time / s", ylabel="mass of the particles / kg", title="mass of the bed")
+    axes.set(
+        xlabel="time / s", ylabel="mass of the particles / kg", title="mass of the bed, of the whole width"
+    )
     axes.set_ylim(bottom=0)
     axes.legend(fontsize=8)
     return fig

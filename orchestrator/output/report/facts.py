@@ -7,7 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.bed.size_distribution import given_classes, median_diameter_m
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.tables.bed import Filling
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import closing_lines
 from orchestrator.output.report.formatting import number
@@ -54,6 +56,18 @@ def machine_facts(run: RunReader) -> Facts:
         )
     driven = f"{1e3 * run.cycle_s:.4g} ms" if run.is_driven else "none: nothing drives the machine"
     yield "machine cycle", driven
+
+
+def describe_sizes(source: Filling) -> str:
+    """Return the sizes of a block or feed as the case gives them: its classes, or what its curve covers."""
+    if not source.curve:
+        return ", ".join(
+            f"{1e3 * row.smallest_m:g}–{1e3 * row.largest_m:g} mm {100 * row.mass_fraction:.3g} %"
+            for row in source.sizes
+        )
+    finest_mm, coarsest_mm = (1e3 * source.curve[end].diameter_m for end in (0, -1))
+    middle_mm = 1e3 * median_diameter_m(given_classes(source))
+    return f"curve {finest_mm:g} to {coarsest_mm:g} mm, half of the mass below {middle_mm:.3g} mm"
 
 
 def left_out_facts(summary: dict[str, Any]) -> Facts:

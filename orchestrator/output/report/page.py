@@ -142,6 +142,7 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             results=results,
             whole=1.0 / results["share_of_width"],
             machine=list(facts.machine_facts(run)),
+            describe_sizes=facts.describe_sizes,
             cut_size_m=results["screening"]["cut_size_m"] if "screening" in results else cut_size_m(run.case),
             headline=headline(results),
             not_steady=NOT_STEADY,

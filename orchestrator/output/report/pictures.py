@@ -134,10 +134,12 @@ def draw_point_orbits(run: RunReader, probes: Sequence[str]) -> Any:
 def draw_bushing_loops(run: RunReader) -> Any:
     """Draw the force over the deformation of every bushing in the last cycle, along its most deformed axis.
 
-    The area of a loop is the energy lost in the cycle.
+    The area of a loop is the energy lost in the cycle.  A bushing of a slice has its share of the force and
+    of the loss; those of the whole machine's bushing are drawn.
     """
-    names = run.names("bushings")
-    fig, axes = _grid(len(names), "force / kN", 1.0, 2.8)
+    names, part = run.names("bushings"), run.share_of_width
+    ylabel = "force / kN" if part == 1.0 else "force / kN, of the whole width"
+    fig, axes = _grid(len(names), ylabel, 1.0, 2.8)
     for ax, name in zip(axes.flat, names, strict=False):
         end_s = float(run.read(f"bushings/{name}/time_s")[-1])
         deformation_m, force_N = (
@@ -145,7 +147,7 @@ def draw_bushing_loops(run: RunReader) -> Any:
             for what in ("deformation_m", "force_N")
         )
         axis = int(np.ptp(deformation_m, axis=0).argmax())
-        x, y = 1e3 * deformation_m[:, axis], 1e-3 * force_N[:, axis]
+        x, y = 1e3 * deformation_m[:, axis], 1e-3 * force_N[:, axis] / part
         ax.plot(x, y, lw=1.2)
         ax.set(title=f"{name}, {'xyz'[axis]}: {abs(trapezoid(y, x)):.3g} J", xlabel="deformation / mm")
     return fig
@@ -154,8 +156,9 @@ def draw_bushing_loops(run: RunReader) -> Any:
 def draw_energy(run: RunReader) -> Any:
     """Draw the energy ledger in three parts: energy in and out, stored energy, and terms that should be zero.
 
-    Terms below a thousandth of the largest term of a part are left out.
+    Terms below a thousandth of the largest term of a part are left out.  Those of a slice are of the slice.
     """
+    ylabel = "energy / J" if run.share_of_width == 1.0 else "energy of the slice / J"
     time_s = run.read("energy/time_s")
     terms_J = {name: run.read(f"energy/{name}") for name in run.names("energy") if name != "time_s"}
     parts = {
@@ -169,7 +172,7 @@ def draw_energy(run: RunReader) -> Any:
         for name in sorted(sizes_J, key=lambda name: -sizes_J[name])[:8]:
             if sizes_J[name] >= SMALLEST_SHARE * max(sizes_J.values()):
                 ax.plot(time_s, terms_J[name], lw=1.2, label=name.removesuffix("_J").removeprefix("stored."))
-        ax.set(title=title, xlabel="time / s", ylabel="energy / J")
+        ax.set(title=title, xlabel="time / s", ylabel=ylabel)
         ax.legend(loc="upper left", bbox_to_anchor=(0, -0.2), fontsize=7.5)
     return fig
 

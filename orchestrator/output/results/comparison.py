@@ -2,7 +2,8 @@
 
 The first run is the reference.  Two results with 95 % confidence intervals of half widths w1 and w2 differ by
 more than chance if they are farther apart than sqrt(w1^2 + w2^2), the half width of the interval of their
-difference for independent runs.  By chance alone, this is true for one result in twenty.
+difference for independent runs.  By chance alone, this is true for one result in twenty.  Results of a slice
+are compared as those of the whole width.
 """
 
 from __future__ import annotations
@@ -19,12 +20,14 @@ from orchestrator.case.file.errors import CaseError, show_value
 from orchestrator.case.file.layers import find_changes, read_toml
 from orchestrator.case.provenance import read_provenance
 from orchestrator.output.records.run_folder import FolderUnusable
-from orchestrator.output.results.tidy import Result, RunResults, read_results
+from orchestrator.output.results.tidy import Result, RunResults, doubtful, read_results
 
 SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "no interval"
 UNIMPORTANT = {"title", "description", "default_level"}
 EQUAL = 1e-12  # results with a smaller relative difference are the same
 MISSING = "–"
+ANGLES = {"rad", "degree"}
+SCALED = "masses, rates, numbers, forces and powers are compared as those of the whole width"
 
 
 @dataclass(frozen=True)
@@ -64,12 +67,16 @@ class ComparedResult:
         return any(result is not None and result.is_short for result in self.results)
 
     def changes(self) -> tuple[float | None, ...]:
-        """Return the difference of each run from the first over the size of the first; None if unknown."""
+        """Return the difference of each run from the first over the size of the first; None if unknown.
+
+        Angles have none, and neither has what the first run does not resolve.
+        """
         first, *others = self.results
         assert first is not None
-        if not first.value:
+        if self.unit in ANGLES or abs(first.value) <= first.floor:
             return (None,) * len(self.results)
-        return (0.0, *(None if other is None else _change(first, other) for other in others))
+        differences = (None if other is None else other.value - first.value for other in others)
+        return (0.0, *(None if each is None else each / abs(first.value) for each in differences))
 
 
 @dataclass(frozen=True)
@@ -88,6 +95,11 @@ class Comparison:
         for row in self.results:
             rows.setdefault(tuple(each and (each.value, each.half_width) for each in row.results), row)
         return tuple(rows.values())
+
+    @property
+    def doubts(self) -> list[str]:
+        """The lines about runs that are not to be trusted, and about slices of different widths."""
+        return doubtful(self.runs, SCALED)
 
     @property
     def compared(self) -> int:
@@ -132,20 +144,13 @@ def judge_difference(one: Result, other: Result) -> str:
     return MORE if difference > math.hypot(one.half_width, other.half_width) else BY_CHANCE
 
 
-def _change(first: Result, other: Result) -> float:
-    """Return the difference of two results over the size of the first; 0 if runs resolve neither."""
-    if max(abs(first.value), abs(other.value)) <= first.floor or first.value == other.value:
-        return 0.0
-    return (other.value - first.value) / abs(first.value)
-
-
 def compare(folders: Sequence[Path]) -> Comparison:
     """Compare runs with the first of them.
 
     Raises FolderUnusable if there are fewer than two runs, if one is named twice or cannot be read, and if
     the runs have no results in common.
     """
-    runs = tuple(read_results(folders))
+    runs = tuple(run.of_the_whole_width() for run in read_results(folders))
     places = [run.folder.resolve() for run in runs]
     if len(set(places)) < len(places):
         raise FolderUnusable("a run is named twice; it would be compared with itself")

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.openings import openings_m, smaller_sides_m
-from orchestrator.case.file.slice import share
 from orchestrator.case.tables.case import has_particles
 from orchestrator.case.tables.frames import Bushing
 from orchestrator.output.results import machine
@@ -48,7 +47,7 @@ def compute_results(folder: Path) -> dict[str, Any]:
 
 def _gather(run: RunReader) -> dict[str, Any]:
     whole = run.case.whole_machine
-    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(whole)}
+    table: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": run.share_of_width}
     if len(run.edges_s) < 2:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table

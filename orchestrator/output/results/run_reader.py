@@ -16,6 +16,7 @@ import numpy.typing as npt
 from orchestrator.case.deck.line import DeckLine, deck_line
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import axes
+from orchestrator.case.file.slice import share
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.tables.case import Case
 from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, cycle_s, is_driven, within
@@ -87,6 +88,11 @@ class RunReader:
     def case(self) -> Case:
         """The case of the run.  Raises CaseError if it cannot be read."""
         return load_judged(self.folder / "case.toml").case
+
+    @property
+    def share_of_width(self) -> float:
+        """The share of the machine's width that was run; 1 without a slice."""
+        return share(self.case.whole_machine)
 
     @property
     def end_s(self) -> float:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,10 @@ RUNS_OVER = ("along_m", "edges_m", "end_s", "time_s")
 """Keys of the places, sizes and times over which the lists of a table run."""
 ROUNDING = {"m": 1e-9, "m/s": 1e-9, "rad": 1e-9, "N": 1e-6, "W": 1e-9}
 """Differences by unit that are rounding: of a motion across the deck of a machine that has none."""
+OF_THE_SLICE = {"kg", "kg/s", "N", "W", "J"}
+COUNTED = {"particles", "fine_particles", "lost_particles", "openings", "stickers", "blinded_openings"}
+"""Units, and keys of numbers, of which a slice has its share of the width."""
+BY_PATH = "short names are of the whole width, and what their paths give is of the slice"
 VECTOR, ITS_WIDTHS = "amplitude_m", "half_width_m"
 """Keys of a vector of estimates, and of their half widths beside it."""
 
@@ -45,6 +49,14 @@ class Result:
     is_short: bool = False
     floor: float = 0.0
 
+    def over(self, share: float) -> Result:
+        """Return the result of the whole width from that of a slice; with a short name it is that already."""
+        ending = self.name.rpartition(".")[2]
+        if self.is_short or not (self.unit in OF_THE_SLICE or ending in COUNTED):
+            return self
+        half_width = None if self.half_width is None else self.half_width / share
+        return replace(self, value=self.value / share, half_width=half_width, floor=self.floor / share)
+
 
 @dataclass(frozen=True)
 class RunResults:
@@ -63,6 +75,11 @@ class RunResults:
     share_of_width: float = 1.0
     unsteady: str = ""
     unsettled: str = ""
+
+    def of_the_whole_width(self) -> RunResults:
+        """Return the run with its masses, rates, numbers, forces and powers scaled to the whole width."""
+        scaled = {name: result.over(self.share_of_width) for name, result in self.results.items()}
+        return replace(self, results=scaled)
 
     def rows(self) -> list[dict[str, str | float | None]]:
         """Return a row of a tidy table for each result."""
@@ -123,8 +140,7 @@ def tidy_results(summary: dict[str, Any]) -> dict[str, Result]:
     found: dict[str, Result] = {}
     for name, scalar in SCALARS.items():
         if (value := scalar.of(summary)) is not None:
-            unit = scalar.words.rpartition(" / ")[2].strip("()")
-            found[name] = Result(name, value.value, value.half_width, unit, True, scalar.floor)
+            found[name] = Result(name, value.value, value.half_width, scalar.unit, True, scalar.floor)
     numbers = dict(single_numbers(summary.get("results") or {}))
     for name, number in numbers.items():
         if not name.endswith(HALF_WIDTH) and not isinstance(number, bool):
@@ -178,7 +194,7 @@ def _read(folder: Path) -> RunResults:
     if not results:
         why = json.dumps(tables.get("missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
-    unsteady = str((tables.get("steady") or {}).get("reason") or "")
+    unsteady, unsettled = why_transient(tables)
     return RunResults(
         folder=folder,
         case=str(summary.get("case", folder.name)),
@@ -186,21 +202,30 @@ def _read(folder: Path) -> RunResults:
         status=status,
         results=results,
         share_of_width=float(tables.get("share_of_width", 1.0)),
-        unsteady="" if unsteady == BATCH else unsteady,  # a batch never could be steady
-        unsettled=str((tables.get("motion") or {}).get("reason") or ""),
+        unsteady=unsteady,
+        unsettled=unsettled,
     )
 
 
-def doubtful(runs: Sequence[RunResults]) -> list[str]:
+def why_transient(results: Mapping[str, Any]) -> tuple[str, str]:
+    """Return why a bed that is fed is not steady, and why a machine has not settled; empty if they are."""
+    unsteady, unsettled = (
+        str((results.get(part) or {}).get("reason") or "") for part in ("steady", "motion")
+    )
+    return "" if unsteady == BATCH else unsteady, unsettled  # a batch never could be steady
+
+
+def doubtful(runs: Sequence[RunResults], scaled: str = BY_PATH) -> list[str]:
     """Return a line for each run that is not to be trusted, not steady or not settled, and one if widths
-    differ."""
-    lines = [f"{run.folder}: the run is {run.status}" for run in runs if not trust.is_trusted(run.status)]
+    differ, which ends in what is ``scaled`` to the whole width."""
+    lines = [
+        f"{run.folder}: the run is {run.status}: its results are not to be trusted"
+        for run in runs
+        if not trust.is_trusted(run.status)
+    ]
     lines += [f"{run.folder}: not steady: {run.unsteady}" for run in runs if run.unsteady]
     lines += [f"{run.folder}: the machine has not settled: {run.unsettled}" for run in runs if run.unsettled]
     if len({run.share_of_width for run in runs}) > 1:
         shares = ", ".join(f"{run.folder.name} {run.share_of_width:.3g}" for run in runs)
-        lines.append(
-            f"the runs are slices of different shares of the width ({shares}): short names are of the whole "
-            "width, and masses, rates, forces and powers by their paths are of the slice"
-        )
+        lines.append(f"the runs are slices of different shares of the width ({shares}): {scaled}")
     return lines

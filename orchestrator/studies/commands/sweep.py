@@ -22,7 +22,14 @@ from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary, summary_of
 from orchestrator.studies.report import Cell, figure_parts, write_csv, write_parquet
 from orchestrator.studies.sweep_plan import Arrangement, SweepPlan, check_names, plan_sweep
-from orchestrator.studies.sweep_results import SweptSetting, draw_results, results_of, results_table
+from orchestrator.studies.sweep_results import (
+    LOOKS,
+    SweptSetting,
+    draw_results,
+    results_of,
+    results_table,
+    transient_words,
+)
 
 AXES = {0: "x", 2: "z"}
 SETTLED, NOT_SETTLED = "yes", "no"
@@ -33,11 +40,6 @@ DRAWN = {
     "bed.on_deck_kg": ("mass on the deck / kg", 1.0),
 }
 """Results that are drawn beside the amplitudes, where a sweep has them, each with its label and scale."""
-LOOKS: dict[str, dict[str, Any]] = {
-    "good": {"marker": "o", "ms": 4},
-    "open": {"marker": "o", "ms": 5, "mfc": "white"},
-    "cross": {"marker": "x", "ms": 6},
-}
 
 Row = dict[str, Cell]
 Part = tuple[str, list[tuple[str, str]], float]
@@ -76,7 +78,7 @@ def command(
     along (x) and normal to the deck (z) of the frames, of probes on frames, and of the frames against each
     other; their drift; every single number of the results with its interval; and each --result.  In
     sweep.png, a value that has not settled has an open mark, and a value that cannot be trusted is a cross.
-    results.png has each --result with its interval.
+    results.png has each --result with its interval, and the same marks.
     """
     wanted = _check_results(result)
     single = len(vary) == 1 and plan is not Arrangement.RANDOM
@@ -95,7 +97,10 @@ def command(
         yield write_csv(rows, study.folder / "sweep.csv")
     yield write_parquet(rows, study.folder / "sweep.parquet")
     if wanted:
-        measured = [SweptSetting(settings.setting_of(p), p.status(), results_of(p, wanted)) for p in points]
+        measured = [
+            SweptSetting(settings.setting_of(p), p.status(), results_of(p, wanted), transient_words(p))
+            for p in points
+        ]
         yield results_table(settings.keys, measured, wanted)
         yield from draw_results(settings.keys, measured, wanted, study.folder / "results.png")
     return all(point.status() == trust.DONE for point in points)
