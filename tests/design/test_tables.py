@@ -86,7 +86,7 @@ def test_points_have_a_row_for_each_trial_and_a_column_for_all_that_is_known(
         if outcome.trial.stage in ("centre", "plan"):
             assert not row["speed predicted"]
         else:
-            mean, deviation = outcome.trial.predicted["speed"]
+            mean, deviation, *_ = outcome.trial.predicted["speed"]
             assert float(row["speed predicted"]) == pytest.approx(mean)
             assert float(row["speed predicted half width"]) == pytest.approx(1.96 * deviation)
 
