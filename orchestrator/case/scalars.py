@@ -14,6 +14,8 @@ from difflib import get_close_matches
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
+from orchestrator.case.tables.quantities import unit_along
+
 if TYPE_CHECKING:
     from orchestrator.case.tables.case import Case
 
@@ -48,6 +50,12 @@ class Scalar:
     floor: float
     of: Callable[[Summary], Value | None]
     part: str = ""
+
+    @property
+    def unit(self) -> str:
+        """The unit of the value; "1" of a pure number, and where the keys of a path tell none."""
+        _, written, unit = self.words.rpartition(" / ")
+        return unit.strip("()") if written else unit_along(self.words.split("."))
 
 
 def _inner(table: Any, path: str) -> Any:

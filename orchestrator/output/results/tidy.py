@@ -123,8 +123,7 @@ def tidy_results(summary: dict[str, Any]) -> dict[str, Result]:
     found: dict[str, Result] = {}
     for name, scalar in SCALARS.items():
         if (value := scalar.of(summary)) is not None:
-            unit = scalar.words.rpartition(" / ")[2].strip("()")
-            found[name] = Result(name, value.value, value.half_width, unit, True, scalar.floor)
+            found[name] = Result(name, value.value, value.half_width, scalar.unit, True, scalar.floor)
     numbers = dict(single_numbers(summary.get("results") or {}))
     for name, number in numbers.items():
         if not name.endswith(HALF_WIDTH) and not isinstance(number, bool):

@@ -16,6 +16,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
+from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Stage, Trial
 from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
@@ -133,8 +134,17 @@ class Runs:
                 continue
             if (result := value_at(summary, table.result or name)) is not None:
                 responses[name] = Measured(result.value, _deviation(result) or table.noise)
-        why = "" if responses else self._why_nothing(unsteady)
+        why = self._why_off_scale(responses) if responses else self._why_nothing(unsteady)
         return Outcome(trial, state, why, responses, **cost)
+
+    def _why_off_scale(self, responses: Mapping[str, Measured]) -> str:
+        """Say which responses are not on their scales; empty where all are."""
+        scales = {name: self._study.file.responses[name].scale for name in responses}
+        return "; ".join(
+            f'{name} = {each.value:g} is not on the scale "{scales[name]}"'
+            for name, each in responses.items()
+            if not SCALES[scales[name]].has(each.value)
+        )
 
     def _why_nothing(self, unsteady: bool) -> str:
         """Say why a run tells none of the responses."""
