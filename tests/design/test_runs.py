@@ -49,6 +49,27 @@ def test_a_response_of_steady_runs_is_not_taken_from_another(
     assert outcome.is_data
 
 
+@pytest.mark.parametrize(
+    ("result", "reasons"),
+    [
+        ("probes.plate.peak_speed_m_per_s", "the machine has not settled: a motor"),
+        ("results.bed.velocity_m_per_s", "filling; the machine has not settled: a motor"),
+    ],
+)
+def test_a_run_says_why_what_its_responses_depend_on_is_not_steady(
+    result: str, reasons: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results = {
+        "steady": {"is_steady": False, "reason": "filling"},
+        "motion": {"reason": "a motor"},
+        "bed": {"velocity_m_per_s": 0.2},
+    }
+    path = ("probes.plate.peak_speed_m_per_s", result)
+    outcome = outcome_of(tmp_path, monkeypatch, "", PROBES | {"results": results}, path)
+    assert outcome.not_steady == reasons
+    assert outcome.is_data
+
+
 def test_a_run_without_any_response_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"\nsteady = true', {"results": {"steady": None}})
     assert (outcome.is_data, outcome.why) == (False, "the run did not become steady")

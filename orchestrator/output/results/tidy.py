@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -174,10 +174,10 @@ def _read(folder: Path) -> RunResults:
     summary = RunReader(folder).summary
     status = str(summary.get("status", "unknown"))
     results, tables = tidy_results(summary), summary.get("results") or {}
+    unsteady, unsettled = why_not_steady(summary)
     if not results:
         why = json.dumps(tables.get("missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
-    unsteady = str((tables.get("steady") or {}).get("reason") or "")
     return RunResults(
         folder=folder,
         case=str(summary.get("case", folder.name)),
@@ -185,9 +185,17 @@ def _read(folder: Path) -> RunResults:
         status=status,
         results=results,
         share_of_width=float(tables.get("share_of_width", 1.0)),
-        unsteady="" if unsteady == BATCH else unsteady,  # a batch never could be steady
-        unsettled=str((tables.get("motion") or {}).get("reason") or ""),
+        unsteady=unsteady,
+        unsettled=unsettled,
     )
+
+
+def why_not_steady(summary: Mapping[str, Any]) -> tuple[str, str]:
+    """Say why a run that is fed is not steady, and why the motion of its machine is not; empty where they
+    are."""
+    tables = summary.get("results") or {}
+    bed, motion = (str((tables.get(key) or {}).get("reason") or "") for key in ("steady", "motion"))
+    return "" if bed == BATCH else bed, motion  # a batch never could be steady
 
 
 def doubtful(runs: Sequence[RunResults]) -> list[str]:

@@ -43,7 +43,9 @@ POSSIBLE = {  # limits on each scale: above, below, and both in words
 GOAL = re.compile(r"(maximise|maximize|minimise|minimize) +(\S+)")
 ROUNDING = 1e-9  # of coded settings
 NO_RESPONSE = -1  # of a limit that names none
-COLUMNS = ("trial", "stage", "role", "seed", "status", "why_no_data", "particle_steps")  # of points.csv
+COLUMNS = (  # of points.csv
+    *("trial", "stage", "role", "seed", "status", "why_no_data", "not_steady", "particle_steps"),
+)
 LIMIT = re.compile(r"(\S+) *(>=|<=) *(.+)")
 
 

@@ -71,6 +71,7 @@ def point_rows(findings: Findings) -> list[Row]:
         row |= {
             "status": outcome.status,
             "why_no_data": outcome.why,
+            "not_steady": outcome.not_steady,
             "particle_steps": outcome.particle_steps,
         }
         for i, (name, scale) in enumerate(findings.campaign.scales.items()):

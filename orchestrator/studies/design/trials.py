@@ -66,6 +66,7 @@ class Outcome:
     """The result of a trial.
 
     ``status`` is the run's own; ``why`` says why the run is no data, and is empty where it is.
+    ``not_steady`` says why the bed or the machine did not become steady, where a response depends on it.
     """
 
     trial: Trial
@@ -75,6 +76,7 @@ class Outcome:
     wall_s: float = 0.0
     processor_s: float = 0.0
     particle_steps: int = 0
+    not_steady: str = ""
 
     @property
     def is_data(self) -> bool:
