@@ -131,7 +131,8 @@ def assert_same_trials(some: Campaign, other: Campaign) -> None:
     for one, two in zip(some.outcomes, other.outcomes, strict=True):
         assert list(one.trial.predicted) == list(two.trial.predicted)
         for name, predicted in one.trial.predicted.items():
-            assert predicted == pytest.approx(two.trial.predicted[name], rel=FIT, abs=1e-6)
+            assert predicted[:2] == pytest.approx(two.trial.predicted[name][:2], rel=FIT, abs=1e-6)
+            assert predicted[2:] == two.trial.predicted[name][2:]
 
 
 SURROGATES = ["quadratic", pytest.param("gaussian-process", marks=pytest.mark.slow)]

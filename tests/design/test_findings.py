@@ -12,7 +12,7 @@ import pytest
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.page import answers, borders, noise_in_words, rivals
-from orchestrator.studies.design.trials import Measured, Outcome
+from orchestrator.studies.design.trials import Measured, Outcome, Prediction
 from tests.design.campaigns import belt, run_all
 
 
@@ -47,7 +47,7 @@ def test_a_best_setting_that_was_measured_as_predicted_is_confirmed(whole: Campa
     assert best.measured["speed"].value == pytest.approx(np.mean(speeds))
     widened = findings.data.widened[0]
     assert best.measured["speed"].half_width == pytest.approx(widened * 1.96 * 0.01 / len(runs) ** 0.5)
-    mean, deviation = runs[0].trial.predicted["speed"]
+    mean, deviation, *_ = runs[0].trial.predicted["speed"]
     assert best.predicted["speed"].value == pytest.approx(mean)
     assert best.predicted["speed"].half_width == pytest.approx(1.96 * deviation)
 
@@ -115,6 +115,26 @@ def test_a_response_that_was_added_later_has_no_prediction_but_is_measured(
     assert "power" in best_of(findings).measured
 
 
+@pytest.mark.parametrize("change", [{"scale": "logarithm"}, {"result": "results.pace"}])
+def test_a_prediction_of_another_result_or_on_another_scale_is_left_out(
+    change: dict[str, str], whole: Campaign, tmp_path: Path
+) -> None:
+    (key, value), *_ = change.items()
+    changed = belt(tmp_path, **{f"responses/speed/{key}": value})
+    stored = {each.number: each for each in Campaign(changed, whole.evaluator, whole.journal).read_trials()}
+    whole.outcomes = [replace(each, trial=stored[each.trial.number]) for each in whole.outcomes]
+    assert {tuple(each.predicted) for each in stored.values()} == {(), ("share",)}
+    findings = Findings(Campaign(changed, whole.evaluator, whole.journal, whole.outcomes))
+    assert best_of(findings).why_not == "speed was not predicted"
+
+
+def test_a_prediction_of_an_earlier_version_which_tells_no_scale_is_left_out(whole: Campaign) -> None:
+    for trial in whole.journal.read():
+        told = {name: each[:2] for name, each in trial.predicted.items()}
+        whole.journal.write(replace(trial, predicted=told))  # type: ignore[arg-type]
+    assert not any(trial.predicted for trial in whole.read_trials())
+
+
 @pytest.mark.parametrize(("limit", "binds"), [(60, True), (10, False)])
 def test_the_ends_of_ranges_and_limits_that_do_not_bind_are_told(
     limit: int, binds: bool, tmp_path: Path
@@ -132,7 +152,7 @@ def test_a_response_that_is_neither_goal_nor_limit_refuses_nothing(whole: Campai
     more = [
         replace(
             each,
-            trial=replace(each.trial, predicted={**each.trial.predicted, "power": (0.0, 1e-9)}),
+            trial=replace(each.trial, predicted={**each.trial.predicted, "power": Prediction(0.0, 1e-9)}),
             responses={**each.responses, "power": Measured(5.0, 1e-9)},
         )
         for each in whole.outcomes

@@ -19,9 +19,15 @@ from orchestrator.studies.points import CaseStudy, Crew
 from tests.design.plates import CASE, write_plates
 
 
-def outcome_of(folder: Path, monkeypatch: pytest.MonkeyPatch, replaced: str, summary: dict[str, Any]) -> Any:
+def outcome_of(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    replaced: str,
+    summary: dict[str, Any],
+    *others: tuple[str, str],
+) -> Any:
     """Return the outcome of a trial of the plates whose run has a summary."""
-    study = read_study(write_plates(folder, ('unit = "m/s"', replaced)))
+    study = read_study(write_plates(folder, *(others or [('unit = "m/s"', replaced)])))
     monkeypatch.setattr(design_runs, "summary_of", lambda run: {"status": "done", **summary})
     runs = Runs(study, CaseStudy(CASE, None, (), folder / "runs", Crew()))
     return next(
@@ -43,11 +49,49 @@ def test_a_response_of_steady_runs_is_not_taken_from_another(
     assert outcome.is_data
 
 
+@pytest.mark.parametrize(
+    ("result", "reasons"),
+    [
+        ("probes.plate.peak_speed_m_per_s", "the machine has not settled: a motor"),
+        ("results.bed.velocity_m_per_s", "filling; the machine has not settled: a motor"),
+    ],
+)
+def test_a_run_says_why_what_its_responses_depend_on_is_not_steady(
+    result: str, reasons: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results = {
+        "steady": {"is_steady": False, "reason": "filling"},
+        "motion": {"reason": "a motor"},
+        "bed": {"velocity_m_per_s": 0.2},
+    }
+    path = ("probes.plate.peak_speed_m_per_s", result)
+    outcome = outcome_of(tmp_path, monkeypatch, "", PROBES | {"results": results}, path)
+    assert outcome.not_steady == reasons
+    assert outcome.is_data
+
+
 def test_a_run_without_any_response_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"\nsteady = true', {"results": {"steady": None}})
     assert (outcome.is_data, outcome.why) == (False, "the run did not become steady")
     outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"', {})
     assert outcome.why == "the run does not tell speed, way"
+
+
+@pytest.mark.parametrize(
+    ("scale", "value", "why"),
+    [
+        ("percent", 107.3, 'speed = 107.3 is not on the scale "percent"'),
+        ("percent", 100.0, ""),
+        ("logarithm", 0.0, 'speed = 0 is not on the scale "logarithm"'),
+        ("plain", -3.0, ""),
+    ],
+)
+def test_a_run_with_a_value_off_its_scale_is_no_data(
+    scale: str, value: float, why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = ('probes.plate.peak_speed_m_per_s"\nunit = "m/s"', f'extra.share"\nscale = "{scale}"')
+    outcome = outcome_of(tmp_path, monkeypatch, "", {"extra": {"share": value}}, path)
+    assert (outcome.why, outcome.is_data) == (why, not why)
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,18 @@ def complaint(file: Path) -> str:
 
 
 WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
+    "another unit than that of a result": (
+        {"responses/speed": {"result": "stroke", "unit": "mm"}},
+        ['responses.speed.unit: "mm" is not the unit of stroke, which is in m; nothing is converted'],
+    ),
+    "another unit than that of a path": (
+        {"responses/speed": {"result": "results.motion.ground.amplitude_N.z", "unit": "kN"}},
+        ['"kN" is not the unit of results.motion.ground.amplitude_N.z, which is in N'],
+    ),
+    "a power in percents": (
+        {"responses/speed": {"result": "power", "unit": "W", "scale": "percent"}},
+        ["responses.speed.scale: power is in W, and the scale is of percents"],
+    ),
     "a range that is turned round": (
         {"factors/slope/range": [30.0, 10.0]},
         ["factors.slope.range: 30 is not below 10"],
@@ -236,6 +248,24 @@ def test_a_file_that_is_no_toml_is_told(text: str, words: str, tmp_path: Path) -
 def test_a_missing_file_is_told(tmp_path: Path) -> None:
     assert "study.toml" in complaint(tmp_path)
     assert "night.toml" in complaint(tmp_path / "night.toml")
+
+
+@pytest.mark.parametrize(
+    ("result", "unit"),
+    [
+        ("rms_g", "g"),
+        ("results.x.rms_g", "g"),
+        ("efficiency", "percent"),
+        ("results.bed.load_kg_per_m2", "kg / m²"),
+        ("results.x.angle_deg", "deg"),
+        ("results.x.angle_deg", "°"),
+        ("results.x.torque_N_m", "N·m"),
+        ("results.x.wear_m3_per_N_m", "m^3/(N m)"),
+        ("results.x.particles", "particles"),
+    ],
+)
+def test_the_unit_of_a_result_may_be_written_otherwise(result: str, unit: str, tmp_path: Path) -> None:
+    assert belt(tmp_path, **{"responses/speed": {"result": result, "unit": unit}})
 
 
 def test_one_factor_is_enough(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 from orchestrator.output.drawing import data_uri
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import Findings
-from orchestrator.studies.design.page import write_study_page
+from orchestrator.studies.design.page import doubts, write_study_page
 from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.design.tables import write_tables
@@ -68,7 +69,8 @@ def test_points_have_a_row_for_each_trial_and_a_column_for_all_that_is_known(
 ) -> None:
     rows = rows_of(written / "points.csv")
     assert list(rows[0]) == [
-        *["trial", "stage", "role", "seed", "slope", "stroke", "status", "why_no_data", "particle_steps"],
+        *["trial", "stage", "role", "seed", "slope", "stroke", "status", "why_no_data", "not_steady"],
+        "particle_steps",
         *["speed", "speed deviation", "share", "share deviation"],
         *["speed predicted", "speed predicted half width", "share predicted", "share predicted half width"],
     ]
@@ -86,9 +88,21 @@ def test_points_have_a_row_for_each_trial_and_a_column_for_all_that_is_known(
         if outcome.trial.stage in ("centre", "plan"):
             assert not row["speed predicted"]
         else:
-            mean, deviation = outcome.trial.predicted["speed"]
+            mean, deviation, *_ = outcome.trial.predicted["speed"]
             assert float(row["speed predicted"]) == pytest.approx(mean)
             assert float(row["speed predicted half width"]) == pytest.approx(1.96 * deviation)
+
+
+def test_runs_that_did_not_become_steady_are_counted_on_the_page_and_named(tmp_path: Path) -> None:
+    whole = run_all(belt(tmp_path, **{"search/runs": 0, "goals": [], "limits": []}), tmp_path)
+    assert not list(doubts(Findings(whole)))
+    whole.outcomes[3:5] = [replace(each, not_steady="the deck fills") for each in whole.outcomes[3:5]]
+    folder = write(whole, tmp_path / "out")
+    said = "2 of the 9 runs that are data did not become steady (0004, 0005;"
+    assert said in (folder / "design.html").read_text(encoding="utf-8")
+    assert next(doubts(Findings(whole))).startswith(said)
+    named = [row["trial"] for row in rows_of(folder / "points.csv") if row["not_steady"] == "the deck fills"]
+    assert named == ["4", "5"]
 
 
 def test_points_are_the_same_in_both_formats(written: Path) -> None:

@@ -77,6 +77,18 @@ def unit_of(name: str, without: str = "1") -> str:
     return f"{unit}/({below.replace('_', ' ')})" if "_" in below else f"{unit}/{below}"
 
 
+def same_unit(some: str, other: str) -> bool:
+    """Tell whether two units are one, whatever their brackets, spaces and signs: kg·m2 and kg m^2."""
+    return _plain_unit(some) == _plain_unit(other)
+
+
+def _plain_unit(unit: str) -> str:
+    for sign, written in {"°": "degree", "²": "2", "³": "3"}.items():
+        unit = unit.replace(sign, written)
+    words = re.findall(r"[a-zA-Z]+|[^\sa-zA-Z·*^()]", unit)
+    return "".join(_WRITTEN.get(word, word) for word in words).replace(" ", "")
+
+
 def unit_along(words: Sequence[str]) -> str:
     """Return the unit of a number by its keys, from the outermost in: of the last that has one, else 1."""
     units = (unit_of(word, "") for word in reversed(words))

@@ -22,7 +22,7 @@ from orchestrator.studies.design.scales import SCALES, Scale
 from orchestrator.studies.design.space import Space, SpaceWithout
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints, calibrated
-from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Stage, Trial
+from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Prediction, Stage, Trial
 from orchestrator.studies.design.two_levels import TwoLevels
 from orchestrator.studies.quantities import NORMAL_95
 
@@ -53,10 +53,25 @@ class Campaign:
     def read_trials(self) -> list[Trial]:
         """Read the stored trials; those that were made with other ranges are coded for the present ones.
 
-        Raises FolderUnusable where they are of other factors.
+        Predictions of another result, or on another scale, than a response has now are left out.  Raises
+        FolderUnusable where the trials are of other factors.
         """
-        self._trials = [self._coded(trial) for trial in self.journal.read()]
+        self._trials = [self._comparable(self._coded(trial)) for trial in self.journal.read()]
         return self._trials
+
+    def _comparable(self, trial: Trial) -> Trial:
+        """Leave out the predictions of a trial that cannot be compared with the responses as they are now."""
+        predicted = {
+            name: told
+            for name, told in trial.predicted.items()
+            if name in self.study.file.responses and (told.scale, told.result) == self._meaning(name)
+        }
+        return replace(trial, predicted=predicted)
+
+    def _meaning(self, name: str) -> tuple[str, str]:
+        """Return the scale of a response and the result that it is."""
+        response = self.study.file.responses[name]
+        return response.scale, response.result or name
 
     def _coded(self, trial: Trial) -> Trial:
         names = list(self.study.file.factors)
@@ -202,7 +217,7 @@ class Campaign:
         if fitted is not None:
             mean, deviation = predict_each(fitted, setting[None])
             for i, name in enumerate(self.study.file.responses):
-                predicted[name] = (float(mean[i, 0]), float(deviation[i, 0]))
+                predicted[name] = Prediction(float(mean[i, 0]), float(deviation[i, 0]), *self._meaning(name))
         seed = number - 1 if seed is None else seed
         values = self.study.actual(setting)
         return Trial(number, stage, tuple(map(float, setting)), seed, role, predicted, values)

@@ -201,8 +201,8 @@ class Findings:
         mean = np.where(known, y, 0.0).sum(axis=0) / counts
         error = np.sqrt(np.where(known, variance, 0.0).sum(axis=0)) / counts
         measured = self._intervals(mean, NORMAL_95 * error)
-        unknown = (np.nan, np.nan)  # of a response that was added to the study later
-        expected = np.array([mine[0].trial.predicted.get(name, unknown) for name in self.responses])
+        unknown = (np.nan, np.nan)  # of a response that was added or changed later
+        expected = np.array([mine[0].trial.predicted.get(name, unknown)[:2] for name in self.responses])
         predicted = self._intervals(expected[:, 0], NORMAL_95 * expected[:, 1])
         aims = self.campaign.study.aims
         aim = next(

@@ -81,6 +81,18 @@ def answers(findings: Findings) -> Iterator[str]:
                 yield f"{asked} take {setting}: measured {said} in {each.runs} runs, {verdict}."
 
 
+def doubts(findings: Findings) -> Iterator[str]:
+    """Yield how many of the data are of runs that did not become steady."""
+    data = [each for each in findings.campaign.outcomes if each.is_data]
+    if unsteady := sorted(each.trial.name for each in data if each.not_steady):
+        yield (
+            f"{len(unsteady)} of the {len(data)} runs that are data did not become steady "
+            f"({', '.join(unsteady)}; not_steady in points.csv says why): a deck that still fills, or a "
+            "machine that still starts, gives other numbers than later. Longer runs help (duration_s in "
+            "overrides); steady = true under a response leaves out those whose deck still fills."
+        )
+
+
 def borders(findings: Findings) -> Iterator[str]:
     """Yield which best settings lie at the ends of ranges, and which limits rule nothing out."""
     study = findings.campaign.study
@@ -232,7 +244,7 @@ def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path
         folder / "design.html",
         title=study.file.title or f"Design study of {study.file.case or study.file.table}",
         answers=list(answers(findings)),
-        borders=list(borders(findings)),
+        borders=[*doubts(findings), *borders(findings)],
         scope=scope(findings),
         factors=list(study.file.factors),
         responses=findings.responses,

@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.scalars import Value, value_at
+from orchestrator.case.scalars import Value, part_of, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
+from orchestrator.output.results.tidy import why_transient
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
+from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Stage, Trial
 from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
@@ -133,8 +135,29 @@ class Runs:
                 continue
             if (result := value_at(summary, table.result or name)) is not None:
                 responses[name] = Measured(result.value, _deviation(result) or table.noise)
-        why = "" if responses else self._why_nothing(unsteady)
-        return Outcome(trial, state, why, responses, **cost)
+        why = self._why_off_scale(responses) if responses else self._why_nothing(unsteady)
+        return Outcome(trial, state, why, responses, **cost, not_steady=self._not_steady(summary, responses))
+
+    def _not_steady(self, summary: dict[str, Any], responses: Iterable[str]) -> str:
+        """Say why the bed, of which frames and panels tell nothing, or the machine is not steady."""
+        results = [self._study.file.responses[name].result or name for name in responses]
+        bed, motion = why_transient(summary.get("results") or {})
+        bed = bed if any(map(self._is_of_the_bed, results)) else ""
+        return "; ".join(filter(None, (bed, motion and f"the machine has not settled: {motion}")))
+
+    def _is_of_the_bed(self, result: str) -> bool:
+        """Tell whether a result may depend on the material; the own probes of frames are in no table."""
+        part = part_of(result, self.centre.case)
+        return part == "particles" or not (part or result.startswith(("results.motion.", "probes.")))
+
+    def _why_off_scale(self, responses: Mapping[str, Measured]) -> str:
+        """Say which responses are not on their scales; empty where all are."""
+        scales = {name: self._study.file.responses[name].scale for name in responses}
+        return "; ".join(
+            f'{name} = {each.value:g} is not on the scale "{scales[name]}"'
+            for name, each in responses.items()
+            if not SCALES[scales[name]].has(each.value)
+        )
 
     def _why_nothing(self, unsteady: bool) -> str:
         """Say why a run tells none of the responses."""

@@ -23,6 +23,10 @@ class Scale:
     slope: Callable[[Array | float], Array]
     ends: tuple[float, float] = (-np.inf, np.inf)
 
+    def has(self, value: float) -> bool:
+        """Tell whether a value is on the scale."""
+        return self.ends[0] <= value <= self.ends[1]
+
 
 def _inside(percent: Array | float) -> Array:
     return np.clip(percent, ENDS, 100.0 - ENDS)

@@ -15,7 +15,7 @@ from orchestrator.ports import Array
 from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import SAME, Campaign
 from orchestrator.studies.design.findings import Findings
-from orchestrator.studies.design.page import answers, borders, published_in_words, write_study_page
+from orchestrator.studies.design.page import answers, borders, doubts, published_in_words, write_study_page
 from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import Study
@@ -91,6 +91,8 @@ class DesignStudy:
         line = f"{outcome.trial.name} {outcome.trial.stage}: {said or outcome.status}"
         if best := self.campaign.best_so_far():
             line += f"; best so far {best}"
+        if outcome.not_steady:
+            line += f"; not steady: {outcome.not_steady}"
         if outcome.why:
             line += f"; no data: {outcome.why}"
         return line + self._time_left(search)
@@ -150,6 +152,7 @@ class DesignStudy:
         yield from fit_tables(findings)
         yield from published_in_words(findings)
         yield from answers(findings)
+        yield from doubts(findings)
         yield from borders(findings)
 
 

@@ -19,8 +19,8 @@ from pydantic import Field, Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation, show_value
 from orchestrator.case.file.layers import read_toml
-from orchestrator.case.scalars import scalar
-from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Table, Whole
+from orchestrator.case.scalars import SCALARS, scalar
+from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Table, Whole, same_unit
 from orchestrator.ports import Array
 from orchestrator.studies.design import formulas, plans
 from orchestrator.studies.design.aim import Aim, Goal, Limit
@@ -43,7 +43,9 @@ POSSIBLE = {  # limits on each scale: above, below, and both in words
 GOAL = re.compile(r"(maximise|maximize|minimise|minimize) +(\S+)")
 ROUNDING = 1e-9  # of coded settings
 NO_RESPONSE = -1  # of a limit that names none
-COLUMNS = ("trial", "stage", "role", "seed", "status", "why_no_data", "particle_steps")  # of points.csv
+COLUMNS = (  # of points.csv
+    *("trial", "stage", "role", "seed", "status", "why_no_data", "not_steady", "particle_steps"),
+)
 LIMIT = re.compile(r"(\S+) *(>=|<=) *(.+)")
 
 
@@ -63,7 +65,7 @@ class ResponseTable(Table):
     """Short name of a result, as ``flipflow run`` prints it, or its keys in summary.json with dots; by
     default the response's own name.  With a table it is the name of the column."""
     unit: OneLine = ""
-    """Unit, for tables and pictures."""
+    """Unit, for tables and pictures: that of the result, as nothing is converted."""
     scale: Literal["plain", "percent", "logarithm"] = "plain"
     """Scale on which surrogates see the response.  Percents of a whole are seen by their logit, so that no
     prediction lies beyond 0 and 100; positive numbers that span decades are seen by their logarithm."""
@@ -335,7 +337,7 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
             problems.append(CaseProblem(("factors", name, "range"), what))
     for name, response in file.responses.items():
         try:
-            scalar(response.result or name) if file.case else None
+            problems.extend(_unlike_its_result(name, response) if file.case else ())
         except KeyError as error:
             problems.append(CaseProblem(("responses", name, "result"), str(error.args[0])))
     for place, table in enumerate(file.published):
@@ -351,6 +353,24 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
                 term(text, list(file.factors))
             except BadFormula as error:
                 problems.append(CaseProblem(("published", place, "coefficients", text), str(error)))
+
+
+def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProblem]:
+    """Yield what is wrong with the unit and the scale of a response where the unit of its result is known.
+
+    Raises KeyError where there is no such result.
+    """
+    result = response.result or name
+    unit = scalar(result).unit
+    if unit == "1" or not (result in SCALARS or result.startswith(("results.", "probes."))):
+        return
+    if response.unit and not same_unit(response.unit, unit):
+        what = f'"{response.unit}" is not the unit of {result}, which is in {unit}'
+        hint = f'nothing is converted: write "{unit}", and goals and limits in it'
+        yield CaseProblem(("responses", name, "unit"), what, hint)
+    if response.scale == "percent" and unit != "%":
+        what = f"{result} is in {unit}, and the scale is of percents"
+        yield CaseProblem(("responses", name, "scale"), what, "plain and logarithm are of any unit")
 
 
 def _check_names(file: StudyFile, problems: list[CaseProblem]) -> None:

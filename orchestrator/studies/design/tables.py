@@ -71,6 +71,7 @@ def point_rows(findings: Findings) -> list[Row]:
         row |= {
             "status": outcome.status,
             "why_no_data": outcome.why,
+            "not_steady": outcome.not_steady,
             "particle_steps": outcome.particle_steps,
         }
         for i, (name, scale) in enumerate(findings.campaign.scales.items()):
@@ -81,7 +82,7 @@ def point_rows(findings: Findings) -> list[Row]:
                 error = float(np.sqrt(data.variance[place, i]))
                 row[f"{name} deviation"] = error / float(scale.slope(measured.value))
             if name in trial.predicted:
-                mean, deviation = trial.predicted[name]
+                mean, deviation, *_ = trial.predicted[name]
                 predicted = ConfidenceInterval.of(scale, mean, NORMAL_95 * deviation)
                 row |= _intervals({name: predicted}, " predicted")
         rows.append(row)

@@ -10,12 +10,24 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 from orchestrator.output.records.run_folder import write_json
 
 Stage = Literal["centre", "cheap", "plan", "search", "confirm"]
 DONE = "done"
+
+
+class Prediction(NamedTuple):
+    """What a surrogate said of a response: value and standard deviation on a scale, and of which result.
+
+    Scale and result are empty in files of earlier versions, which do not tell them.
+    """
+
+    mean: float
+    deviation: float
+    scale: str = ""
+    result: str = ""
 
 
 @dataclass(frozen=True)
@@ -24,8 +36,7 @@ class Trial:
 
     ``values`` has the setting in the factors' units; it is what was run, and stays where the ranges of the
     study are changed, on which the coded setting rests.  ``role`` says what a confirming run is of;
-    ``predicted`` is what the surrogate said of each response when the trial was proposed: value and standard
-    deviation.
+    ``predicted`` is what the surrogate said of each response when the trial was proposed.
     """
 
     number: int
@@ -33,7 +44,7 @@ class Trial:
     setting: tuple[float, ...]
     seed: int
     role: str = ""
-    predicted: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    predicted: Mapping[str, Prediction] = field(default_factory=dict)
     values: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -55,6 +66,7 @@ class Outcome:
     """The result of a trial.
 
     ``status`` is the run's own; ``why`` says why the run is no data, and is empty where it is.
+    ``not_steady`` says why the bed or the machine did not become steady, where a response depends on it.
     """
 
     trial: Trial
@@ -64,6 +76,7 @@ class Outcome:
     wall_s: float = 0.0
     processor_s: float = 0.0
     particle_steps: int = 0
+    not_steady: str = ""
 
     @property
     def is_data(self) -> bool:
@@ -105,5 +118,5 @@ class Journal:
 
 def _trial(file: Path) -> Trial:
     table = json.loads(file.read_text(encoding="utf-8"))
-    predicted = {name: (mean, deviation) for name, (mean, deviation) in table.pop("predicted").items()}
+    predicted = {name: Prediction(*told) for name, told in table.pop("predicted").items()}
     return Trial(**table | {"setting": tuple(table["setting"]), "predicted": predicted})
