@@ -86,7 +86,7 @@ class DesignStudy:
             raise CaseError([CaseProblem(("responses",), what, hint)])
 
     def _line(self, outcome: Outcome, search: bool) -> str:
-        """Return what is said when a run has ended, with the time left."""
+        """Return what is said when a run has ended, with the time left after the stored ones."""
         said = ", ".join(f"{name} {each.value:.4g}" for name, each in outcome.responses.items())
         line = f"{outcome.trial.name} {outcome.trial.stage}: {said or outcome.status}"
         if best := self.campaign.best_so_far():
@@ -95,12 +95,13 @@ class DesignStudy:
             line += f"; not steady: {outcome.not_steady}"
         if outcome.why:
             line += f"; no data: {outcome.why}"
-        return line + self._time_left(search)
+        return line + (self._time_left(search) if outcome.trial.number >= self.campaign.stored else "")
 
     def _time_left(self, search: bool) -> str:
         """Return the predicted time to the end: of the runs to come, but not more than the hours allow."""
-        left, hours = self.campaign.trials_left(search), self.study.file.hours
-        left_s = left * self.campaign.mean_wall_s() / self.runs.side_by_side
+        each_s, hours = self.campaign.mean_wall_s(), self.study.file.hours
+        left = self.campaign.trials_left(search) - self.campaign.beyond_hours(each_s)
+        left_s = left * each_s / self.runs.side_by_side
         if not left_s:
             return ""
         if hours is not None and left_s > (budget_s := max(0.0, 3600.0 * hours - self.campaign.spent_s())):
