@@ -14,11 +14,13 @@ import pytest
 from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.studies.design.campaign import NEAR_A_FAILURE, Campaign, planned_settings
 from orchestrator.studies.design.findings import Findings
-from orchestrator.studies.design.page import answers
+from orchestrator.studies.design.page import answers, doubts
+from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.surrogates import TooFewPoints
 from orchestrator.studies.design.tables import write_tables
 from orchestrator.studies.design.trials import Measured, Outcome, Trial
+from orchestrator.studies.points import Crew
 from tests.design.campaigns import Killed, NoisyFunction, belt, belt_truth, campaign, run_all
 
 TABLES = ("points.csv", "costs.csv", "fit.json", "front.csv", "best.csv", "effects.csv")
@@ -253,6 +255,28 @@ def test_hours_that_do_not_suffice_for_the_plan_end_it(tmp_path: Path) -> None:
     assert 1 < len(whole.outcomes) <= 6
     assert "search" not in stages(whole)
     assert "support no optimum" in the_answer(whole)
+
+
+@pytest.mark.parametrize(("goals", "made"), [(["maximise speed"], 5), ([], 6)])
+def test_planned_runs_that_do_not_fit_into_the_hours_are_told(
+    goals: list[str], made: int, tmp_path: Path
+) -> None:
+    """Runs of a minute in 396 s, of which a fifth is kept for confirming runs where there is a goal."""
+    study = belt(tmp_path, hours=0.11, goals=goals, **{"search/runs": 0})
+    whole = campaign(study, tmp_path)
+    whole.read_trials()
+    assert whole.beyond_hours(60.0) == 9 - made
+    list(whole.run(search=False))
+    assert len(whole.outcomes) == made
+    assert whole.beyond_hours(60.0) == 9 - made
+    design = DesignStudy(study, Crew(), tmp_path)
+    design.campaign = whole
+    assert design._time_left(search=False) == ""
+    again = design.campaign = campaign(study, tmp_path)
+    assert not any(" more run" in design._line(outcome, search=False) for outcome in again.run(search=False))
+    said = next(doubts(Findings(whole)))
+    assert said.startswith(f"{9 - made} of 9 planned runs are not made: flipflow study design makes them as")
+    assert said.endswith("; all need more hours.")
 
 
 def steep(x: Mapping[str, float]) -> str:

@@ -61,6 +61,15 @@ def test_a_dry_design_lists_its_runs_and_writes_nothing(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"study.toml"}
 
 
+def test_a_dry_design_says_what_does_not_fit_into_the_hours(tmp_path: Path) -> None:
+    """The centre alone is run whatever it takes."""
+    write_plates(tmp_path, ("seed = 3", "seed = 3\nhours = 0.0001"))
+    done = study("design", "--dry", "--workers", "1")
+    assert done.exit_code == 0, done.output
+    assert "7 of them will not be made: they do not fit into 8e-05 h (0.0001 h less" in done.output
+    assert "more fit" not in done.output
+
+
 def test_a_fit_before_any_run_says_so(tmp_path: Path) -> None:
     write_plates(tmp_path)
     done = study("fit", "--out", "there")

@@ -11,6 +11,7 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.studies.design.study_file import read_study
 from tests.design.campaigns import belt, write_study
+from tests.docs.pages import code_on
 
 
 def complaint(file: Path) -> str:
@@ -57,6 +58,18 @@ WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
     "a misspelt table": (
         {"respones": {}},
         ['respones: unknown key (its value: {}); did you mean "responses"'],
+    ),
+    "a key of the study in a table": (
+        {"responses/speed/goals": ["maximise speed"]},
+        ["responses.speed.goals: unknown key", "a key of the whole study belongs before the first [table]"],
+    ),
+    "a key of the study among formulas": (
+        {"set/hours": 0.3},
+        ["set.hours: is no key of a case; a key of the whole study belongs before the first [table]"],
+    ),
+    "a key of the study that is nearly one of the table": (
+        {"plan/level": "draft"},
+        ["plan.level: unknown key", 'belongs before the first [table]; or did you mean "levels"?'],
     ),
     "an unknown kind of plan": (
         {"plan/kind": "box-benken"},
@@ -223,7 +236,7 @@ def test_all_mistakes_stand_in_one_message(tmp_path: Path) -> None:
     assert message.startswith("2 problems")
     changes = {"factors/slope/range": [3.0, 1.0], "goals": ["maximise sped"], "limits": ["shar >= 1"]}
     message = complaint(write_study(tmp_path, **changes))
-    assert message.startswith("3 problems")
+    assert message.startswith("3 problems in the study:")
     assert all(word in message for word in ("factors.slope.range", "goals.0", "limits.0"))
 
 
@@ -266,6 +279,13 @@ def test_a_missing_file_is_told(tmp_path: Path) -> None:
 )
 def test_the_unit_of_a_result_may_be_written_otherwise(result: str, unit: str, tmp_path: Path) -> None:
     assert belt(tmp_path, **{"responses/speed": {"result": result, "unit": unit}})
+
+
+def test_the_file_of_the_page_is_the_study_that_it_names(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text("".join(code_on("how-to/run-a-design-study.md", "toml")[:-1]))  # the last has a table
+    shipped = Path(__file__).parents[2] / "cases/ffs0827-effects/studies/slope-and-stroke.toml"
+    assert read_study(file).file == read_study(shipped).file
 
 
 def test_one_factor_is_enough(tmp_path: Path) -> None:

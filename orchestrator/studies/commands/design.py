@@ -8,6 +8,7 @@ import typer
 
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
 from orchestrator.studies.design.campaign import planned_settings
+from orchestrator.studies.design.page import hours_in_words
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.options import Out, StudyOutput, StudyPath
@@ -60,7 +61,12 @@ def _foretell(design: DesignStudy) -> StudyOutput:
     runs = f"{left} runs" if left == count else f"{left} of {count} runs are left,"
     all_s = left * each_s / sides
     yield f"{runs} of {in_words(each_s)} each, {source}, on {sides} workers: {in_words(all_s)}"
-    if file.hours is not None:
+    if beyond := campaign.beyond_hours(each_s):
+        yield (
+            f"{beyond} of them will not be made: they do not fit into {hours_in_words(campaign)}; "
+            "give more hours"
+        )
+    elif file.hours is not None:
         more = int(3600 * file.hours * sides / each_s) - count
         yield f"{max(more, 0)} more fit into {file.hours:g} h"
     return True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import statistics
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping
@@ -39,7 +40,10 @@ BEST, CENTRE, SIMPLER = "best", "centre", "simpler"
 
 @dataclass
 class Campaign:
-    """A study under way: its results so far, and its next trial."""
+    """A study under way: its results so far, and its next trial.
+
+    ``stored`` is the number of trials that were stored when it was called.
+    """
 
     study: Study
     evaluator: Evaluator
@@ -47,7 +51,7 @@ class Campaign:
     outcomes: list[Outcome] = field(default_factory=list)
     _trials: list[Trial] = field(default_factory=list)
     _fits: dict[tuple[str, bool, int], Fitted] = field(default_factory=dict)
-    _stored: int = 0
+    stored: int = 0
     _began_s: float = field(default_factory=time.monotonic)
 
     def read_trials(self) -> list[Trial]:
@@ -57,6 +61,7 @@ class Campaign:
         FolderUnusable where the trials are of other factors.
         """
         self._trials = [self._comparable(self._coded(trial)) for trial in self.journal.read()]
+        self._began_s = time.monotonic()
         return self._trials
 
     def _comparable(self, trial: Trial) -> Trial:
@@ -93,7 +98,7 @@ class Campaign:
         are of other factors.
         """
         self.read_trials()
-        self._stored, self._began_s = len(self._trials), time.monotonic()
+        self.stored = len(self._trials)
         stages: dict[Stage, Callable[[], Iterator[Trial]]]
         stages = {stage: partial(self._planned, stage) for stage in self._settings}
         if search:
@@ -113,6 +118,26 @@ class Campaign:
             made = sum(trial.stage in ("search", "confirm") for trial in self._trials)
             left += max(0, self.most_searched + REPEATS[0] * settings - made)
         return left
+
+    @property
+    def planned(self) -> int:
+        """The number of trials of the centre, the cheap level and the plan."""
+        return sum(map(len, self._settings.values()))
+
+    def beyond_hours(self, each_s: float) -> int:
+        """Count the planned trials to come that do not fit into the hours if each takes ``each_s``."""
+        if self.study.file.hours is None or not each_s:
+            return 0
+        first, *others = (len(self._not_made(stage)) for stage in self._settings)
+        room_s = 3600.0 * self.hours_before_confirming - self.spent_s() - (1 + first) * each_s
+        fit = math.floor(room_s * self.evaluator.side_by_side / each_s) + 1
+        return max(0, sum(others) - max(0, fit))
+
+    @property
+    def hours_before_confirming(self) -> float:
+        """The hours for all runs but those that confirm, which there are only with a goal."""
+        share = 1.0 - FOR_CONFIRMING if self.study.aim.goals else 1.0
+        return math.inf if self.study.file.hours is None else share * self.study.file.hours
 
     @property
     def most_searched(self) -> int:
@@ -183,14 +208,13 @@ class Campaign:
         """
         running = len(self._trials) - len(self.outcomes)
         sum_s = sum(outcome.wall_s for outcome in self.outcomes) + max(running, 0) * self.mean_wall_s()
-        before_s = sum(each.wall_s for each in self.outcomes if each.trial.number <= self._stored)
+        before_s = sum(each.wall_s for each in self.outcomes if each.trial.number <= self.stored)
         elapsed_s = time.monotonic() - self._began_s
         return max(sum_s / self.evaluator.side_by_side, before_s / self.evaluator.side_by_side + elapsed_s)
 
-    def _can_afford(self, share: float) -> bool:
-        """Tell whether one more run would end within a share of the hours."""
-        hours = self.study.file.hours
-        return hours is None or self.spent_s() + self.mean_wall_s() <= 3600.0 * share * hours
+    def _can_afford(self, hours: float | None) -> bool:
+        """Tell whether one more run would end within some hours."""
+        return hours is None or self.spent_s() + self.mean_wall_s() <= 3600.0 * hours
 
     def _stage(self, stage: Stage, new: Callable[[], Iterator[Trial]]) -> Iterator[Trial]:
         """Yield the stored trials of a stage, then new ones, each stored before it is yielded."""
@@ -251,7 +275,7 @@ class Campaign:
     def _planned(self, stage: Stage) -> Iterator[Trial]:
         """Yield trials of the settings that are not made yet, as far as the hours go."""
         for setting in self._not_made(stage):
-            if stage != "centre" and not self._can_afford(1.0 - FOR_CONFIRMING):
+            if stage != "centre" and not self._can_afford(self.hours_before_confirming):
                 return
             yield self._trial(stage, setting)
 
@@ -259,7 +283,7 @@ class Campaign:
         """Yield one proposal of the optimiser after the other; several aims take turns."""
         stored = sum(trial.stage == "search" for trial in self._trials)
         for _ in range(stored, self.most_searched if self.study.aim.goals else 0):
-            if not self._can_afford(1.0 - FOR_CONFIRMING):
+            if not self._can_afford(self.hours_before_confirming):
                 return
             try:
                 fitted = self.fit()
@@ -303,7 +327,9 @@ class Campaign:
         for repeat, role in itertools.product(range(REPEATS[1]), settings):
             if repeat < made[role]:
                 continue
-            if not self._can_afford(1.0) or (repeat >= REPEATS[0] and self._is_narrow(settings)):
+            if not self._can_afford(self.study.file.hours) or (
+                repeat >= REPEATS[0] and self._is_narrow(settings)
+            ):
                 return
             yield self._trial("confirm", settings[role], fitted, FIRST_NEW_SEED + repeat, role)
 

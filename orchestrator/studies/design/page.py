@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, role_of
+from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, Campaign, role_of
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
@@ -82,8 +82,14 @@ def answers(findings: Findings) -> Iterator[str]:
 
 
 def doubts(findings: Findings) -> Iterator[str]:
-    """Yield how many of the data are of runs that did not become steady."""
-    data = [each for each in findings.campaign.outcomes if each.is_data]
+    """Yield how many planned runs are not made, and how many of the data did not become steady."""
+    campaign = findings.campaign
+    if campaign.study.file.case and (left := campaign.trials_left(search=False)):
+        made = "flipflow study design makes them"
+        if campaign.study.file.hours is not None:
+            made += f" as far as they fit into {hours_in_words(campaign)}; all need more hours"
+        yield f"{left} of {campaign.planned} planned runs {'is' if left == 1 else 'are'} not made: {made}."
+    data = [each for each in campaign.outcomes if each.is_data]
     if unsteady := sorted(each.trial.name for each in data if each.not_steady):
         yield (
             f"{len(unsteady)} of the {len(data)} runs that are data did not become steady "
@@ -91,6 +97,12 @@ def doubts(findings: Findings) -> Iterator[str]:
             "machine that still starts, gives other numbers than later. Longer runs help (duration_s in "
             "overrides); steady = true under a response leaves out those whose deck still fills."
         )
+
+
+def hours_in_words(campaign: Campaign) -> str:
+    """Return the hours for the planned runs."""
+    hours, left = campaign.study.file.hours, campaign.hours_before_confirming
+    return f"{left:g} h" + (f" ({hours:g} h less those for the confirming runs)" if hours != left else "")
 
 
 def borders(findings: Findings) -> Iterator[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.layers import read_toml
 from orchestrator.output.records.run_folder import FolderUnusable, study_folder
 from orchestrator.ports import Array
@@ -18,7 +18,7 @@ from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers, borders, doubts, published_in_words, write_study_page
 from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.runs import Runs
-from orchestrator.studies.design.study_file import Study
+from orchestrator.studies.design.study_file import Study, StudyError
 from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.design.tables import term_name, write_recommended, write_tables
 from orchestrator.studies.design.trials import Journal, Outcome
@@ -54,11 +54,11 @@ class DesignStudy:
     def check(self) -> None:
         """Check that there is a case to run, that published tables can be read, and every corner as a case.
 
-        Raises CaseError with what is wrong.
+        Raises StudyError or CaseError with what is wrong.
         """
         if self.study.file.table:
             hint = "flipflow study fit takes it"
-            raise CaseError([CaseProblem(("table",), "the data of a table cannot be run", hint)])
+            raise StudyError([CaseProblem(("table",), "the data of a table cannot be run", hint)])
         read_published(self.study)
         self.runs.check()
 
@@ -66,7 +66,7 @@ class DesignStudy:
         """Check the study, run the centre, the plan and, with ``search``, the search and the
         confirming runs; yield a line for each.
 
-        Raises CaseError as :meth:`check`, and where the centre does not have a response.
+        Raises StudyError as :meth:`check`, and where the centre does not have a response.
         """
         self.check()
         with study_folder(self.folder):
@@ -75,7 +75,7 @@ class DesignStudy:
                 yield self._line(outcome, search)
 
     def _check_first(self, outcome: Outcome) -> None:
-        """Raise CaseError where the centre lacks a response: all other runs would, too."""
+        """Raise StudyError where the centre lacks a response: all other runs would, too."""
         missing = [name for name in self.study.file.responses if name not in outcome.responses]
         if outcome.trial.stage == "centre" and (missing or not outcome.is_data):
             folder = self.folder / RUNS / outcome.trial.name
@@ -83,10 +83,10 @@ class DesignStudy:
             if not outcome.is_data:
                 what = f"the run of the centre ({folder}) is no data: {outcome.why}"
             hint = "look at its report; nothing else was run"
-            raise CaseError([CaseProblem(("responses",), what, hint)])
+            raise StudyError([CaseProblem(("responses",), what, hint)])
 
     def _line(self, outcome: Outcome, search: bool) -> str:
-        """Return what is said when a run has ended, with the time left."""
+        """Return what is said when a run has ended, with the time left after the stored ones."""
         said = ", ".join(f"{name} {each.value:.4g}" for name, each in outcome.responses.items())
         line = f"{outcome.trial.name} {outcome.trial.stage}: {said or outcome.status}"
         if best := self.campaign.best_so_far():
@@ -95,12 +95,13 @@ class DesignStudy:
             line += f"; not steady: {outcome.not_steady}"
         if outcome.why:
             line += f"; no data: {outcome.why}"
-        return line + self._time_left(search)
+        return line + (self._time_left(search) if outcome.trial.number >= self.campaign.stored else "")
 
     def _time_left(self, search: bool) -> str:
         """Return the predicted time to the end: of the runs to come, but not more than the hours allow."""
-        left, hours = self.campaign.trials_left(search), self.study.file.hours
-        left_s = left * self.campaign.mean_wall_s() / self.runs.side_by_side
+        each_s, hours = self.campaign.mean_wall_s(), self.study.file.hours
+        left = self.campaign.trials_left(search) - self.campaign.beyond_hours(each_s)
+        left_s = left * each_s / self.runs.side_by_side
         if not left_s:
             return ""
         if hours is not None and left_s > (budget_s := max(0.0, 3600.0 * hours - self.campaign.spent_s())):
@@ -110,7 +111,7 @@ class DesignStudy:
     def load_finished(self) -> None:
         """Take the outcomes of the table, or of the runs that have ended; nothing is run.
 
-        Raises CaseError where the table or a published one cannot be read.
+        Raises StudyError where the table or a published one cannot be read.
         """
         read_published(self.study)
         if self.study.file.table:
@@ -125,19 +126,19 @@ class DesignStudy:
         return f"{self.folder}: there are no data yet; flipflow study design makes the first runs"
 
     def _check_ranges(self, x: Array) -> None:
-        """Raise CaseError where none of the settings ``x``, (n, factors), coded, lies within the ranges."""
+        """Raise StudyError where none of the settings ``x``, (n, factors), coded, lies within the ranges."""
         outside = np.abs(x) > 1.0 + SAME
         if outside.any(axis=1).all():
             number = int(outside.sum(axis=0).argmax())
             name, values = list(self.study.file.factors)[number], self.study.space.actual(x)[:, number]
             what = f"no data within all ranges: {name} is {values.min():g} to {values.max():g} there"
             key = ("factors", name, "range")
-            raise CaseError([CaseProblem(key, what, "compare the units, or widen the range")])
+            raise StudyError([CaseProblem(key, what, "compare the units, or widen the range")])
 
     def write(self) -> Iterator[str | Table | Path]:
         """Write tables, pictures and the page from the outcomes; yield what is said and the files.
 
-        Raises FolderUnusable where there are no data at all, and CaseError where all lie out of the ranges.
+        Raises FolderUnusable where there are no data at all, and StudyError where all lie out of the ranges.
         """
         findings = Findings(self.campaign)
         if not len(findings.data.x):

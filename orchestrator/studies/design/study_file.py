@@ -8,8 +8,8 @@ import math
 import os
 import re
 import sys
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -42,11 +42,18 @@ POSSIBLE = {  # limits on each scale: above, below, and both in words
 }
 GOAL = re.compile(r"(maximise|maximize|minimise|minimize) +(\S+)")
 ROUNDING = 1e-9  # of coded settings
+TABLES = {*("factors", "set", "derived", "responses", "simpler", "plan", "cheap", "search", "published")}
 NO_RESPONSE = -1  # of a limit that names none
 COLUMNS = (  # of points.csv
     *("trial", "stage", "role", "seed", "status", "why_no_data", "not_steady", "particle_steps"),
 )
 LIMIT = re.compile(r"(\S+) *(>=|<=) *(.+)")
+
+
+class StudyError(CaseError):
+    """An error for a study that cannot be made as its file says; ``problems`` lists every reason."""
+
+    where = "in the study"
 
 
 class FactorTable(Table):
@@ -282,15 +289,16 @@ class Study:
 def read_study(path: Path) -> Study:
     """Read the file of a study, or ``study.toml`` in a folder.
 
-    Raises CaseError with every problem of the file.
+    Raises StudyError with every problem of the file.
     """
     path = path / "study.toml" if path.is_dir() else path
+    problems: list[CaseProblem] = []
     try:
         file = StudyFile.model_validate(read_toml(path, path.parent))
     except ValidationError as error:
-        problems = from_validation(error, StudyFile)
-        raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems) from None
-    problems = []
+        raise StudyError(_placed(from_validation(error, StudyFile), path)) from None
+    except CaseError as error:
+        raise StudyError(error.problems) from None
     derived, simpler = _derived(file, problems), _simpler(file, problems)
     parsed = _formulas(file, derived, problems)
     chains, aims = _chains(file, problems), _aims(file, problems)
@@ -299,7 +307,7 @@ def read_study(path: Path) -> Study:
     _check_names(file, problems)
     _check_methods(file, problems)
     if problems:
-        raise CaseError(CaseProblem(p.key, p.what, p.hint, str(path)) for p in problems)
+        raise StudyError(_placed(problems, path))
     low, high = np.array([factor.range for factor in file.factors.values()]).T
     study = Study(file, path.resolve(), Space(low, high, chains), aims, derived, parsed, simpler)
     if file.table:  # settings of a case are checked with the case
@@ -307,14 +315,30 @@ def read_study(path: Path) -> Study:
     return study
 
 
+def _placed(problems: Iterable[CaseProblem], path: Path) -> list[CaseProblem]:
+    """Return problems with the file, and with a hint where a key of the whole study stands in a table."""
+    return list(dict.fromkeys(replace(_with_its_place(each), file=str(path)) for each in problems))
+
+
+def _with_its_place(problem: CaseProblem) -> CaseProblem:
+    alone, key = StudyFile.model_fields.keys() - TABLES, problem.key
+    hint = "a key of the whole study belongs before the first [table]"
+    if key[:1] == ("set",) and alone.intersection(key[1:2]):
+        return CaseProblem(key[:2], "is no key of a case", hint)
+    if len(key) > 1 and key[-1] in alone and problem.what.startswith("unknown key"):
+        other = f"; or {problem.hint}" if problem.hint.startswith("did you mean") else ""
+        return replace(problem, hint=hint + other)
+    return problem
+
+
 def _check_simpler_corners(study: Study, path: str) -> None:
-    """Raise CaseError where the formulas of ``simpler`` make no design of the centre or of a corner."""
+    """Raise StudyError where the formulas of ``simpler`` make no design of the centre or of a corner."""
     for corner in (np.zeros(study.space.factors), *study.corners()):
         try:
             study.check_simpler(corner)
         except BadFormula as error:
             named = ", ".join(f"{name} = {value:g}" for name, value in study.actual(corner).items())
-            raise CaseError([CaseProblem(("simpler",), f"{named}: {error}", file=path)]) from None
+            raise StudyError([CaseProblem(("simpler",), f"{named}: {error}", file=path)]) from None
 
 
 def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
+from orchestrator.case.file.errors import CaseProblem, Key, did_you_mean
 from orchestrator.ports import Array
 from orchestrator.studies.design.scales import SCALES
-from orchestrator.studies.design.study_file import Study
+from orchestrator.studies.design.study_file import Study, StudyError
 from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
 
 LARGEST = 1e100  # beyond it, and below one over it, squares are no numbers
@@ -22,7 +22,7 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
     """Return one outcome for each row of the study's table, which stands at ``key`` of its file.
 
     An empty cell of a response is a response that was not measured; rows without any are no data.
-    Raises CaseError where the file cannot be read, lacks a column, or a cell of a factor is not a number.
+    Raises StudyError where the file cannot be read, lacks a column, or a cell of a factor is not a number.
     """
     file, path = study.file, study.path(study.file.table)
     try:
@@ -33,10 +33,10 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
             head = pd.read_csv(path, comment="#", skipinitialspace=True, header=None, nrows=1, dtype=str)
     except pd.errors.ParserWarning:
         what = f"{path} has rows with more cells than columns (decimals have points, not commas)"
-        raise CaseError([CaseProblem(key, what)]) from None
+        raise StudyError([CaseProblem(key, what)]) from None
     except (OSError, ValueError) as error:
         what = f"{path} cannot be read: {str(error).splitlines()[0]}"
-        raise CaseError([CaseProblem(key, what)]) from None
+        raise StudyError([CaseProblem(key, what)]) from None
     columns = {name: response.result or name for name, response in file.responses.items()}
     optional = [column + DEVIATION for column in columns.values() if column + DEVIATION in table]
     problems = [
@@ -53,7 +53,7 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
     if not problems and table.empty:
         problems.append(CaseProblem(key, f"{path.name} has no rows"))
     if problems:
-        raise CaseError(problems)
+        raise StudyError(problems)
     wanted = dict.fromkeys([*file.factors, *columns.values(), *optional])  # two responses may share a column
     numbers = table[[*wanted]].apply(pd.to_numeric, errors="coerce")
     sizes = numbers.abs()
@@ -74,7 +74,7 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
             what = f"row {row + 1} of {path.name}: {column} = {numbers[column].iloc[row]:g} is negative"
             problems.append(CaseProblem(key, what))
     if problems:
-        raise CaseError(problems)
+        raise StudyError(problems)
     settings = study.space.coded(numbers[list(file.factors)].to_numpy(float))
     return [
         _outcome(number, setting, row, columns, study)
@@ -86,7 +86,7 @@ def read_published(study: Study) -> list[list[Outcome]]:
     """Return the outcomes of each published table of the study, in the order of its file; none where a
     published result has no table.
 
-    A table has a column with the name of the response.  Raises CaseError as :func:`read_table`.
+    A table has a column with the name of the response.  Raises StudyError as :func:`read_table`.
     """
     outcomes = []
     for place, table in enumerate(study.file.published):

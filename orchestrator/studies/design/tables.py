@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.errors import CaseProblem
 from orchestrator.output.records.run_folder import write_json, write_text
 from orchestrator.output.results.compute import to_json
 from orchestrator.ports import Array
@@ -20,6 +20,7 @@ from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.published import compare_formula, implied_errors
 from orchestrator.studies.design.quadratic import Surface, Term, least_squares, model_matrix, quadratic_terms
+from orchestrator.studies.design.study_file import StudyError
 from orchestrator.studies.design.surrogates import TooFewPoints
 from orchestrator.studies.design.table_data import read_published
 from orchestrator.studies.design.trials import Outcome
@@ -240,7 +241,7 @@ def _published_effects(findings: Findings, response: str, outcomes: list[Outcome
         return Surface.fit(data.x, data.y[:, 0], terms).effects()
     except TooFewPoints as few:
         what = f"the published table of {response} has no quadratic surface: {few}"
-        raise CaseError([CaseProblem(("published",), what)]) from None
+        raise StudyError([CaseProblem(("published",), what)]) from None
 
 
 def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> Iterator[Path]:
