@@ -56,13 +56,14 @@ def openings(case: Case) -> Iterator[str]:
         pattern = panel.apertures
         assert pattern is not None, "only panels with apertures are perforated"
         who = f"{panel.name} and {len(others)} more" if others else panel.name
-        yield f"  openings   {who}: {_pattern(pattern, panel.rectangle)}"
+        where = "free panel" if case.slice is None else "free panel in the slice, which has no margins"
+        yield f"  openings   {who}: {_pattern(pattern, panel.rectangle)} of the {where}"
         if limits_m:
             yield f"             {_passing(pattern, min(limits_m), max(limits_m))}"
 
 
 def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
-    """Return a description of the openings of a panel."""
+    """Return a description of the openings of a panel, which ends with their share of it."""
     count = len(pattern.centres_m(rectangle))
     free_m2 = rectangle.length_m * rectangle.width_m
     lands = (pattern.pitch_along_m - pattern.length_m, pattern.pitch_across_m - pattern.width_m)
@@ -70,7 +71,7 @@ def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
         f"{count} {pattern.shape}s of {pattern.length_m * 1e3:g} x {pattern.width_m * 1e3:g} mm in "
         f"{pattern.counts(rectangle)[0]} rows, lands {lands[0] * 1e3:.3g} and "
         f"{lands[1] * 1e3:.3g} mm, {1 - pattern.solid_share:.1%} open within the pattern, "
-        f"{count * pattern.opening_m2 / free_m2:.1%} of the free panel"
+        f"{count * pattern.opening_m2 / free_m2:.1%}"
     )
 
 
