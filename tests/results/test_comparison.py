@@ -342,4 +342,5 @@ def test_units_are_those_of_the_nearest_key() -> None:
     assert unit_along(["results", "power", "lost_W", "frames.bushing_damping"]) == "W"
     assert unit_along(["results", "bed", "velocity_m_per_s"]) == "m/s"
     assert unit_along(["results", "motion", "shafts_rad_per_s", "main"]) == "rad/s"
+    assert unit_along(["particle_steps_per_s"]) == "1/s"
     assert unit_along(["results", "screening", "particles"]) == "1"

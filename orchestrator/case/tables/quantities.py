@@ -63,7 +63,8 @@ _WRITTEN = {"deg": "degree", "percent": "%", "g": "9.80665 m/s2"}
 
 
 def unit_of(name: str, without: str = "1") -> str:
-    """Return the unit of a name: m/s for ``velocity_m_per_s``, m3/(N m) for ``wear_m3_per_N_m``.
+    """Return the unit of a name: m/s for ``velocity_m_per_s``, m3/(N m) for ``wear_m3_per_N_m``, 1/s for
+    ``steps_per_s``.
 
     A name that ends in no unit belongs to a pure number and has the unit ``without``.
     """
@@ -71,7 +72,9 @@ def unit_of(name: str, without: str = "1") -> str:
     if end is None:
         return without
     above, below = end.groups()
-    unit = " ".join(_WRITTEN.get(part, part) for part in above.split("_"))
+    if name[: end.start()].endswith("_per"):
+        above, below = "", above
+    unit = " ".join(_WRITTEN.get(part, part) for part in above.split("_")) or "1"
     if below is None:
         return unit
     return f"{unit}/({below.replace('_', ' ')})" if "_" in below else f"{unit}/{below}"
