@@ -234,6 +234,9 @@ def _parity(findings: Findings) -> Any:
             axis.errorbar(x, y, dy, dx, "o", ms=3, lw=0.5, color=BLUE)
             ends = [min(x.min(), y.min()), max(x.max(), y.max())]
             axis.plot(ends, ends, color=BLACK, lw=0.8)
+            beside = 0.1 * (ends[1] - ends[0]) or 1.0
+            limits = (ends[0] - beside, ends[1] + beside)  # wide bars end at the frame
+            axis.set(xlim=limits, ylim=limits, box_aspect=1)
             quality = f"Q² = {each.explained[row]:.2f}, in 95 %: {100 * each.coverage[row]:.0f} %"
             axis.set_title(f"{each.name}: {responses[row]}\n{quality}", fontsize=9)
             axis.set(xlabel="predicted without this run", ylabel="run" if column == 0 else "")
