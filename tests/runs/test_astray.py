@@ -103,7 +103,7 @@ def run(folder: Path, extra: str, *sets: str) -> tuple[int, str, Path]:
 def test_a_lost_particle_is_warned_of(tmp_path: Path) -> None:
     code, said, folder = run(tmp_path, STRAY, "duration_s=0.1")
     assert code == 0, said
-    assert "WARNING: 1 particles left the domain elsewhere than through an exit" in said
+    assert "WARNING: 1 particle left the domain elsewhere than through an exit" in said
     assert (
         "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1" in (folder / "run.log").read_text()
     )
@@ -127,7 +127,7 @@ def test_a_particle_too_large_for_the_undersize_is_warned_of(tmp_path: Path) -> 
     """It is a third of all that came, so that the run is doubtful, too."""
     code, said, folder = run(tmp_path, ESCAPED, "duration_s=0.1")
     assert code == trust.EXIT_CODES[trust.DOUBTFUL], said
-    assert "WARNING: 1 particles came out with the undersize" in said
+    assert "WARNING: 1 particle too large for any opening came out with the undersize" in said
     material = summary(folder)["material"]
     assert material["escaped"]["number"] == 1
     assert material["exits"]["below"]["number"] == 2

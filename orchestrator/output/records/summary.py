@@ -117,13 +117,13 @@ def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
     yield f"{part(f'{whose}: came', material['fed'])} = " + " + ".join(there)
     if material["lost"]["number"]:
         yield (
-            f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "
+            f"WARNING: {_particles(material['lost']['number'])} left the domain elsewhere than "
             "through an exit; history.h5 says where (removed, exit = -1)"
         )
     if material["escaped"]["number"]:
         yield (
-            f"WARNING: {material['escaped']['number']} particles came out with the undersize "
-            "although they fit through no opening; run.log names the first"
+            f"WARNING: {_particles(material['escaped']['number'])} too large for any opening came out with "
+            "the undersize; run.log names the first"
         )
     deepest, crossings = material["deepest_overlaps"], material["crossings"]
     yield (
@@ -137,6 +137,11 @@ def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
             f"than through an opening, the first one (number {crossings['first_id']}) at t = "
             f"{crossings['first_time_s']:.6g} s"
         )
+
+
+def _particles(number: int) -> str:
+    """Return a number of particles in words."""
+    return "1 particle" if number == 1 else f"{number} particles"
 
 
 def monitor_lines(monitor: dict[str, Any]) -> list[str]:
