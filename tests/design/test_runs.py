@@ -54,6 +54,7 @@ def test_a_response_of_steady_runs_is_not_taken_from_another(
     [
         ("probes.plate.peak_speed_m_per_s", "the machine has not settled: a motor"),
         ("results.bed.velocity_m_per_s", "filling; the machine has not settled: a motor"),
+        ("results.wear.panels.deck.worn_m3", "filling; the machine has not settled: a motor"),
     ],
 )
 def test_a_run_says_why_what_its_responses_depend_on_is_not_steady(
@@ -63,9 +64,11 @@ def test_a_run_says_why_what_its_responses_depend_on_is_not_steady(
         "steady": {"is_steady": False, "reason": "filling"},
         "motion": {"reason": "a motor"},
         "bed": {"velocity_m_per_s": 0.2},
+        "wear": {"panels": {"deck": {"worn_m3": 1e-9}}},
     }
     path = ("probes.plate.peak_speed_m_per_s", result)
-    outcome = outcome_of(tmp_path, monkeypatch, "", PROBES | {"results": results}, path)
+    no_unit = ('unit = "m/s"', "")
+    outcome = outcome_of(tmp_path, monkeypatch, "", PROBES | {"results": results}, path, no_unit)
     assert outcome.not_steady == reasons
     assert outcome.is_data
 
@@ -80,7 +83,7 @@ def test_a_run_without_any_response_says_why(tmp_path: Path, monkeypatch: pytest
 @pytest.mark.parametrize(
     ("scale", "value", "why"),
     [
-        ("percent", 107.3, 'speed = 107.3 is not on the scale "percent"'),
+        ("percent", 117.3, 'speed = 117.3 is not on the scale "percent"'),
         ("percent", 100.0, ""),
         ("logarithm", 0.0, 'speed = 0 is not on the scale "logarithm"'),
         ("plain", -3.0, ""),

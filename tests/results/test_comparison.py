@@ -302,6 +302,7 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
             "share_of_width": share,
             "steady": {"is_steady": not steady, "reason": steady},
             "held": {"stickers": estimate(20.0 * share, 0.1)},
+            "wear": {"panels": {"deck": {"worn_m3": estimate(1e-9 * share, 1e-11)}}},
             "motion": {"ground": {"amplitude_N": {"z": estimate(800.0 * share, 1.0)}}, "reason": ""},
         }
         tables |= {"bed": {"velocity_m_per_s": estimate(0.5, 0.1)}, "missing": {}, "failed": {}}
@@ -312,6 +313,7 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
         assert told["results"][name]["values"] == pytest.approx([400.0, 400.0])
         assert told["results"][name]["half_widths"] == pytest.approx([8.0, 8.0])
     assert told["results"]["motion.ground.amplitude_N.z"]["values"] == pytest.approx([800.0, 800.0])
+    assert told["results"]["wear.panels.deck.worn_m3"]["values"] == pytest.approx([1e-9, 1e-9])
     assert told["results"]["held.stickers"]["values"] == pytest.approx([20.0, 20.0])
     assert told["more_than_chance"] == 0
     assert f"{sliced}: not steady: {reason}" in " ".join(done.stderr.split())

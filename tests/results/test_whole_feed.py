@@ -109,6 +109,11 @@ def test_feeds_are_mixed_by_what_they_have_fed() -> None:
     assert left_out(0.0, 10.0) == pytest.approx(0.1 * alone, rel=1e-12)
     assert left_out(0.0, 0.5) == left_out(0.8, 1.0) == pytest.approx(alone, rel=1e-12)
     assert left_out(0.9, 1.4) == pytest.approx(0.2 * alone, rel=1e-12)
+    late = feed_fines([feed(0.001), feed(0.002)], OPENING_M, (0.0, 10.0))
+    assert late.smallest_computed_m == pytest.approx(0.001)
+    stopped = feed(0.001).model_copy(update={"start_s": 0.0, "stop_s": 1.0})
+    late = feed_fines([stopped, feed(0.002)], OPENING_M, (2.0, 10.0))
+    assert late.smallest_computed_m == pytest.approx(0.002)
     assert left_out(2.0, 10.0) == 0.0  # the short one, which has left long ago, counts no more
     over = feed_fines([short], OPENING_M, (2.0, 10.0))  # what leaves then was fed before
     assert over.left_out == pytest.approx(alone, rel=1e-12)

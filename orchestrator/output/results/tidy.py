@@ -25,7 +25,7 @@ RUNS_OVER = ("along_m", "edges_m", "end_s", "time_s")
 """Keys of the places, sizes and times over which the lists of a table run."""
 ROUNDING = {"m": 1e-9, "m/s": 1e-9, "rad": 1e-9, "N": 1e-6, "W": 1e-9}
 """Differences by unit that are rounding: of a motion across the deck of a machine that has none."""
-OF_THE_SLICE = {"kg", "kg/s", "N", "W", "J"}
+OF_THE_SLICE = {"kg", "kg/s", "m3", "N", "W", "J"}
 COUNTED = {"particles", "fine_particles", "lost_particles", "openings", "stickers", "blinded_openings"}
 """Units, and keys of numbers, of which a slice has its share of the width."""
 BY_PATH = "short names are of the whole width, and what their paths give is of the slice"

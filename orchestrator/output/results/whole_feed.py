@@ -148,6 +148,8 @@ def feed_fines(
         fed_kg = [_fed_kg(feed, since_s, end_s) for feed in feeds]
         parts = fed_kg if 0.0 < sum(fed_kg) < math.inf else parts
     for feed, weight in zip(feeds, parts, strict=True):
+        if not weight:
+            continue
         part, limit_m = weight / sum(parts), min(feed.smallest_fed_m or 0.0, cut_m)
         given += [(row, part * row.mass_fraction) for row in given_classes(feed)]
         fed += [(row, part * row.mass_fraction * (1.0 - share_left_out(feed))) for row in classes(feed)]

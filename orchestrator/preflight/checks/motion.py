@@ -12,13 +12,15 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.scene.clamp_motion import has_moved_by_forces
-from orchestrator.preflight.scene.frame_modes import frame_modes, name_frame
+from orchestrator.preflight.scene.frame_modes import SHAPES, frame_modes, name_frame
 from orchestrator.preflight.scene.moved_panel import MovedPanel
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames
 
 NEAR = 0.15  # A mode this close to an excitation, as a share of it, is resonant or soon may be.
 UNDAMPED = 0.002  # Share of the critical damping below which a mode rings for more than 80 cycles.
+NORMAL = SHAPES.index("motion normal to the deck")
+LOOSE_HZ = 1e-3  # Rounding of a mode that nothing holds.
 SOFT_HZ = 0.8  # A frame that hangs 0.4 m deep in its springs; screens have 2 Hz and more.
 CYCLES = 4  # of a usual run-up
 BEYOND = 2.0  # factor by which a bushing may work beyond its measured amplitudes and frequencies
@@ -47,10 +49,8 @@ def slips_of_magnitude(scene: Scene) -> Iterator[str]:
 
     Stiffnesses in kN/m and masses in tonnes, typed as numbers in N/m and kg, are a thousand times too small.
     """
-    translations = (
-        mode for mode in frame_modes(scene) if mode.energy[:, :3].sum() > mode.energy[:, 3:].sum()
-    )
-    softest = next((mode for mode in translations if 0.0 < mode.frequency_Hz < SOFT_HZ), None)
+    upwards = (mode for mode in frame_modes(scene) if np.argmax(mode.energy.sum(axis=0)) == NORMAL)
+    softest = next((mode for mode in upwards if LOOSE_HZ < mode.frequency_Hz < SOFT_HZ), None)
     if softest is not None:
         sag_m = STANDARD_GRAVITY_M_PER_S2 / (2 * math.pi * softest.frequency_Hz) ** 2
         yield (
@@ -112,6 +112,8 @@ def bushings_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
 def loss_curves_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
     """Yield a warning for each material of panels whose loss curve is far from the machine's speed."""
     speeds_Hz = [shaking.speed_rad_per_s / (2 * math.pi) for shaking in scene.shaken]
+    if not case.panel.adapter.deforms:
+        return
     for name in dict.fromkeys(panel.material for panel in case.screen.panels.values()):
         law = case.materials[name].hyperelastic
         measured_Hz = [point.frequency_Hz for point in law.loss_curve] if law is not None else []

@@ -55,7 +55,7 @@ def _foretell(design: DesignStudy) -> StudyOutput:
     yield console_table("", ["run", *file.factors], rows)
     case = design.runs.centre.case
     each_s = campaign.mean_wall_s() or predicted_s(case, particles_at_start(case))
-    left, count = campaign.trials_left(search=False), len(settings) + file.plan.centres
+    left, count = campaign.planned_left, len(settings) + file.plan.centres
     sides = design.runs.side_by_side
     source = f"the mean of {len(campaign.outcomes)}" if campaign.outcomes else "predicted from the case"
     runs = f"{left} runs" if left == count else f"{left} of {count} runs are left,"

@@ -111,13 +111,23 @@ class Campaign:
     def trials_left(self, search: bool) -> int:
         """Count the trials still to come without a limit of hours; with ``search`` the search and the least
         number of confirming runs are among them."""
-        left = len(self._trials) - len(self.outcomes)
-        left += sum(len(self._not_made(stage)) for stage in self._settings)
+        left = self.planned_left
         if search and self.study.aim.goals:
             settings = 1 + len(self.study.aims) * (2 if self.study.simpler else 1)
-            made = sum(trial.stage in ("search", "confirm") for trial in self._trials)
-            left += max(0, self.most_searched + REPEATS[0] * settings - made)
+            ended = len(self.outcomes) - self._ended_of_plan
+            left += max(0, self.most_searched + REPEATS[0] * settings - ended)
         return left
+
+    @property
+    def planned_left(self) -> int:
+        """The number of planned trials that have not ended."""
+        begun = sum(trial.stage in self._settings for trial in self._trials)
+        to_come = sum(len(self._not_made(stage)) for stage in self._settings)
+        return begun - self._ended_of_plan + to_come
+
+    @property
+    def _ended_of_plan(self) -> int:
+        return sum(each.trial.stage in self._settings for each in self.outcomes)
 
     @property
     def planned(self) -> int:

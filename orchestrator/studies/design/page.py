@@ -84,7 +84,7 @@ def answers(findings: Findings) -> Iterator[str]:
 def doubts(findings: Findings) -> Iterator[str]:
     """Yield how many planned runs are not made, and how many of the data did not become steady."""
     campaign = findings.campaign
-    if campaign.study.file.case and (left := campaign.trials_left(search=False)):
+    if campaign.study.file.case and (left := campaign.planned_left):
         made = "flipflow study design makes them"
         if campaign.study.file.hours is not None:
             made += f" as far as they fit into {hours_in_words(campaign)}; all need more hours"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
@@ -25,6 +26,10 @@ from orchestrator.studies.quantities import NORMAL_95
 from orchestrator.studies.sweep_plan import check_names
 
 UNFINISHED = ("missing", "interrupted")
+FROM_THE_BED = re.compile(
+    r"wear|work_per_feed|results\.wear\..*|results\.power\.drives_J_per_kg|.*\.load_N\..*"
+)
+"""Results of panels and drives that the material makes."""
 
 
 def has_ended(folder: Path) -> bool:
@@ -147,6 +152,8 @@ class Runs:
 
     def _is_of_the_bed(self, result: str) -> bool:
         """Tell whether a result may depend on the material; the own probes of frames are in no table."""
+        if FROM_THE_BED.fullmatch(result):
+            return True
         part = part_of(result, self.centre.case)
         return part == "particles" or not (part or result.startswith(("results.motion.", "probes.")))
 

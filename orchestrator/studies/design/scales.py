@@ -11,12 +11,14 @@ from scipy import special
 from orchestrator.ports import Array
 
 ENDS = 0.05  # percent: shares nearer to 0 and 100 are moved here, since their logit is not finite
+BEYOND = 10.0  # percent: a share of flows may lie so far beyond 0 and 100, by chance
 
 
 @dataclass(frozen=True)
 class Scale:
     """``to_fit`` gives values as surrogates see them, ``from_fit`` takes them back, ``slope`` is the
-    derivative of ``to_fit``, by which standard deviations go over.  Values lie between the ``ends``."""
+    derivative of ``to_fit``, by which standard deviations go over.  Values beyond the ``ends`` are not on
+    the scale."""
 
     to_fit: Callable[[Array | float], Array]
     from_fit: Callable[[Array | float], Array]
@@ -47,7 +49,7 @@ SCALES = {
         lambda percent: special.logit(_inside(percent) / 100.0),
         lambda logit: 100.0 * special.expit(_plain(logit)),
         lambda percent: 100.0 / (_inside(percent) * (100.0 - _inside(percent))),
-        (0.0, 100.0),
+        (-BEYOND, 100.0 + BEYOND),
     ),
     "logarithm": Scale(
         _logarithm,
