@@ -129,11 +129,21 @@ def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
     assert load_judged(case_folder(tmp_path, CASE, narrow=narrow), "narrow").left_out.keys() == {"full-width"}
 
 
+OPENINGS = (
+    "screen.panels.deck.apertures={length_m=0.006, width_m=0.006, pitch_along_m=0.009, pitch_across_m=0.009, "
+    "margin_along_m=0.03}"
+)
+
+
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [
         (["slice.width_m=0.3"], "slice.width_m: 0.3 m is wider than the machine's 0.2 m"),
         (["slice.width_m=0.05"], "0.05 m is less than 3 largest diameters; take 0.06 m or more"),
+        (
+            ["slice.width_m=0.054", OPENINGS],
+            "less than 3 largest diameters; take 0.063 m, which is 7 pitches of the openings, or more",
+        ),
         (["slice.width_m=0.1", "particles.solver=spheres"], "spheres has no periodic"),
         (["slice.width_m=0.1", "gravity_m_per_s2=[0, 1, -9]"], "pulls along y"),
         (["slice.width_m=0.1", "bed.particles.ball.position_m.1=0.04"], "is not in the slice from"),

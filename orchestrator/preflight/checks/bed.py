@@ -442,7 +442,12 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
     least_m = FEWEST_DIAMETERS * largest_diameter_m(case)
     if case.slice.width_m < least_m:
         what = f"{case.slice.width_m:g} m is less than {FEWEST_DIAMETERS:g} largest diameters"
-        yield CaseProblem(("slice", "width_m"), what, f"take {least_m:.3g} m or more")
+        hint = f"take {least_m:.3g} m or more"
+        openings = (panel.apertures for panel in case.screen.panels.values())
+        if len(pitches_m := {each.pitch_across_m for each in openings if each is not None}) == 1:
+            pitches = math.ceil(least_m / min(pitches_m) - 1e-9)
+            hint = f"take {pitches * min(pitches_m):g} m, which is {pitches} pitches of the openings, or more"
+        yield CaseProblem(("slice", "width_m"), what, hint)
 
 
 def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
