@@ -101,7 +101,7 @@ def test_a_table_is_refused_for(text: str, words: list[str], tmp_path: Path) -> 
         assert word in message
 
 
-@pytest.mark.parametrize(("scale", "share"), [("percent", 130.0), ("percent", -1.0), ("logarithm", 0.0)])
+@pytest.mark.parametrize(("scale", "share"), [("percent", 130.0), ("percent", -11.0), ("logarithm", 0.0)])
 def test_values_that_a_scale_does_not_have_are_refused(scale: str, share: float, tmp_path: Path) -> None:
     study = study_of(tmp_path, HEAD + f"10,2,0.5,{share}\n", **{"responses/share/scale": scale})
     assert f'row 1 of belt.csv: share = {share:g} is not on the scale "{scale}"' in complaint(study)
