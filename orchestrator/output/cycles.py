@@ -25,21 +25,25 @@ def cycle_s(case: Case, shafts_rad_per_s: Mapping[str, float] = MappingProxyType
 
     ``shafts_rad_per_s`` has the speeds of exciters, by name, that differ from the case's.
     """
-    speeds_rad_per_s = _speeds_rad_per_s(case, shafts_rad_per_s)
+    speeds_rad_per_s = {**named_speeds_rad_per_s(case), **shafts_rad_per_s}.values()
     return 2 * math.pi / min(speeds_rad_per_s) if speeds_rad_per_s else case.duration_s
 
 
 def is_driven(case: Case) -> bool:
     """Return whether an exciter or a drive gives the machine a cycle."""
-    return bool(_speeds_rad_per_s(case, {}))
+    return bool(named_speeds_rad_per_s(case))
 
 
-def _speeds_rad_per_s(case: Case, shafts_rad_per_s: Mapping[str, float]) -> list[float]:
-    """Return the speeds of all drives that move, and of the exciters if forces move the frames."""
-    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive and frame.drive.moves]
-    exciters = case.screen.exciters.items() if case.frames.adapter.moved_by_forces else ()
-    turned = [shafts_rad_per_s.get(name, exciter.speed_rad_per_s) for name, exciter in exciters]
-    return [*(drive.speed_rad_per_s for drive in drives), *turned]
+def named_speeds_rad_per_s(case: Case) -> dict[str, float]:
+    """Return the speeds that the case names: of drives that move, by the frame as "drive of <frame>", and of
+    exciters, by their names, if forces move the frames."""
+    drives = {
+        f"drive of {name}": frame.drive.speed_rad_per_s
+        for name, frame in case.screen.frames.items()
+        if frame.drive and frame.drive.moves
+    }
+    exciters = case.screen.exciters if case.frames.adapter.moved_by_forces else {}
+    return drives | {name: exciter.speed_rad_per_s for name, exciter in exciters.items()}
 
 
 def counted_cycle_s(case: Case) -> float:

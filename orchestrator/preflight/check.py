@@ -134,6 +134,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *motion.normal_strokes(shaken),
         *motion.missing_damping(case, shaken),
         *motion.sudden_exciters(case),
+        *motion.beating_speeds(shaken),
         *motion.bushings_beyond_points(case, shaken),
         *motion.loss_curves_beyond_points(case, shaken),
         *machine.sudden_drives(case),

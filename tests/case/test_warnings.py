@@ -199,6 +199,38 @@ def test_a_bed_that_is_taken_over_is_material_on_the_deck(tmp_path: Path, overri
     assert wanted in said(tmp_path, "bed.table=bed.csv", override, case=carried)[0]
 
 
+SECOND = """
+[screen.exciters.second]
+frame = "driven"
+position_m = [0.0, 0.0, 0.0]
+mass_moment_kg_m = 0.01
+speed_rad_per_s = {speed_rad_per_s}
+run_up_s = 0.3
+"""
+MOTOR = """
+[screen.exciters.second.motor]
+synchronous_speed_rad_per_s = 83.0
+rated_power_W = 1e3
+rated_slip = 0.05
+moment_of_inertia_kg_m2 = 0.01
+"""
+
+
+@pytest.mark.parametrize(
+    ("speed_rad_per_s", "more", "beats"),
+    [(78.6, "", True), (78.5, "", False), (157.0, "", False), (78.6, MOTOR, False)],
+)
+def test_two_speeds_that_beat_are_said(
+    speed_rad_per_s: float, more: str, beats: bool, tmp_path: Path
+) -> None:
+    """Speeds of 78.5 and 78.6 rad/s are in step once in 2 pi / 0.1 = 62.8 s."""
+    head, _, rest = MACHINE.partition("[screen.decks.deck]")
+    second = SECOND.format(speed_rad_per_s=speed_rad_per_s) + more
+    found = said(tmp_path, case=f"{head}{second}\n[screen.decks.deck]{rest}")
+    lines = [line for line in found if "they fall out of step and into step again every 62.8 s" in line]
+    assert len(lines) == beats
+
+
 def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
     case = MACHINE.replace('cross_beams = { material = "PU" }\n', "").replace(
         "pitch_m = 0.338", "pitch_m = 0.36"

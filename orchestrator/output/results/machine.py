@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import bushings
 from orchestrator.case.tables.quantities import GROUND
-from orchestrator.output.cycles import cycle_numbers, within
+from orchestrator.output.cycles import cycle_numbers, named_speeds_rad_per_s, within
 from orchestrator.output.results.estimate import Estimate, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
@@ -147,13 +147,14 @@ def why_not_settled(
                 f"the motor of {name} turns its shaft at {speed_rad_per_s:.3g} rad/s, {share:.2g} of its "
                 "speed_rad_per_s: it is too weak for this machine, or still runs up"
             )
-    for (slow, slow_speed), (fast, fast_speed) in pairwise(
-        sorted(speeds_rad_per_s.items(), key=itemgetter(1))
-    ):
-        if APART < fast_speed / slow_speed - 1 < FAR_APART:
+    all_rad_per_s = {**named_speeds_rad_per_s(run.case), **speeds_rad_per_s}
+    for (slow, slow_speed), (fast, fast_speed) in pairwise(sorted(all_rad_per_s.items(), key=itemgetter(1))):
+        told = not {slow, fast} & set(speeds_rad_per_s)
+        least = LARGEST_DRIFT / (0.5 * (end_s - start_s)) if told else APART * slow_speed
+        if least < fast_speed - slow_speed < FAR_APART * slow_speed:
             return (
-                f"the shafts of {slow} and {fast} turn at {slow_speed:.4g} and {fast_speed:.4g} rad/s: "
-                "they have not synchronised, and the motion beats"
+                f"{slow} and {fast} turn at {slow_speed:.4g} and {fast_speed:.4g} rad/s: "
+                f"{'' if told else 'they have not synchronised, and '}the motion beats"
             )
     for name in run.names("frames"):
         rows = run.read_cycles(f"point_cycles/{name}", start_s, end_s)

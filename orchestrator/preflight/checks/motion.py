@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,6 +27,7 @@ CYCLES = 4  # of a usual run-up
 BEYOND = 2.0  # factor by which a bushing may work beyond its measured amplitudes and frequencies
 SHEARED = 1.5  # Motion normal to a panel over that along it; a circular motion has 1.
 LEVEL = 0.09  # Sine of 5 degrees.
+BEATING = 1.5  # Speeds that differ by less than this factor beat; a second exciter may turn twice as fast.
 UPRIGHT = 0.27  # Tangent of 15 degrees: a stroke that leans less against the normal carries nothing.
 
 
@@ -139,6 +141,23 @@ def sudden_exciters(case: Case) -> Iterator[str]:
             yield (
                 f'no run-up of exciter "{name}": its full force of {force_N:.3g} N begins at once, which '
                 f"makes the frames swing for long; give it a run_up_s, {CYCLES} cycles are {cycles_s:.2g} s"
+            )
+
+
+def beating_speeds(scene: Scene) -> Iterator[str]:
+    """Yield a warning if two exciters or drives are told to turn at nearly the same speed.
+
+    Motors may synchronise: what became of them is a result of the run.
+    """
+    told = [(one.speed_rad_per_s, f"exciter {one.name}") for one in scene.plan.exciters if one.motor is None]
+    told += [(one.speed_rad_per_s, f"the drive of {name_frame(one.body)}") for one in scene.plan.drives]
+    for (slow_rad_per_s, slow), (fast_rad_per_s, fast) in pairwise(sorted(told)):
+        if slow_rad_per_s < fast_rad_per_s < BEATING * slow_rad_per_s:
+            beat_s = 2 * math.pi / (fast_rad_per_s - slow_rad_per_s)
+            yield (
+                f"{slow} and {fast} turn at {slow_rad_per_s:.6g} and {fast_rad_per_s:.6g} rad/s: "
+                f"they fall out of step and into step again every {beat_s:.3g} s, and no stroke is steady; "
+                "shafts that are geared together need the same speed_rad_per_s"
             )
 
 
