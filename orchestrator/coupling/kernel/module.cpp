@@ -9,6 +9,14 @@
 #include <string>
 #include <vector>
 
+// Loops over all points are compiled for several generations of x86-64; the one that fits is chosen when the
+// module is loaded.
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
+#define FLIPFLOW_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define FLIPFLOW_CLONES
+#endif
+
 namespace flipflow {
 
 namespace {
@@ -140,6 +148,7 @@ struct Works {
 };
 
 // Books the work of a load on coordinates that went from `before_m` to `after_m`, and its size.
+FLIPFLOW_CLONES
 void book_exchanged(Works &works, const double *load_N, const double *before_m, const double *after_m,
                    size_t coordinates) {
   double exchanged_J = 0.0, size_N = 0.0;
@@ -157,87 +166,121 @@ const double *read(std::vector<Doubles> &held, const py::object &record, const c
   return vectors(held.back(), points, name);
 }
 
+// The coordinates of an interval between particles and panels: the load of the particles, now, before and
+// twice before, and their path from `start_m`, after the one before it that ended at `left_m`; the panels'
+// load, and where it found and left them.
+struct Contact {
+  const double *load_N, *load_before_N, *load_twice_before_N, *start_m, *end_m, *left_m;
+  const double *panel_load_N, *before_m, *after_m;
+};
+
+FLIPFLOW_CLONES
+void book_contact(Works &works, const Contact at, double least_m, size_t coordinates) {
+  double created_J = 0.0, through_J = 0.0;
+#pragma omp simd reduction(+ : created_J, through_J)
+  for (size_t i = 0; i < coordinates; ++i) {
+    const double moved_m = at.after_m[i] - at.before_m[i], jump_m = at.start_m[i] - at.left_m[i];
+    const double jumps_N = (2 * at.load_N[i] + 5 * at.load_before_N[i] - at.load_twice_before_N[i]) * (1.0 / 6.0);
+    created_J += at.panel_load_N[i] * moved_m - at.load_N[i] * (at.end_m[i] - at.start_m[i]) - jumps_N * jump_m;
+    through_J += std::abs(at.load_N[i]) * (std::abs(moved_m) + least_m);
+  }
+  works.created_J = created_J, works.through_J = through_J;
+}
+
 py::list contact_works(const py::list &intervals, size_t counted, const Doubles &before_m,
                        const Doubles &path_before_m, const Doubles &load_before_N,
                        const Doubles &load_twice_before_N, double slow_m_per_s) {
   const size_t points = before_m.shape(0);
   if (counted > points) throw py::value_error("counted: more than there are points");
-  const double *before = vectors(before_m, points, "before_m");
-  const double *left = vectors(path_before_m, points, "path_before_m");
-  const double *first = vectors(load_before_N, points, "load_before_N");
-  const double *second = vectors(load_twice_before_N, points, "load_twice_before_N");
+  Contact at;
+  at.before_m = vectors(before_m, points, "before_m");
+  at.left_m = vectors(path_before_m, points, "path_before_m");
+  at.load_before_N = vectors(load_before_N, points, "load_before_N");
+  at.load_twice_before_N = vectors(load_twice_before_N, points, "load_twice_before_N");
   std::vector<Doubles> held;
   py::list result;
   for (const py::handle interval : intervals) {
     const py::tuple particles = interval.attr("particles"), panel = interval.attr("panel");
     const double least_m = slow_m_per_s * interval.attr("length_s").cast<double>();
-    const double *load = read(held, particles[1], "force_N", points);
-    const double *start = read(held, particles[0].attr("start"), "position_m", points);
-    const double *end = read(held, particles[0].attr("end"), "position_m", points);
-    const double *panel_load = read(held, panel[1], "force_N", points);
-    const double *after = read(held, panel[2].attr("surface"), "position_m", points);
+    at.load_N = read(held, particles[1], "force_N", points);
+    at.start_m = read(held, particles[0].attr("start"), "position_m", points);
+    at.end_m = read(held, particles[0].attr("end"), "position_m", points);
+    at.panel_load_N = read(held, panel[1], "force_N", points);
+    at.after_m = read(held, panel[2].attr("surface"), "position_m", points);
     Works works;
-    book_exchanged(works, load, before, after, 3 * points);
-    double created_J = 0.0, through_J = 0.0;
-#pragma omp simd reduction(+ : created_J, through_J)
-    for (size_t i = 0; i < 3 * counted; ++i) {
-      const double moved_m = after[i] - before[i], jump_m = start[i] - left[i];
-      const double jumps_N = (2 * load[i] + 5 * first[i] - second[i]) / 6;
-      created_J += panel_load[i] * moved_m - load[i] * (end[i] - start[i]) - jumps_N * jump_m;
-      through_J += std::abs(load[i]) * (std::abs(moved_m) + least_m);
-    }
-    works.created_J = created_J, works.through_J = through_J;
+    book_exchanged(works, at.load_N, at.before_m, at.after_m, 3 * points);
+    book_contact(works, at, least_m, 3 * counted);
     result.append(works.as_tuple());
-    before = after, left = end, second = first, first = load;
+    at.before_m = at.after_m, at.left_m = at.end_m;
+    at.load_twice_before_N = at.load_before_N, at.load_before_N = at.load_N;
   }
   return result;
+}
+
+// The coordinates of an interval between panels and frames: the load on the frames, and where it found and
+// left them; the panels' reaction, and where their clamps were told to go, now and before.
+struct Clamping {
+  const double *frames_load_N, *before_m, *after_m, *reaction_N, *target_m, *target_before_m;
+};
+
+FLIPFLOW_CLONES
+void book_clamping(Works &works, const Clamping at, double least_m, size_t coordinates) {
+  double created_J = 0.0, through_J = 0.0;
+#pragma omp simd reduction(+ : created_J, through_J)
+  for (size_t i = 0; i < coordinates; ++i) {
+    const double moved_m = at.after_m[i] - at.before_m[i];
+    const double missed_more_m = (at.after_m[i] - at.target_m[i]) - (at.before_m[i] - at.target_before_m[i]);
+    created_J += (at.frames_load_N[i] - at.reaction_N[i]) * moved_m + at.reaction_N[i] * missed_more_m;
+    through_J += std::abs(at.reaction_N[i]) * (std::abs(moved_m) + least_m);
+  }
+  works.created_J = created_J, works.through_J = through_J;
 }
 
 py::list clamp_works(const py::list &intervals, size_t counted, const Doubles &before_m,
                      const Doubles &target_before_m, double slow_m_per_s) {
   const size_t points = before_m.shape(0);
   if (counted > points) throw py::value_error("counted: more than there are points");
-  const double *before = vectors(before_m, points, "before_m");
-  const double *target_before = vectors(target_before_m, points, "target_before_m");
+  Clamping at;
+  at.before_m = vectors(before_m, points, "before_m");
+  at.target_before_m = vectors(target_before_m, points, "target_before_m");
   std::vector<Doubles> held;
   py::list result;
   for (const py::handle interval : intervals) {
     const py::tuple frames = interval.attr("frames"), panel = interval.attr("panel");
     const double least_m = slow_m_per_s * interval.attr("length_s").cast<double>();
-    const double *frames_load = read(held, frames[0], "force_N", points);
-    const double *after = read(held, frames[1], "position_m", points);
-    const double *target = read(held, panel[0], "position_m", points);
-    const double *reaction = read(held, panel[2].attr("reaction"), "force_N", points);
+    at.frames_load_N = read(held, frames[0], "force_N", points);
+    at.after_m = read(held, frames[1], "position_m", points);
+    at.target_m = read(held, panel[0], "position_m", points);
+    at.reaction_N = read(held, panel[2].attr("reaction"), "force_N", points);
     Works works;
-    book_exchanged(works, reaction, before, after, 3 * points);
-    double created_J = 0.0, through_J = 0.0;
-#pragma omp simd reduction(+ : created_J, through_J)
-    for (size_t i = 0; i < 3 * counted; ++i) {
-      const double moved_m = after[i] - before[i];
-      const double missed_more_m = (after[i] - target[i]) - (before[i] - target_before[i]);
-      created_J += (frames_load[i] - reaction[i]) * moved_m + reaction[i] * missed_more_m;
-      through_J += std::abs(reaction[i]) * (std::abs(moved_m) + least_m);
-    }
-    works.created_J = created_J, works.through_J = through_J;
+    book_exchanged(works, at.reaction_N, at.before_m, at.after_m, 3 * points);
+    book_clamping(works, at, least_m, 3 * counted);
     result.append(works.as_tuple());
-    before = after, target_before = target;
+    at.before_m = at.after_m, at.target_before_m = at.target_m;
   }
   return result;
+}
+
+// Adds up the squares of `now`, and finds the largest size of its second difference to the values before.
+FLIPFLOW_CLONES
+void find_size_and_change(const double *now, const double *before, const double *twice_before, size_t numbers,
+                          double &squares, double &largest) {
+  double sum = 0.0, most = 0.0;
+#pragma omp simd reduction(+ : sum) reduction(max : most)
+  for (size_t i = 0; i < numbers; ++i) {
+    sum += now[i] * now[i];
+    most = std::max(most, std::abs((now[i] - before[i]) - (before[i] - twice_before[i])));
+  }
+  squares = sum, largest = most;
 }
 
 py::list sizes_and_changes(const std::vector<Doubles> &values) {
   py::list result;
   for (size_t k = 2; k < values.size(); ++k) {
     const size_t points = values[k].shape(0);
-    const double *second = vectors(values[k - 2], points, "values");
-    const double *first = vectors(values[k - 1], points, "values");
-    const double *now = vectors(values[k], points, "values");
-    double squares = 0.0, largest = 0.0;
-#pragma omp simd reduction(+ : squares) reduction(max : largest)
-    for (size_t i = 0; i < 3 * points; ++i) {
-      squares += now[i] * now[i];
-      largest = std::max(largest, std::abs((now[i] - first[i]) - (first[i] - second[i])));
-    }
+    double squares, largest;
+    find_size_and_change(vectors(values[k], points, "values"), vectors(values[k - 1], points, "values"),
+                         vectors(values[k - 2], points, "values"), 3 * points, squares, largest);
     result.append(py::make_tuple(squares, largest));
   }
   return result;
