@@ -62,6 +62,10 @@ class MonitorItem:
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
 
+    def has_own(self, call: str) -> bool:
+        """Return whether the item has its own version of a call of this class, so that it must be called."""
+        return getattr(type(self), call) is not getattr(MonitorItem, call)
+
     def add_intervals(self, intervals: list[InterfaceData]) -> None:
         """Add the data that crossed the interfaces in the intervals since the last call, in order.
 

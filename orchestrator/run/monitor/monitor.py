@@ -105,6 +105,9 @@ class Monitor:
             for name, kind in all_items().items()
             if (limit := item_limit(case.monitor, kind)) is not None
         }
+        every = self._items.values()
+        self._adding = [one for one in every if one.item.has_own("add_intervals")]
+        self._observing = [one for one in every if one.item.has_own("observe")]
         self._alarms: list[Alarm] = []
         self._pending: list[InterfaceData] = []
         self._judged, self._at_once = 0, False
@@ -192,13 +195,13 @@ class Monitor:
         if pending:
             for work in self._works.values():
                 work.add(pending)
-            for limited in self._items.values():
+            for limited in self._adding:
                 limited.item.add_intervals(pending)
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
         """Return the gravest reaction that is due, and its reason."""
         self._catch_up()
-        for limited in self._items.values():
+        for limited in self._observing:
             self._alarms += limited.judge(limited.item.observe(), time_s)
         alarms, self._alarms = self._alarms, []
         for alarm in alarms:
