@@ -141,7 +141,7 @@ class Layers:
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
         """Return ``overlay`` merged over ``below`` at ``key``, and change neither of them."""
         if not isinstance(overlay, Mapping):
-            self._give_whole(key, source)
+            self._give_whole(below, key, source)
             return overlay
         if isinstance(below, list):
             below = list(below)
@@ -150,9 +150,11 @@ class Layers:
                 below[number] = self._over(below[number], value, (*key, word), source)
             return below
         if not isinstance(below, Mapping):
-            self._give_whole(key, source)
+            self._give_whole(below, key, source)
             below = {}
         other_ways = {other for word in overlay for other in REPLACED_BY.get(word, ())} - overlay.keys()
+        for other in other_ways & below.keys():
+            self._forget((*key, other))
         merged = {word: value for word, value in below.items() if word not in other_ways}
         for word, value in overlay.items():
             merged[word] = self._over(below.get(word), value, (*key, word), source)
@@ -160,9 +162,18 @@ class Layers:
                 del merged[word]
         return merged
 
-    def _give_whole(self, key: tuple[str, ...], source: str) -> None:
-        """Note that ``source`` gives all that stands at a key, and forget what was known of it."""
-        self._source = {at: by for at, by in self._source.items() if at[: len(key)] != key} | {key: source}
+    def _give_whole(self, below: Any, key: tuple[str, ...], source: str) -> None:
+        """Note that ``source`` gives all that stands at a key, in place of ``below``, None if nothing stood
+        there."""
+        if below is not None:
+            self._forget(key)
+        self._source.pop(key, None)
+        self._source[key] = source
+        self._with_units.discard(key)
+
+    def _forget(self, key: tuple[str, ...]) -> None:
+        """Forget what was known of a key and of all below it."""
+        self._source = {at: by for at, by in self._source.items() if at[: len(key)] != key}
         self._with_units = {at for at in self._with_units if at[: len(key)] != key}
 
 
