@@ -50,6 +50,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
             machine.solvers_objections(whole),
             machine.inertia_tensors(whole),
             machine.frame_weights(whole),
+            bed.written_size(case),
             bed.feeds(case),
             bed.exits(whole),
             bed.crowded_boxes(case),

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import LONGEST, MOST, CaseError
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
 from tests.cases import CASE, LEVEL, case_folder, complaints, only_complaint
 
@@ -38,6 +39,19 @@ def test_what_is_no_case(tmp_path: Path, content: bytes, said: str) -> None:
     (tmp_path / "case.toml").write_bytes(content)
     assert said in refusal(tmp_path)
     assert len(refusal(tmp_path).splitlines()) == 2
+
+
+def test_a_case_too_large_with_its_defaults(tmp_path: Path) -> None:
+    """Results and resumed runs read the case from the run's folder, where defaults make it larger."""
+    balls = "".join(
+        f'[bed.particles.ball-{number}]\nmaterial = "coal"\nposition_m = [0, 0, {number}]\ndiameter_m = 0.1\n'
+        for number in range(9000)
+    )
+    assert len(balls) < 1_000_000
+    case_folder(tmp_path, CASE + balls)
+    (said,) = find_problems(load_judged(tmp_path))
+    assert "bytes with all defaults, and a file may have 1000000" in said.what
+    assert said.hint == "write many particles into a file of their own: bed.table"
 
 
 def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomli_w
 
 from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
 from orchestrator.case.bed.contact_times import smallest_diameters_m
@@ -25,7 +26,7 @@ from orchestrator.case.bed.size_distribution import (
 from orchestrator.case.bed.sources import batch_s, initial_particles, inlets, largest_diameter_m
 from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.file.layers import Layers
+from orchestrator.case.file.layers import LARGEST_BYTES, Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m, share
 from orchestrator.case.materials.library import no_grains
 from orchestrator.case.solver_plans import material_numbers
@@ -41,6 +42,14 @@ from orchestrator.preflight.scene.scene import scene
 STIFFEST_PA = 1e13  # beyond it units are wrong, which is said of the constants
 SOURCES, RATE = ("bed.blocks", "bed.feeds"), "rate_kg_per_s"
 LOWEST_FIRST = "give the lowest corner, then the highest"
+
+
+def written_size(case: Case) -> Iterator[CaseProblem]:
+    """Check that a run can read its own case again, which is written with all defaults."""
+    text = tomli_w.dumps(case.original.model_dump(mode="json", exclude_none=True))
+    if (size := len(text.encode())) > LARGEST_BYTES:
+        what = f"has {size} bytes with all defaults, and a file may have {LARGEST_BYTES}"
+        yield CaseProblem((), what, "write many particles into a file of their own: bed.table")
 
 
 def complete_materials(case: Case) -> Iterator[CaseProblem]:
