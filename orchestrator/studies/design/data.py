@@ -12,6 +12,7 @@ from scipy import stats
 from orchestrator.ports import Array
 from orchestrator.studies.design.quadratic import model_matrix, quadratic_terms
 from orchestrator.studies.design.scales import Scale
+from orchestrator.studies.design.surrogates import settings_of
 from orchestrator.studies.design.trials import Outcome
 
 UNLIKELY = 0.01  # replicates that scatter more than this probability allows are believed, not the intervals
@@ -63,7 +64,7 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
     Return variances, (n,), and the factor on standard deviations by which they were widened.
     """
     known = np.isfinite(y)
-    _, group = np.unique(x.round(9), axis=0, return_inverse=True)
+    group = settings_of(x)
     replicates = [
         members
         for number in range(group.max(initial=-1) + 1)

@@ -30,7 +30,7 @@ DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optim
 
 @dataclass(frozen=True)
 class Judged:
-    """A surrogate and how well it predicts each response that it has not seen (leave-one-out).
+    """A surrogate and how well it predicts each response of settings that it has not seen (leave-one-out).
 
     ``explained`` is Q2, the share of the variance; ``coverage`` the share of runs within the 95 % interval;
     ``members``, (members, m), is what each member explains, if the surrogate has members.
@@ -119,7 +119,7 @@ class Findings:
 
     @cached_property
     def fitted(self) -> Fitted | None:
-        """The study's own surrogate with intervals that hold for points left out; None with too few runs."""
+        """The study's own surrogate with intervals that hold for new settings; None with too few runs."""
         own = self.surrogates[0].fitted
         return None if own is None else calibrated(own, self.data.y, self.data.variance)
 

@@ -17,7 +17,7 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.surrogates import TooFewPoints
+from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
 
 LENGTHS = (0.4, 20.0)  # of the coded range of 2: shorter ones cannot be told from noise by so few points
 TREND = 100.0  # prior variance of the plane, in variances of the data: vague
@@ -30,7 +30,7 @@ class GaussianProcess:
     def fit(self, x: Array, y: Array, variance: Array, seed: int) -> FittedProcess:
         """Fit by maximum likelihood of the lengths and the variance.
 
-        Raises TooFewPoints where a response is known at fewer points than its plane has terms.
+        Raises TooFewPoints where a response is known at fewer settings than its plane has terms.
         """
         processes = [_fit_one(x, y[:, i], variance[:, i], seed) for i in range(y.shape[1])]
         return FittedProcess(processes, len(x))
@@ -38,8 +38,8 @@ class GaussianProcess:
 
 def _fit_one(x: Array, y: Array, variance: Array, seed: int) -> _Process:
     known = np.isfinite(y)
-    if known.sum() < x.shape[1] + 2:
-        raise TooFewPoints(f"{known.sum()} points for a plane of {x.shape[1] + 1} terms and its process")
+    if (count := len(np.unique(settings_of(x[known])))) < x.shape[1] + 2:
+        raise TooFewPoints(f"{count} points for a plane of {x.shape[1] + 1} terms and its process")
     mean, scale = float(y[known].mean()), float(y[known].std()) or 1.0
     kernel = ConstantKernel(0.3, (1e-4, 1e2)) * Matern([2.0] * x.shape[1], LENGTHS, nu=2.5)
     trend = ConstantKernel(TREND, "fixed") * DotProduct(1.0, "fixed")
@@ -75,16 +75,17 @@ class _Process:
 
     @cached_property
     def left_out(self) -> tuple[Array, Array]:
-        """Predictions of each point by a process fitted anew to all others: with lengths kept from all data
-        they would look better than they are."""
+        """Predictions of each point by a process fitted anew to all other settings: with lengths kept from
+        all data they would look better than they are."""
         x, y = self.process.X_train_, self.process.y_train_
         mean, deviation = np.empty((2, len(y)))
-        for i in range(len(y)):
-            others = np.arange(len(y)) != i
+        settings = settings_of(x)
+        for number in np.unique(settings):
+            mine, others = settings == number, settings != number
             process = _maximise_likelihood(
                 self.process.kernel_, x[others], y[others], self.noise[others], 0, 0
             )
-            mean[[i]], deviation[[i]] = process.predict(x[[i]], return_std=True)
+            mean[mine], deviation[mine] = process.predict(x[mine], return_std=True)
         return self.mean + self.scale * mean, self.scale * deviation
 
 
@@ -101,7 +102,7 @@ class FittedProcess:
         return np.array([mean for mean, _ in predicted]), np.array([cov for _, cov in predicted])
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each response, (n, m), from the others, with the lengths fitted to these."""
+        """Predict each response, (n, m), from other settings, with the lengths fitted to these."""
         mean, deviation = np.full((2, self.points, len(self.processes)), np.nan)
         for i, process in enumerate(self.processes):
             mean[process.known, i], deviation[process.known, i] = process.left_out

@@ -46,7 +46,8 @@ SHOWN = (
     (
         "parity",
         "Predicted and measured",
-        "Each run was predicted from all others. Points on the line are right; bars are 95 % intervals.",
+        "Each run was predicted from all other settings. Points on the line are right; bars are 95 % "
+        "intervals.",
     ),
     ("progress", "Progress", "The line is the best run so far that keeps all limits."),
 )
@@ -171,7 +172,7 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
     for row, column in zip(*np.nonzero(residual > OUTLIER), strict=True):
         yield (
             f"Run {findings.data.numbers[row]} stands out: its {findings.responses[column]} is "
-            f"{residual[row, column]:.1f} standard deviations from what all other runs predict. It is kept."
+            f"{residual[row, column]:.1f} standard deviations from what other settings predict. It is kept."
         )
 
 
