@@ -367,7 +367,7 @@ def test_a_limit_that_is_kept_nowhere_is_named_with_the_nearest_run(tmp_path: Pa
 
 
 def test_several_values_of_a_limit_give_several_best_settings(tmp_path: Path) -> None:
-    study = belt(tmp_path, limits=["share >= 50, 60, 70"])
+    study = belt(tmp_path, limits=["share >= 50, 60, 70"], confidence=0.99)
     whole = run_all(study, tmp_path)
     best = Findings(whole).best
     assert list(best) == ["share >= 50", "share >= 60", "share >= 70"]

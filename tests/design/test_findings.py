@@ -59,10 +59,13 @@ def test_a_best_setting_that_is_slower_than_predicted_is_not_confirmed(whole: Ca
     assert "NOT as predicted: speed was measured as 1.2" in next(answers(findings))
 
 
-def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(whole: Campaign) -> None:
-    findings = with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(58.0, 0.5)})
+@pytest.mark.parametrize("confidence", [0.5, 0.9, 0.99])
+def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(confidence: float, tmp_path: Path) -> None:
+    """However surely the limit was to be kept."""
+    whole = run_all(belt(tmp_path, confidence=confidence), tmp_path)
+    findings = with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(59.8, 0.5)})
     assert not findings.is_confirmed()
-    assert "share was measured as 58.0" in best_of(findings).why_not
+    assert "share was measured as 59.8" in best_of(findings).why_not
     assert "beyond its limit" in best_of(findings).why_not
 
 

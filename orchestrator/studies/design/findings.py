@@ -218,9 +218,8 @@ class Findings:
         why += [f"{self.responses[i]} was not predicted" for i in judged if not np.isfinite(expected[i, 0])]
         if aim is not None:
             why += [f"{self.responses[i]} was not measured" for i in judged if not np.isfinite(mean[i])]
-            z = float(stats.norm.ppf(aim.confidence))
             for limit in aim.limits:
-                if limit.sign * (mean[limit.response] - limit.value) < -z * error[limit.response]:
+                if limit.sign * (mean[limit.response] - limit.value) < 0.0:
                     name = self.responses[limit.response]
                     why.append(f"{name} was measured as {measured[name]}, beyond its limit")
         return Confirmed(role, setting, len(mine), predicted, measured, "; ".join(why))
