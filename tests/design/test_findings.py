@@ -11,9 +11,9 @@ import pytest
 
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
-from orchestrator.studies.design.page import answers, borders, noise_in_words, rivals
+from orchestrator.studies.design.page import answers, borders, doubts, noise_in_words, rivals
 from orchestrator.studies.design.trials import Measured, Outcome, Prediction
-from tests.design.campaigns import belt, run_all
+from tests.design.campaigns import belt, belt_truth, run_all
 
 
 def with_confirming_runs(
@@ -136,6 +136,33 @@ def test_a_prediction_of_an_earlier_version_which_tells_no_scale_is_left_out(who
         told = {name: each[:2] for name, each in trial.predicted.items()}
         whole.journal.write(replace(trial, predicted=told))  # type: ignore[arg-type]
     assert not any(trial.predicted for trial in whole.read_trials())
+
+
+def test_of_two_goals_the_answer_is_the_best_in_the_first_alone_and_says_so(tmp_path: Path) -> None:
+    goals = {"goals": ["maximise speed", "minimise share"], "limits": []}
+    said = next(answers(Findings(run_all(belt(tmp_path, **goals), tmp_path))))
+    assert said.startswith("For the largest speed alone (front.csv trades it for the smallest share) take")
+
+
+def test_the_front_has_no_setting_twice_and_none_beyond_another_limit(tmp_path: Path) -> None:
+    """Slow decks are at a corner of the space, which the search for the front meets often."""
+    goals = {"goals": ["maximise speed", "maximise share"], "limits": ["pace <= 1.5"]}
+    study = belt(tmp_path, **goals, **{"responses/pace": {"result": "results.speed"}})
+
+    def truth(x: Mapping[str, float]) -> dict[str, float]:
+        return {**belt_truth(x), "pace": belt_truth(x)["speed"]}
+
+    findings = Findings(run_all(study, tmp_path, truth=truth))
+    assert len(np.unique(findings.front, axis=0)) == len(findings.front) > 30
+    assert findings.beside.limits == study.aim.limits
+    assert max(belt_truth(study.actual(x))["speed"] for x in findings.front) < 1.55
+
+
+def test_data_outside_the_ranges_are_told(whole: Campaign) -> None:
+    assert not list(doubts(Findings(whole)))
+    trial = replace(whole.outcomes[4].trial, setting=(24.0, 0.5))  # 260 deg in place of 26
+    whole.outcomes[4] = replace(whole.outcomes[4], trial=trial)
+    assert "(0005), farthest 0005 with slope = 260." in next(doubts(Findings(whole)))
 
 
 @pytest.mark.parametrize(("limit", "binds"), [(60, True), (10, False)])

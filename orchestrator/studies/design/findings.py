@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -259,6 +259,12 @@ class Findings:
         return first, second, first_sign, second_sign
 
     @cached_property
+    def beside(self) -> Aim:
+        """The first aim without the limits that the trade-off shows: those of its second response."""
+        aim, shown = self.campaign.study.aim, self.trade_off[1] if self.trade_off else None
+        return replace(aim, limits=tuple(limit for limit in aim.limits if limit.response != shown))
+
+    @cached_property
     def random_settings(self) -> Array:
         """A thousand random settings, coded, (1000, factors)."""
         return self.campaign.study.space.sample(DRAWN_AT_RANDOM, self.campaign.study.file.seed)
@@ -271,21 +277,14 @@ class Findings:
         first, second, *signs = self.trade_off
         rng = np.random.default_rng([self.campaign.study.file.seed, 3])
         space, x = self.campaign.study.space, self.random_settings
-        others = _without(self.campaign.study.aim, second)
         for _ in range(3):
             x = np.vstack([x, space.candidates(x[-DRAWN_AT_RANDOM:], DRAWN_AT_RANDOM // 3, rng)])
             mean, _ = predict_each(self.fitted, x)
             gains = np.array(signs)[:, None] * mean[[first, second]]
-            x = x[nondominated(gains, others.kept(mean))]
+            x = np.unique(x[nondominated(gains, self.beside.kept(mean))], axis=0)  # a corner is met often
         mean, _ = predict_each(self.fitted, x)
         order = np.argsort(mean[first])
         chosen = (
             order[np.unique(np.linspace(0, len(order) - 1, ON_THE_FRONT).astype(int))] if len(x) else order
         )
         return x[chosen]
-
-
-def _without(aim: Aim, response: int) -> Aim:
-    """Return an aim without the limits of one response."""
-    limits = tuple(limit for limit in aim.limits if limit.response != response)
-    return Aim(aim.goals, limits, aim.confidence)

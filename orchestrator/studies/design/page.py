@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, Campaign, role_of
+from orchestrator.studies.design.campaign import BEST, CENTRE, SAME, SIMPLER, Campaign, role_of
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
@@ -25,7 +25,7 @@ SHOWN = (
         "trade_off",
         "Trade-off",
         "The line is what the surrogate expects at best, with its 95 % band. Small dots are random "
-        "settings, as predicted; points with bars are runs.",
+        "settings, as predicted; points with bars are runs, open ones beyond another limit.",
     ),
     (
         "effects",
@@ -54,19 +54,25 @@ SHOWN = (
 
 
 def answers(findings: Findings) -> Iterator[str]:
-    """Yield the answer for each aim in one sentence: the best setting, measured where it was run again."""
+    """Yield the answer for each aim in one sentence: the best setting, measured where it was run again.
+
+    With two goals the setting is the best in the first alone, which is said.
+    """
     study = findings.campaign.study
     confirmed = {each.role: each for each in findings.confirmed}
     for name, aim in study.aims.items():
-        goals = " and ".join(
+        goals = [
             f"{'largest' if goal.sign > 0 else 'smallest'} {findings.responses[goal.response]}"
             for goal in aim.goals
-        )
+        ]
         limits = name or ", ".join(study.file.limits)
-        asked = f"For the {goals}{f' at {limits}' if limits else ''}"
+        at_limits = f" at {limits}" if limits else ""
+        asked = f"For the {' and '.join(goals)}{at_limits}"
         if name in findings.why_no_optimum:
             yield f"{asked} the data support no optimum: {findings.why_no_optimum[name]}."
         elif name in findings.best:
+            if len(goals) > 1:
+                asked = f"For the {goals[0]}{at_limits} alone (front.csv trades it for the {goals[1]})"
             setting = setting_in_words(findings, findings.best[name])
             each = confirmed.get(role_of(BEST, name))
             if each is None:
@@ -83,13 +89,24 @@ def answers(findings: Findings) -> Iterator[str]:
 
 
 def doubts(findings: Findings) -> Iterator[str]:
-    """Yield how many planned runs are not made, and how many of the data did not become steady."""
+    """Yield how many planned runs are not made, which data lie outside the ranges, and how many of them did
+    not become steady."""
     campaign = findings.campaign
     if campaign.study.file.case and (left := campaign.planned_left):
         made = "flipflow study design makes them"
         if campaign.study.file.hours is not None:
             made += f" as far as they fit into {hours_in_words(campaign)}; all need more hours"
         yield f"{left} of {campaign.planned} planned runs {'is' if left == 1 else 'are'} not made: {made}."
+    x, numbers = findings.data.x, [f"{number:04d}" for number in findings.data.numbers]
+    if outside := np.flatnonzero((np.abs(x) > 1.0 + SAME).any(axis=1)).tolist():
+        row, factor = divmod(int(np.abs(x).argmax()), x.shape[1])
+        name, value = list(campaign.study.actual(x[row]).items())[factor]
+        yield (
+            f"{len(outside)} of the {len(x)} data lie outside the ranges "
+            f"({', '.join(numbers[each] for each in outside)}), farthest {numbers[row]} with {name} = "
+            f"{value:.4g}. Surrogates are fitted to them, too, and what is far outside weighs most: is it "
+            "mistyped?"
+        )
     data = [each for each in campaign.outcomes if each.is_data]
     if unsteady := sorted(each.trial.name for each in data if each.not_steady):
         yield (

@@ -63,19 +63,26 @@ def _own(findings: Findings, response: int, fitted: Array) -> Array:
 
 
 def _trade_off(findings: Findings) -> Any:
-    """Draw the front with its 95 % band, random settings, all runs, and the settings that were run again."""
+    """Draw the front with its 95 % band, random settings, all runs, and the settings that were run again.
+
+    Random settings that are expected to break a limit beside the trade-off are left out, and runs that do are
+    open marks: they may lie beyond the front.
+    """
     if findings.trade_off is None or findings.fitted is None:
         return None
     first, second, *_ = findings.trade_off
     drawn, ((axis,),) = figure(width=8.4, height=5.2)
     mean, _ = predict_each(findings.fitted, findings.random_settings)
+    mean = mean[:, findings.beside.kept(mean)]
     places = (_own(findings, response, mean[response]) for response in (second, first))
-    axis.plot(
-        *places, ".", ms=2, color=GREY, label=f"{len(findings.random_settings)} random settings, predicted"
-    )
+    axis.plot(*places, ".", ms=2, color=GREY, label=f"{mean.shape[1]} random settings, predicted")
     widths = NORMAL_95 * np.sqrt(findings.data.variance)
     (x, dx), (y, dy) = (_with_bars(findings, r, findings.data.y[:, r], widths[:, r]) for r in (second, first))
-    axis.errorbar(x, y, dy, dx, "o", ms=3, lw=0.6, color=BLUE, label="runs")
+    kept = findings.beside.kept(findings.data.y.T)
+    for mine, fill, which in ((kept, BLUE, "runs"), (~kept, "white", "runs beyond another limit")):
+        if mine.any():
+            bars = dy[:, mine], dx[:, mine]
+            axis.errorbar(x[mine], y[mine], *bars, "o", ms=3, mfc=fill, lw=0.6, color=BLUE, label=which)
     if len(findings.front):
         mean, deviation = predict_each(findings.fitted, findings.front)
         along = _own(findings, second, mean[second])
