@@ -208,6 +208,16 @@ def test_noise_that_was_widened_is_told(whole: Campaign) -> None:
     assert any("times as much as the runs' own intervals say" in line for line in noise_in_words(findings))
 
 
+@pytest.mark.parametrize(("centres", "said"), [(1, 1), (2, 0)])
+def test_noise_of_which_nothing_tells_is_said_to_be_taken_from_a_surface(
+    centres: int, said: int, tmp_path: Path
+) -> None:
+    study = belt(tmp_path, **{"plan/centres": centres, "plan/runs": 12, "search/runs": 0, "goals": []})
+    findings = Findings(run_all(study, tmp_path, told={"speed": None}))
+    assert sum("Nothing tells of the noise" in line for line in noise_in_words(findings)) == said
+    assert all("Nothing tells of the noise of speed" in line for line in [*noise_in_words(findings)][:said])
+
+
 def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
     study = belt(tmp_path, **{"plan/runs": 12, "search/surrogate": "gaussian-process", "search/runs": 0})
     whole = run_all(study, tmp_path)

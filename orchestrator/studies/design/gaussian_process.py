@@ -14,13 +14,14 @@ import numpy as np
 import numpy.typing as npt
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern
+from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern, WhiteKernel
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
 
 LENGTHS = (0.4, 20.0)  # of the coded range of 2: shorter ones cannot be told from noise by so few points
 TREND = 100.0  # prior variance of the plane, in variances of the data: vague
+LEAST_NOISE = 1e-3  # of the data's variance, where nothing but the data tells of the noise
 STARTS = 2  # restarts of the likelihood's maximisation beside the first
 
 
@@ -41,15 +42,31 @@ def _fit_one(x: Array, y: Array, variance: Array, seed: int) -> _Process:
     if (count := len(np.unique(settings_of(x[known])))) < x.shape[1] + 2:
         raise TooFewPoints(f"{count} points for a plane of {x.shape[1] + 1} terms and its process")
     mean, scale = float(y[known].mean()), float(y[known].std()) or 1.0
-    kernel = ConstantKernel(0.3, (1e-4, 1e2)) * Matern([2.0] * x.shape[1], LENGTHS, nu=2.5)
-    trend = ConstantKernel(TREND, "fixed") * DotProduct(1.0, "fixed")
     noise = np.maximum(variance[known] / scale**2, 1e-8)
-    process = _maximise_likelihood(kernel + trend, x[known], (y[known] - mean) / scale, noise, STARTS, seed)
+    kernel = _plane_and_process(x.shape[1])
+    process = _maximise_likelihood(kernel, x[known], (y[known] - mean) / scale, noise, STARTS, seed)
     return _Process(process, noise, known, mean, scale)
 
 
+def _plane_and_process(factors: int) -> Kernel:
+    """Return the covariance of a response of variance one."""
+    process = ConstantKernel(0.3, (1e-4, 1e2)) * Matern([2.0] * factors, LENGTHS, nu=2.5)
+    return process + ConstantKernel(TREND, "fixed") * DotProduct(1.0, "fixed")
+
+
+def likely_noise(x: Array, y: Array) -> float:
+    """Return the variance of the noise that makes a response, (n,), at settings, (n, f), most likely, where
+    nothing else tells of it: at least a thousandth of the data's variance."""
+    scale = float(y.std()) if len(y) else 0.0
+    if len(y) < x.shape[1] + 2 or scale == 0.0:
+        return LEAST_NOISE * scale**2
+    kernel = _plane_and_process(x.shape[1]) + WhiteKernel(0.1, (LEAST_NOISE, 1.0))
+    process = _maximise_likelihood(kernel, x, (y - y.mean()) / scale, 1e-8, STARTS, 0)
+    return float(process.kernel_.k2.noise_level) * scale**2
+
+
 def _maximise_likelihood(
-    kernel: Kernel, x: Array, y: Array, noise: Array, restarts: int, seed: int
+    kernel: Kernel, x: Array, y: Array, noise: Array | float, restarts: int, seed: int
 ) -> GaussianProcessRegressor:
     """Fit a process whose lengths and variance make the data most likely, starting from those of
     ``kernel``."""

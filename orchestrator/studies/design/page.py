@@ -12,6 +12,7 @@ from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SAME, SIMPLER, Campaign, role_of
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
+from orchestrator.studies.design.surrogates import settings_of
 from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
 from orchestrator.studies.report import align_rows, write_page
 
@@ -182,6 +183,17 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
                 f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own intervals "
                 "say; all intervals are widened by this factor."
             )
+    data = findings.data
+    outcomes = [each for each in findings.campaign.outcomes if each.is_data]
+    if len(np.unique(settings_of(data.x))) == len(data.x):
+        for i, name in enumerate(findings.responses):
+            if all(name not in each.responses or each.responses[name].deviation is None for each in outcomes):
+                share = np.sqrt(np.nanmean(data.variance[:, i])) / (np.nanstd(data.y[:, i]) or 1.0)
+                yield (
+                    f"Nothing tells of the noise of {name}: no run has an interval, and no setting was run "
+                    f"twice. It is taken as what no smooth surface explains, {100 * share:.2g} % of the "
+                    "spread of the runs. Repeated runs tell it."
+                )
     if findings.fitted is None:
         return
     mean, deviation = findings.fitted.left_out()
