@@ -12,6 +12,7 @@ import pytest
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.page import answers, borders, doubts, noise_in_words, rivals
+from orchestrator.studies.design.pictures import main_effects, strongest_pair
 from orchestrator.studies.design.trials import Measured, Outcome, Prediction
 from tests.design.campaigns import belt, belt_truth, run_all
 
@@ -163,6 +164,25 @@ def test_data_outside_the_ranges_are_told(whole: Campaign) -> None:
     trial = replace(whole.outcomes[4].trial, setting=(24.0, 0.5))  # 260 deg in place of 26
     whole.outcomes[4] = replace(whole.outcomes[4], trial=trial)
     assert "(0005), farthest 0005 with slope = 260." in next(doubts(Findings(whole)))
+
+
+def test_an_ordered_factor_does_not_show_the_effects_of_its_chain(tmp_path: Path) -> None:
+    """The speed depends on the first slope alone: 0.1 m/s for each degree of it."""
+    names = ("b1", "b2", "b3")
+    study = belt(
+        tmp_path,
+        factors={name: {"range": [10.0, 40.0]} for name in names},
+        set={f"screen.{name}": name for name in names},
+        ordered=[list(names)],
+        limits=[],
+        responses={"speed": {"result": "results.speed"}},
+        **{"plan/runs": 24, "search/runs": 0},
+    )
+    findings = Findings(run_all(study, tmp_path, truth=lambda x: {"speed": 0.1 * x["b1"]}))
+    for factor, slope in enumerate((0.1, 0.0, 0.0)):
+        place, mean, _ = main_effects(findings, factor)
+        assert np.diff(mean[:, 0]) / np.diff(place) == pytest.approx(np.full(11, slope), abs=0.01)
+    assert strongest_pair(findings)[0] == 0  # type: ignore[index]
 
 
 @pytest.mark.parametrize(("limit", "binds"), [(60, True), (10, False)])

@@ -115,10 +115,12 @@ def _with_bars(findings: Findings, response: int, y: Array, width: Array) -> tup
 
 
 def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
-    """Average predictions over random settings in bins of a factor.
+    """Add up what a factor's steps from bin to bin change, on the average of the random settings in a bin.
 
-    Return the bins' middles, (b,), in the factor's unit; means and mean 95 % half widths, (b, m), on the
-    surrogates' scales.  Averages over settings of the space also hold where factors are ordered.
+    Return the bins' middles, (b,), in the factor's unit; averages and mean 95 % half widths, (b, m), on the
+    surrogates' scales.  Mere averages in bins would show the effects of other factors where these are ordered
+    and move together.  Source: D. W. Apley, J. Zhu, J. R. Stat. Soc. B 82 (2020) 1059,
+    doi:10.1111/rssb.12377.
     """
     assert findings.fitted is not None
     x = findings.random_settings
@@ -126,10 +128,15 @@ def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
     edges = np.quantile(x[:, factor], np.linspace(0, 1, BINS + 1))
     numbers = np.clip(np.searchsorted(edges, x[:, factor], side="right") - 1, 0, BINS - 1)
     bins = [numbers == number for number in range(BINS)]
-    middles = np.array([findings.campaign.study.space.actual(x[b].mean(axis=0))[factor] for b in bins])
-    means = np.array([mean[:, b].mean(axis=1) for b in bins])
+    low, high = x.copy(), x.copy()
+    low[:, factor], high[:, factor] = edges[numbers], edges[numbers + 1]
+    change = predict_each(findings.fitted, high)[0] - predict_each(findings.fitted, low)[0]
+    steps = np.array([change[:, b].mean(axis=1) for b in bins])
+    curve = np.cumsum(steps, axis=0) - steps / 2.0
+    space, middles = findings.campaign.study.space, (edges[:-1] + edges[1:]) / 2.0
+    in_units = 0.5 * (space.low[factor] * (1.0 - middles) + space.high[factor] * (1.0 + middles))
     widths = np.array([NORMAL_95 * deviation[:, b].mean(axis=1) for b in bins])
-    return middles, means, widths
+    return in_units, curve - curve.mean(axis=0) + mean.mean(axis=1), widths
 
 
 def _effects(findings: Findings) -> Any:
