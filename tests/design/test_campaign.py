@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.run_folder import FolderUnusable
-from orchestrator.studies.design.campaign import NEAR_A_FAILURE, Campaign, planned_settings
+from orchestrator.studies.design.campaign import NEAR_A_FAILURE, Campaign, explained, planned_settings
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers, doubts
 from orchestrator.studies.design.study import DesignStudy
@@ -364,6 +364,12 @@ def test_a_limit_that_is_kept_nowhere_is_named_with_the_nearest_run(tmp_path: Pa
     assert "no setting is expected to keep all limits" in said
     data = whole.data()
     assert f"{data.y[:, 1].max():.4g}" in said
+
+
+def test_nothing_is_explained_of_a_response_that_is_constant_but_for_rounding() -> None:
+    y = np.full(20, 0.1 + 0.2)
+    assert y.mean() != y[0]
+    assert explained(y, y + 2e-16) == 0.0
 
 
 def test_several_values_of_a_limit_give_several_best_settings(tmp_path: Path) -> None:

@@ -238,6 +238,15 @@ def test_noise_of_which_nothing_tells_is_said_to_be_taken_from_a_surface(
     assert all("Nothing tells of the noise of speed" in line for line in [*noise_in_words(findings)][:said])
 
 
+def test_equal_runs_of_one_setting_are_said_to_tell_nothing_of_the_noise(tmp_path: Path) -> None:
+    study = belt(tmp_path, **{"plan/runs": 8, "search/runs": 0, "goals": []})
+    exact: dict[str, float] = {}
+    for noise, said in (({"speed": 0.01, "share": 0.5}, False), (exact, True)):
+        whole = run_all(study, tmp_path, noise=noise, told={"speed": None, "share": None})
+        lines = list(noise_in_words(Findings(whole)))
+        assert any(line.startswith("All runs of one setting have one speed") for line in lines) is said
+
+
 def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
     study = belt(tmp_path, **{"plan/runs": 12, "search/surrogate": "gaussian-process", "search/runs": 0})
     whole = run_all(study, tmp_path)

@@ -204,6 +204,12 @@ def test_leaving_a_point_out_is_fitting_without_it(response: str) -> None:
         assert deviation[i] == pytest.approx(np.sqrt(scale * covariance[0, 0]), rel=1e-9)
 
 
+def test_where_one_degree_of_freedom_is_left_residuals_have_no_error_of_their_own() -> None:
+    x = np.random.default_rng(9).uniform(-1, 1, (7, 2))
+    fitted = Surface.fit(x, np.exp(x[:, 0]), quadratic_terms(2))
+    assert np.isnan(fitted.studentised_residuals()).all()
+
+
 def test_all_runs_of_a_setting_are_left_out_together() -> None:
     rng, terms = np.random.default_rng(8), quadratic_terms(2)
     x = np.repeat(rng.uniform(-1, 1, (9, 2)), [1, 1, 1, 1, 1, 1, 1, 2, 4], axis=0)

@@ -449,7 +449,8 @@ def role_of(kind: str, aim: str) -> str:
 def explained(y: Array, left_out: Array) -> float:
     """Compute the share of a response's variance, (n,), that its leave-one-out predictions explain (Q2)."""
     known = np.isfinite(y) & np.isfinite(left_out)
-    total = ((y[known] - y[known].mean()) ** 2).sum() if known.any() else 0.0
+    varies = known.any() and np.ptp(y[known]) > 0.0  # the mean of equal numbers may differ by rounding
+    total = ((y[known] - y[known].mean()) ** 2).sum() if varies else 0.0
     return float(1.0 - ((y[known] - left_out[known]) ** 2).sum() / total) if total > 0 else 0.0
 
 

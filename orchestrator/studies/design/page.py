@@ -183,17 +183,7 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
                 f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own intervals "
                 "say; all intervals are widened by this factor."
             )
-    data = findings.data
-    outcomes = [each for each in findings.campaign.outcomes if each.is_data]
-    if len(np.unique(settings_of(data.x))) == len(data.x):
-        for i, name in enumerate(findings.responses):
-            if all(name not in each.responses or each.responses[name].deviation is None for each in outcomes):
-                share = np.sqrt(np.nanmean(data.variance[:, i])) / (np.nanstd(data.y[:, i]) or 1.0)
-                yield (
-                    f"Nothing tells of the noise of {name}: no run has an interval, and no setting was run "
-                    f"twice. It is taken as what no smooth surface explains, {100 * share:.2g} % of the "
-                    "spread of the runs. Repeated runs tell it."
-                )
+    yield from _untold_noise(findings)
     if findings.fitted is None:
         return
     mean, deviation = findings.fitted.left_out()
@@ -203,6 +193,31 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
             f"Run {findings.data.numbers[row]} stands out: its {findings.responses[column]} is "
             f"{residual[row, column]:.1f} standard deviations from what other settings predict. It is kept."
         )
+
+
+def _untold_noise(findings: Findings) -> Iterator[str]:
+    """Yield for which responses neither intervals nor repeated settings tell the noise."""
+    data = findings.data
+    measured = [each.responses for each in findings.campaign.outcomes if each.is_data]
+    told = {name for each in measured for name, one in each.items() if one.deviation is not None}
+    for i, name in enumerate(findings.responses):
+        known = np.isfinite(data.y[:, i])
+        y, settings = data.y[known, i], settings_of(data.x[known])
+        if name in told or not known.any():
+            continue
+        if len(np.unique(settings)) == len(y):
+            share = float(np.sqrt(data.variance[known, i].mean()) / (y.std() or 1.0))
+            yield (
+                f"Nothing tells of the noise of {name}: no run has an interval, no setting was run twice. It "
+                f"is taken as what no smooth surface explains, {100 * share:.2g} % of the spread of the "
+                "runs. Repeated runs tell it."
+            )
+        elif all(np.ptp(y[settings == number]) == 0.0 for number in settings):
+            yield (
+                f"All runs of one setting have one {name}: they are copies, or of a case without random "
+                "numbers. They tell nothing of the noise, but count as runs of their own in the quadratic "
+                "surface, whose standard errors and p are too small."
+            )
 
 
 def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:

@@ -154,9 +154,12 @@ class Surface:
         return bool(np.ptp(self.y) == 0.0)
 
     def studentised_residuals(self) -> Array:
-        """Compute the residual of each point over its error, both estimated without the point."""
+        """Compute the residual of each point over its error, both estimated without the point; not a number
+        where no degree of freedom is left for the error."""
         if self.is_constant:
             return np.zeros(len(self.y))
+        if self.fitted.df_resid < 2:
+            return np.full(len(self.y), np.nan)
         return np.asarray(self.fitted.get_influence().resid_studentized_external)
 
     def quality(self) -> dict[str, float]:
