@@ -185,6 +185,16 @@ def test_an_ordered_factor_does_not_show_the_effects_of_its_chain(tmp_path: Path
     assert strongest_pair(findings)[0] == 0  # type: ignore[index]
 
 
+@pytest.mark.parametrize(("limit", "said"), [(60.0, False), (94.3, True)])
+def test_a_best_setting_that_is_less_sure_than_was_asked_for_is_told(
+    limit: float, said: bool, tmp_path: Path
+) -> None:
+    """The share is 94 % at best, and the runs make it some tenths more."""
+    study = belt(tmp_path, limits=[f"share >= {limit}"], confidence=0.999)
+    lines = list(borders(Findings(run_all(study, tmp_path))))
+    assert any("as surely as was asked for (99.9 %)" in line for line in lines) is said
+
+
 @pytest.mark.parametrize(("limit", "binds"), [(60, True), (10, False)])
 def test_the_ends_of_ranges_and_limits_that_do_not_bind_are_told(
     limit: int, binds: bool, tmp_path: Path

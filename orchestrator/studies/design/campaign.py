@@ -332,7 +332,7 @@ class Campaign:
         settings = self.candidates()
         if not settings:
             return
-        fitted = self._fit_before_confirming()
+        fitted = self.fit_before_confirming()
         made = {role: sum(is_of(trial, role, settings) for trial in self._trials) for role in settings}
         for repeat, role in itertools.product(range(REPEATS[1]), settings):
             if repeat < made[role]:
@@ -354,7 +354,7 @@ class Campaign:
         for number, (name, aim) in enumerate(self.study.aims.items()):
             if not aim.goals or self.why_no_optimum(aim):
                 continue
-            data, fitted = self.data(confirmed=False), self._fit_before_confirming()
+            data, fitted = self.data(confirmed=False), self.fit_before_confirming()
             possible = self._space_without_failures(self.study.space)
             for optimiser in (own, ExpectedImprovement()):
                 rng = np.random.default_rng([self.study.file.seed, CONFIRMING, number])
@@ -370,7 +370,7 @@ class Campaign:
             chosen[CENTRE] = self._centre
         return chosen
 
-    def _fit_before_confirming(self) -> Fitted:
+    def fit_before_confirming(self) -> Fitted:
         """Fit the runs before the confirming ones, with deviations that agree with leave-one-out errors."""
         data = self.data(confirmed=False)
         return calibrated(self.fit(confirmed=False), data.y, data.variance)

@@ -17,6 +17,7 @@ from orchestrator.studies.design.tables import effect_rows, point_rows, publishe
 from orchestrator.studies.report import align_rows, write_page
 
 AT_THE_END = 0.95  # coded: from there on a setting is at the end of a range
+SURE = 0.005  # by which the probability that the limits are kept may miss the confidence: by the search
 WIDENED = 1.05  # factor on the noise from which on it is mentioned
 ROUNDING = 1.1  # ratio of implied standard errors that printed digits explain
 NEARLY_FITTED = 0.01  # of R2, below that of the best coefficients
@@ -125,10 +126,19 @@ def hours_in_words(campaign: Campaign) -> str:
 
 
 def borders(findings: Findings) -> Iterator[str]:
-    """Yield which best settings lie at the ends of ranges, and which limits rule nothing out."""
+    """Yield which best settings are less sure than was asked for, which lie at the ends of ranges, and which
+    limits rule nothing out."""
     study = findings.campaign.study
     for name, setting in findings.best.items():
-        of_limit = f" for {name}" if name else ""
+        of_limit, aim = f" for {name}" if name else "", study.aims[name]
+        told = predict_each(findings.campaign.fit_before_confirming(), setting[None])
+        sure = float(np.exp(aim.log_probability(*told))[0])
+        if sure < aim.confidence - SURE:
+            yield (
+                f"No setting was expected to keep the limits{of_limit} as surely as was asked for "
+                f"({100 * aim.confidence:.3g} %). The best setting is the one that keeps them most probably "
+                f"({100 * sure:.2g} %), whatever the goal: more runs, or other limits, help."
+            )
         at_end = [
             f"{factor} at the {'upper' if coded > 0 else 'lower'} end"
             for factor, coded in zip(study.file.factors, setting, strict=True)
@@ -139,9 +149,9 @@ def borders(findings: Findings) -> Iterator[str]:
                 f"The best setting{of_limit} lies at the border of what was searched "
                 f"({', '.join(at_end)}): wider ranges may have more."
             )
-        if study.aims[name].limits and findings.fitted is not None:
+        if aim.limits and findings.fitted is not None:
             mean, _ = predict_each(findings.fitted, findings.random_settings)
-            if study.aims[name].kept(mean).all():
+            if aim.kept(mean).all():
                 yield f"The limits{of_limit} do not bind: all settings are expected to keep them."
 
 
