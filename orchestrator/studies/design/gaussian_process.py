@@ -61,7 +61,7 @@ def likely_noise(x: Array, y: Array) -> float:
     if len(y) < x.shape[1] + 2 or scale == 0.0:
         return LEAST_NOISE * scale**2
     kernel = _plane_and_process(x.shape[1]) + WhiteKernel(0.1, (LEAST_NOISE, 1.0))
-    process = _maximise_likelihood(kernel, x, (y - y.mean()) / scale, 1e-8, STARTS, 0)
+    process = _maximise_likelihood(kernel, x, (y - y.mean()) / scale, 1e-8, 0, 0)
     return float(process.kernel_.k2.noise_level) * scale**2
 
 

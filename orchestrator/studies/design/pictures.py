@@ -253,7 +253,7 @@ def _parity(findings: Findings) -> Any:
             axis.set(xlim=limits, ylim=limits, box_aspect=1)
             quality = f"Q² = {each.explained[row]:.2f}, in 95 %: {100 * each.coverage[row]:.0f} %"
             axis.set_title(f"{each.name}: {responses[row]}\n{quality}", fontsize=9)
-            axis.set(xlabel="predicted without this run", ylabel="run" if column == 0 else "")
+            axis.set(xlabel="predicted without this setting", ylabel="run" if column == 0 else "")
     return drawn
 
 
