@@ -396,11 +396,17 @@ class Campaign:
                 name, spread = names[goal.response], float(np.nanstd(y))
                 if spread <= SAME * abs(float(np.nanmean(y))):
                     return f"{name} is the same in all runs: no factor changes it"
-                times = max(2, int(np.ceil((noise / spread) ** 2 / 0.25)))
+                share = (noise / spread) ** 2
+                help_needed = (
+                    f"about {max(2, math.ceil(share / 0.25))} times as many runs, or runs so many times as "
+                    "long, are needed"
+                    if share > 1.0 - FEWEST_EXPLAINED
+                    else "noise is not why, so longer runs do not help; more settings, narrower ranges or "
+                    "another surrogate may"
+                )
                 return (
                     f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % is "
-                    f"needed (noise of one run {noise:.3g}, spread of the runs {spread:.3g}): about {times} "
-                    "times as many runs, or runs so many times as long, are needed"
+                    f"needed (noise of one run {noise:.3g}, spread of the runs {spread:.3g}): {help_needed}"
                 )
         mean, _ = predict_each(fitted, np.vstack([self.study.space.sample(2000, 1), data.x]))
         if not aim.kept(mean).any():  # a run that keeps the limits by luck is no proof
