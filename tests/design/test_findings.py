@@ -13,6 +13,7 @@ from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.page import answers, borders, doubts, noise_in_words, rivals
 from orchestrator.studies.design.pictures import main_effects, strongest_pair
+from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.trials import Measured, Outcome, Prediction
 from tests.design.campaigns import belt, belt_truth, run_all
 
@@ -268,6 +269,13 @@ def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
     findings = Findings(whole)
     assert number in findings.data.numbers
     assert any(f"Run {number} stands out: its speed" in line for line in noise_in_words(findings))
+
+
+@pytest.mark.parametrize(("scale", "mean", "end"), [("percent", 5.0, 95.435), ("logarithm", 3.0, 142.59)])
+def test_an_interval_that_is_not_even_reaches_to_its_farther_end(scale: str, mean: float, end: float) -> None:
+    """1 / (1 + exp(1.96 - 5)) is 95.435 %, exp(3 + 1.96) 142.59."""
+    interval = ConfidenceInterval.of(SCALES[scale], mean, 1.96)
+    assert abs(interval.value - end) == pytest.approx(interval.half_width, rel=1e-3)
 
 
 @pytest.mark.parametrize(

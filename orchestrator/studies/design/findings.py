@@ -46,7 +46,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class ConfidenceInterval:
-    """A value and half the width of its 95 % interval, in the response's own unit."""
+    """A value and how far its 95 % interval reaches to its wider side, in the response's own unit."""
 
     value: float
     half_width: float
@@ -54,8 +54,8 @@ class ConfidenceInterval:
     @classmethod
     def of(cls, scale: Scale, mean: float, half_width: float) -> ConfidenceInterval:
         """Take an interval from a surrogate's scale to the response's unit."""
-        low, high = (float(scale.from_fit(mean + sign * half_width)) for sign in (-1.0, 1.0))
-        return cls(float(scale.from_fit(mean)), (high - low) / 2.0)
+        low, value, high = (float(scale.from_fit(mean + sign * half_width)) for sign in (-1.0, 0.0, 1.0))
+        return cls(value, max(value - low, high - value))
 
     def __str__(self) -> str:
         if not np.isfinite(self.value):
