@@ -11,7 +11,7 @@ import pytest
 
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
-from orchestrator.studies.design.page import answers, borders, doubts, noise_in_words, rivals
+from orchestrator.studies.design.page import anova_tables, answers, borders, doubts, noise_in_words, rivals
 from orchestrator.studies.design.pictures import main_effects, strongest_pair
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.trials import Measured, Outcome, Prediction
@@ -222,6 +222,13 @@ def test_a_response_that_is_neither_goal_nor_limit_refuses_nothing(whole: Campai
         asked = belt(tmp_path, **{"responses/power": {"result": "results.power"}, "limits": limits})
         findings = Findings(Campaign(asked, whole.evaluator, whole.journal, more, whole.read_trials()))
         assert findings.is_confirmed() == confirmed
+
+
+def test_a_surface_of_a_logit_is_not_taken_for_one_of_percents(tmp_path: Path) -> None:
+    whole = run_all(belt(tmp_path, **{"responses/share/scale": "percent"}), tmp_path)
+    speed, share = (table["words"] for table in anova_tables(Findings(whole)))
+    assert "logit" not in speed
+    assert share.endswith("All of it is of the logit ln(p / (100 − p)), not of share itself.")
 
 
 def test_noise_that_was_widened_is_told(whole: Campaign) -> None:

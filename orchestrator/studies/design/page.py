@@ -21,6 +21,7 @@ SURE = 0.005  # by which the probability that the limits are kept may miss the c
 WIDENED = 1.05  # factor on the noise from which on it is mentioned
 ROUNDING = 1.1  # ratio of implied standard errors that printed digits explain
 NEARLY_FITTED = 0.01  # of R2, below that of the best coefficients
+ON_SCALE = {"percent": "logit ln(p / (100 − p))", "logarithm": "natural logarithm"}
 OUTLIER = 4.0  # studentised residual from which on a run is named
 SHOWN = (
     (
@@ -247,7 +248,7 @@ def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
             )
             words += f" Lack of fit: F {lack['f']:.4g}, p {lack['p']:.2g}: the quadratic {verdict}."
         if scales[name].scale != "plain":
-            words += f" The response is on a {scales[name].scale} scale (see the documentation)."
+            words += f" All of it is of the {ON_SCALE[scales[name].scale]}, not of {name} itself."
         rows = [{**row, "term": term_name(row["term"], factors)} for row in surface.anova()]
         yield {"response": name, "words": words, "rows": rows}
 
