@@ -8,6 +8,7 @@ import pytest
 from orchestrator.ports import Array
 from orchestrator.studies.design.data import Data, completed_variance
 from orchestrator.studies.design.scales import SCALES
+from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.trials import Measured, Outcome, Trial
 
 LIKELY, UNLIKELY = 13.2, 13.4
@@ -86,7 +87,16 @@ def test_a_run_that_tells_no_noise_has_the_median_noise_of_the_others() -> None:
     assert variance.tolist() == [1.0, 2.0, 1.5, 1.0, 1.0, 5.0, 7.0]
 
 
-def test_without_any_knowledge_the_noise_is_a_thousandth_of_the_spread() -> None:
+def test_without_any_knowledge_the_noise_is_what_no_smooth_surface_explains() -> None:
+    """The standard deviation of 0.3 is known to 0.04 from forty runs."""
+    x = Space(-np.ones(2), np.ones(2)).sample(40, 1)
+    y = np.sin(2.0 * x[:, 0]) - x[:, 1] + 0.3 * np.random.default_rng(1).standard_normal(40)
+    variance, factor = completed_variance(x, y, np.full(40, np.nan))
+    assert np.sqrt(variance) == pytest.approx(0.3, abs=0.08)
+    assert factor == 1.0
+
+
+def test_data_on_a_plane_are_taken_to_have_a_thousandth_of_their_variance_as_noise() -> None:
     y = np.array([1.0, 2.0, 3.0])
     variance, _ = completed_variance(np.array([[-1.0], [0.0], [1.0]]), y, np.full(3, np.nan))
     assert variance == pytest.approx(1e-3 * 2 / 3)

@@ -11,9 +11,11 @@ import pytest
 
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
-from orchestrator.studies.design.page import answers, borders, noise_in_words, rivals
+from orchestrator.studies.design.page import anova_tables, answers, borders, doubts, noise_in_words, rivals
+from orchestrator.studies.design.pictures import main_effects, strongest_pair
+from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.trials import Measured, Outcome, Prediction
-from tests.design.campaigns import belt, run_all
+from tests.design.campaigns import belt, belt_truth, run_all
 
 
 def with_confirming_runs(
@@ -59,10 +61,13 @@ def test_a_best_setting_that_is_slower_than_predicted_is_not_confirmed(whole: Ca
     assert "NOT as predicted: speed was measured as 1.2" in next(answers(findings))
 
 
-def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(whole: Campaign) -> None:
-    findings = with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(58.0, 0.5)})
+@pytest.mark.parametrize("confidence", [0.5, 0.9, 0.99])
+def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(confidence: float, tmp_path: Path) -> None:
+    """However surely the limit was to be kept."""
+    whole = run_all(belt(tmp_path, confidence=confidence), tmp_path)
+    findings = with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(59.8, 0.5)})
     assert not findings.is_confirmed()
-    assert "share was measured as 58.0" in best_of(findings).why_not
+    assert "share was measured as 59.8" in best_of(findings).why_not
     assert "beyond its limit" in best_of(findings).why_not
 
 
@@ -135,6 +140,62 @@ def test_a_prediction_of_an_earlier_version_which_tells_no_scale_is_left_out(who
     assert not any(trial.predicted for trial in whole.read_trials())
 
 
+def test_of_two_goals_the_answer_is_the_best_in_the_first_alone_and_says_so(tmp_path: Path) -> None:
+    goals = {"goals": ["maximise speed", "minimise share"], "limits": []}
+    said = next(answers(Findings(run_all(belt(tmp_path, **goals), tmp_path))))
+    assert said.startswith("For the largest speed alone (front.csv trades it for the smallest share) take")
+
+
+def test_the_front_has_no_setting_twice_and_none_beyond_another_limit(tmp_path: Path) -> None:
+    """Slow decks are at a corner of the space, which the search for the front meets often."""
+    goals = {"goals": ["maximise speed", "maximise share"], "limits": ["pace <= 1.5"]}
+    study = belt(tmp_path, **goals, **{"responses/pace": {"result": "results.speed"}})
+
+    def truth(x: Mapping[str, float]) -> dict[str, float]:
+        return {**belt_truth(x), "pace": belt_truth(x)["speed"]}
+
+    findings = Findings(run_all(study, tmp_path, truth=truth))
+    assert len(np.unique(findings.front, axis=0)) == len(findings.front) > 30
+    assert findings.beside.limits == study.aim.limits
+    assert max(belt_truth(study.actual(x))["speed"] for x in findings.front) < 1.55
+
+
+def test_data_outside_the_ranges_are_told(whole: Campaign) -> None:
+    assert not list(doubts(Findings(whole)))
+    trial = replace(whole.outcomes[4].trial, setting=(24.0, 0.5))  # 260 deg in place of 26
+    whole.outcomes[4] = replace(whole.outcomes[4], trial=trial)
+    assert "(0005), farthest 0005 with slope = 260." in next(doubts(Findings(whole)))
+
+
+def test_an_ordered_factor_does_not_show_the_effects_of_its_chain(tmp_path: Path) -> None:
+    """The speed depends on the first slope alone: 0.1 m/s for each degree of it."""
+    names = ("b1", "b2", "b3")
+    study = belt(
+        tmp_path,
+        factors={name: {"range": [10.0, 40.0]} for name in names},
+        set={f"screen.{name}": name for name in names},
+        ordered=[list(names)],
+        limits=[],
+        responses={"speed": {"result": "results.speed"}},
+        **{"plan/runs": 24, "search/runs": 0},
+    )
+    findings = Findings(run_all(study, tmp_path, truth=lambda x: {"speed": 0.1 * x["b1"]}))
+    for factor, slope in enumerate((0.1, 0.0, 0.0)):
+        place, mean, _ = main_effects(findings, factor)
+        assert np.diff(mean[:, 0]) / np.diff(place) == pytest.approx(np.full(11, slope), abs=0.01)
+    assert strongest_pair(findings)[0] == 0  # type: ignore[index]
+
+
+@pytest.mark.parametrize(("limit", "said"), [(60.0, False), (94.3, True)])
+def test_a_best_setting_that_is_less_sure_than_was_asked_for_is_told(
+    limit: float, said: bool, tmp_path: Path
+) -> None:
+    """The share is 94 % at best, and the runs make it some tenths more."""
+    study = belt(tmp_path, limits=[f"share >= {limit}"], confidence=0.999)
+    lines = list(borders(Findings(run_all(study, tmp_path))))
+    assert any("as surely as was asked for (99.9 %)" in line for line in lines) is said
+
+
 @pytest.mark.parametrize(("limit", "binds"), [(60, True), (10, False)])
 def test_the_ends_of_ranges_and_limits_that_do_not_bind_are_told(
     limit: int, binds: bool, tmp_path: Path
@@ -163,6 +224,13 @@ def test_a_response_that_is_neither_goal_nor_limit_refuses_nothing(whole: Campai
         assert findings.is_confirmed() == confirmed
 
 
+def test_a_surface_of_a_logit_is_not_taken_for_one_of_percents(tmp_path: Path) -> None:
+    whole = run_all(belt(tmp_path, **{"responses/share/scale": "percent"}), tmp_path)
+    speed, share = (table["words"] for table in anova_tables(Findings(whole)))
+    assert "logit" not in speed
+    assert share.endswith("All of it is of the logit ln(p / (100 − p)), not of share itself.")
+
+
 def test_noise_that_was_widened_is_told(whole: Campaign) -> None:
     whole.outcomes = [
         replace(
@@ -178,6 +246,25 @@ def test_noise_that_was_widened_is_told(whole: Campaign) -> None:
     assert any("times as much as the runs' own intervals say" in line for line in noise_in_words(findings))
 
 
+@pytest.mark.parametrize(("centres", "said"), [(1, 1), (2, 0)])
+def test_noise_of_which_nothing_tells_is_said_to_be_taken_from_a_surface(
+    centres: int, said: int, tmp_path: Path
+) -> None:
+    study = belt(tmp_path, **{"plan/centres": centres, "plan/runs": 12, "search/runs": 0, "goals": []})
+    findings = Findings(run_all(study, tmp_path, told={"speed": None}))
+    assert sum("Nothing tells of the noise" in line for line in noise_in_words(findings)) == said
+    assert all("Nothing tells of the noise of speed" in line for line in [*noise_in_words(findings)][:said])
+
+
+def test_equal_runs_of_one_setting_are_said_to_tell_nothing_of_the_noise(tmp_path: Path) -> None:
+    study = belt(tmp_path, **{"plan/runs": 8, "search/runs": 0, "goals": []})
+    exact: dict[str, float] = {}
+    for noise, said in (({"speed": 0.01, "share": 0.5}, False), (exact, True)):
+        whole = run_all(study, tmp_path, noise=noise, told={"speed": None, "share": None})
+        lines = list(noise_in_words(Findings(whole)))
+        assert any(line.startswith("All runs of one setting have one speed") for line in lines) is said
+
+
 def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
     study = belt(tmp_path, **{"plan/runs": 12, "search/surrogate": "gaussian-process", "search/runs": 0})
     whole = run_all(study, tmp_path)
@@ -189,6 +276,13 @@ def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:
     findings = Findings(whole)
     assert number in findings.data.numbers
     assert any(f"Run {number} stands out: its speed" in line for line in noise_in_words(findings))
+
+
+@pytest.mark.parametrize(("scale", "mean", "end"), [("percent", 5.0, 95.435), ("logarithm", 3.0, 142.59)])
+def test_an_interval_that_is_not_even_reaches_to_its_farther_end(scale: str, mean: float, end: float) -> None:
+    """1 / (1 + exp(1.96 - 5)) is 95.435 %, exp(3 + 1.96) 142.59."""
+    interval = ConfidenceInterval.of(SCALES[scale], mean, 1.96)
+    assert abs(interval.value - end) == pytest.approx(interval.half_width, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -182,6 +182,16 @@ def test_a_simpler_design_is_kept(kind: type[Optimiser]) -> None:
 
 
 @EVERY
+def test_the_best_simpler_design_is_not_the_best_design_made_simple(kind: type[Optimiser]) -> None:
+    """Three equal factors are best at 0.2, the mean of what is best for each; the first alone at 0.9."""
+    y = -((plan() - [0.9, 0.2, -0.5]) ** 2).sum(axis=1)
+    surface = Quadratic().fit(plan(), y[:, None], np.ones((len(plan()), 1)), 1)
+    space = SimplerSpace(-np.ones(3), np.ones(3), ((0, 1, 2),), lambda x: np.repeat(x[:, :1], 3, axis=1))
+    x = kind().recommend(surface, Aim((FAST,)), space, plan(), np.random.default_rng(1))
+    assert x == pytest.approx([0.2, 0.2, 0.2], abs=0.02)
+
+
+@EVERY
 def test_what_was_done_is_left_as_it_is(kind: type[Optimiser]) -> None:
     done = plan().copy()
     kind().propose(fitted(), at_least(80.0), FALLING, done, np.random.default_rng(1))

@@ -194,7 +194,7 @@ def test_the_surfaces_of_table_5_predict_what_slopes_give(
 def test_leaving_a_point_out_is_fitting_without_it(response: str) -> None:
     fitted = surface(response)
     mean, deviation = fitted.left_out()
-    for i in (0, 27, 36, 42):
+    for i in (0, 27, 36):
         others = np.arange(len(fitted.y)) != i
         without = Surface.fit(fitted.x[others], fitted.y[others], fitted.terms)
         expected, covariance = without.predict(fitted.x[[i]])
@@ -202,6 +202,23 @@ def test_leaving_a_point_out_is_fitting_without_it(response: str) -> None:
         scale = fitted.fitted.scale / without.fitted.scale  # the closed form keeps the error of all points
         scale *= (fitted.widened / without.widened) ** 2
         assert deviation[i] == pytest.approx(np.sqrt(scale * covariance[0, 0]), rel=1e-9)
+
+
+def test_where_one_degree_of_freedom_is_left_residuals_have_no_error_of_their_own() -> None:
+    x = np.random.default_rng(9).uniform(-1, 1, (7, 2))
+    fitted = Surface.fit(x, np.exp(x[:, 0]), quadratic_terms(2))
+    assert np.isnan(fitted.studentised_residuals()).all()
+
+
+def test_all_runs_of_a_setting_are_left_out_together() -> None:
+    rng, terms = np.random.default_rng(8), quadratic_terms(2)
+    x = np.repeat(rng.uniform(-1, 1, (9, 2)), [1, 1, 1, 1, 1, 1, 1, 2, 4], axis=0)
+    fitted = Surface.fit(x, rng.standard_normal(len(x)), terms)
+    mean, _ = fitted.left_out()
+    for i, one in enumerate(x):
+        others = (x != one).any(axis=1)
+        without = Surface.fit(x[others], fitted.y[others], terms)
+        assert mean[i] == pytest.approx(without.predict(x[[i]])[0][0], rel=1e-9)
 
 
 def test_intervals_of_few_points_hold_the_truth_as_often_as_they_say() -> None:

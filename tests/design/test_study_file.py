@@ -98,6 +98,17 @@ WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
         {"set/screen.stroke_m.0": "stroke"},
         ["set.screen.stroke_m.0: screen.stroke_m is set by a formula of its own, too"],
     ),
+    "an override of what a formula sets": (
+        {"overrides": ["screen.inclination_deg=20", "screen.x=1"]},
+        ["overrides.0: screen.inclination_deg is set by a formula, too"],
+    ),
+    "an override at the cheap level of what a formula sets": (
+        {
+            "cheap": {"level": "draft", "runs": 4, "overrides": ["x=1", "frames.plate={}"]},
+            "set/frames.plate.mass_kg": "slope",
+        },
+        ["cheap.overrides.1: frames.plate.mass_kg is set by a formula, too"],
+    ),
     "a derived number from one below": (
         {"derived": {"half": "twice / 2", "twice": "2 * slope"}, "set/screen.x": "half"},
         ['derived.half: no factor or number above is called "twice"'],

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
+from orchestrator.studies.design.campaign import explained
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints, calibrated
@@ -96,6 +97,15 @@ def test_a_point_that_is_left_out_has_no_say_in_its_own_prediction(kind: type[Su
     before = fit(kind).left_out()[0][5]
     after = kind().fit(X, moved, variance, 1).left_out()[0][5]
     assert (np.abs(after - before) < 0.06 * y.std(axis=0)).all()
+
+
+@EVERY
+def test_a_run_is_not_predicted_from_another_run_of_its_setting(kind: type[Surrogate]) -> None:
+    """Sixteen settings, run three times each, have responses without any order, which nothing can predict."""
+    own = np.random.default_rng(3).standard_normal((16, 1))
+    x, y = np.repeat(X[:16], 3, axis=0), np.repeat(own, 3, axis=0)
+    mean, _ = kind().fit(x, y, np.full_like(y, 1e-4), 1).left_out()
+    assert explained(y[:, 0], mean[:, 0]) < 0.0
 
 
 @EVERY

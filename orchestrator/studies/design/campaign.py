@@ -332,7 +332,7 @@ class Campaign:
         settings = self.candidates()
         if not settings:
             return
-        fitted = self._fit_before_confirming()
+        fitted = self.fit_before_confirming()
         made = {role: sum(is_of(trial, role, settings) for trial in self._trials) for role in settings}
         for repeat, role in itertools.product(range(REPEATS[1]), settings):
             if repeat < made[role]:
@@ -354,7 +354,7 @@ class Campaign:
         for number, (name, aim) in enumerate(self.study.aims.items()):
             if not aim.goals or self.why_no_optimum(aim):
                 continue
-            data, fitted = self.data(confirmed=False), self._fit_before_confirming()
+            data, fitted = self.data(confirmed=False), self.fit_before_confirming()
             possible = self._space_without_failures(self.study.space)
             for optimiser in (own, ExpectedImprovement()):
                 rng = np.random.default_rng([self.study.file.seed, CONFIRMING, number])
@@ -370,7 +370,7 @@ class Campaign:
             chosen[CENTRE] = self._centre
         return chosen
 
-    def _fit_before_confirming(self) -> Fitted:
+    def fit_before_confirming(self) -> Fitted:
         """Fit the runs before the confirming ones, with deviations that agree with leave-one-out errors."""
         data = self.data(confirmed=False)
         return calibrated(self.fit(confirmed=False), data.y, data.variance)
@@ -396,11 +396,17 @@ class Campaign:
                 name, spread = names[goal.response], float(np.nanstd(y))
                 if spread <= SAME * abs(float(np.nanmean(y))):
                     return f"{name} is the same in all runs: no factor changes it"
-                times = max(2, int(np.ceil((noise / spread) ** 2 / 0.25)))
+                share = (noise / spread) ** 2
+                help_needed = (
+                    f"about {max(2, math.ceil(share / 0.25))} times as many runs, or runs so many times as "
+                    "long, are needed"
+                    if share > 1.0 - FEWEST_EXPLAINED
+                    else "noise is not why, so longer runs do not help; more settings, narrower ranges or "
+                    "another surrogate may"
+                )
                 return (
                     f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {name}, and 50 % is "
-                    f"needed (noise of one run {noise:.3g}, spread of the runs {spread:.3g}): about {times} "
-                    "times as many runs, or runs so many times as long, are needed"
+                    f"needed (noise of one run {noise:.3g}, spread of the runs {spread:.3g}): {help_needed}"
                 )
         mean, _ = predict_each(fitted, np.vstack([self.study.space.sample(2000, 1), data.x]))
         if not aim.kept(mean).any():  # a run that keeps the limits by luck is no proof
@@ -449,7 +455,8 @@ def role_of(kind: str, aim: str) -> str:
 def explained(y: Array, left_out: Array) -> float:
     """Compute the share of a response's variance, (n,), that its leave-one-out predictions explain (Q2)."""
     known = np.isfinite(y) & np.isfinite(left_out)
-    total = ((y[known] - y[known].mean()) ** 2).sum() if known.any() else 0.0
+    varies = known.any() and np.ptp(y[known]) > 0.0  # the mean of equal numbers may differ by rounding
+    total = ((y[known] - y[known].mean()) ** 2).sum() if varies else 0.0
     return float(1.0 - ((y[known] - left_out[known]) ** 2).sum() / total) if total > 0 else 0.0
 
 

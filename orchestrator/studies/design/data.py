@@ -10,8 +10,10 @@ import numpy.typing as npt
 from scipy import stats
 
 from orchestrator.ports import Array
+from orchestrator.studies.design.gaussian_process import likely_noise
 from orchestrator.studies.design.quadratic import model_matrix, quadratic_terms
 from orchestrator.studies.design.scales import Scale
+from orchestrator.studies.design.surrogates import settings_of
 from orchestrator.studies.design.trials import Outcome
 
 UNLIKELY = 0.01  # replicates that scatter more than this probability allows are believed, not the intervals
@@ -59,11 +61,11 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
     A run without an interval gets the median noise of the others, or where no run has one the scatter of
     replicates.  Two replicates may agree by luck, so the residuals of a quadratic or a plane join them.
     Where replicates scatter more than their intervals allow (chi-square test), all are widened by the ratio.
-    Where nothing tells of the noise, it is a thousandth of the data's variance.
+    Where nothing tells of the noise, it is the one with which a Gaussian process is most likely.
     Return variances, (n,), and the factor on standard deviations by which they were widened.
     """
     known = np.isfinite(y)
-    _, group = np.unique(x.round(9), axis=0, return_inverse=True)
+    group = settings_of(x)
     replicates = [
         members
         for number in range(group.max(initial=-1) + 1)
@@ -78,7 +80,7 @@ def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, floa
         residual, count = _residual_variance(x[known], y[known])
         fallback = (squares + count * residual) / (freedom + count)
     else:
-        fallback = 1e-3 * float(np.var(y[known])) if known.any() else 0.0
+        fallback = likely_noise(x[known], y[known])
     complete = np.where(np.isfinite(variance), variance, fallback)
     expected = float(sum((members.sum() - 1) * complete[members].mean() for members in replicates))
     if freedom and len(own) and expected > 0:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,7 +30,7 @@ DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optim
 
 @dataclass(frozen=True)
 class Judged:
-    """A surrogate and how well it predicts each response that it has not seen (leave-one-out).
+    """A surrogate and how well it predicts each response of settings that it has not seen (leave-one-out).
 
     ``explained`` is Q2, the share of the variance; ``coverage`` the share of runs within the 95 % interval;
     ``members``, (members, m), is what each member explains, if the surrogate has members.
@@ -46,7 +46,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class ConfidenceInterval:
-    """A value and half the width of its 95 % interval, in the response's own unit."""
+    """A value and how far its 95 % interval reaches to its wider side, in the response's own unit."""
 
     value: float
     half_width: float
@@ -54,8 +54,8 @@ class ConfidenceInterval:
     @classmethod
     def of(cls, scale: Scale, mean: float, half_width: float) -> ConfidenceInterval:
         """Take an interval from a surrogate's scale to the response's unit."""
-        low, high = (float(scale.from_fit(mean + sign * half_width)) for sign in (-1.0, 1.0))
-        return cls(float(scale.from_fit(mean)), (high - low) / 2.0)
+        low, value, high = (float(scale.from_fit(mean + sign * half_width)) for sign in (-1.0, 0.0, 1.0))
+        return cls(value, max(value - low, high - value))
 
     def __str__(self) -> str:
         if not np.isfinite(self.value):
@@ -119,7 +119,7 @@ class Findings:
 
     @cached_property
     def fitted(self) -> Fitted | None:
-        """The study's own surrogate with intervals that hold for points left out; None with too few runs."""
+        """The study's own surrogate with intervals that hold for new settings; None with too few runs."""
         own = self.surrogates[0].fitted
         return None if own is None else calibrated(own, self.data.y, self.data.variance)
 
@@ -218,9 +218,8 @@ class Findings:
         why += [f"{self.responses[i]} was not predicted" for i in judged if not np.isfinite(expected[i, 0])]
         if aim is not None:
             why += [f"{self.responses[i]} was not measured" for i in judged if not np.isfinite(mean[i])]
-            z = float(stats.norm.ppf(aim.confidence))
             for limit in aim.limits:
-                if limit.sign * (mean[limit.response] - limit.value) < -z * error[limit.response]:
+                if limit.sign * (mean[limit.response] - limit.value) < 0.0:
                     name = self.responses[limit.response]
                     why.append(f"{name} was measured as {measured[name]}, beyond its limit")
         return Confirmed(role, setting, len(mine), predicted, measured, "; ".join(why))
@@ -260,6 +259,12 @@ class Findings:
         return first, second, first_sign, second_sign
 
     @cached_property
+    def beside(self) -> Aim:
+        """The first aim without the limits that the trade-off shows: those of its second response."""
+        aim, shown = self.campaign.study.aim, self.trade_off[1] if self.trade_off else None
+        return replace(aim, limits=tuple(limit for limit in aim.limits if limit.response != shown))
+
+    @cached_property
     def random_settings(self) -> Array:
         """A thousand random settings, coded, (1000, factors)."""
         return self.campaign.study.space.sample(DRAWN_AT_RANDOM, self.campaign.study.file.seed)
@@ -272,21 +277,14 @@ class Findings:
         first, second, *signs = self.trade_off
         rng = np.random.default_rng([self.campaign.study.file.seed, 3])
         space, x = self.campaign.study.space, self.random_settings
-        others = _without(self.campaign.study.aim, second)
         for _ in range(3):
             x = np.vstack([x, space.candidates(x[-DRAWN_AT_RANDOM:], DRAWN_AT_RANDOM // 3, rng)])
             mean, _ = predict_each(self.fitted, x)
             gains = np.array(signs)[:, None] * mean[[first, second]]
-            x = x[nondominated(gains, others.kept(mean))]
+            x = np.unique(x[nondominated(gains, self.beside.kept(mean))], axis=0)  # a corner is met often
         mean, _ = predict_each(self.fitted, x)
         order = np.argsort(mean[first])
         chosen = (
             order[np.unique(np.linspace(0, len(order) - 1, ON_THE_FRONT).astype(int))] if len(x) else order
         )
         return x[chosen]
-
-
-def _without(aim: Aim, response: int) -> Aim:
-    """Return an aim without the limits of one response."""
-    limits = tuple(limit for limit in aim.limits if limit.response != response)
-    return Aim(aim.goals, limits, aim.confidence)

@@ -14,13 +14,14 @@ import numpy as np
 import numpy.typing as npt
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern
+from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern, WhiteKernel
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.surrogates import TooFewPoints
+from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
 
 LENGTHS = (0.4, 20.0)  # of the coded range of 2: shorter ones cannot be told from noise by so few points
 TREND = 100.0  # prior variance of the plane, in variances of the data: vague
+LEAST_NOISE = 1e-3  # of the data's variance, where nothing but the data tells of the noise
 STARTS = 2  # restarts of the likelihood's maximisation beside the first
 
 
@@ -30,7 +31,7 @@ class GaussianProcess:
     def fit(self, x: Array, y: Array, variance: Array, seed: int) -> FittedProcess:
         """Fit by maximum likelihood of the lengths and the variance.
 
-        Raises TooFewPoints where a response is known at fewer points than its plane has terms.
+        Raises TooFewPoints where a response is known at fewer settings than its plane has terms.
         """
         processes = [_fit_one(x, y[:, i], variance[:, i], seed) for i in range(y.shape[1])]
         return FittedProcess(processes, len(x))
@@ -38,18 +39,34 @@ class GaussianProcess:
 
 def _fit_one(x: Array, y: Array, variance: Array, seed: int) -> _Process:
     known = np.isfinite(y)
-    if known.sum() < x.shape[1] + 2:
-        raise TooFewPoints(f"{known.sum()} points for a plane of {x.shape[1] + 1} terms and its process")
+    if (count := len(np.unique(settings_of(x[known])))) < x.shape[1] + 2:
+        raise TooFewPoints(f"{count} points for a plane of {x.shape[1] + 1} terms and its process")
     mean, scale = float(y[known].mean()), float(y[known].std()) or 1.0
-    kernel = ConstantKernel(0.3, (1e-4, 1e2)) * Matern([2.0] * x.shape[1], LENGTHS, nu=2.5)
-    trend = ConstantKernel(TREND, "fixed") * DotProduct(1.0, "fixed")
     noise = np.maximum(variance[known] / scale**2, 1e-8)
-    process = _maximise_likelihood(kernel + trend, x[known], (y[known] - mean) / scale, noise, STARTS, seed)
+    kernel = _plane_and_process(x.shape[1])
+    process = _maximise_likelihood(kernel, x[known], (y[known] - mean) / scale, noise, STARTS, seed)
     return _Process(process, noise, known, mean, scale)
 
 
+def _plane_and_process(factors: int) -> Kernel:
+    """Return the covariance of a response of variance one."""
+    process = ConstantKernel(0.3, (1e-4, 1e2)) * Matern([2.0] * factors, LENGTHS, nu=2.5)
+    return process + ConstantKernel(TREND, "fixed") * DotProduct(1.0, "fixed")
+
+
+def likely_noise(x: Array, y: Array) -> float:
+    """Return the variance of the noise that makes a response, (n,), at settings, (n, f), most likely, where
+    nothing else tells of it: at least a thousandth of the data's variance."""
+    scale = float(y.std()) if len(y) else 0.0
+    if len(y) < x.shape[1] + 2 or scale == 0.0:
+        return LEAST_NOISE * scale**2
+    kernel = _plane_and_process(x.shape[1]) + WhiteKernel(0.1, (LEAST_NOISE, 1.0))
+    process = _maximise_likelihood(kernel, x, (y - y.mean()) / scale, 1e-8, 0, 0)
+    return float(process.kernel_.k2.noise_level) * scale**2
+
+
 def _maximise_likelihood(
-    kernel: Kernel, x: Array, y: Array, noise: Array, restarts: int, seed: int
+    kernel: Kernel, x: Array, y: Array, noise: Array | float, restarts: int, seed: int
 ) -> GaussianProcessRegressor:
     """Fit a process whose lengths and variance make the data most likely, starting from those of
     ``kernel``."""
@@ -75,16 +92,17 @@ class _Process:
 
     @cached_property
     def left_out(self) -> tuple[Array, Array]:
-        """Predictions of each point by a process fitted anew to all others: with lengths kept from all data
-        they would look better than they are."""
+        """Predictions of each point by a process fitted anew to all other settings: with lengths kept from
+        all data they would look better than they are."""
         x, y = self.process.X_train_, self.process.y_train_
         mean, deviation = np.empty((2, len(y)))
-        for i in range(len(y)):
-            others = np.arange(len(y)) != i
+        settings = settings_of(x)
+        for number in np.unique(settings):
+            mine, others = settings == number, settings != number
             process = _maximise_likelihood(
                 self.process.kernel_, x[others], y[others], self.noise[others], 0, 0
             )
-            mean[[i]], deviation[[i]] = process.predict(x[[i]], return_std=True)
+            mean[mine], deviation[mine] = process.predict(x[mine], return_std=True)
         return self.mean + self.scale * mean, self.scale * deviation
 
 
@@ -101,7 +119,7 @@ class FittedProcess:
         return np.array([mean for mean, _ in predicted]), np.array([cov for _, cov in predicted])
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each response, (n, m), from the others, with the lengths fitted to these."""
+        """Predict each response, (n, m), from other settings, with the lengths fitted to these."""
         mean, deviation = np.full((2, self.points, len(self.processes)), np.nan)
         for i, process in enumerate(self.processes):
             mean[process.known, i], deviation[process.known, i] = process.left_out

@@ -16,11 +16,11 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.surrogates import TooFewPoints
+from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
 
-TRAINED, CHOSEN = 0.70, 0.15  # shares of the points; the rest tests
+TRAINED, CHOSEN = 0.70, 0.15  # shares of the settings; the rest tests
 PENALTIES = (1e-3, 1e-2, 1e-1, 1.0)  # on the weights' squares; the share CHOSEN decides
-FEWEST = 14  # points: fewer leave two or none to choose by
+FEWEST = 14  # settings: fewer leave two or none to choose by
 
 
 @dataclass(frozen=True)
@@ -31,21 +31,23 @@ class Network:
     members: int = 20
 
     def fit(self, x: Array, y: Array, variance: Array, seed: int) -> FittedNetwork:
-        """Train the members, each with a split and a start of its own.
+        """Train the members, each with a split of the settings and a start of its own.
 
-        Raises TooFewPoints where fewer than 14 points have all responses.
+        Raises TooFewPoints where runs of fewer than 14 settings have all responses.
         """
         known = np.isfinite(y).all(axis=1)
-        count = int(known.sum())
+        settings = settings_of(x[known])
+        count = len(np.unique(settings))
         if count < FEWEST:
             raise TooFewPoints(f"{count} points with all responses for a network, which needs {FEWEST}")
         mean, scale = y[known].mean(axis=0), np.maximum(y[known].std(axis=0), 1e-300)
         inputs, outputs = x[known], (y[known] - mean) / scale
         rng = np.random.default_rng(seed)
-        nets, tested = [], np.full((self.members, count, y.shape[1]), np.nan)
+        nets, tested = [], np.full((self.members, *outputs.shape), np.nan)
         for member in range(self.members):
             order = rng.permutation(count)
-            train, choose, test = np.split(order, [round(TRAINED * count), round((TRAINED + CHOSEN) * count)])
+            ends = [round(TRAINED * count), round((TRAINED + CHOSEN) * count)]
+            train, choose, test = (np.isin(settings, part) for part in np.split(order, ends))
             start = int(rng.integers(2**31))
             trials = [self._trained(inputs[train], outputs[train], penalty, start) for penalty in PENALTIES]
             errors = [((_outputs(net, inputs[choose]) - outputs[choose]) ** 2).mean() for net in trials]

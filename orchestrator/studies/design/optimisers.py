@@ -121,12 +121,12 @@ class Gradient:
         goal = aim.goals[0]
 
         def distance(x: Array, limit: Limit) -> float:
-            mean, deviation = predict_each(fitted, x[None])
+            mean, deviation = predict_each(fitted, space.simplify(x[None]))
             kept_by = limit.sign * (mean[limit.response, 0] - limit.value)
             return float((kept_by - margin * deviation[limit.response, 0]) / spread[limit.response])
 
         def loss(x: Array) -> float:
-            mean, _ = predict_each(fitted, x[None])
+            mean, _ = predict_each(fitted, space.simplify(x[None]))
             return -goal.sign * float(mean[goal.response, 0] / spread[goal.response])
 
         limits = [

@@ -9,23 +9,26 @@ from typing import Any
 import numpy as np
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.campaign import BEST, CENTRE, SIMPLER, Campaign, role_of
+from orchestrator.studies.design.campaign import BEST, CENTRE, SAME, SIMPLER, Campaign, role_of
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
+from orchestrator.studies.design.surrogates import settings_of
 from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
 from orchestrator.studies.report import align_rows, write_page
 
 AT_THE_END = 0.95  # coded: from there on a setting is at the end of a range
+SURE = 0.005  # by which the probability that the limits are kept may miss the confidence: by the search
 WIDENED = 1.05  # factor on the noise from which on it is mentioned
 ROUNDING = 1.1  # ratio of implied standard errors that printed digits explain
 NEARLY_FITTED = 0.01  # of R2, below that of the best coefficients
+ON_SCALE = {"percent": "logit ln(p / (100 − p))", "logarithm": "natural logarithm"}
 OUTLIER = 4.0  # studentised residual from which on a run is named
 SHOWN = (
     (
         "trade_off",
         "Trade-off",
         "The line is what the surrogate expects at best, with its 95 % band. Small dots are random "
-        "settings, as predicted; points with bars are runs.",
+        "settings, as predicted; points with bars are runs, open ones beyond another limit.",
     ),
     (
         "effects",
@@ -46,26 +49,33 @@ SHOWN = (
     (
         "parity",
         "Predicted and measured",
-        "Each run was predicted from all others. Points on the line are right; bars are 95 % intervals.",
+        "Each run was predicted from all other settings. Points on the line are right; bars are 95 % "
+        "intervals.",
     ),
     ("progress", "Progress", "The line is the best run so far that keeps all limits."),
 )
 
 
 def answers(findings: Findings) -> Iterator[str]:
-    """Yield the answer for each aim in one sentence: the best setting, measured where it was run again."""
+    """Yield the answer for each aim in one sentence: the best setting, measured where it was run again.
+
+    With two goals the setting is the best in the first alone, which is said.
+    """
     study = findings.campaign.study
     confirmed = {each.role: each for each in findings.confirmed}
     for name, aim in study.aims.items():
-        goals = " and ".join(
+        goals = [
             f"{'largest' if goal.sign > 0 else 'smallest'} {findings.responses[goal.response]}"
             for goal in aim.goals
-        )
+        ]
         limits = name or ", ".join(study.file.limits)
-        asked = f"For the {goals}{f' at {limits}' if limits else ''}"
+        at_limits = f" at {limits}" if limits else ""
+        asked = f"For the {' and '.join(goals)}{at_limits}"
         if name in findings.why_no_optimum:
             yield f"{asked} the data support no optimum: {findings.why_no_optimum[name]}."
         elif name in findings.best:
+            if len(goals) > 1:
+                asked = f"For the {goals[0]}{at_limits} alone (front.csv trades it for the {goals[1]})"
             setting = setting_in_words(findings, findings.best[name])
             each = confirmed.get(role_of(BEST, name))
             if each is None:
@@ -82,13 +92,24 @@ def answers(findings: Findings) -> Iterator[str]:
 
 
 def doubts(findings: Findings) -> Iterator[str]:
-    """Yield how many planned runs are not made, and how many of the data did not become steady."""
+    """Yield how many planned runs are not made, which data lie outside the ranges, and how many of them did
+    not become steady."""
     campaign = findings.campaign
     if campaign.study.file.case and (left := campaign.planned_left):
         made = "flipflow study design makes them"
         if campaign.study.file.hours is not None:
             made += f" as far as they fit into {hours_in_words(campaign)}; all need more hours"
         yield f"{left} of {campaign.planned} planned runs {'is' if left == 1 else 'are'} not made: {made}."
+    x, numbers = findings.data.x, [f"{number:04d}" for number in findings.data.numbers]
+    if outside := np.flatnonzero((np.abs(x) > 1.0 + SAME).any(axis=1)).tolist():
+        row, factor = divmod(int(np.abs(x).argmax()), x.shape[1])
+        name, value = list(campaign.study.actual(x[row]).items())[factor]
+        yield (
+            f"{len(outside)} of the {len(x)} data lie outside the ranges "
+            f"({', '.join(numbers[each] for each in outside)}), farthest {numbers[row]} with {name} = "
+            f"{value:.4g}. Surrogates are fitted to them, too, and what is far outside weighs most: is it "
+            "mistyped?"
+        )
     data = [each for each in campaign.outcomes if each.is_data]
     if unsteady := sorted(each.trial.name for each in data if each.not_steady):
         yield (
@@ -106,10 +127,19 @@ def hours_in_words(campaign: Campaign) -> str:
 
 
 def borders(findings: Findings) -> Iterator[str]:
-    """Yield which best settings lie at the ends of ranges, and which limits rule nothing out."""
+    """Yield which best settings are less sure than was asked for, which lie at the ends of ranges, and which
+    limits rule nothing out."""
     study = findings.campaign.study
     for name, setting in findings.best.items():
-        of_limit = f" for {name}" if name else ""
+        of_limit, aim = f" for {name}" if name else "", study.aims[name]
+        told = predict_each(findings.campaign.fit_before_confirming(), setting[None])
+        sure = float(np.exp(aim.log_probability(*told))[0])
+        if sure < aim.confidence - SURE:
+            yield (
+                f"No setting was expected to keep the limits{of_limit} as surely as was asked for "
+                f"({100 * aim.confidence:.3g} %). The best setting is the one that keeps them most probably "
+                f"({100 * sure:.2g} %), whatever the goal: more runs, or other limits, help."
+            )
         at_end = [
             f"{factor} at the {'upper' if coded > 0 else 'lower'} end"
             for factor, coded in zip(study.file.factors, setting, strict=True)
@@ -120,9 +150,9 @@ def borders(findings: Findings) -> Iterator[str]:
                 f"The best setting{of_limit} lies at the border of what was searched "
                 f"({', '.join(at_end)}): wider ranges may have more."
             )
-        if study.aims[name].limits and findings.fitted is not None:
+        if aim.limits and findings.fitted is not None:
             mean, _ = predict_each(findings.fitted, findings.random_settings)
-            if study.aims[name].kept(mean).all():
+            if aim.kept(mean).all():
                 yield f"The limits{of_limit} do not bind: all settings are expected to keep them."
 
 
@@ -164,6 +194,7 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
                 f"Repeated runs of {name} scatter {factor:.2g} times as much as the runs' own intervals "
                 "say; all intervals are widened by this factor."
             )
+    yield from _untold_noise(findings)
     if findings.fitted is None:
         return
     mean, deviation = findings.fitted.left_out()
@@ -171,8 +202,33 @@ def noise_in_words(findings: Findings) -> Iterator[str]:
     for row, column in zip(*np.nonzero(residual > OUTLIER), strict=True):
         yield (
             f"Run {findings.data.numbers[row]} stands out: its {findings.responses[column]} is "
-            f"{residual[row, column]:.1f} standard deviations from what all other runs predict. It is kept."
+            f"{residual[row, column]:.1f} standard deviations from what other settings predict. It is kept."
         )
+
+
+def _untold_noise(findings: Findings) -> Iterator[str]:
+    """Yield for which responses neither intervals nor repeated settings tell the noise."""
+    data = findings.data
+    measured = [each.responses for each in findings.campaign.outcomes if each.is_data]
+    told = {name for each in measured for name, one in each.items() if one.deviation is not None}
+    for i, name in enumerate(findings.responses):
+        known = np.isfinite(data.y[:, i])
+        y, settings = data.y[known, i], settings_of(data.x[known])
+        if name in told or not known.any():
+            continue
+        if len(np.unique(settings)) == len(y):
+            share = float(np.sqrt(data.variance[known, i].mean()) / (y.std() or 1.0))
+            yield (
+                f"Nothing tells of the noise of {name}: no run has an interval, no setting was run twice. It "
+                f"is taken as what no smooth surface explains, {100 * share:.2g} % of the spread of the "
+                "runs. Repeated runs tell it."
+            )
+        elif all(np.ptp(y[settings == number]) == 0.0 for number in settings):
+            yield (
+                f"All runs of one setting have one {name}: they are copies, or of a case without random "
+                "numbers. They tell nothing of the noise, but count as runs of their own in the quadratic "
+                "surface, whose standard errors and p are too small."
+            )
 
 
 def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
@@ -192,7 +248,7 @@ def anova_tables(findings: Findings) -> Iterator[dict[str, Any]]:
             )
             words += f" Lack of fit: F {lack['f']:.4g}, p {lack['p']:.2g}: the quadratic {verdict}."
         if scales[name].scale != "plain":
-            words += f" The response is on a {scales[name].scale} scale (see the documentation)."
+            words += f" All of it is of the {ON_SCALE[scales[name].scale]}, not of {name} itself."
         rows = [{**row, "term": term_name(row["term"], factors)} for row in surface.anova()]
         yield {"response": name, "words": words, "rows": rows}
 

@@ -63,19 +63,26 @@ def _own(findings: Findings, response: int, fitted: Array) -> Array:
 
 
 def _trade_off(findings: Findings) -> Any:
-    """Draw the front with its 95 % band, random settings, all runs, and the settings that were run again."""
+    """Draw the front with its 95 % band, random settings, all runs, and the settings that were run again.
+
+    Random settings that are expected to break a limit beside the trade-off are left out, and runs that do are
+    open marks: they may lie beyond the front.
+    """
     if findings.trade_off is None or findings.fitted is None:
         return None
     first, second, *_ = findings.trade_off
     drawn, ((axis,),) = figure(width=8.4, height=5.2)
     mean, _ = predict_each(findings.fitted, findings.random_settings)
+    mean = mean[:, findings.beside.kept(mean)]
     places = (_own(findings, response, mean[response]) for response in (second, first))
-    axis.plot(
-        *places, ".", ms=2, color=GREY, label=f"{len(findings.random_settings)} random settings, predicted"
-    )
+    axis.plot(*places, ".", ms=2, color=GREY, label=f"{mean.shape[1]} random settings, predicted")
     widths = NORMAL_95 * np.sqrt(findings.data.variance)
     (x, dx), (y, dy) = (_with_bars(findings, r, findings.data.y[:, r], widths[:, r]) for r in (second, first))
-    axis.errorbar(x, y, dy, dx, "o", ms=3, lw=0.6, color=BLUE, label="runs")
+    kept = findings.beside.kept(findings.data.y.T)
+    for mine, fill, which in ((kept, BLUE, "runs"), (~kept, "white", "runs beyond another limit")):
+        if mine.any():
+            bars = dy[:, mine], dx[:, mine]
+            axis.errorbar(x[mine], y[mine], *bars, "o", ms=3, mfc=fill, lw=0.6, color=BLUE, label=which)
     if len(findings.front):
         mean, deviation = predict_each(findings.fitted, findings.front)
         along = _own(findings, second, mean[second])
@@ -108,10 +115,12 @@ def _with_bars(findings: Findings, response: int, y: Array, width: Array) -> tup
 
 
 def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
-    """Average predictions over random settings in bins of a factor.
+    """Add up what a factor's steps from bin to bin change, on the average of the random settings in a bin.
 
-    Return the bins' middles, (b,), in the factor's unit; means and mean 95 % half widths, (b, m), on the
-    surrogates' scales.  Averages over settings of the space also hold where factors are ordered.
+    Return the bins' middles, (b,), in the factor's unit; averages and mean 95 % half widths, (b, m), on the
+    surrogates' scales.  Mere averages in bins would show the effects of other factors where these are ordered
+    and move together.  Source: D. W. Apley, J. Zhu, J. R. Stat. Soc. B 82 (2020) 1059,
+    doi:10.1111/rssb.12377.
     """
     assert findings.fitted is not None
     x = findings.random_settings
@@ -119,10 +128,15 @@ def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
     edges = np.quantile(x[:, factor], np.linspace(0, 1, BINS + 1))
     numbers = np.clip(np.searchsorted(edges, x[:, factor], side="right") - 1, 0, BINS - 1)
     bins = [numbers == number for number in range(BINS)]
-    middles = np.array([findings.campaign.study.space.actual(x[b].mean(axis=0))[factor] for b in bins])
-    means = np.array([mean[:, b].mean(axis=1) for b in bins])
+    low, high = x.copy(), x.copy()
+    low[:, factor], high[:, factor] = edges[numbers], edges[numbers + 1]
+    change = predict_each(findings.fitted, high)[0] - predict_each(findings.fitted, low)[0]
+    steps = np.array([change[:, b].mean(axis=1) for b in bins])
+    curve = np.cumsum(steps, axis=0) - steps / 2.0
+    space, middles = findings.campaign.study.space, (edges[:-1] + edges[1:]) / 2.0
+    in_units = 0.5 * (space.low[factor] * (1.0 - middles) + space.high[factor] * (1.0 + middles))
     widths = np.array([NORMAL_95 * deviation[:, b].mean(axis=1) for b in bins])
-    return middles, means, widths
+    return in_units, curve - curve.mean(axis=0) + mean.mean(axis=1), widths
 
 
 def _effects(findings: Findings) -> Any:
@@ -239,7 +253,7 @@ def _parity(findings: Findings) -> Any:
             axis.set(xlim=limits, ylim=limits, box_aspect=1)
             quality = f"Q² = {each.explained[row]:.2f}, in 95 %: {100 * each.coverage[row]:.0f} %"
             axis.set_title(f"{each.name}: {responses[row]}\n{quality}", fontsize=9)
-            axis.set(xlabel="predicted without this run", ylabel="run" if column == 0 else "")
+            axis.set(xlabel="predicted without this setting", ylabel="run" if column == 0 else "")
     return drawn
 
 

@@ -17,7 +17,7 @@ import statsmodels.api as sm
 from scipy import stats
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.surrogates import TooFewPoints
+from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
 
 REPEATED = 1e-12  # of the response: repeated runs that scatter less are the same but for rounding
 NEEDED = 1e-8  # of leverage short of 1: without the point there are too few for the terms
@@ -86,7 +86,7 @@ class FittedQuadratic:
         return np.array([mean for mean, _ in predicted]), np.array([cov for _, cov in predicted])
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each response, (n, m), from the others."""
+        """Predict each response, (n, m), from other settings."""
         mean, deviation = np.full((2, self.points, len(self.surfaces)), np.nan)
         for i, surface in enumerate(self.surfaces):
             mean[surface.known, i], deviation[surface.known, i] = surface.left_out()
@@ -137,14 +137,16 @@ class Surface:
         return float(stats.t.ppf(0.975, self.fitted.df_resid) / stats.norm.ppf(0.975))
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each of its points from the others: mean and standard deviation of the mean's error.
+        """Predict each of its points from all other settings: mean and standard deviation of its error.
 
-        A point without which the surface could not be fitted, such as a single centre, has neither.
+        A setting without which the surface could not be fitted, such as the centre, has neither.
         """
-        leverage = self.fitted.get_influence().hat_matrix_diag
-        rest = np.where(leverage < 1.0 - NEEDED, 1.0 - leverage, np.nan)
+        leverage, settings = self.fitted.get_influence().hat_matrix_diag, settings_of(self.x)
+        rest = 1.0 - leverage * np.bincount(settings)[settings]  # of all runs of the setting together
+        rest = np.where(rest > NEEDED, rest, np.nan)
+        residual = np.bincount(settings, self.fitted.resid)[settings]
         deviation = self.widened * np.sqrt(self.fitted.scale * leverage / rest)
-        return self.y - self.fitted.resid / rest, deviation
+        return self.fitted.fittedvalues - leverage * residual / rest, deviation
 
     @property
     def is_constant(self) -> bool:
@@ -152,16 +154,22 @@ class Surface:
         return bool(np.ptp(self.y) == 0.0)
 
     def studentised_residuals(self) -> Array:
-        """Compute the residual of each point over its error, both estimated without the point."""
+        """Compute the residual of each point over its error, both estimated without the point; not a number
+        where no degree of freedom is left for the error."""
         if self.is_constant:
             return np.zeros(len(self.y))
+        if self.fitted.df_resid < 2:
+            return np.full(len(self.y), np.nan)
         return np.asarray(self.fitted.get_influence().resid_studentized_external)
 
     def quality(self) -> dict[str, float]:
-        """Compute R squared, adjusted and predicted (PRESS), and the F test of the whole surface."""
+        """Compute R squared, adjusted and predicted (PRESS, of single runs), and the F test of the whole
+        surface."""
         if self.is_constant:
             return dict.fromkeys(QUALITY, 0.0) | {"p": 1.0}
-        missed, total = self.y - self.left_out()[0], float(self.fitted.centered_tss)
+        rest = 1.0 - self.fitted.get_influence().hat_matrix_diag
+        missed = self.fitted.resid / np.where(rest > NEEDED, rest, np.nan)
+        total = float(self.fitted.centered_tss)
         press, told = float(np.nansum(missed**2)), np.isfinite(missed)
         predicted = 1.0 - press / float(((self.y - self.y.mean())[told] ** 2).sum())
         values = (
@@ -200,7 +208,7 @@ class Surface:
 
         Source: Myers, Montgomery, Anderson-Cook 2016, section 2.7.
         """
-        _, group = np.unique(self.x.round(9), axis=0, return_inverse=True)
+        group = settings_of(self.x)
         means = np.bincount(group, self.y) / np.bincount(group)
         error = float(((self.y - means[group]) ** 2).sum())
         error_df = len(self.y) - int(group.max()) - 1

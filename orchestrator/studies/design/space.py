@@ -48,6 +48,10 @@ class Space:
             inside[..., columns] = -np.sort(-inside[..., columns], axis=-1)
         return inside
 
+    def simplify(self, coded: Array) -> Array:
+        """Return settings, (n, factors), as they are: no factor follows from others."""
+        return coded
+
     def sample(self, count: int, seed: int) -> Array:
         """Scrambled Sobol points, (count, factors): any first part of them fills the space evenly.
 
@@ -79,9 +83,13 @@ class Space:
 
 @dataclass(frozen=True)
 class SimplerSpace(Space):
-    """The part of a space in which some factors follow from the others; ``simplify`` puts them in."""
+    """The part of a space in which some factors follow from the others; ``formulas`` puts them in."""
 
-    simplify: Callable[[Array], Array] = lambda coded: coded
+    formulas: Callable[[Array], Array] = lambda coded: coded
+
+    def simplify(self, coded: Array) -> Array:
+        """Put the factors that follow from the others into settings, (n, factors)."""
+        return self.formulas(coded)
 
     def ordered(self, coded: Array) -> Array:
         """Move settings, (n, factors), into the part of the space."""

@@ -168,7 +168,7 @@ def fit_tables(findings: Findings) -> Iterator[str | Table]:
             for text in (f"{q2:.3f}", f"{100 * share:.0f} %")
         ]
         rows.append([each.name, *(cells or [each.why_not, *[""] * (len(head) - 2)])])
-    yield console_table("predicting each run from all others", head, rows, left=head[1:2])
+    yield console_table("predicting each run from all other settings", head, rows, left=head[1:2])
     for name, surface in findings.quadratic.items():
         quality = surface.quality()
         yield (

@@ -303,6 +303,7 @@ def read_study(path: Path) -> Study:
     parsed = _formulas(file, derived, problems)
     chains, aims = _chains(file, problems), _aims(file, problems)
     _check_source(file, problems)
+    _check_overrides(file, problems)
     _check_factors_and_responses(file, problems)
     _check_names(file, problems)
     _check_methods(file, problems)
@@ -349,6 +350,20 @@ def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:
         problems.append(CaseProblem(("set",), "the data of a table are not run"))
     elif file.case and not file.set:
         problems.append(CaseProblem(("set",), "no key of the case depends on a factor"))
+
+
+def _check_overrides(file: StudyFile, problems: list[CaseProblem]) -> None:
+    """Check that no override is of a key that a formula sets: one of the two would be without effect.
+
+    Formulas come after the overrides of all runs and before those of the cheap level.
+    """
+    cheap = file.cheap.overrides if file.cheap else ()
+    for place, texts in ((("overrides",), file.overrides), (("cheap", "overrides"), cheap)):
+        for number, key in enumerate(text.partition("=")[0].strip() for text in texts):
+            for other in file.set:
+                above = place[0] == "cheap" and other.startswith(f"{key}.")
+                if above or f"{key}.".startswith(f"{other}."):
+                    problems.append(CaseProblem((*place, number), f"{other} is set by a formula, too"))
 
 
 def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.ports import Array
 
@@ -25,10 +26,10 @@ class Fitted(Protocol):
         ...
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each response of the data from the others (leave-one-out).
+        """Predict each response of the data from the runs of all other settings (leave-one-out).
 
-        Return means, (n, m), and standard deviations of the errors without the noise of the run, (n, m);
-        not a number where a response is missing.
+        Another run of its own setting would tell the answer.  Return means, (n, m), and standard deviations
+        of the errors without the noise of the run, (n, m); not a number where a response is missing.
         """
         ...
 
@@ -67,6 +68,11 @@ class TooFewPoints(ValueError):
     """A model has more terms than there are points with a response."""
 
 
+def settings_of(x: Array) -> npt.NDArray[np.intp]:
+    """Number the settings of runs, (n, f): runs of one setting, but for rounding, have one number, (n,)."""
+    return np.unique(x.round(9), axis=0, return_inverse=True)[1]
+
+
 @dataclass(frozen=True)
 class Calibrated:
     """A surrogate whose covariances are widened, for each response, by a factor."""
@@ -80,13 +86,13 @@ class Calibrated:
         return mean, covariance * self.factor[:, None, None]
 
     def left_out(self) -> tuple[Array, Array]:
-        """Predict each response, (n, m), from the others, with widened deviations."""
+        """Predict each response, (n, m), from other settings, with widened deviations."""
         mean, deviation = self.fitted.left_out()
         return mean, deviation * np.sqrt(self.factor)
 
 
 def calibrated(fitted: Fitted, y: Array, variance: Array) -> Calibrated:
-    """Widen a surrogate's covariances to the errors that it makes of points left out.
+    """Widen a surrogate's covariances to the errors that it makes of settings left out.
 
     Surrogates whose parameters were fitted to few points are surer of themselves than they may be, and what
     they recommend breaks a limit more often than it should.  ``y`` and ``variance``, (n, m), are those of the
