@@ -111,6 +111,13 @@ def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> 
     assert "data:image/png;base64," in page
 
 
+def test_masses_that_are_one_to_three_digits_are_refused(spots: list[stability.Spot]) -> None:
+    """Their runs would have one folder, and both places of the map the outcome of the last one."""
+    heavier = replace(spots[0].run, words=(*spots[0].run.words, "--set", "title=another"))
+    with pytest.raises(FolderUnusable, match="two different runs of this study have this folder"):
+        next(run_points([spots[0].run, heavier], Crew(1)))
+
+
 @pytest.mark.process
 @pytest.mark.parametrize(
     ("words", "said"),

@@ -30,7 +30,7 @@ from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
 from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
-from orchestrator.studies.quantities import outcome
+from orchestrator.studies.quantities import is_over, outcome
 from orchestrator.studies.report import figure_parts, write_csv, write_page
 from orchestrator.studies.verdicts import (
     CaseCriteria,
@@ -133,11 +133,6 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
 def benchmark(case: Path, out: Path) -> CaseCriteria:
     """Return a benchmark, at its default level, with the runs that it needs.  Raises CaseError."""
     return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
-
-
-def is_over(run: Path) -> bool:
-    """Return whether a run is over; a stopped run is over, too, since the stop is its result."""
-    return outcome(run) != "not run"
 
 
 class MapAxes(Table):
