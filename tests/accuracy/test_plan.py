@@ -117,10 +117,12 @@ def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
 
 
 def test_a_point_that_was_measured_keeps_its_settings() -> None:
-    """Brackets, spaces and all."""
+    """Brackets, spaces and all.  A machine without its particles is cheaper, but no choice."""
     found = study()
     point = {"settings": "mesh", "sets": "'panel.cells=[44, 1]' panel.step_s=0", "error": 0.001}
-    found.table["points"] = [point | {"error_half_width": 0.002, "processor_s": 1.0}]
+    point |= {"kind": "diagonal", "error_half_width": 0.002, "processor_s": 1.0}
+    empty = point | {"kind": "parameter", "sets": "particles.solver=none", "processor_s": 0.5}
+    found.table["points"] = [empty, point]
     one = found.cheapest(0.05)
     assert one is not None
     assert one.sets == ("panel.cells=[44, 1]", "panel.step_s=0")

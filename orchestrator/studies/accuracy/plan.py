@@ -31,7 +31,7 @@ from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s, particles_at_start
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
-from orchestrator.studies.accuracy.combinations import BASE, part_s
+from orchestrator.studies.accuracy.combinations import ALONE, BASE, part_s
 from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
@@ -103,7 +103,9 @@ class StoredStudy:
         """Return the measured points, with their errors at the upper end of their confidence intervals.
 
         An error is against the finest settings of the study, so that their own remaining error is added.
+        Settings that are no choice, such as a machine without its particles, are no candidates.
         """
+        choices = {shlex.join(one["sets"]) for every in self.table["options"].values() for one in every}
         every = self.table["remaining"]
         remaining = max((every.get(name, 0.0) for name in self.table["judged_by"]), default=0.0)
         return [
@@ -115,7 +117,7 @@ class StoredStudy:
                 True,
             )
             for one in self.table["points"]
-            if one["error"] is not None
+            if one["error"] is not None and (one["kind"] != ALONE or one["sets"] in choices)
         ]
 
     def cheapest(self, tolerance: float) -> Candidate | None:
