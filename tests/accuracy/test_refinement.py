@@ -130,3 +130,12 @@ def test_damped_contacts_cost_particles_first_an_order(restitution: float, order
     expected = {series.variant: series.expected for series in offer(case, ("sync", "scheme"), 2).series}
     assert expected["particles-first"] == order
     assert (expected["aitken"], expected["serial-staggered"]) == (2.0, 1.0)
+
+
+@pytest.mark.parametrize(("step_s", "is_said"), [("5e-5", True), ("2.5e-5", False)])
+def test_a_panels_step_that_follows_the_interval_is_named(step_s: str, is_said: bool) -> None:
+    """The finest interval is 2.5e-5 s, and no step is longer."""
+    sets = ["panel.solver=strip", "panel.cells=[20,1]", f"panel.step_s={step_s}"]
+    case = load_judged(ROOT / "cases/panel-cycle", "default", sets).case
+    (series,) = offer(case, ("sync",), 4).series
+    assert ("intervals below 5e-05 s are the panels' step" in series.note) == is_said

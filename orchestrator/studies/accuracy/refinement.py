@@ -197,7 +197,8 @@ def _sync(case: Case, points: int) -> Iterable[RefinementSeries]:
     name = case_with_scheme(case).coupling.scheme
     overlay = (f"coupling.scheme={name}",) if case.coupling.scheme != name else ()
     series = _intervals(case, name, (), overlay, points)
-    yield replace(series, rank=series.rank + 0.5)
+    notes = filter(None, (series.note, _steps_with(case, series)))
+    yield replace(series, rank=series.rank + 0.5, note="; ".join(notes))
 
 
 def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
@@ -230,6 +231,19 @@ def _intervals(
     return RefinementSeries(
         "coupling", name, tuple(settings), "sync interval / s", expected, order or 0.0, note
     )
+
+
+def _steps_with(case: Case, series: RefinementSeries) -> str:
+    """Return the remark that the panels' step becomes finer with the finest intervals; empty where it does
+    not."""
+    finest_s = min(setting.h or math.inf for setting in series.settings)
+    try:
+        step_s = min(case.coupling.sync_interval_s, _usual_panel_step_s(case)) if case.screen.panels else 0.0
+    except NotOffered:
+        return ""
+    if step_s < finest_s * (1 + 1e-9):
+        return ""
+    return f"intervals below {step_s:.3g} s are the panels' step, too, so that both become finer together"
 
 
 def _panel_mesh(case: Case, points: int) -> Iterable[RefinementSeries]:
