@@ -24,7 +24,7 @@ from orchestrator.studies.accuracy.combinations import (
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
-from orchestrator.studies.accuracy.report import cost_table, draw_convergence, draw_models, warnings
+from orchestrator.studies.accuracy.report import cost_table, draw_convergence, draw_models, entries, warnings
 from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, proposals
 from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.quantities import DECISIVE, Metrics
@@ -156,6 +156,7 @@ def test_a_lost_reference_is_named(tmp_path: Path) -> None:
     write_summary(tmp_path / "base", {"status": "doubtful"})
     (said,) = warnings(study(tmp_path, lost, base))
     assert "another point serves as reference (doubtful:" in said
+    assert [row["kind"] for row in entries(study(tmp_path, lost, base))] == ["diagonal", "reference"]
 
 
 def test_errors_that_chance_explains_have_open_marks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

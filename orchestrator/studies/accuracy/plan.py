@@ -102,12 +102,15 @@ class StoredStudy:
     def measured_candidates(self) -> list[Candidate]:
         """Return the measured points, with their errors at the upper end of their confidence intervals.
 
-        An error is against the finest settings of the study, so that their own remaining error is added.
+        An error is against the study's reference, so that the reference's own error is added: what remains in
+        the finest settings, or more if their run was lost.
         Settings that are no choice, such as a machine without its particles, are no candidates.
         """
         choices = {shlex.join(one["sets"]) for every in self.table["options"].values() for one in every}
-        every = self.table["remaining"]
-        remaining = max((every.get(name, 0.0) for name in self.table["judged_by"]), default=0.0)
+        every, points = self.table["remaining"], self.table["points"]
+        left = [every.get(name, 0.0) for name in self.table["judged_by"]]
+        left += [one["predicted_error"] or 0.0 for one in points if one["point"] == self.table["reference"]]
+        remaining = max(left, default=0.0)
         return [
             Candidate(
                 one["settings"],
@@ -116,7 +119,7 @@ class StoredStudy:
                 one["processor_s"],
                 True,
             )
-            for one in self.table["points"]
+            for one in points
             if one["error"] is not None and (one["kind"] != ALONE or one["sets"] in choices)
         ]
 

@@ -94,7 +94,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
         point = row.point
         entry: dict[str, Cell] = {
             "point": point.name,
-            "kind": REFERENCE if point.name == study.reference else point.kind,
+            "kind": REFERENCE if point.name == study.reference else point.kind.replace(REFERENCE, TOGETHER),
             "settings": point.label,
             "sets": shlex.join(point.sets),
             "status": row.why or "done",
@@ -210,12 +210,10 @@ def warnings(study: AccuracyStudy) -> Iterator[str]:
     """Yield what the reference lacks, as sentences without a full stop."""
     if lost := [row for row in study.rows if row.point.kind == REFERENCE and row.why]:
         yield f"The proposed reference gave no result, and another point serves as reference ({lost[0].why})"
-    left = max(study.remaining_errors.values(), default=0.0)
+    proposal = study.proposals.get(study.reference)
+    left = max([*study.remaining_errors.values(), proposal.error if proposal else 0.0], default=0.0)
     if left:
-        yield (
-            f"The best setting of every parameter is itself off by an estimated {percent(left)}, from the "
-            "orders, which is in none of the errors"
-        )
+        yield f"The reference is itself off by an estimated {percent(left)}, which is in none of the errors"
 
 
 def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
