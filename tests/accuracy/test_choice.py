@@ -25,7 +25,7 @@ from orchestrator.studies.accuracy.combinations import (
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
 from orchestrator.studies.accuracy.report import cost_table, draw_convergence, draw_models, entries, warnings
-from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, proposals
+from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, best_measured, proposals
 from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.quantities import DECISIVE, Metrics
 from tests.runs.outside import ROOT
@@ -117,8 +117,9 @@ def test_every_error_that_decides_is_within_the_tolerance_of_a_recommendation(tm
     assert made.recommend(0.15).row is not None
 
 
-def test_the_next_best_is_the_reference_where_its_run_is_lost(tmp_path: Path) -> None:
-    """Proposals come with the best first, none beyond the budget."""
+def test_the_best_point_is_the_reference_where_its_run_is_lost(tmp_path: Path) -> None:
+    """The best proposal comes first, and none beyond the budget; where none was measured, the finest setting
+    is better than the case as it is."""
     points = (
         point(tmp_path, "base", {}, [flow(1.04, 1.0)], panel=10.0),
         point(tmp_path, "coupling-long", {"coupling": LONG}, [flow(1.15, 1.0)], panel=5.0),
@@ -128,6 +129,11 @@ def test_the_next_best_is_the_reference_where_its_run_is_lost(tmp_path: Path) ->
     assert list(dict.fromkeys(names)) == ["coupling-short", "base", "coupling-long"]
     names = [one.name for one, _ in proposals(study(tmp_path, *points, budget_s=15.0))]
     assert list(dict.fromkeys(names)) == ["base", "coupling-long"]
+    whole = study(tmp_path, *points)
+    name, prediction = best_measured(whole, ["lost"])
+    assert (name, prediction.error) == ("coupling-short", max(whole.remaining_errors.values()))
+    name, prediction = best_measured(study(tmp_path, *points[1:2], points[0]), [])
+    assert (name, prediction.error) == ("base", 0.0)
 
 
 def test_a_part_that_becomes_dear_counts() -> None:

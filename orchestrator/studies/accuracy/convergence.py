@@ -262,6 +262,19 @@ class Model:
         preferred = (self._cost_s if ties == "cheapest" else self._length).flat[within]
         return self._proposal(int(within[np.lexsort((preferred, self._worst.flat[within]))[0]]))
 
+    def predict(self, settings: Mapping[str, Setting]) -> Proposal | None:
+        """Return the proposal of these settings by axis; None where one of them is no option."""
+        at = []
+        for axis in self._axes:
+            wanted = settings.get(axis[0].axis)
+            fitting = (
+                n for n, one in enumerate(axis) if (one.setting == wanted if wanted else not one.setting.sets)
+            )
+            at.append(next(fitting, None))
+        if None in at:
+            return None
+        return self._proposal(int(np.arange(self._cost_s.size).reshape(self._cost_s.shape)[tuple(at)]))
+
     def _proposal(self, flat: int) -> Proposal:
         at = np.unravel_index(flat, self._cost_s.shape)
         chosen = tuple(axis[number] for axis, number in zip(self._axes, at, strict=True))

@@ -364,8 +364,25 @@ def run_study(request: StudyRequest) -> Generator[str, None, AccuracyStudy]:
     proposed, existing = proposals(study), {one.name for one in study.points}
     new = {one.name: one for one, _ in proposed if one.name not in existing}  # proposals may coincide
     study = yield from study.run([*new.values()])
-    reference = next((one.name for one, _ in proposed if one.name in study.measured), BASE)
-    return replace(study, proposals={one.name: each for one, each in proposed}, reference=reference)
+    predictions = {one.name: each for one, each in proposed}
+    reference, prediction = best_measured(study, [*predictions])
+    return replace(study, proposals=predictions | {reference: prediction}, reference=reference)
+
+
+def best_measured(study: AccuracyStudy, proposed: Sequence[str]) -> tuple[str, Proposal]:
+    """Return the name of the measured point with the least predicted error, with the prediction.
+
+    Of points that are equally good, the first of those ``proposed`` is taken, and else the first one.
+    """
+    model = study.model(EXACT)
+    names = [name for name in dict.fromkeys((*proposed, *study.measured)) if name in study.measured]
+    points = ((name, study.measured[name]) for name in names)
+    known = {
+        name: prediction
+        for name, point in points
+        if point.kind != CALIBRATION and (prediction := model.predict(point.settings)) is not None
+    }
+    return min(known.items(), key=lambda pair: pair[1].error)
 
 
 def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
@@ -396,7 +413,6 @@ def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
 def proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
     """Return the points of the reference and the diagonal, each within the budget, with their predictions.
 
-    The most accurate one comes first, so that the next one is the reference if its run is not to be trusted.
     A point that exists already with the same settings is returned itself.
     """
     model, budget_s = study.model(), study.request.budget_s
