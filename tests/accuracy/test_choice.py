@@ -186,3 +186,11 @@ def test_errors_that_chance_explains_have_open_marks(tmp_path: Path, monkeypatch
     draw_models(models, ["frame_m", "velocity_m_per_s"], tmp_path / "picture.png")
     filled = [len(each.collections[0].get_facecolors()) for each in drawn[1].axes if each.collections]
     assert filled == [1, 0]
+
+
+def test_a_reference_that_is_off_from_a_known_answer_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = study(tmp_path, point(tmp_path, "base", {}, [flow(1.0, 1.0)], panel=1.0))
+    monkeypatch.setattr("orchestrator.studies.accuracy.study.answer_errors", lambda *given: {"stroke": 0.11})
+    assert [*warnings(made)] == ["The reference is off by 11 % from a known answer: stroke"]

@@ -214,6 +214,10 @@ def warnings(study: AccuracyStudy) -> Iterator[str]:
     left = max([*study.remaining_errors.values(), proposal.error if proposal else 0.0], default=0.0)
     if left:
         yield f"The reference is itself off by an estimated {percent(left)}, which is in none of the errors"
+    for row in study.rows:
+        for name, error in row.answers.items() if row.point.name == study.reference else ():
+            if error > min(RECOMMENDED):
+                yield f"The reference is off by {percent(error)} from a known answer: {name}"
 
 
 def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
