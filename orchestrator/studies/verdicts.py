@@ -197,6 +197,8 @@ def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResul
         measured, width = evaluate(row, runs) / unit, half_width(row, runs)
     except Unknown as error:
         return CriterionResult(case, row, None, str(error))
+    except ZeroDivisionError:
+        return CriterionResult(case, row, None, "is relative to a number that is zero")
     return CriterionResult(case, row, measured, half_width=None if width is None else width / unit)
 
 
