@@ -150,11 +150,17 @@ class StoredStudy:
 def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
     """Return the verdict on an effect, with the measured error and cost of the model that leaves it out.
 
-    Without a run of such a model the verdict is returned unchanged.
+    Without a run of such a model the verdict is returned unchanged, and so it is where chance leaves open
+    whether the error is above the threshold.
     """
     model = _model_without(effect, study.table.get("models", []))
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
     if model is None or not decisive:
+        return verdict
+    widths = model.get("half_width", {})  # absent from studies of older versions
+    known = {name: widths.get(name) or 0.0 for name in decisive}
+    surely = any(value - known[name] > TENTH for name, value in decisive.items())
+    if not surely and any(value + known[name] > TENTH for name, value in decisive.items()):
         return verdict
     errors = ", ".join(f"{name} {100 * value:.2g} %" for name, value in decisive.items())
     return replace(
@@ -162,7 +168,7 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
         number=f"largest error of {model['label']}",
         value=max(decisive.values()),
         threshold=f"0.1 (measured against {model['reference']})",
-        matters=max(decisive.values()) > TENTH,
+        matters=surely,
         why=f"measured: {errors}",
         cost=f"{model['reference_processor_s']:.3g} s instead of {model['processor_s']:.3g} s of processor",
     )

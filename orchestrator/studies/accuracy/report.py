@@ -172,6 +172,7 @@ def _model_rows(models: Sequence[ComparedSetting]) -> Iterator[dict[str, Any]]:
             "label": each.setting.label,
             "sets": list(each.setting.sets),
             "error": {name: error.value for name, error in each.errors.items()},
+            "half_width": {name: error.half_width for name, error in each.errors.items()},
             "processor_s": each.point.processor_s,
             "reference": best.setting.label,
             "reference_processor_s": best.point.processor_s,
