@@ -291,8 +291,11 @@ def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
     done: list[Point] = []
     made_by: dict[Path, tuple[str, ...]] = {}
     for each in points:
-        if made_by.setdefault(each.folder, each.words) != each.words:
+        if made_by.get(each.folder, each.words) != each.words:
             raise FolderUnusable(f"{each.folder}: two different runs of this study have this folder")
+        if each.folder in made_by:
+            continue
+        made_by[each.folder] = each.words
         if is_at_work(each.folder):
             raise FolderUnusable(f"{each.folder}: a run is at work there; wait for its end")
         (done if each.done() else waiting).append(each)

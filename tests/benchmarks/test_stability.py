@@ -118,6 +118,8 @@ def test_masses_that_are_one_to_three_digits_are_refused(spots: list[stability.S
     heavier = replace(spots[0].run, words=(*spots[0].run.words, "--set", "title=another"))
     with pytest.raises(FolderUnusable, match="two different runs of this study have this folder"):
         next(run_points([spots[0].run, heavier], Crew(1)))
+    made_up(spots[0].run, DONE)
+    assert len([*run_points([spots[0].run, spots[0].run], Crew(1))]) == 1  # one that is asked for twice
 
 
 @pytest.mark.process
