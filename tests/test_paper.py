@@ -127,6 +127,14 @@ def test_an_effect_that_the_source_cannot_tell_from_chance(case: Path) -> None:
     assert [line.is_good for line in (chance, sure)] == [True, False]
 
 
+@pytest.mark.parametrize("compare", ["growth", "ratio"])
+def test_a_number_relative_to_zero_is_none(case: Path, compare: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("orchestrator.studies.criteria.number_of", lambda question, run: 0.0)
+    still = ROW.replace('at = "70"', f'compare = "{compare}"\nagainst = "speed"')
+    (line,) = compared(case, still)
+    assert (line.measured, line.verdict, line.why[:11]) == (None, "no number", "is relative")
+
+
 def test_the_distance_is_in_the_papers_unit_and_in_per_cent(case: Path) -> None:
     (line,) = compared(case, ROW)
     assert line.distance == pytest.approx(sum(moved_mm(70)) - 6)

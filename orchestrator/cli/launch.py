@@ -350,8 +350,10 @@ def _classify(error: BaseException) -> tuple[int, str, str]:
             return WRONG, "refused", str(error)
         case SolverMissing():
             return MISSING, "refused", str(error)
+        case SolverFailed() if not isinstance(error.__cause__, MemoryError):
+            return FAILED, "failed", "; ".join([str(error), *notes])
         case SolverFailed() | OSError() | MemoryError():
-            return FAILED, "failed", "; ".join([str(error) or OUT, *notes])
+            return FAILED, "failed", "; ".join([f"{trust.REFUSED}: {str(error) or OUT}", *notes])
         case Exception():
             LOG.error("internal error", exc_info=error)
             return BROKEN, "failed", "; ".join([_describe_internal(error), *notes])
@@ -359,7 +361,7 @@ def _classify(error: BaseException) -> tuple[int, str, str]:
 
 
 def _describe_internal(error: Exception) -> str:
-    return f"internal error: {type(error).__name__}: {error}"
+    return f"{trust.INTERNAL_ERROR}: {type(error).__name__}: {error}"
 
 
 def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:

@@ -401,7 +401,7 @@ def _lowest_at(numbers: Array, chosen: Runs) -> float:
 
 
 OVER_VALUES: dict[str, Callable[[Array, Runs], float]] = {
-    "growth": lambda numbers, chosen: numbers[-1] / numbers[0] - 1,
+    "growth": lambda numbers, chosen: float(numbers[-1]) / float(numbers[0]) - 1,
     "change": lambda numbers, chosen: numbers[-1] - numbers[0],
     "lowest-at": _lowest_at,
 }

@@ -284,11 +284,18 @@ def run_in_scratch(
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
     """Run the points that are not done, side by side, and yield a line when a run has ended.
 
-    Files of an unfinished run are kept under another name.  Raises FolderUnusable before anything is run.
+    Files of an unfinished run are kept under another name.  Raises FolderUnusable before anything is run, and
+    where two different runs would have the same folder.
     """
     waiting: list[Point] = []
     done: list[Point] = []
+    made_by: dict[Path, tuple[str, ...]] = {}
     for each in points:
+        if made_by.get(each.folder, each.words) != each.words:
+            raise FolderUnusable(f"{each.folder}: two different runs of this study have this folder")
+        if each.folder in made_by:
+            continue
+        made_by[each.folder] = each.words
         if is_at_work(each.folder):
             raise FolderUnusable(f"{each.folder}: a run is at work there; wait for its end")
         (done if each.done() else waiting).append(each)

@@ -232,7 +232,6 @@ def _turned_over_J(run: Path) -> float:
 
 Outcome = Literal["stable", "warned", "stopped", "not run"]
 COUPLING_CHECKS = ("created_energy", "created_in_total", "growing_modes")  # of the monitor
-INTERNAL_ERROR = "internal error"
 
 
 def outcome(run: Path) -> Outcome:
@@ -240,18 +239,23 @@ def outcome(run: Path) -> Outcome:
 
     ``stable``: the run came to its end, the monitor gave no warning of its energy or its modes, and it is
     not doubtful.  ``warned``: the run came to its end, but one of these conditions failed.  ``stopped``: the
-    run ended early with a reason (exit code 4).  ``not run``: the run is missing, was interrupted, or ended
-    with an internal error.
+    run ended early with a reason that lies in its case.  ``not run``: the run is missing, was interrupted, or
+    ended by an internal error, or because memory or the disk was full.
     """
     summary = summary_of(run)
     state, reason = str(summary.get("status")), str(summary.get("reason"))
-    if state == "failed" and not reason.startswith(INTERNAL_ERROR):
+    if state == "failed" and not reason.startswith((trust.INTERNAL_ERROR, trust.REFUSED)):
         return "stopped"
     if not trust.came_to_its_end(state):
         return "not run"
     monitored = summary.get("monitor", {}).get("figures", {})
     has_warned = any(monitored[key]["times"] for key in COUPLING_CHECKS if key in monitored)
     return "warned" if has_warned or state == trust.DOUBTFUL else "stable"
+
+
+def is_over(run: Path) -> bool:
+    """Return whether a run is over; a stopped run is over, too, since the stop is its result."""
+    return outcome(run) != "not run"
 
 
 def _outcome_is(*wanted: Outcome) -> Callable[[Question, Path], float]:

@@ -54,9 +54,11 @@ class CriterionResult:
     def is_good(self) -> bool:
         """Whether the criterion is met as expected.
 
-        A known failure must fail.  A number that is not predicted, and one that the source itself cannot tell
-        from chance, may fail.
+        There must be a number, and a known failure must fail.  A number that is not predicted, and one that
+        the source itself cannot tell from chance, may fail.
         """
+        if self.measured is None:
+            return False
         if self.row.ours != "predicted" or self.is_chance:
             return True
         return self.is_inside != bool(self.row.known_failure)
@@ -195,6 +197,8 @@ def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResul
         measured, width = evaluate(row, runs) / unit, half_width(row, runs)
     except Unknown as error:
         return CriterionResult(case, row, None, str(error))
+    except ZeroDivisionError:
+        return CriterionResult(case, row, None, "is relative to a number that is zero")
     return CriterionResult(case, row, measured, half_width=None if width is None else width / unit)
 
 

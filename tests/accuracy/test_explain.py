@@ -39,6 +39,11 @@ def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) 
     found = measured_verdict("variation-across", verdicts["variation-across"], there)
     assert (found.value, found.matters) == (error, matters)
     assert "5 s instead of 2 s" in found.cost
+    there.table["models"][0]["half_width"] = {"deflection_m": 0.25, "rms_g": 0.25}
+    assert (
+        measured_verdict("variation-across", verdicts["variation-across"], there)
+        is verdicts["variation-across"]
+    )
     other = verdicts["panel-deformation"]
     assert measured_verdict("panel-deformation", other, there) is other
 

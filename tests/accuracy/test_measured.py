@@ -38,7 +38,8 @@ def test_nothing_random_has_no_interval() -> None:
     wrong = errors(point(1.1), point(1.0), scatter([point(1.1), point(1.0)], False))
     assert wrong == {"deflection_m": Error(pytest.approx(0.1), 0.0), "frame_m": Error(0.0, 0.0)}
     assert worst_error(wrong, ["frame_m", "deflection_m"]) == ("deflection_m", wrong["deflection_m"])
-    assert worst_error(wrong, ["rms_g"]) is None
+    assert worst_error(wrong, ["frame_m", "rms_g"]) is None
+    assert worst_error(wrong, []) is None
 
 
 def test_one_seed_tells_nothing_about_chance() -> None:
@@ -108,4 +109,5 @@ def test_an_order_far_above_the_expected_one_is_chance() -> None:
         RefinementSeries("panel", "strip", settings, expected=1.0), settings, points, differences, ({},) * 3
     )
     assert found.orders["deflection_m"].order > 3.0
+    assert not found.is_clean("deflection_m")  # two points always lie on a line
     assert found.remaining_error("deflection_m") == pytest.approx(0.003)

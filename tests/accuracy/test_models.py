@@ -10,7 +10,7 @@ from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.combinations import ALONE, EXACT, Combination, Error, errors
+from orchestrator.studies.accuracy.combinations import ALONE, EXACT, Combination, Error, Scatter, errors
 from orchestrator.studies.accuracy.refinement import offer
 from orchestrator.studies.points import sampling_sets
 from orchestrator.studies.quantities import Metrics, relative
@@ -28,6 +28,11 @@ def test_errors_are_relative_to_the_reference() -> None:
     found = errors(measured(1.1, 1.1 * (wave - 5.0) + 5.0), measured(1.0, wave), EXACT)
     assert found == {name: Error(pytest.approx(0.1)) for name in ("deflection_m", "shape")}
     assert relative(wave, wave) == 0.0
+
+
+def test_chance_may_be_all_of_a_difference_in_shape() -> None:
+    found = errors(measured(1.0, np.eye(3)), measured(1.0, np.eye(3)), Scatter(True, {}, {}))
+    assert found["shape"] == Error(0.0, None)
 
 
 def test_shapes_of_other_grids_are_not_compared() -> None:

@@ -43,6 +43,7 @@ def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -
         "read": load_judged(ROOT / "cases/quickstart", "draft").origin.read(),
         "chance": chance,
         "judged_by": ["frame_m"],
+        "reference": "fine",
         "remaining": {"frame_m": 0.01},
         "short": {},
         "base": {"processor_by_part_s": {"panel": 10.0, "rest": 2.0}, "simulated_s": 0.5},
@@ -117,14 +118,20 @@ def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
 
 
 def test_a_point_that_was_measured_keeps_its_settings() -> None:
-    """Brackets, spaces and all."""
+    """Brackets, spaces and all.  A machine without its particles is cheaper, but no choice."""
     found = study()
     point = {"settings": "mesh", "sets": "'panel.cells=[44, 1]' panel.step_s=0", "error": 0.001}
-    found.table["points"] = [point | {"error_half_width": 0.002, "processor_s": 1.0}]
+    point |= {"point": "mesh", "kind": "diagonal", "error_half_width": 0.002, "processor_s": 1.0}
+    empty = point | {"kind": "parameter", "sets": "particles.solver=none", "processor_s": 0.5}
+    found.table["points"] = [empty, point]
     one = found.cheapest(0.05)
     assert one is not None
     assert one.sets == ("panel.cells=[44, 1]", "panel.step_s=0")
-    assert (one.error, one.measured) == (pytest.approx(0.013), True)  # 0.01 remain in the reference
+    assert (one.error, one.measured) == (pytest.approx(0.013), True)  # 0.01 remain in the finest settings
+    found.table["points"].append(point | {"point": "fine", "error": None, "predicted_error": 0.03})
+    one = found.cheapest(0.035)
+    assert one is not None
+    assert (one.error, one.measured) == (pytest.approx(0.033), True)  # their run was lost
 
 
 def test_chance_is_part_of_what_is_predicted() -> None:

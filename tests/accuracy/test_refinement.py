@@ -110,3 +110,32 @@ def test_variants_can_be_chosen() -> None:
     assert {series.variant for series in there.series} == {"aitken", "serial-staggered"}
     with pytest.raises(CaseError, match=r'--parameters: no variant "sheat" .*; did you mean "sheet"\?'):
         offer(case, ["scheme=aitken", "panel-model=sheat"], 2)
+
+
+def test_no_contact_is_stiffer_than_its_material() -> None:
+    """The label and the length say what is run: 3.16 times this cap would be 1.2 times the material's own."""
+    sets = ["particles.largest_youngs_modulus_Pa=3.8e8"]
+    case = load_judged(ROOT / "cases/ball-on-panel", "draft", sets).case
+    (series,) = offer(case, ("stiffness",), 3).series
+    finest, own_Pa = series.settings[-1], case.materials["coal"].youngs_modulus_Pa
+    assert finest.label == "9.9e+08 Pa"
+    assert finest.h == pytest.approx((3.8e8 / own_Pa) ** 0.4)
+
+
+@pytest.mark.parametrize(("restitution", "order"), [(0.34, 1.0), (1.0, 2.0)])
+def test_damped_contacts_cost_particles_first_an_order(restitution: float, order: float) -> None:
+    """In motion, by which settings are judged; iterated schemes keep theirs (docs/theory/coupling.md)."""
+    sets = ["coupling.scheme=particles-first", *(f"contacts.{n}.restitution={restitution}" for n in (0, 1))]
+    case = load_judged(ROOT / "cases/ball-on-panel", "draft", sets).case
+    expected = {series.variant: series.expected for series in offer(case, ("sync", "scheme"), 2).series}
+    assert expected["particles-first"] == order
+    assert (expected["aitken"], expected["serial-staggered"]) == (2.0, 1.0)
+
+
+@pytest.mark.parametrize(("step_s", "is_said"), [("5e-5", True), ("2.5e-5", False)])
+def test_a_panels_step_that_follows_the_interval_is_named(step_s: str, is_said: bool) -> None:
+    """The finest interval is 2.5e-5 s, and no step is longer."""
+    sets = ["panel.solver=strip", "panel.cells=[20,1]", f"panel.step_s={step_s}"]
+    case = load_judged(ROOT / "cases/panel-cycle", "default", sets).case
+    (series,) = offer(case, ("sync",), 4).series
+    assert ("intervals below 5e-05 s are the panels' step" in series.note) == is_said

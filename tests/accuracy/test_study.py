@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
@@ -11,12 +12,14 @@ import pytest
 from pyarrow import parquet
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.output.records.run_folder import FolderUnusable, write_case
+from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import StudyRequest
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
 from orchestrator.studies.accuracy.plan import find_study, time_by_study
 from orchestrator.studies.accuracy.report import write_study
-from orchestrator.studies.accuracy.study import AccuracyStudy, run_study
+from orchestrator.studies.accuracy.study import AccuracyStudy, plan_study, run_study
 from orchestrator.studies.points import CaseStudy, Crew
 from orchestrator.studies.quantities import DECISIVE, Question, Unknown, number_of
 from tests.runs.outside import ROOT, flipflow
@@ -102,6 +105,23 @@ def test_a_study_of_nothing_says_so(out: Path) -> None:
         made(asked(out.with_name("nothing"), ("sync",), *sets))
 
 
+def test_a_study_without_a_quantity_that_decides_says_so(study: AccuracyStudy, out: Path) -> None:
+    """Nothing leaves this panel, so that no efficiency can be wrong."""
+    with pytest.raises(CaseError, match="none of the quantities that should decide: efficiency_percent"):
+        made(replace(study.request, judged_by=("efficiency_percent",)))
+
+
+def test_a_failed_run_of_another_case_is_not_taken_for_one_of_this(out: Path) -> None:
+    """The case that failed has been changed since."""
+    request = asked(out.with_name("changed"), ("sync",))
+    run = plan_study(request).points[0].runs[0]
+    run.folder.mkdir(parents=True)
+    write_summary(run.folder, {"status": "failed", "reason": "the panel became unstable"})
+    write_case(run.folder, load_judged(BALL, "draft", ["panel.cells=[11, 1]"]))
+    with pytest.raises(FolderUnusable, match="holds a run of another case"):
+        made(request)
+
+
 def test_serial_staggered_is_of_first_order(out: Path) -> None:
     """Not the largest deflection, off by 0.02 % only: the ball leaves before it comes."""
     sets = ("coupling.scheme=serial-staggered",)
@@ -181,6 +201,11 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
     assert not (tmp_path / "x").exists()
     wrong = flipflow(*words, "--parameters", "synch")
     assert (wrong.returncode, 'did you mean "sync"?' in wrong.stderr) == (2, True)
+    for unknown in ("shape", "deflection_m=3"):  # the first is compared, but has no value of its own
+        wrong = flipflow(*words, "--quantities", unknown)
+        assert (wrong.returncode, f'no "{unknown}"' in wrong.stderr) == (2, True)
+    twice = flipflow(*words, "--parameters", "sync,sync", "--out", str(tmp_path / "x"))
+    assert twice.stdout.count("1 to be run") == 4
     former = flipflow(*words, "--knobs", "sync")
     assert (former.returncode, "--parameters sync" in former.stderr) == (2, True)
 

@@ -158,6 +158,7 @@ def test_the_files_of_earlier_versions_are_refused_with_the_new_name(tmp_path: P
     [
         ({"status": "failed", "reason": "unstable"}, "stopped"),
         ({"status": "failed", "reason": "internal error: x"}, "not run"),
+        ({"status": "failed", "reason": "the computer refused: out of memory"}, "not run"),
         ({"status": "interrupted", "reason": "stopped by SIGINT"}, "not run"),
         (DONE, "stable"),
         (DONE | {"status": "doubtful"}, "warned"),
@@ -185,6 +186,8 @@ def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> 
         (3.0, {"known_failure": "why"}, "known failure"),
         (1.0, {"known_failure": "why"}, "MET, but marked as failing"),
         (None, {}, "no number"),
+        (None, {"known_failure": "why"}, "no number"),
+        (None, {"ours": "fitted"}, "no number"),
     ],
 )
 def test_verdicts(measured: float | None, given: dict[str, object], verdict: str) -> None:

@@ -28,6 +28,7 @@ from tests.runs.outside import ROOT, flipflow, said_plainly
 HARD = ROOT / "cases" / "hard"
 STRIP = ("panel.solver=strip", "panel.cells=[8,1]", "panel.surface_cells=[8,4]")
 DONE = {"status": "done", "reason": "", "energy_ledger_J": {"lost.a": 1.0}}
+IDLE = DONE | {"energy_exchanged_J": {"particles-panel": 0.0, "panel-frames": 1.0}}
 WARNED = DONE | {"status": "doubtful"}
 STOPPED = {"status": "failed", "reason": "the panel became unstable"}
 
@@ -92,7 +93,7 @@ def test_a_run_that_is_to_be_resumed_is_not_done_at_its_first_end(tmp_path: Path
 
 
 def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> None:
-    for spot, figures in zip(spots, [DONE, WARNED, STOPPED], strict=False):
+    for spot, figures in zip(spots, [DONE, WARNED, STOPPED, IDLE], strict=False):
         made_up(spot.run, figures)
     picture = stability.draw_map(spots, tmp_path / "map.png")
     pixels = matplotlib.image.imread(picture)[..., :3]
@@ -100,7 +101,8 @@ def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> 
     table = write_csv([spot.words for spot in spots], tmp_path / "map.csv")
     with table.open() as text:
         rows = [*csv.DictReader(text)]
-    assert [row["outcome"] for row in rows[:4]] == ["stable", "warned", "stopped", "not run"]
+    assert [row["outcome"] for row in rows[:4]] == ["stable", "warned", "stopped", "idle"]
+    assert rows[4]["outcome"] == "not run"
     case = stability.benchmark(HARD / "restart", tmp_path)
     row = case.criteria.criteria[0]
     results = [CriterionResult("restart", row, -2.0), CriterionResult("restart", row, None, "<nothing>")]
@@ -109,6 +111,15 @@ def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> 
     assert "1 no number" in page
     assert "&lt;nothing&gt;" in page
     assert "data:image/png;base64," in page
+
+
+def test_masses_that_are_one_to_three_digits_are_refused(spots: list[stability.Spot]) -> None:
+    """Their runs would have one folder, and both places of the map the outcome of the last one."""
+    heavier = replace(spots[0].run, words=(*spots[0].run.words, "--set", "title=another"))
+    with pytest.raises(FolderUnusable, match="two different runs of this study have this folder"):
+        next(run_points([spots[0].run, heavier], Crew(1)))
+    made_up(spots[0].run, DONE)
+    assert len([*run_points([spots[0].run, spots[0].run], Crew(1))]) == 1  # one that is asked for twice
 
 
 @pytest.mark.process

@@ -25,6 +25,9 @@ from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
 DONE, DOUBTFUL, INCOMPLETE = "done", "doubtful", "incomplete"
 AT_THE_END = (DONE, DOUBTFUL, INCOMPLETE)
 EXIT_CODES = {DONE: 0, DOUBTFUL: 5, INCOMPLETE: 6}
+INTERNAL_ERROR, REFUSED = "internal error", "the computer refused"
+"""The first words of the reason of a failed run that says nothing of its case: an error of the program, and
+memory or a disk that was full."""
 
 LARGEST_SHARE_CREATED = 0.01  # of the energy exchanged and lost, if the case has no limit for the coupling
 LARGEST_SHARE_OF_A_SOLVER = 0.05  # of the energy that a solver turned over (defect_shares)

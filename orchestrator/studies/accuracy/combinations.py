@@ -23,11 +23,9 @@ from orchestrator.ports.clock import exact
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.criteria import Criterion, answer_error
 from orchestrator.studies.points import CaseStudy, Point, sample_s, sampling_sets
-from orchestrator.studies.quantities import COMPARED, Metrics, measure, relative
+from orchestrator.studies.quantities import COMPARED, Metrics, is_over, measure, relative
 
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
-ENDED = (*trust.AT_THE_END, "failed")
-"""The states of runs that have ended, successfully or not."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ class Combination:
     @property
     def has_ended(self) -> bool:
         """Whether all runs have ended, successfully or not."""
-        return bool(self.runs) and all(run.status() in ENDED for run in self.runs)
+        return bool(self.runs) and all(is_over(run.folder) for run in self.runs)
 
     def with_metrics(self) -> Combination:
         """Return the combination with the metrics of its runs, if all runs are done."""
@@ -190,7 +188,7 @@ def part_s(case: Case, parts: int) -> float:
 class Error:
     """A relative error, and half the width of its 95 % confidence interval.
 
-    ``half_width`` is 0 where nothing is random, and None where a single seed gives no interval.
+    ``half_width`` is 0 where nothing is random, and None where it is unknown, as it is of a single seed.
     """
 
     value: float
@@ -259,7 +257,7 @@ def scatter(every: Iterable[Combination], random: bool) -> Scatter:
 def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[str, Error]:
     """Return the errors, relative to the reference, of every quantity that both points have.
 
-    Shapes are compared seed by seed.
+    Shapes are compared seed by seed; how much of their difference is chance is not known.
     """
     seeds = (len(point.metrics), len(reference.metrics))
     differences = {}
@@ -274,7 +272,7 @@ def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[
         if a.shapes_m.size and a.shapes_m.shape == b.shapes_m.shape
     ]
     if pairs and np.isfinite(pairs).all():  # they are infinite where no panel bends
-        differences["shape"] = Error(float(np.mean(pairs)))
+        differences["shape"] = Error(float(np.mean(pairs)), None if spread.random else 0.0)
     return differences
 
 
@@ -286,7 +284,10 @@ def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, f
 
 
 def worst_error(errors: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
-    """Return the error that decides whose interval reaches highest, with the name of its quantity; None
-    without any."""
-    deciding = [(name, errors[name]) for name in judged_by if name in errors]
-    return max(deciding, key=lambda pair: pair[1].at_most, default=None)
+    """Return the error that decides whose interval reaches highest, with the name of its quantity.
+
+    Return None where one of the errors is unknown, since it may be the largest, or where none decides.
+    """
+    if not all(name in errors for name in judged_by):
+        return None
+    return max(((name, errors[name]) for name in judged_by), key=lambda pair: pair[1].at_most, default=None)

@@ -131,17 +131,25 @@ class MeasuredSeries:
         }
         return len(sides) > 1
 
+    def is_clean(self, name: str) -> bool:
+        """Return whether an order is observed of a quantity, on a line and not by chance.
+
+        Between settings, an order far above the expected one is chance.
+        """
+        order, expected = self.orders.get(name), self.series.expected
+        if order is None or not order.is_clean:
+            return False
+        return name in self.exact[0] or expected is None or order.order < expected + BY_CHANCE
+
     def remaining_error(self, name: str) -> float:
         """Return the estimated relative error of a quantity at the finest setting.
 
-        The estimate follows from the observed order, or else from the expected order and the last difference
-        (Roache's estimate), also where the observed order is far above the expected one, which is chance.  It
-        is 0 where neither is known.
+        The estimate follows from the observed order, if it is clean, or else from the expected order and the
+        last difference (Roache's estimate).  It is 0 where neither is known.
         """
-        finest_h, order, expected = self.settings[-1].h, self.orders.get(name), self.series.expected
-        likely = order is not None and (expected is None or order.order < expected + BY_CHANCE)
-        if order is not None and likely and order.is_clean and finest_h:
-            return order.error(finest_h)
+        finest_h = self.settings[-1].h
+        if self.is_clean(name) and finest_h:
+            return self.orders[name].error(finest_h)
         if self.series.expected is None or len(self.settings) < 2 or not finest_h:
             return 0.0
         last, before_h = self.errors[-2].get(name), self.settings[-2].h
@@ -186,11 +194,15 @@ class Option:
 
 
 def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
-    """Return the ratio of processor times by part; it is 1 for parts that take hardly any time."""
-    ours, theirs = point.processor_by_part_s, base.processor_by_part_s
+    """Return the ratio of processor times by part; it is 1 for parts that take hardly any time in both."""
+    ours, theirs, least_s = (
+        point.processor_by_part_s,
+        base.processor_by_part_s,
+        LEAST_SHARE * base.processor_s,
+    )
     return {
-        part: ours.get(part, 0.0) / theirs[part] if theirs[part] > LEAST_SHARE * base.processor_s else 1.0
-        for part in theirs
+        part: ours.get(part, 0.0) / time_s if time_s and max(time_s, ours.get(part, 0.0)) > least_s else 1.0
+        for part, time_s in theirs.items()
     }
 
 
@@ -249,6 +261,19 @@ class Model:
             return None
         preferred = (self._cost_s if ties == "cheapest" else self._length).flat[within]
         return self._proposal(int(within[np.lexsort((preferred, self._worst.flat[within]))[0]]))
+
+    def predict(self, settings: Mapping[str, Setting]) -> Proposal | None:
+        """Return the proposal of these settings by axis; None where one of them is no option."""
+        at = []
+        for axis in self._axes:
+            wanted = settings.get(axis[0].axis)
+            fitting = (
+                n for n, one in enumerate(axis) if (one.setting == wanted if wanted else not one.setting.sets)
+            )
+            at.append(next(fitting, None))
+        if None in at:
+            return None
+        return self._proposal(int(np.arange(self._cost_s.size).reshape(self._cost_s.shape)[tuple(at)]))
 
     def _proposal(self, flat: int) -> Proposal:
         at = np.unravel_index(flat, self._cost_s.shape)

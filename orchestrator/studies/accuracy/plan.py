@@ -31,7 +31,7 @@ from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s, particles_at_start
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
-from orchestrator.studies.accuracy.combinations import BASE, part_s
+from orchestrator.studies.accuracy.combinations import ALONE, BASE, part_s
 from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
@@ -102,10 +102,15 @@ class StoredStudy:
     def measured_candidates(self) -> list[Candidate]:
         """Return the measured points, with their errors at the upper end of their confidence intervals.
 
-        An error is against the finest settings of the study, so that their own remaining error is added.
+        An error is against the study's reference, so that the reference's own error is added: what remains in
+        the finest settings, or more if their run was lost.
+        Settings that are no choice, such as a machine without its particles, are no candidates.
         """
-        every = self.table["remaining"]
-        remaining = max((every.get(name, 0.0) for name in self.table["judged_by"]), default=0.0)
+        choices = {shlex.join(one["sets"]) for every in self.table["options"].values() for one in every}
+        every, points = self.table["remaining"], self.table["points"]
+        left = [every.get(name, 0.0) for name in self.table["judged_by"]]
+        left += [one["predicted_error"] or 0.0 for one in points if one["point"] == self.table["reference"]]
+        remaining = max(left, default=0.0)
         return [
             Candidate(
                 one["settings"],
@@ -114,8 +119,8 @@ class StoredStudy:
                 one["processor_s"],
                 True,
             )
-            for one in self.table["points"]
-            if one["error"] is not None
+            for one in points
+            if one["error"] is not None and (one["kind"] != ALONE or one["sets"] in choices)
         ]
 
     def cheapest(self, tolerance: float) -> Candidate | None:
@@ -145,11 +150,17 @@ class StoredStudy:
 def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
     """Return the verdict on an effect, with the measured error and cost of the model that leaves it out.
 
-    Without a run of such a model the verdict is returned unchanged.
+    Without a run of such a model the verdict is returned unchanged, and so it is where chance leaves open
+    whether the error is above the threshold.
     """
     model = _model_without(effect, study.table.get("models", []))
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
     if model is None or not decisive:
+        return verdict
+    widths = model.get("half_width", {})  # absent from studies of older versions
+    known = {name: widths.get(name) or 0.0 for name in decisive}
+    surely = any(value - known[name] > TENTH for name, value in decisive.items())
+    if not surely and any(value + known[name] > TENTH for name, value in decisive.items()):
         return verdict
     errors = ", ".join(f"{name} {100 * value:.2g} %" for name, value in decisive.items())
     return replace(
@@ -157,7 +168,7 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
         number=f"largest error of {model['label']}",
         value=max(decisive.values()),
         threshold=f"0.1 (measured against {model['reference']})",
-        matters=max(decisive.values()) > TENTH,
+        matters=surely,
         why=f"measured: {errors}",
         cost=f"{model['reference_processor_s']:.3g} s instead of {model['processor_s']:.3g} s of processor",
     )

@@ -197,7 +197,8 @@ def _sync(case: Case, points: int) -> Iterable[RefinementSeries]:
     name = case_with_scheme(case).coupling.scheme
     overlay = (f"coupling.scheme={name}",) if case.coupling.scheme != name else ()
     series = _intervals(case, name, (), overlay, points)
-    yield replace(series, rank=series.rank + 0.5)
+    notes = filter(None, (series.note, _steps_with(case, series)))
+    yield replace(series, rank=series.rank + 0.5, note="; ".join(notes))
 
 
 def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
@@ -226,7 +227,23 @@ def _intervals(
         settings.append(Setting(f"{name}, {length_s:g} s", sets, length_s))
     order = SCHEME_ORDERS.get(name)
     note = DAMPED_COUPLING if name == "particles-first" and damped_contacts(case) else ""
-    return RefinementSeries("coupling", name, tuple(settings), "sync interval / s", order, order or 0.0, note)
+    expected = order - 1 if order and note else order
+    return RefinementSeries(
+        "coupling", name, tuple(settings), "sync interval / s", expected, order or 0.0, note
+    )
+
+
+def _steps_with(case: Case, series: RefinementSeries) -> str:
+    """Return the remark that the panels' step becomes finer with the finest intervals; empty where it does
+    not."""
+    finest_s = min(setting.h or math.inf for setting in series.settings)
+    try:
+        step_s = min(case.coupling.sync_interval_s, _usual_panel_step_s(case)) if case.screen.panels else 0.0
+    except NotOffered:
+        return ""
+    if step_s < finest_s * (1 + 1e-9):
+        return ""
+    return f"intervals below {step_s:.3g} s are the panels' step, too, so that both become finer together"
 
 
 def _panel_mesh(case: Case, points: int) -> Iterable[RefinementSeries]:
@@ -376,7 +393,9 @@ def _stiffness(case: Case, points: int) -> Iterable[RefinementSeries]:
     true_Pa, cap_Pa = max(used_Pa), case.particles.largest_youngs_modulus_Pa
     own_Pa = true_Pa if cap_Pa is None else min(true_Pa, cap_Pa)
     every_Pa = {degree: own_Pa * SOFTER**degree for degree in _degrees(points)}
-    moduli_Pa = {degree: modulus for degree, modulus in every_Pa.items() if modulus < true_Pa * SOFTER**0.5}
+    moduli_Pa = {
+        n: min(modulus, true_Pa) for n, modulus in every_Pa.items() if modulus < true_Pa * SOFTER**0.5
+    }
     key = "particles.largest_youngs_modulus_Pa={:.4g}"
     settings = _settings(moduli_Pa, "{:.3g} Pa", key, lambda modulus: float((own_Pa / modulus) ** HERTZ))
     yield RefinementSeries("stiffness", "", settings, "duration of an impact / own")

@@ -22,7 +22,7 @@ from orchestrator.studies.accuracy.combinations import (
     Combination,
     Error,
 )
-from orchestrator.studies.accuracy.convergence import MeasuredSeries, Order
+from orchestrator.studies.accuracy.convergence import MeasuredSeries
 from orchestrator.studies.accuracy.plan import FORMAT, NAME
 from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting, Row
@@ -60,6 +60,7 @@ def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
         lacking=[row for row in study.rows if row.why],
         front={row.point.name: number for number, row in enumerate(study.front(), 1)},
         advice=[study.recommend(tolerance) for tolerance in RECOMMENDED],
+        warnings=[*warnings(study)],
         quantities={k: q for k, q in known.items() if any(k in row.errors for row in study.rows)},
         every=QUANTITIES,
         defects={name: each for name, each in QUANTITIES.items() if each.is_defect},
@@ -93,7 +94,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
         point = row.point
         entry: dict[str, Cell] = {
             "point": point.name,
-            "kind": REFERENCE if point.name == study.reference else point.kind,
+            "kind": REFERENCE if point.name == study.reference else point.kind.replace(REFERENCE, TOGETHER),
             "settings": point.label,
             "sets": shlex.join(point.sets),
             "status": row.why or "done",
@@ -171,6 +172,7 @@ def _model_rows(models: Sequence[ComparedSetting]) -> Iterator[dict[str, Any]]:
             "label": each.setting.label,
             "sets": list(each.setting.sets),
             "error": {name: error.value for name, error in each.errors.items()},
+            "half_width": {name: error.half_width for name, error in each.errors.items()},
             "processor_s": each.point.processor_s,
             "reference": best.setting.label,
             "reference_processor_s": best.point.processor_s,
@@ -181,7 +183,7 @@ def cost_table(study: AccuracyStudy) -> Table:
     """Return a table of the cost and the error of every point for the console, cheap points first."""
     lines = []
     for row in study.by_cost:
-        error = ("reference", "")
+        error = ("reference" if row.point.name == study.reference else "", "")
         if row.error is not None:
             error = (percent(row.error.value), percent(row.error.half_width))
         cost = (f"{row.point.processor_s:.1f}", f"{row.point.cost['peak_memory_MiB']:.0f}")
@@ -196,9 +198,27 @@ def advice(study: AccuracyStudy) -> Iterator[str]:
         if each.row is None:
             yield f"{100 * each.tolerance:g} %: no point of this study is so good"
             continue
-        sure = "" if each.is_proven else " (as far as chance lets one see: more --seeds would tell)"
+        sure = (
+            ""
+            if each.is_proven
+            else " (as far as chance lets one see: more --seeds, or another bed, would tell)"
+        )
         words = " ".join(f"--set {one}" for one in each.row.point.sets) or "the case as it is"
         yield f"{100 * each.tolerance:g} %: {words}, {each.row.point.processor_s:.1f} s{sure}"
+
+
+def warnings(study: AccuracyStudy) -> Iterator[str]:
+    """Yield what the reference lacks, as sentences without a full stop."""
+    if lost := [row for row in study.rows if row.point.kind == REFERENCE and row.why]:
+        yield f"The proposed reference gave no result, and another point serves as reference ({lost[0].why})"
+    proposal = study.proposals.get(study.reference)
+    left = max([*study.remaining_errors.values(), proposal.error if proposal else 0.0], default=0.0)
+    if left:
+        yield f"The reference is itself off by an estimated {percent(left)}, which is in none of the errors"
+    for row in study.rows:
+        for name, error in row.answers.items() if row.point.name == study.reference else ():
+            if error > min(RECOMMENDED):
+                yield f"The reference is off by {percent(error)} from a known answer: {name}"
 
 
 def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
@@ -226,28 +246,35 @@ def _scales(axis: Any, across: str, upward: str) -> None:
         part.set_minor_formatter(NullFormatter())
 
 
-Line = tuple[str, list[float], list[float], str]
-"""The label, lengths, errors and style of a line."""
+Line = tuple[str, list[float], list[float], list[bool], str]
+"""The label, lengths and errors of a line, whether each error is more than chance, and the style."""
+CHANCE = " (open: chance)"
 
 
 def draw_convergence(every: Sequence[MeasuredSeries], judged_by: Sequence[str], file: Path) -> Path | None:
     """Draw the convergence of the series of one axis; return the file, or None where nothing converges."""
     shown = [(one, _lines(one, judged_by)) for one in every if len(one.settings) > 1 and one.lengths]
-    heights = [y for _, lines in shown for _, _, line_y, _ in lines for y in line_y]
+    heights = [y for _, lines in shown for _, _, line_y, *_ in lines for y in line_y]
     if not heights:
         return None
     drawn, parts = figure_parts(len(shown), min(len(shown), 2), 5.2, 4.2)
     lowest = max(min(heights), max(heights) / DEEP) / 2
     for axis, (one, lines) in zip(parts, shown, strict=True):
-        for (label, x, y, style), mark in zip(lines, MARKS, strict=False):
-            axis.plot(x, y, style, marker=mark, ms=5, label=label)
+        for (label, x, y, certain, style), mark in zip(lines, MARKS, strict=False):
+            (line,) = axis.plot(x, y, style, marker=mark, ms=5, label=label)
+            by_chance = [
+                (h, size) for h, size, is_certain in zip(x, y, certain, strict=True) if not is_certain
+            ]
+            for place in by_chance:
+                axis.plot(*place, marker=mark, ms=5, color=line.get_color(), mfc="white")
         lengths = one.lengths
         if lines and one.series.expected:
-            top = 1.5 * max(y for _, _, line_y, _ in lines for y in line_y)
+            top = 1.5 * max(y for _, _, line_y, *_ in lines for y in line_y)
             expected = [top * (h / max(lengths)) ** one.series.expected for h in lengths]
             label = f"expected order {one.series.expected:g}"
             axis.plot(lengths, expected, color="#999999", lw=3, alpha=0.5, label=label)
-        _scales(axis, one.series.length, "error")
+        all_certain = all(each for _, _, _, certain, _ in lines for each in certain)
+        _scales(axis, one.series.length, "error" + CHANCE * (not all_certain))
         axis.set_ylim(lowest, 3 * max(heights))
         axis.set_title(one.series.variant or PARAMETERS[one.series.parameter].title)
         axis.xaxis.set_major_locator(FixedLocator(lengths))
@@ -263,20 +290,19 @@ def _lines(one: MeasuredSeries, judged_by: Sequence[str]) -> list[Line]:
     """Return the lines of a series: errors against the finest setting solid, against exact answers dashed."""
     lines: list[Line] = []
     finest = one.errors[:-1]
-    every = [
-        (name, [e[name].value if name in e else 0.0 for e in finest], "-") for name in (*judged_by, "shape")
-    ]
-    every += [(name, [each.get(name, 0.0) for each in one.exact], "--") for name in one.exact[0]]
-    for name, sizes, style in every:
-        places = [(h, size) for h, size in zip(one.lengths, sizes, strict=False) if size]
+    every = [(name, [e.get(name, Error(0.0)) for e in finest], "-") for name in (*judged_by, "shape")]
+    every += [(name, [Error(each.get(name, 0.0)) for each in one.exact], "--") for name in one.exact[0]]
+    for name, found, style in every:
+        places = [(h, e.value, e.is_certain) for h, e in zip(one.lengths, found, strict=False) if e.value]
         if places:
-            x, y = zip(*places, strict=True)
-            lines.append((_words(name) + _seen(one.orders.get(name)), [*x], [*y], style))
+            x, y, certain = zip(*places, strict=True)
+            lines.append((_words(name) + _seen(one, name), [*x], [*y], [*certain], style))
     return lines
 
 
-def _seen(order: Order | None) -> str:
-    return f", order {order.order:.1f}{'' if order.is_clean else '?'}" if order else ""
+def _seen(one: MeasuredSeries, name: str) -> str:
+    order = one.orders.get(name)
+    return f", order {order.order:.1f}{'' if one.is_clean(name) else '?'}" if order else ""
 
 
 def draw_models(models: Sequence[ComparedSetting], judged_by: Sequence[str], file: Path) -> Path | None:
@@ -295,9 +321,12 @@ def draw_models(models: Sequence[ComparedSetting], judged_by: Sequence[str], fil
             if name in each.errors:
                 look = _look(variants.index(each.series.variant))
                 place = each.point.processor_s, max(each.errors[name].value, LEAST)
-                axis.scatter(*place, s=38, **look)
+                open_mark = {} if each.errors[name].is_certain else {"facecolors": "none"}
+                axis.scatter(*place, s=38, **look, **open_mark)
                 axis.annotate(each.setting.label, place, (6, 4), textcoords="offset points", fontsize=8)
-        _scales(axis, "processor time of one run / s", "error against the best model")
+        all_certain = all(each.errors[name].is_certain for each in others if name in each.errors)
+        upward = "error against the best model" + CHANCE * (not all_certain)
+        _scales(axis, "processor time of one run / s", upward)
         axis.set_title(_words(name))
         axis.margins(x=0.3, y=0.15)
     save(drawn, file)

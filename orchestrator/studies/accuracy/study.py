@@ -15,6 +15,7 @@ from math import ceil, inf
 
 from orchestrator.case import recordings
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.tables.case import has_particles
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import NUMERICS, JudgedCase
@@ -49,10 +50,10 @@ from orchestrator.studies.accuracy.convergence import (
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
 from orchestrator.studies.points import Point, is_random, run_points, seed_sets
-from orchestrator.studies.quantities import COMPARED, happens
+from orchestrator.studies.quantities import COMPARED, happens, is_over
 from orchestrator.studies.record import drives, record
 
-TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+TOLERANCES = (0.01, 0.02, 0.05, 0.1, 0.2)
 RECOMMENDED = (0.01, 0.05, 0.1)
 RECORDING = "panels.h5"
 SHORT = 5  # the number of parts of the run, of which the short run has one
@@ -141,7 +142,8 @@ class AccuracyStudy:
         try:
             for number in range(seeds):
                 sets = (*self.shared, *joint_sets(settings), *seed_sets(case, number))
-                runs.append(self.request.study.point(name, sets, f"{name}-seed{number}" if number else name))
+                run = self.request.study.point(name, sets, f"{name}-seed{number}" if number else name)
+                runs.append(replace(run, ended=is_over))
         except CaseError as error:
             return Combination(kind, name, settings, omitted=str(error.problems[0]))
         first = runs[0].loaded.case
@@ -150,11 +152,10 @@ class AccuracyStudy:
     def run(self, points: Sequence[Combination]) -> Generator[str, None, AccuracyStudy]:
         """Run the points that are not done, yield a line for each run, and return the study.
 
-        The returned study has the points with their metrics.  Runs that have failed are results, too, and are
-        not made again.
+        The returned study has the points with their metrics.  Runs that failed for a reason that lies in
+        their case are results, too, and are not made again.
         """
-        todo = [run for one in points for run in one.runs if run.status() != "failed"]
-        yield from run_points(todo, self.request.study.crew)
+        yield from run_points([run for one in points for run in one.runs], self.request.study.crew)
         return self.with_points([one.with_metrics() for one in points])
 
     def with_points(self, points: Iterable[Combination]) -> AccuracyStudy:
@@ -177,10 +178,17 @@ class AccuracyStudy:
         """The quantities that decide, as far as the case has them."""
         return [name for name in self.request.judged_by if self.base.mean(name)]
 
+    def deciding(self, reference: Combination) -> list[str]:
+        """Return the quantities that decide about errors against a reference, which has them, too."""
+        return [name for name in self.judged_by if reference.mean(name)]
+
     @cached_property
     def spread(self) -> Scatter:
-        """The chance scatter of the points."""
-        return scatter(self.measured.values(), is_random(self.loaded.case))
+        """The chance scatter of the points, which is unknown for particles that were taken over."""
+        case = self.loaded.case
+        return scatter(
+            self.measured.values(), is_random(case) or (case.bed.is_carried and has_particles(case))
+        )
 
     @cached_property
     def measured_series(self) -> list[MeasuredSeries]:
@@ -210,11 +218,18 @@ class AccuracyStudy:
         ]
 
     def options(self, spread: Scatter | None = None) -> dict[str, list[Option]]:
-        """Return the options of each axis; errors that chance explains count as zero."""
+        """Return the options of each axis; errors that chance explains count as zero.
+
+        A setting of which a deciding error is unknown is no option.
+        """
         options: dict[str, list[Option]] = {}
         for axis in self.offer.titles:
+            every = self.compare_settings(axis, spread)
+            deciding = next((self.deciding(one.point) for one in every if one.is_best), [])
             choices = {
-                one.setting: one for one in self.compare_settings(axis, spread) if one.series.is_choice
+                one.setting: one
+                for one in every
+                if one.series.is_choice and one.errors.keys() >= set(deciding)
             }
             for setting, one in choices.items():
                 certain = {
@@ -240,12 +255,13 @@ class AccuracyStudy:
     def rows(self) -> list[Row]:
         """The rows of all points but the short run, in the order of the runs."""
         best, rows = self.measured[self.reference], []
+        deciding = self.deciding(best)
         for one in self.points:
             if one.kind != CALIBRATION:
                 differences = errors(one, best, self.spread) if one.metrics and one is not best else {}
                 answers = answer_errors(one, self.known) if one.metrics else {}
                 proposal = self.proposals.get(one.name)
-                worst = worst_error(differences, self.judged_by)
+                worst = worst_error(differences, deciding)
                 rows.append(Row(one, differences, worst, answers, proposal))
         return rows
 
@@ -268,9 +284,16 @@ class AccuracyStudy:
         """Recommend the cheapest measured point that is proven to be within a tolerance.
 
         Where no point is proven, recommend the point within the tolerance whose confidence interval has the
-        lowest upper end.  The reference is no candidate, since its error is unknown.
+        lowest upper end.  The reference is no candidate, since its error is unknown, and neither are settings
+        that are no choice, such as a machine without its particles.
         """
-        within = [(row, row.error) for row in self.by_cost if row.error and row.error.value <= tolerance]
+        choices = {one.setting for every in self.options().values() for one in every}
+        within = [
+            (row, row.error)
+            for row in self.by_cost
+            if row.error and choices.issuperset(row.point.settings.values())
+            if all(row.errors[name].value <= tolerance for name in self.judged_by if name in row.errors)
+        ]
         for row, error in within:
             if error.half_width is not None and error.at_most <= tolerance:
                 return Recommendation(tolerance, row, True)
@@ -298,7 +321,7 @@ def plan_study(request: StudyRequest) -> AccuracyStudy:
         for setting in series.settings:
             if setting.sets and not setting.made_from_run:
                 points.append(study.combine(ALONE, {series.axis: setting}))
-    return replace(study, points=tuple(points))
+    return study.with_points(points)
 
 
 def _short(base: Combination) -> dict[str, Setting]:
@@ -332,13 +355,34 @@ def run_study(request: StudyRequest) -> Generator[str, None, AccuracyStudy]:
             "to compare",
             "let it last until something does",
         )
+    if not study.judged_by:
+        asked = ", ".join(request.judged_by)
+        what = f"the run of the case as it is has none of the quantities that should decide: {asked}"
+        raise _unmeasured(runs[0], what, "give others with --quantities")
     points = afford([*study.points, *_made_points(study, runs[0])], request.budget_s)
     study = yield from study.with_points(points).run(points[2:])
-    proposed, existing = _proposals(study), {one.name for one in study.points}
+    proposed, existing = proposals(study), {one.name for one in study.points}
     new = {one.name: one for one, _ in proposed if one.name not in existing}  # proposals may coincide
     study = yield from study.run([*new.values()])
-    reference = next((one.name for one, _ in proposed if one.name in study.measured), BASE)
-    return replace(study, proposals={one.name: each for one, each in proposed}, reference=reference)
+    predictions = {one.name: each for one, each in proposed}
+    reference, prediction = best_measured(study, [*predictions])
+    return replace(study, proposals=predictions | {reference: prediction}, reference=reference)
+
+
+def best_measured(study: AccuracyStudy, proposed: Sequence[str]) -> tuple[str, Proposal]:
+    """Return the name of the measured point with the least predicted error, with the prediction.
+
+    Of points that are equally good, the first of those ``proposed`` is taken, and else the first one.
+    """
+    model = study.model(EXACT)
+    names = [name for name in dict.fromkeys((*proposed, *study.measured)) if name in study.measured]
+    points = ((name, study.measured[name]) for name in names)
+    known = {
+        name: prediction
+        for name, point in points
+        if point.kind != CALIBRATION and (prediction := model.predict(point.settings)) is not None
+    }
+    return min(known.items(), key=lambda pair: pair[1].error)
 
 
 def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
@@ -366,8 +410,8 @@ def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
     return CaseError([CaseProblem((), why, hint, str(run.folder))])
 
 
-def _proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
-    """Return the points of the reference and the diagonal, in this order, with their predictions.
+def proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
+    """Return the points of the reference and the diagonal, each within the budget, with their predictions.
 
     A point that exists already with the same settings is returned itself.
     """
@@ -378,7 +422,7 @@ def _proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
     known = {one.sets: one for one in study.points if one.kind != CALIBRATION}
     proposed = []
     for kind, proposal in wanted:
-        if proposal is None:
+        if proposal is None or proposal.processor_s > budget_s:
             continue
         sets = joint_sets(proposal.settings)
         if sets not in known:

@@ -10,13 +10,13 @@ import typer
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.output.records.run_folder import study_folder
-from orchestrator.studies.accuracy.combinations import ENDED, StudyRequest, afford
+from orchestrator.studies.accuracy.combinations import StudyRequest, afford
 from orchestrator.studies.accuracy.refinement import PARAMETERS
-from orchestrator.studies.accuracy.report import advice, cost_table, write_study
+from orchestrator.studies.accuracy.report import advice, cost_table, warnings, write_study
 from orchestrator.studies.accuracy.study import plan_study, run_study
 from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy
-from orchestrator.studies.quantities import COMPARED, DECISIVE
+from orchestrator.studies.quantities import COMPARED, DECISIVE, is_over
 
 QUICK_VALUES, QUICK_SEEDS = 3, 1
 MOST_SEEDS = 100  # each run is checked first, in some hundredths of a second
@@ -63,7 +63,7 @@ def command(
         QUICK_VALUES if quick else values,
         QUICK_SEEDS if quick else seeds,
         budget,
-        _names("--quantities", quantities, COMPARED, DECISIVE),
+        _names("--quantities", quantities, [name for name in COMPARED if name != "shape"], DECISIVE),
     )
     if dry:
         yield from _predictions(request)
@@ -73,17 +73,18 @@ def command(
     yield cost_table(completed)
     yield from (f"not compared: {row.point.label}: {row.why}" for row in completed.rows if row.why)
     yield from advice(completed)
+    yield from warnings(completed)
     yield from write_study(completed, study.folder)
     return not any(row.why and not row.point.omitted for row in completed.rows)
 
 
 def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) -> tuple[str, ...]:
     """Return the names in a text with commas, or the usual names.  Raises CaseError for an unknown name."""
-    names = tuple(word.strip() for word in given.split(",")) if given else tuple(usual)
+    names = dict.fromkeys(word.strip() for word in given.split(",")) if given else usual
     for name in names:
-        if name.partition("=")[0] not in known:
+        if name not in known and name.partition("=")[0] not in PARAMETERS:
             raise CaseError([CaseProblem((), f'no "{name}"', did_you_mean(name, known), option)])
-    return names
+    return tuple(names)
 
 
 def _predictions(request: StudyRequest) -> Iterator[str]:
@@ -93,7 +94,7 @@ def _predictions(request: StudyRequest) -> Iterator[str]:
     start = [one.with_metrics() for one in study.points[:2]]
     total_s = 0.0
     for each in afford([*start, *study.points[2:]], request.budget_s):
-        todo = [run for run in each.runs if run.status() not in ENDED]
+        todo = [run for run in each.runs if not is_over(run.folder)]
         total_s += each.predicted_s * len(todo)
         what = each.omitted or f"predicted {each.predicted_s:.0f} s each, {len(todo)} to be run"
         yield f"{each.name}: {what}"

@@ -30,7 +30,7 @@ from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
 from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
-from orchestrator.studies.quantities import outcome
+from orchestrator.studies.quantities import is_over, outcome
 from orchestrator.studies.report import figure_parts, write_csv, write_page
 from orchestrator.studies.verdicts import (
     CaseCriteria,
@@ -48,6 +48,7 @@ SHOWN = {
     "stable": ("#2b7a4b", "o", "stable"),
     "warned": ("#d08a00", "^", "warned: over 1 % of the energy made or lost, or a mode that grows"),
     "stopped": ("#b3261e", "X", "stopped, with a reason"),
+    "idle": ("#9aa4b0", "s", "idle: no particle met a panel"),
     "not run": ("#9aa4b0", "_", "not run"),
 }
 
@@ -67,11 +68,12 @@ def command(
 
     Part "hard" makes every run of every case with criteria.toml and judges it by the criteria.  Part
     "map" runs one case over coupling schemes, sync intervals and masses of the bed; each run is
-    stable, warned or stopped.  Called again, the command makes only the missing runs; a run that was
-    stopped with a reason is not missing.  The folder gets hard.csv, hard.md, map.csv,
-    stability-map.png and stability.html.
+    stable, warned or stopped, or idle if no particle met a panel.  Called again, the command makes only
+    the missing runs; a run that was stopped with a reason is not missing.  The folder gets hard.csv,
+    hard.md, map.csv, stability-map.png and stability.html.
 
-    Exit code 4: a criterion is not met, or a known failure is met; 2: a case is wrong.
+    Exit code 4: a criterion is not met, a known failure is met, or a run of the map is missing or idle;
+    2: a case is wrong.
     """
     parts = {word.strip() for word in part.split(",")}
     if unknown := parts - {"hard", "map"}:
@@ -91,7 +93,9 @@ def command(
         picture = draw_map(spots, out / "stability-map.png")
         yield from (write_csv([spot.words for spot in spots], out / "map.csv"), picture)
     yield write_stability_page([(each, results[each.name]) for each in benchmarks], spots, picture, out)
-    return all(each.is_good for each in every) and all(spot.outcome != "not run" for spot in spots)
+    return all(each.is_good for each in every) and all(
+        spot.outcome not in ("not run", "idle") for spot in spots
+    )
 
 
 def write_stability_page(
@@ -135,11 +139,6 @@ def benchmark(case: Path, out: Path) -> CaseCriteria:
     return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
 
 
-def is_over(run: Path) -> bool:
-    """Return whether a run is over; a stopped run is over, too, since the stop is its result."""
-    return outcome(run) != "not run"
-
-
 class MapAxes(Table):
     """The content of ``map.toml``."""
 
@@ -168,8 +167,10 @@ class Spot:
 
     @property
     def outcome(self) -> str:
-        """The outcome of the run."""
-        return outcome(self.run.folder)
+        """The outcome of the run; "idle" if no particle met a panel, so that nothing could be unstable."""
+        state, summary = outcome(self.run.folder), summary_of(self.run.folder)
+        met_J = summary.get("energy_exchanged_J", {}).get("particles-panel")
+        return "idle" if state == "stable" and met_J == 0.0 else state
 
     @property
     def words(self) -> dict[str, str]:
