@@ -79,6 +79,26 @@ def test_a_fit_before_any_run_says_so(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"study.toml"}
 
 
+@pytest.mark.parametrize(
+    ("surrogate", "said"),
+    [("gaussian-process", "take slope = 30"), ("quadratic", "support no optimum: every setting is needed")],
+)
+def test_three_settings_that_were_run_three_times_have_a_page(
+    surrogate: str, said: str, tmp_path: Path
+) -> None:
+    """Without one of them, the other two tell no quadratic."""
+    rows = [f"{slope},{slope / 10 + off}" for slope in (10, 20, 30) for off in (-0.1, 0.0, 0.1)]
+    (tmp_path / "belt.csv").write_text("\n".join(["slope,speed", *rows]), encoding="utf-8")
+    keys = ("case", "set", "plan", "factors/stroke", "responses/share", "responses/speed/result")
+    changes = {"table": "belt.csv", "limits": [], "search/surrogate": surrogate}
+    write_study(tmp_path, **dict.fromkeys(keys), **changes)
+    done = study("fit", "--out", "there")
+    assert done.exit_code == 0, done.output
+    assert said in done.output
+    assert "quadratic surface of speed" in done.output
+    assert "design.html" in contents(tmp_path / "there")
+
+
 @pytest.mark.parametrize("words", [("design",), ("design", "--dry"), ("optimise",)])
 def test_a_corner_that_is_no_case_is_named_before_anything_is_run(
     words: tuple[str, ...], tmp_path: Path

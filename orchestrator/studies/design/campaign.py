@@ -35,6 +35,7 @@ CONFIRMING = 2  # stream of random numbers that choose what is confirmed
 FEWEST_EXPLAINED = 0.5  # of a goal's variance, by leave-one-out
 NEAR_A_FAILURE = 0.1  # coded, a twentieth of the range: there nothing more is proposed
 SAME = 1e-6  # coded: settings no farther apart are one
+NEEDS_ALL = "every setting is needed for the fit: none can be left out to judge it"
 BEST, CENTRE, SIMPLER = "best", "centre", "simpler"
 
 
@@ -392,7 +393,10 @@ class Campaign:
         data, names = self.data(confirmed=False), list(self.study.file.responses)
         for goal in aim.goals:
             y, noise = data.y[:, goal.response], np.sqrt(np.nanmedian(data.variance[:, goal.response]))
-            if (q2 := explained(y, fitted.left_out()[0][:, goal.response])) < FEWEST_EXPLAINED:
+            left_out = fitted.left_out()[0][:, goal.response]
+            if not np.isfinite(left_out).any():
+                return f"{NEEDS_ALL}; more settings are needed"
+            if (q2 := explained(y, left_out)) < FEWEST_EXPLAINED:
                 name, spread = names[goal.response], float(np.nanstd(y))
                 if spread <= SAME * abs(float(np.nanmean(y))):
                     return f"{name} is the same in all runs: no factor changes it"

@@ -11,7 +11,7 @@ from scipy import stats
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim
-from orchestrator.studies.design.campaign import BEST, SIMPLER, Campaign, explained, is_of, role_of
+from orchestrator.studies.design.campaign import BEST, NEEDS_ALL, SIMPLER, Campaign, explained, is_of, role_of
 from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.front import nondominated
 from orchestrator.studies.design.models import SURROGATES
@@ -109,6 +109,8 @@ class Findings:
         except TooFewPoints as error:
             return Judged(name, None, str(error))
         mean, deviation = fitted.left_out()
+        if np.isnan(mean).all(axis=0).any():
+            return Judged(name, None, NEEDS_ALL)
         y, variance = self.data.y, self.data.variance
         q2 = [explained(y[:, i], mean[:, i]) for i in range(y.shape[1])]
         inside = np.abs(y - mean) <= NORMAL_95 * np.sqrt(deviation**2 + variance)

@@ -40,7 +40,7 @@ class GaussianProcess:
 def _fit_one(x: Array, y: Array, variance: Array, seed: int) -> _Process:
     known = np.isfinite(y)
     if (count := len(np.unique(settings_of(x[known])))) < x.shape[1] + 2:
-        raise TooFewPoints(f"{count} points for a plane of {x.shape[1] + 1} terms and its process")
+        raise TooFewPoints(f"{count} settings for a plane of {x.shape[1] + 1} terms and its process")
     mean, scale = float(y[known].mean()), float(y[known].std()) or 1.0
     noise = np.maximum(variance[known] / scale**2, 1e-8)
     kernel = _plane_and_process(x.shape[1])

@@ -39,7 +39,7 @@ class Network:
         settings = settings_of(x[known])
         count = len(np.unique(settings))
         if count < FEWEST:
-            raise TooFewPoints(f"{count} points with all responses for a network, which needs {FEWEST}")
+            raise TooFewPoints(f"{count} settings with all responses for a network, which needs {FEWEST}")
         mean, scale = y[known].mean(axis=0), np.maximum(y[known].std(axis=0), 1e-300)
         inputs, outputs = x[known], (y[known] - mean) / scale
         rng = np.random.default_rng(seed)

@@ -75,7 +75,7 @@ def answers(findings: Findings) -> Iterator[str]:
             yield f"{asked} the data support no optimum: {findings.why_no_optimum[name]}."
         elif name in findings.best:
             if len(goals) > 1:
-                asked = f"For the {goals[0]}{at_limits} alone (front.csv trades it for the {goals[1]})"
+                asked = f"For the {goals[0]} alone{at_limits} (front.csv trades it for the {goals[1]})"
             setting = setting_in_words(findings, findings.best[name])
             each = confirmed.get(role_of(BEST, name))
             if each is None:
@@ -261,7 +261,7 @@ def members_in_words(findings: Findings) -> Iterator[str]:
                 low, middle, high = np.quantile(shares, (0.0, 0.5, 1.0))
                 yield (
                     f"{judged.name}: {len(shares)} members, each with a split and start of its own, explain "
-                    f"{middle:.2f} of the variance of {name} in runs that they have not seen (median; "
+                    f"{middle:.2f} of the variance of {name} in settings that they have not seen (median; "
                     f"{low:.2f} to {high:.2f})."
                 )
 
