@@ -130,10 +130,28 @@ def test_the_best_point_is_the_reference_where_its_run_is_lost(tmp_path: Path) -
     names = [one.name for one, _ in proposals(study(tmp_path, *points, budget_s=15.0))]
     assert list(dict.fromkeys(names)) == ["base", "coupling-long"]
     whole = study(tmp_path, *points)
-    name, prediction = best_measured(whole, ["lost"])
-    assert (name, prediction.error) == ("coupling-short", max(whole.remaining_errors.values()))
-    name, prediction = best_measured(study(tmp_path, *points[1:2], points[0]), [])
-    assert (name, prediction.error) == ("base", 0.0)
+    finest, own = best_measured(whole, ["lost"]), best_measured(study(tmp_path, *points[1:2], points[0]), [])
+    assert finest
+    assert own
+    assert (finest[0], finest[1].error) == ("coupling-short", max(whole.remaining_errors.values()))
+    assert (own[0], own[1].error) == ("base", 0.0)
+
+
+def test_the_case_as_it_is_is_the_reference_where_no_point_can_be_predicted(tmp_path: Path) -> None:
+    """Other schemes and other frames alone were asked for, and no run of both was to be trusted."""
+    aitken, rigid = Setting("aitken", ("coupling.scheme=aitken",)), Setting("rigid", ("frames.solver=rigid",))
+    series = (
+        RefinementSeries("coupling", "aitken", (aitken,), parameter="scheme"),
+        RefinementSeries("frames", "rigid", (rigid,), parameter="frames-model"),
+    )
+    points = (
+        point(tmp_path, "coupling-aitken", {"coupling": aitken}, [flow(1.0, 1.0)], panel=1.0),
+        point(tmp_path, "frames-rigid", {"frames": rigid}, [flow(1.1, 1.0)], panel=1.0),
+        point(tmp_path, "base", {}, [flow(1.5, 1.0)], panel=1.0),
+    )
+    made = replace(study(tmp_path, *points), offer=Offer(series, {}))
+    assert best_measured(made, ["lost"]) is None
+    assert "How far the reference is itself off is unknown" in next(warnings(made))
 
 
 def test_a_part_that_becomes_dear_counts() -> None:

@@ -132,6 +132,8 @@ def test_a_point_that_was_measured_keeps_its_settings() -> None:
     one = found.cheapest(0.035)
     assert one is not None
     assert (one.error, one.measured) == (pytest.approx(0.033), True)  # their run was lost
+    found.table["points"][-1]["predicted_error"] = None
+    assert not found.measured_candidates()
 
 
 def test_chance_is_part_of_what_is_predicted() -> None:

@@ -201,7 +201,7 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
     assert not (tmp_path / "x").exists()
     wrong = flipflow(*words, "--parameters", "synch")
     assert (wrong.returncode, 'did you mean "sync"?' in wrong.stderr) == (2, True)
-    for unknown in ("shape", "deflection_m=3"):  # the first is compared, but has no value of its own
+    for unknown in ("shape", "deflection_m=3", "sync"):  # the first is compared, but has no value of its own
         wrong = flipflow(*words, "--quantities", unknown)
         assert (wrong.returncode, f'no "{unknown}"' in wrong.stderr) == (2, True)
     twice = flipflow(*words, "--parameters", "sync,sync", "--out", str(tmp_path / "x"))

@@ -103,13 +103,15 @@ class StoredStudy:
         """Return the measured points, with their errors at the upper end of their confidence intervals.
 
         An error is against the study's reference, so that the reference's own error is added: what remains in
-        the finest settings, or more if their run was lost.
+        the finest settings, or more if their run was lost.  There are none where that error is unknown.
         Settings that are no choice, such as a machine without its particles, are no candidates.
         """
         choices = {shlex.join(one["sets"]) for every in self.table["options"].values() for one in every}
         every, points = self.table["remaining"], self.table["points"]
         left = [every.get(name, 0.0) for name in self.table["judged_by"]]
-        left += [one["predicted_error"] or 0.0 for one in points if one["point"] == self.table["reference"]]
+        left += [one["predicted_error"] for one in points if one["point"] == self.table["reference"]]
+        if None in left:
+            return []
         remaining = max(left, default=0.0)
         return [
             Candidate(

@@ -17,6 +17,7 @@ from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
     CALIBRATION,
+    EXACT,
     REFERENCE,
     TOGETHER,
     Combination,
@@ -211,10 +212,12 @@ def warnings(study: AccuracyStudy) -> Iterator[str]:
     """Yield what the reference lacks, as sentences without a full stop."""
     if lost := [row for row in study.rows if row.point.kind == REFERENCE and row.why]:
         yield f"The proposed reference gave no result, and another point serves as reference ({lost[0].why})"
-    proposal = study.proposals.get(study.reference)
-    left = max([*study.remaining_errors.values(), proposal.error if proposal else 0.0], default=0.0)
-    if left:
-        yield f"The reference is itself off by an estimated {percent(left)}, which is in none of the errors"
+    prediction = study.model(EXACT).predict(study.measured[study.reference].settings)
+    if prediction is None:
+        yield "How far the reference is itself off is unknown: the parameters do not compare all its settings"
+    elif prediction.error:
+        left = percent(prediction.error)
+        yield f"The reference is itself off by an estimated {left}, which is in none of the errors"
     for row in study.rows:
         for name, error in row.answers.items() if row.point.name == study.reference else ():
             if error > min(RECOMMENDED):

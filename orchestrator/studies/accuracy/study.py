@@ -365,14 +365,18 @@ def run_study(request: StudyRequest) -> Generator[str, None, AccuracyStudy]:
     new = {one.name: one for one, _ in proposed if one.name not in existing}  # proposals may coincide
     study = yield from study.run([*new.values()])
     predictions = {one.name: each for one, each in proposed}
-    reference, prediction = best_measured(study, [*predictions])
+    best = best_measured(study, [*predictions])
+    if best is None:
+        return replace(study, proposals=predictions)
+    reference, prediction = best
     return replace(study, proposals=predictions | {reference: prediction}, reference=reference)
 
 
-def best_measured(study: AccuracyStudy, proposed: Sequence[str]) -> tuple[str, Proposal]:
+def best_measured(study: AccuracyStudy, proposed: Sequence[str]) -> tuple[str, Proposal] | None:
     """Return the name of the measured point with the least predicted error, with the prediction.
 
-    Of points that are equally good, the first of those ``proposed`` is taken, and else the first one.
+    Of points that are equally good, the first of those ``proposed`` is taken, and else the first one.  Return
+    None where no point can be predicted: each has a setting that the chosen parameters do not compare.
     """
     model = study.model(EXACT)
     names = [name for name in dict.fromkeys((*proposed, *study.measured)) if name in study.measured]
@@ -382,7 +386,7 @@ def best_measured(study: AccuracyStudy, proposed: Sequence[str]) -> tuple[str, P
         for name, point in points
         if point.kind != CALIBRATION and (prediction := model.predict(point.settings)) is not None
     }
-    return min(known.items(), key=lambda pair: pair[1].error)
+    return min(known.items(), key=lambda pair: pair[1].error, default=None)
 
 
 def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:

@@ -82,7 +82,8 @@ def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) 
     """Return the names in a text with commas, or the usual names.  Raises CaseError for an unknown name."""
     names = dict.fromkeys(word.strip() for word in given.split(",")) if given else usual
     for name in names:
-        if name not in known and name.partition("=")[0] not in PARAMETERS:
+        word = name.partition("=")[0] if option == "--parameters" else name  # scheme=aitken+robin
+        if word not in known:
             raise CaseError([CaseProblem((), f'no "{name}"', did_you_mean(name, known), option)])
     return tuple(names)
 
