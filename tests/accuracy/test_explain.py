@@ -44,6 +44,9 @@ def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) 
         measured_verdict("variation-across", verdicts["variation-across"], there)
         is verdicts["variation-across"]
     )
+    there.table["models"][0]["half_width"] = {"deflection_m": None, "rms_g": None}  # of one seed
+    alone = measured_verdict("variation-across", verdicts["variation-across"], there)
+    assert (alone.matters, alone.why) == (matters, f"{found.why}; how much of it is chance is not known")
     other = verdicts["panel-deformation"]
     assert measured_verdict("panel-deformation", other, there) is other
 

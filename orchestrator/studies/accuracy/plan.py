@@ -165,6 +165,8 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
     if not surely and any(value + known[name] > TENTH for name, value in decisive.items()):
         return verdict
     errors = ", ".join(f"{name} {100 * value:.2g} %" for name, value in decisive.items())
+    if any(widths.get(name, 0.0) is None for name in decisive):
+        errors += "; how much of it is chance is not known"
     return replace(
         verdict,
         number=f"largest error of {model['label']}",
