@@ -231,6 +231,13 @@ def test_two_speeds_that_beat_are_said(
     assert len(lines) == beats
 
 
+def test_a_drive_that_holds_its_frame_does_not_beat(tmp_path: Path) -> None:
+    drive = "[screen.frames.driven.drive]\nspeed_rad_per_s = 78.6\namplitude_m = [0.0, 0.0, 0.0]\n"
+    head, _, rest = MACHINE.partition("[screen.decks.deck]")
+    found = said(tmp_path, case=f"{head}{drive}[screen.decks.deck]{rest}")
+    assert not [line for line in found if "they fall out of step" in line]
+
+
 def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
     case = MACHINE.replace('cross_beams = { material = "PU" }\n', "").replace(
         "pitch_m = 0.338", "pitch_m = 0.36"

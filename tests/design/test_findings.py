@@ -71,6 +71,17 @@ def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(confidence: float
     assert "beyond its limit" in best_of(findings).why_not
 
 
+def test_a_best_setting_at_its_limit_is_not_beyond_it(tmp_path: Path) -> None:
+    """The mean of three numbers 60.3 is 60.3 less a rounding."""
+    whole = run_all(belt(tmp_path, limits=["share >= 60.3"]), tmp_path)
+    runs = [each for each in whole.outcomes if each.trial.role == "best"]
+    third = replace(runs[0], trial=replace(runs[0].trial, number=99))
+    whole.outcomes = [each for each in whole.outcomes if each not in runs[2:]] + [third]
+    best = best_of(with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(60.3, 0.5)}))
+    assert best.runs == 3
+    assert "beyond its limit" not in best.why_not
+
+
 def test_a_best_setting_whose_limit_was_not_measured_is_not_confirmed(whole: Campaign) -> None:
     findings = with_confirming_runs(whole, lambda each: {"speed": each.responses["speed"]})
     assert not findings.is_confirmed()

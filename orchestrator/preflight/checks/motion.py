@@ -147,10 +147,15 @@ def sudden_exciters(case: Case) -> Iterator[str]:
 def beating_speeds(scene: Scene) -> Iterator[str]:
     """Yield a warning if two exciters or drives are told to turn at nearly the same speed.
 
-    Motors may synchronise: what became of them is a result of the run.
+    Motors may synchronise: what became of them is a result of the run.  Drives without amplitude hold their
+    frames.
     """
     told = [(one.speed_rad_per_s, f"exciter {one.name}") for one in scene.plan.exciters if one.motor is None]
-    told += [(one.speed_rad_per_s, f"the drive of {name_frame(one.body)}") for one in scene.plan.drives]
+    told += [
+        (one.speed_rad_per_s, f"the drive of {name_frame(one.body)}")
+        for one in scene.plan.drives
+        if one.amplitude_m.any() or one.rotation_rad.any()
+    ]
     for (slow_rad_per_s, slow), (fast_rad_per_s, fast) in pairwise(sorted(told)):
         if slow_rad_per_s < fast_rad_per_s < BEATING * slow_rad_per_s:
             beat_s = 2 * math.pi / (fast_rad_per_s - slow_rad_per_s)

@@ -23,7 +23,7 @@ from orchestrator.studies.design.surrogates import Ensemble, Fitted, TooFewPoint
 from orchestrator.studies.design.trials import Outcome
 from orchestrator.studies.quantities import NORMAL_95
 
-EXACT = 1e-9  # of a value: half widths below it are rounding
+EXACT = 1e-9  # of a value: half widths, and distances beyond a limit, below it are rounding
 ON_THE_FRONT = 40  # settings that are listed
 DRAWN_AT_RANDOM = 1000  # settings whose predictions are compared with the optimum, as in the paper
 
@@ -221,7 +221,7 @@ class Findings:
         if aim is not None:
             why += [f"{self.responses[i]} was not measured" for i in judged if not np.isfinite(mean[i])]
             for limit in aim.limits:
-                if limit.sign * (mean[limit.response] - limit.value) < 0.0:
+                if limit.sign * (mean[limit.response] - limit.value) < -EXACT * abs(limit.value):
                     name = self.responses[limit.response]
                     why.append(f"{name} was measured as {measured[name]}, beyond its limit")
         return Confirmed(role, setting, len(mine), predicted, measured, "; ".join(why))
