@@ -29,7 +29,8 @@ class Fitted(Protocol):
         """Predict each response of the data from the runs of all other settings (leave-one-out).
 
         Another run of its own setting would tell the answer.  Return means, (n, m), and standard deviations
-        of the errors without the noise of the run, (n, m); not a number where a response is missing.
+        of the errors without the noise of the run, (n, m); not a number where a response is missing, or
+        where the fit cannot do without the setting.
         """
         ...
 
