@@ -207,6 +207,13 @@ def test_a_best_setting_that_is_less_sure_than_was_asked_for_is_told(
     assert any("as surely as was asked for (99.9 %)" in line for line in lines) is said
 
 
+def test_a_setting_that_misses_its_limit_by_a_rounding_is_not_called_unsure(tmp_path: Path) -> None:
+    """Without noise no error is left of a quadratic, and SLSQP ends some 1e-9 before or behind the limit."""
+    study = belt(tmp_path, **{"search/optimiser": "gradient"})
+    whole = run_all(study, tmp_path, noise={}, told={"speed": None, "share": None})
+    assert not any("as surely as was asked for" in line for line in borders(Findings(whole)))
+
+
 @pytest.mark.parametrize(("limit", "binds"), [(60, True), (10, False)])
 def test_the_ends_of_ranges_and_limits_that_do_not_bind_are_told(
     limit: int, binds: bool, tmp_path: Path

@@ -108,7 +108,7 @@ def doubts(findings: Findings) -> Iterator[str]:
             f"{len(outside)} of the {len(x)} data lie outside the ranges "
             f"({', '.join(numbers[each] for each in outside)}), farthest {numbers[row]} with {name} = "
             f"{value:.4g}. Surrogates are fitted to them, too, and what is far outside weighs most: is it "
-            "mistyped?"
+            "mistyped, or of wider ranges?"
         )
     data = [each for each in campaign.outcomes if each.is_data]
     if unsteady := sorted(each.trial.name for each in data if each.not_steady):
@@ -132,13 +132,13 @@ def borders(findings: Findings) -> Iterator[str]:
     study = findings.campaign.study
     for name, setting in findings.best.items():
         of_limit, aim = f" for {name}" if name else "", study.aims[name]
-        told = predict_each(findings.campaign.fit_before_confirming(), setting[None])
-        sure = float(np.exp(aim.log_probability(*told))[0])
-        if sure < aim.confidence - SURE:
+        every = np.vstack([setting, findings.random_settings])
+        sure = np.exp(aim.log_probability(*predict_each(findings.campaign.fit_before_confirming(), every)))
+        if sure.max() < aim.confidence - SURE:
             yield (
                 f"No setting was expected to keep the limits{of_limit} as surely as was asked for "
                 f"({100 * aim.confidence:.3g} %). The best setting is the one that keeps them most probably "
-                f"({100 * sure:.2g} %), whatever the goal: more runs, or other limits, help."
+                f"({100 * sure[0]:.2g} %), whatever the goal: more runs, or other limits, help."
             )
         at_end = [
             f"{factor} at the {'upper' if coded > 0 else 'lower'} end"
