@@ -229,7 +229,7 @@ def _intervals(
     note = DAMPED_COUPLING if name == "particles-first" and damped_contacts(case) else ""
     expected = order - 1 if order and note else order
     return RefinementSeries(
-        "coupling", name, tuple(settings), "sync interval / s", expected, order or 0.0, note
+        "coupling", name, tuple(settings), "sync interval / s", expected, expected or 0.0, note
     )
 
 
