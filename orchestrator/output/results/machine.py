@@ -153,7 +153,7 @@ def why_not_settled(
         least = LARGEST_DRIFT / (0.5 * (end_s - start_s)) if told else APART * slow_speed
         if least < fast_speed - slow_speed < FAR_APART * slow_speed:
             return (
-                f"{slow} and {fast} turn at {slow_speed:.4g} and {fast_speed:.4g} rad/s: "
+                f"{slow} and {fast} turn at {slow_speed:.6g} and {fast_speed:.6g} rad/s: "
                 f"{'' if told else 'they have not synchronised, and '}the motion beats"
             )
     for name in run.names("frames"):
