@@ -350,7 +350,7 @@ def _classify(error: BaseException) -> tuple[int, str, str]:
             return WRONG, "refused", str(error)
         case SolverMissing():
             return MISSING, "refused", str(error)
-        case SolverFailed() if not isinstance(error.__cause__, MemoryError):
+        case SolverFailed() if not isinstance(error.__cause__, MemoryError | OSError):
             return FAILED, "failed", "; ".join([str(error), *notes])
         case SolverFailed() | OSError() | MemoryError():
             return FAILED, "failed", "; ".join([f"{trust.REFUSED}: {str(error) or OUT}", *notes])

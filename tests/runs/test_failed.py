@@ -8,6 +8,7 @@ from pathlib import Path
 import h5py
 import pytest
 
+from orchestrator.studies.quantities import outcome
 from tests.runs.failures import failed
 from tests.runs.outside import (
     HANG_S,
@@ -172,6 +173,36 @@ def test_a_folder_that_vanishes(tmp_path: Path) -> None:
     assert f"{folder} has gone" in said
     with h5py.File(gone / "history.h5") as history:
         assert len(history["energy/time_s"]) > 0
+
+
+@pytest.mark.parametrize(
+    ("error", "is_refused"),
+    [
+        ("OSError(28, 'No space left')", True),
+        ("MemoryError()", True),
+        ("SolverFailed('no form') from OSError(28, 'No space left')", True),
+        ("SolverFailed('no form') from MemoryError()", True),
+        ("SolverFailed('no form')", False),
+    ],
+)
+def test_what_the_computer_refuses_is_no_failure_of_the_case(
+    error: str, is_refused: bool, tmp_path: Path
+) -> None:
+    folder = tmp_path / "run"
+    before = f"""
+from orchestrator.ports.plans import SolverFailed
+from orchestrator.run import run
+
+def fail(*_):
+    raise {error}
+
+run.check_speeds = fail
+"""
+    done = flipflow(*run_words("panel-cycle", folder), before=before)
+    assert done.returncode == 4
+    said_plainly(done)
+    assert left_usable(folder, "failed")["reason"].startswith("the computer refused: ") == is_refused
+    assert outcome(folder) == ("not run" if is_refused else "stopped")
 
 
 def test_an_internal_error_is_called_one(tmp_path: Path) -> None:
