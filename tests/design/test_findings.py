@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from orchestrator.studies.design import pictures
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.page import anova_tables, answers, borders, doubts, noise_in_words, rivals
@@ -169,6 +171,29 @@ def test_the_front_has_no_setting_twice_and_none_beyond_another_limit(tmp_path: 
     assert len(np.unique(findings.front, axis=0)) == len(findings.front) > 30
     assert findings.beside.limits == study.aim.limits
     assert max(belt_truth(study.actual(x))["speed"] for x in findings.front) < 1.55
+
+
+def test_runs_beyond_another_limit_are_open_but_not_those_that_lack_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Any] = []
+    monkeypatch.setattr(pictures, "save", lambda picture, file: drawn.append(picture))
+    goals = {"goals": ["maximise speed", "maximise share"], "limits": ["pace <= 1.5"]}
+    study = belt(
+        tmp_path, **goals, **{"responses/pace": {"result": "results.pace"}, "plan/runs": 12, "search/runs": 0}
+    )
+
+    def truth(x: Mapping[str, float]) -> dict[str, float]:
+        return {**belt_truth(x), "pace": belt_truth(x)["speed"]}
+
+    whole = run_all(study, tmp_path, truth=truth)
+    fast = [each for each in whole.outcomes if each.responses["pace"].value > 1.5]
+    lacking = {name: one for name, one in fast[0].responses.items() if name != "pace"}
+    whole.outcomes[whole.outcomes.index(fast[0])] = replace(fast[0], responses=lacking)
+    pictures.draw_all(Findings(whole), tmp_path)
+    shown = {each.get_label(): len(each.lines[0].get_xdata()) for each in drawn[0].axes[0].containers}
+    assert shown["runs beyond another limit"] == len(fast) - 1
+    assert shown["runs"] == len(whole.outcomes) - len(fast) + 1
 
 
 def test_data_outside_the_ranges_are_told(whole: Campaign) -> None:

@@ -78,8 +78,10 @@ def _trade_off(findings: Findings) -> Any:
     axis.plot(*places, ".", ms=2, color=GREY, label=f"{mean.shape[1]} random settings, predicted")
     widths = NORMAL_95 * np.sqrt(findings.data.variance)
     (x, dx), (y, dy) = (_with_bars(findings, r, findings.data.y[:, r], widths[:, r]) for r in (second, first))
-    kept = findings.beside.kept(findings.data.y.T)
-    for mine, fill, which in ((kept, BLUE, "runs"), (~kept, "white", "runs beyond another limit")):
+    beyond = np.zeros(len(x), bool)  # not where a limited response was not measured
+    for limit in findings.beside.limits:
+        beyond |= limit.sign * (findings.data.y[:, limit.response] - limit.value) < 0.0
+    for mine, fill, which in ((~beyond, BLUE, "runs"), (beyond, "white", "runs beyond another limit")):
         if mine.any():
             bars = dy[:, mine], dx[:, mine]
             axis.errorbar(x[mine], y[mine], *bars, "o", ms=3, mfc=fill, lw=0.6, color=BLUE, label=which)
