@@ -24,7 +24,14 @@ from orchestrator.studies.accuracy.combinations import (
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
-from orchestrator.studies.accuracy.report import cost_table, draw_convergence, draw_models, entries, warnings
+from orchestrator.studies.accuracy.report import (
+    advice,
+    cost_table,
+    draw_convergence,
+    draw_models,
+    entries,
+    warnings,
+)
 from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, best_measured, proposals
 from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.quantities import DECISIVE, Metrics
@@ -168,8 +175,12 @@ def test_particles_that_are_taken_over_have_an_unknown_scatter(tmp_path: Path) -
     """There are no other seeds of them; their chaos must not count as an error of the settings."""
     bed = LOADED.case.bed.model_copy(update={"blocks": {}, "table": "bed.csv"})
     loaded = replace(LOADED, case=LOADED.case.model_copy(update={"bed": bed}))
-    made = study(tmp_path, point(tmp_path, "base", {}, [flow(1.0, 1.0)], panel=1.0))
-    assert replace(made, loaded=loaded).spread.half_width("frame_m", (1, 1)) is None
+    same = point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=2.0)
+    random = study(tmp_path, point(tmp_path, "base", {}, [flow(1.0, 1.0)], panel=1.0), same)
+    taken_over = replace(random, loaded=loaded)
+    assert taken_over.spread.half_width("frame_m", (1, 1)) is None
+    assert next(advice(random)).endswith("(as far as chance lets one see: more --seeds would tell)")
+    assert next(advice(taken_over)).endswith("runs with another bed would tell)")
 
 
 def test_a_lost_reference_is_named(tmp_path: Path) -> None:

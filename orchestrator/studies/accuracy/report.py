@@ -199,11 +199,7 @@ def advice(study: AccuracyStudy) -> Iterator[str]:
         if each.row is None:
             yield f"{100 * each.tolerance:g} %: no point of this study is so good"
             continue
-        sure = (
-            ""
-            if each.is_proven
-            else " (as far as chance lets one see: more --seeds, or another bed, would tell)"
-        )
+        sure = "" if each.is_proven else f" (as far as chance lets one see: {study.would_tell} would tell)"
         words = " ".join(f"--set {one}" for one in each.row.point.sets) or "the case as it is"
         yield f"{100 * each.tolerance:g} %: {words}, {each.row.point.processor_s:.1f} s{sure}"
 

@@ -190,6 +190,11 @@ class AccuracyStudy:
             self.measured.values(), is_random(case) or (case.bed.is_carried and has_particles(case))
         )
 
+    @property
+    def would_tell(self) -> str:
+        """What would tell how much is chance: other random numbers, or other particles to take over."""
+        return "more --seeds" if is_random(self.loaded.case) else "runs with another bed"
+
     @cached_property
     def measured_series(self) -> list[MeasuredSeries]:
         """Every series with at least one measured setting."""
