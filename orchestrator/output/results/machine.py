@@ -20,13 +20,14 @@ from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.plans import BushingPlan
+from orchestrator.preflight.checks.motion import BEATING
 
 BAND_HZ = 500.0
 FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
 SMALL_MOTION = 0.05  # of the largest motion of a frame
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
 SLOW_SHAFT = 0.8  # of its named speed: a rated slip is at most 0.2
-APART, FAR_APART = 0.005, 0.5  # of a speed: motors' shafts that differ by a share between these beat
+APART = 0.005  # of a speed: motors' shafts that differ by more have not synchronised
 FEWEST_CYCLES = 4  # in a window whose halves are compared
 RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
 UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
@@ -151,7 +152,7 @@ def why_not_settled(
     for (slow, slow_speed), (fast, fast_speed) in pairwise(sorted(all_rad_per_s.items(), key=itemgetter(1))):
         told = not {slow, fast} & set(speeds_rad_per_s)
         least = LARGEST_DRIFT / (0.5 * (end_s - start_s)) if told else APART * slow_speed
-        if least < fast_speed - slow_speed < FAR_APART * slow_speed:
+        if least < fast_speed - slow_speed and fast_speed < BEATING * slow_speed:
             return (
                 f"{slow} and {fast} turn at {slow_speed:.6g} and {fast_speed:.6g} rad/s: "
                 f"{'' if told else 'they have not synchronised, and '}the motion beats"
