@@ -20,7 +20,7 @@ from orchestrator.case.file.errors import CaseError, show_value
 from orchestrator.case.file.layers import find_changes, read_toml
 from orchestrator.case.provenance import read_provenance
 from orchestrator.output.records.run_folder import FolderUnusable
-from orchestrator.output.results.tidy import Result, RunResults, doubtful, read_results
+from orchestrator.output.results.tidy import OF_THE_WIDTH, Result, RunResults, doubtful, read_results
 
 SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "no interval"
 UNIMPORTANT = {"title", "description", "default_level"}
@@ -168,7 +168,7 @@ def _compare_results(runs: Sequence[RunResults]) -> list[ComparedResult]:
     return [
         ComparedResult(name, result.unit, tuple(run.results.get(name) for run in runs))
         for name, result in first.results.items()
-        if any(name in other.results for other in others)
+        if name not in OF_THE_WIDTH and any(name in other.results for other in others)
     ]
 
 
