@@ -41,8 +41,8 @@ class Case:
         """Return the case with other values, by their keys with dots: ``{"particles.step_s": 1e-5}``.
 
         A number is in the unit of its key, or a text with a unit of its own:
-        ``{"screen.panels.deck.thickness_m": "4 mm"}``.  Nothing is judged here; ``check`` finds unknown keys
-        and wrong values.
+        ``{"screen.panels.deck.thickness_m": "4 mm"}``.  A table changes the keys that it has, and the others
+        stay.  Nothing is judged here; ``check`` finds unknown keys and wrong values.
         """
         added = tuple(line for key, value in settings.items() for line in _as_overrides(key, value))
         return replace(self, overrides=self.overrides + added)

@@ -33,11 +33,14 @@ COMPONENTS = ("x", "y", "z")
 
 
 class RunFailed(Exception):
-    """A run ended before its end; ``run`` is what it left behind, or None if it left nothing."""
+    """A run ended before its end; ``run`` is what it left behind, or None if it left nothing.
 
-    def __init__(self, why: str, run: Run | None = None) -> None:
+    ``refused`` says that nothing was begun.
+    """
+
+    def __init__(self, why: str, run: Run | None = None, refused: bool = False) -> None:
         super().__init__(why)
-        self.run = run
+        self.run, self.refused = run, refused
 
 
 class RunInterrupted(RunFailed):
@@ -49,7 +52,7 @@ class Run:
 
     def __init__(self, folder: str | Path) -> None:
         """Open a folder.  Raises FolderUnusable if it does not hold an ended run of this version."""
-        self.folder = Path(folder)
+        self.folder = Path(folder).absolute()  # whatever the current folder will be
         try:
             self.summary: dict[str, Any] = RunReader(self.folder).summary
         except (OSError, ValueError) as error:
@@ -191,8 +194,14 @@ def make_run(
 
     Raises RunFailed and RunInterrupted.
     """
-    folder = Path(out) if out is not None else _next_folder(Path(words[1]).name)
-    return _wait([*words, "--out", str(folder)], folder, progress, ranks)
+    while True:
+        folder = Path(out) if out is not None else _next_folder(Path(words[1]).name)
+        try:
+            return _wait([*words, "--out", str(folder)], folder, progress, ranks)
+        except RunFailed as error:
+            was_taken = out is None and error.refused and folder.exists()  # by a run that began meanwhile
+            if not was_taken:
+                raise
 
 
 def _next_folder(name: str) -> Path:
@@ -253,13 +262,16 @@ def _ended(code: int, folder: Path, said: str) -> Run:
         raise RunFailed(f"{said}\nended by {signal.Signals(number).name}".lstrip(), run)
     if number > 0:
         raise RunInterrupted(said, run)
-    raise RunFailed(said, run)
+    raise RunFailed(said, run, refused=code == REFUSED)
 
 
 def _launcher(ranks: int) -> list[str]:
-    """Return the words that start a program on several processes.  Raises RunFailed if there is no
-    ``mpirun``.
+    """Return the words that start a program on several processes.
+
+    Raises ValueError for less than one, and RunFailed if there is no ``mpirun``.
     """
+    if ranks < 1:  # mpirun would take as many as there are cores
+        raise ValueError(f"ranks is {ranks}; a run has one process or more")
     if ranks == 1:
         return []
     if shutil.which("mpirun") is None:

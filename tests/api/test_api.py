@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -126,6 +127,27 @@ def test_a_run_has_results_series_and_its_case(run: flipflow.Run) -> None:
     assert "stroke" in run._repr_html_()
     again = flipflow.open_run(run.folder)
     assert again["stroke"] == run["stroke"]
+
+
+@pytest.mark.process
+@pytest.mark.solver
+def test_runs_that_begin_together_have_folders_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two threads of a notebook; the folders are still theirs when the notebook goes elsewhere."""
+    monkeypatch.chdir(tmp_path)
+    case = flipflow.load(EMPTY, "draft").change({"duration_s": 0.1, "output.pictures": False})
+    with ThreadPoolExecutor(2) as threads:
+        made = [*threads.map(lambda _: case.run(), range(2))]
+    assert {run.folder.name for run in made} == {"empty-machine-1", "empty-machine-2"}
+    monkeypatch.chdir("/")
+    assert all("frames/driven" in run.groups for run in made)
+
+
+def test_a_run_has_one_process_or_more(tmp_path: Path) -> None:
+    """``mpirun -n 0`` takes as many processes as there are cores."""
+    with pytest.raises(ValueError, match="one process or more"):
+        flipflow.load(EMPTY, "draft").run(tmp_path / "run", ranks=0)
 
 
 @pytest.mark.process
