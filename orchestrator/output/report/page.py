@@ -21,7 +21,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
 from orchestrator.output.drawing import data_uri, embed, fill_template
-from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
+from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, FolderUnusable, is_at_work, write_text
 from orchestrator.output.report import facts
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
@@ -32,7 +32,6 @@ from orchestrator.output.subprocesses import python
 from orchestrator.output.views.drawings import SIDE, draw_view
 from orchestrator.output.views.outline import outline
 
-NAME = "report.html"
 FILM_CYCLES = 3
 NEEDED = ("case.toml", SUMMARY, "provenance.json", HISTORY)
 DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)
@@ -76,7 +75,7 @@ def _why_open(folder: Path) -> str:
 def _write_page(folder: Path) -> Path:
     """Write the page and return its path.  Raises FolderUnusable if a file of the run cannot be used."""
     try:
-        write_text(folder / NAME, page(folder, compute_results(folder), make_film))
+        write_text(folder / PAGE, page(folder, compute_results(folder), make_film))
     except CaseError as error:
         raise FolderUnusable(f"{folder}: its case cannot be read\n{error}") from None
     except KeyError as error:
@@ -91,7 +90,7 @@ def _write_page(folder: Path) -> Path:
         ) from error
     except OSError as error:
         raise FolderUnusable(f"{folder}: {error}") from None
-    return folder / NAME
+    return folder / PAGE
 
 
 def _draw_side(case: Case, folder: Path) -> Iterator[tuple[str, Any]]:
