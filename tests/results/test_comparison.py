@@ -294,6 +294,19 @@ def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> 
     assert ".csv or .parquet" in wrong.stderr
 
 
+def test_runs_of_different_programs_are_told_apart(runs: list[str]) -> None:
+    """What the program changed would be taken for what the keys changed."""
+    for run, commit in zip(runs, ("aa", "aa+", "aa"), strict=True):
+        about = {"commit": commit, "versions": {"numpy": "1.24.2"}}
+        (Path(run) / "provenance.json").write_text(json.dumps(about))
+    told = CALL.invoke(app, ["compare", *runs]).stderr
+    assert "other programs made the runs, which may change results: commit aa, aa+, aa" in told
+    assert "numpy" not in told
+    assert "other programs" not in CALL.invoke(app, ["compare", runs[0], runs[2]]).stderr
+    (Path(runs[2]) / "provenance.json").write_text("[")
+    assert "commit aa, unknown" in CALL.invoke(app, ["compare", runs[0], runs[2]]).stderr
+
+
 def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
     """Results are compared as those of the whole width: a slice and the whole machine have the same power."""
     whole, sliced = tmp_path / "whole", tmp_path / "sliced"
