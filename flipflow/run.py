@@ -19,6 +19,7 @@ from orchestrator.case.scalars import SCALARS, Value, scalar, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.results.tidy import why_transient
 from orchestrator.run.progress import ProgressReport, parse_report
 from orchestrator.studies.points import MAIN
 
@@ -72,6 +73,13 @@ class Run:
     def doubts(self) -> list[str]:
         """The reasons not to trust the run, a sentence each."""
         return list(self.summary.get("doubts", []))
+
+    @property
+    def unsteady(self) -> list[str]:
+        """The reasons why a bed that is fed is not steady and why the motion of a machine has not settled, so
+        that results are of the start, too; a sentence each.
+        """
+        return [why for why in why_transient(self.summary.get("results") or {}) if why]
 
     def __getitem__(self, name: str) -> Value:
         """Return a result with its interval, by its short name (``stroke``) or its keys in ``summary.json``
@@ -173,7 +181,7 @@ class Run:
 
     def _repr_html_(self) -> str:
         """Return the state and the results for a notebook."""
-        doubts = "".join(f"<li>{escape(line)}</li>" for line in self.doubts)
+        doubts = "".join(f"<li>{escape(line)}</li>" for line in (*self.doubts, *self.unsteady))
         head = f"<p>Run <b>{escape(self.folder.name)}</b>: {escape(self.status)}</p>"
         table = self.results.to_html(float_format="%.4g", na_rep="")
         return head + (f"<ul>{doubts}</ul>" if doubts else "") + str(table)

@@ -111,6 +111,8 @@ def test_problems_are_lines_and_nothing_is_run(tmp_path: Path) -> None:
 @pytest.mark.solver
 def test_a_run_has_results_series_and_its_case(run: flipflow.Run) -> None:
     assert (run.status, run.is_trusted, run.doubts) == ("done", True, [])
+    assert run.unsteady == ["averaged over 1 cycle; 4 are needed to see it settle"]
+    assert run.unsteady[0] in run._repr_html_()
     assert run["stroke"].value == run.results.loc["stroke", "value"] > 1e-3
     assert flipflow.load(run.folder)["duration_s"] == 0.24
     driven = run.history("frames/driven")
