@@ -17,7 +17,7 @@ import numpy as np
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.scalars import SCALARS, Value, scalar, value_at
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.tidy import why_transient
 from orchestrator.run.progress import ProgressReport, parse_report
@@ -57,7 +57,8 @@ class Run:
         try:
             self.summary: dict[str, Any] = RunReader(self.folder).summary
         except (OSError, ValueError) as error:
-            raise FolderUnusable(f"{self.folder}: holds no run that has ended ({error})") from None
+            why = _why_open(self.folder) or f"holds no run that has ended ({error})"
+            raise FolderUnusable(f"{self.folder}: {why}") from None
 
     @property
     def status(self) -> str:
@@ -262,15 +263,25 @@ def _ended(code: int, folder: Path, said: str) -> Run:
 
     A process that was refused has left nothing: what the folder holds is of an earlier run.
     """
-    run = Run(folder) if code != REFUSED and (folder / "summary.json").is_file() else None
+    run = Run(folder) if code != REFUSED and (folder / SUMMARY).is_file() else None
     if code in trust.EXIT_CODES.values() and run is not None:
         return run
+    if run is None and code != REFUSED:
+        said = "\n".join(filter(None, (said, _why_open(folder))))
     number = -code if code < 0 else code - 128
     if number in CRASHES:
         raise RunFailed(f"{said}\nended by {signal.Signals(number).name}".lstrip(), run)
     if number > 0:
         raise RunInterrupted(said, run)
     raise RunFailed(said, run, refused=code == REFUSED)
+
+
+def _why_open(folder: Path) -> str:
+    """Return why the run in a folder has no summary, and what goes on with it; empty if that is not so."""
+    from orchestrator.output.report.page import NEEDED, why_open
+
+    is_open = [name for name in NEEDED if not (folder / name).is_file()] == [SUMMARY]
+    return why_open(folder) if is_open else ""
 
 
 def _launcher(ranks: int) -> list[str]:

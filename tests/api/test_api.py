@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -212,6 +213,19 @@ def test_a_crash_is_no_interruption(
         flipflow.load(EMPTY, "draft").run(tmp_path / "run")
     assert type(ended.value).__name__ == kind
     assert kind == "RunInterrupted" or name in str(ended.value)
+
+
+@pytest.mark.process
+@pytest.mark.solver
+def test_a_killed_run_says_what_goes_on_with_it(run: flipflow.Run, tmp_path: Path) -> None:
+    """It has no summary, so that there is no run to open and to resume from Python."""
+    killed = Path(shutil.copytree(run.folder, tmp_path / "killed"))
+    (killed / "summary.json").unlink()
+    goes_on = f"`flipflow resume {killed}` goes on from t = 0.24 s"
+    with pytest.raises(flipflow.FolderUnusable, match=goes_on):
+        flipflow.open_run(killed)
+    with pytest.raises(flipflow.RunInterrupted, match=goes_on):
+        flipflow.run._ended(-signal.SIGKILL, killed, "")
 
 
 def test_any_bytes_on_standard_error_are_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

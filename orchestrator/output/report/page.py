@@ -46,7 +46,7 @@ def report(folder: Path) -> Path:
     if not folder.is_dir():
         raise FolderUnusable(f"{folder}: no such folder")
     if missing == [SUMMARY]:
-        raise FolderUnusable(f"{folder}: {_why_open(folder)}")
+        raise FolderUnusable(f"{folder}: {why_open(folder)}")
     if missing:
         raise FolderUnusable(f"{folder}: no run, or a damaged one: it has no {', '.join(missing)}")
     with ProcessPoolExecutor(1, get_context("fork")) as apart:  # HDF5 crashes on some damaged files
@@ -58,7 +58,7 @@ def report(folder: Path) -> Path:
             ) from None
 
 
-def _why_open(folder: Path) -> str:
+def why_open(folder: Path) -> str:
     """Return a message about why the run has no summary, with advice."""
     if is_at_work(folder):
         return "the run is still going on"
