@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGBUS, signal.SIGILL}
 """The signals by which a program ends itself."""
 REFUSED = 2  # exit code of a command that has begun nothing
-LAST_LINES = 5  # of a run's output, in the message of an error
+LAST_LINES, MOST_LINES = 5, 40  # of a run's output, in the message of an error; the most if nothing was begun
 COMPONENTS = ("x", "y", "z")
 
 
@@ -245,7 +245,7 @@ def _wait(
                 for line in process.stderr:
                     report = parse_report(line)
                     if report is None:
-                        last = [*last, line.strip()][-LAST_LINES:]
+                        last = [*last, line.rstrip()][-MOST_LINES:]
                     elif progress is not None:
                         progress(report)
                 process.wait()
@@ -255,10 +255,10 @@ def _wait(
             except BaseException:
                 process.send_signal(signal.SIGTERM if ranks == 1 else signal.SIGUSR1)
                 raise
-    return _ended(process.returncode, folder, "\n".join(last))
+    return _ended(process.returncode, folder, last)
 
 
-def _ended(code: int, folder: Path, said: str) -> Run:
+def _ended(code: int, folder: Path, last: Sequence[str]) -> Run:
     """Return the run in a folder whose process ended with an exit code, or raise what the code means.
 
     A process that was refused has left nothing: what the folder holds is of an earlier run.
@@ -266,8 +266,9 @@ def _ended(code: int, folder: Path, said: str) -> Run:
     run = Run(folder) if code != REFUSED and (folder / SUMMARY).is_file() else None
     if code in trust.EXIT_CODES.values() and run is not None:
         return run
-    if run is None and code != REFUSED:
-        said = "\n".join(filter(None, (said, _why_open(folder))))
+    said = "\n".join(last[-LAST_LINES:])
+    if run is None:
+        said = "\n".join((*last, "" if code == REFUSED else _why_open(folder))).strip()
     number = -code if code < 0 else code - 128
     if number in CRASHES:
         raise RunFailed(f"{said}\nended by {signal.Signals(number).name}".lstrip(), run)

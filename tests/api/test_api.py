@@ -225,7 +225,15 @@ def test_a_killed_run_says_what_goes_on_with_it(run: flipflow.Run, tmp_path: Pat
     with pytest.raises(flipflow.FolderUnusable, match=goes_on):
         flipflow.open_run(killed)
     with pytest.raises(flipflow.RunInterrupted, match=goes_on):
-        flipflow.run._ended(-signal.SIGKILL, killed, "")
+        flipflow.run._ended(-signal.SIGKILL, killed, ())
+
+
+def test_a_message_of_many_lines_keeps_its_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of mpirun's words on too many ranks the last five were shown, without what is wrong."""
+    words = "not enough slots\n" + "what to do\n" * 12
+    say(monkeypatch, f"sys.stderr.write({words!r}); sys.exit(1)")
+    with pytest.raises(flipflow.RunFailed, match="not enough slots"):
+        flipflow.load(EMPTY, "draft").run(tmp_path / "run")
 
 
 def test_any_bytes_on_standard_error_are_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -60,12 +60,14 @@ def test_chance_makes_a_change_near_the_threshold_unknown() -> None:
 
 
 def test_a_small_change_of_the_particles_clears_nothing_without_an_interval() -> None:
-    """Other seeds change the velocity of the quickstart's draft by 4 %: of 0.387 and 0.4 m/s nobody knows what
-    chance did.  The motion of the frames has no chance, and neither have equal runs."""
+    """Other seeds change the velocity of the draft by 4 %: nobody knows what chance did of 0.387 and
+    0.4 m/s.  The motion of the frames has no chance, and neither have equal runs."""
 
     def motion(stroke_m: float, velocity_m_per_s: float) -> dict[str, Any]:
         found = summary(velocity_m_per_s=velocity_m_per_s)
-        return found | {"results": found["results"] | {"motion": {"relative": {"a-b": {"along_m": stroke_m}}}}}
+        return found | {
+            "results": found["results"] | {"motion": {"relative": {"a-b": {"along_m": stroke_m}}}}
+        }
 
     def verdict(stroke_m: float, velocity_m_per_s: float, *asked: str) -> tuple[bool | None, str]:
         sides = motion(0.006, 0.387), motion(stroke_m, velocity_m_per_s)

@@ -21,7 +21,14 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
 from orchestrator.output.drawing import data_uri, embed, fill_template
-from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, FolderUnusable, is_at_work, write_text
+from orchestrator.output.records.run_folder import (
+    HISTORY,
+    PAGE,
+    SUMMARY,
+    FolderUnusable,
+    is_at_work,
+    write_text,
+)
 from orchestrator.output.report import facts
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
