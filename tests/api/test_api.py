@@ -38,6 +38,13 @@ def test_a_case_knows_its_levels_and_values() -> None:
         case["panel.sulver"]
 
 
+def test_a_level_may_be_a_path_and_overrides_a_line_or_a_list() -> None:
+    """A path was an AttributeError, of one line each letter was an override, and a list could not grow."""
+    case = flipflow.load(EMPTY, EMPTY / "levels/draft.toml", "duration_s=0.5")
+    assert (case["panel.solver"], case["duration_s"]) == ("strip", 0.5)
+    assert flipflow.load(EMPTY, "draft", ["duration_s=0.5"]).change({"duration_s": 2})["duration_s"] == 2.0
+
+
 def test_a_case_over_another_one_has_the_default_level_and_the_levels_of_both() -> None:
     case = flipflow.load(ROOT / "cases/ffs0827-flowing")
     assert case.level == "draft"
