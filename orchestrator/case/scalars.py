@@ -230,7 +230,7 @@ def is_of_separation(name: str) -> bool:
 
 
 _PARTS = {
-    "particles": ("material.", "results.screening.", "results.bed."),
+    "particles": ("material.", *(f"results.{table}." for table in ("screening", "transport", "bed", "held"))),
     "frames": ("results.motion.frames.", "results.motion.relative.", "results.power."),
     "panels": ("results.motion.panels.", "results.motion.panel_points.", "results.wear."),
 }

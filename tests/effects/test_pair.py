@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator.case.scalars import SCALARS, Value, scalar
+from orchestrator.case.scalars import SCALARS, Value, is_of_particles, scalar
 from orchestrator.cli.main import app
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import load_judged
@@ -81,6 +81,8 @@ def test_a_small_change_of_the_particles_clears_nothing_without_an_interval() ->
     assert verdict(0.0055, 0.4, "stroke")[0] is False
     assert verdict(0.0055, 0.387, "stroke", "velocity")[0] is False
     assert verdict(0.006, 0.5, "velocity")[0] is True
+    assert is_of_particles("results.held.stickers")
+    assert not is_of_particles("results.power.drives_W")
 
 
 def test_results_have_one_table_of_names_and_paths_besides() -> None:
