@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
@@ -41,13 +41,13 @@ class Case:
         """Return the case with other values, by their keys with dots: ``{"particles.step_s": 1e-5}``.
 
         A number is in the unit of its key, or a text with a unit of its own:
-        ``{"screen.panels.deck.thickness_m": "4 mm"}``.  Nothing is judged here; ``check`` finds unknown keys
-        and wrong values.
+        ``{"screen.panels.deck.thickness_m": "4 mm"}``.  A table changes the keys that it has, and the others
+        stay.  Nothing is judged here; ``check`` finds unknown keys and wrong values.
         """
         added = tuple(line for key, value in settings.items() for line in _as_overrides(key, value))
         return replace(self, overrides=self.overrides + added)
 
-    def at_level(self, level: str) -> Case:
+    def at_level(self, level: str | Path) -> Case:
         """Return the case at another level.  Raises CaseError if the case has no such level."""
         return load(self.folder, level, self.overrides)
 
@@ -137,18 +137,20 @@ class Case:
         )
 
 
-def load(path: str | Path, level: str | None = None, overrides: tuple[str, ...] = ()) -> Case:
+def load(path: str | Path, level: str | Path | None = None, overrides: str | Sequence[str] = ()) -> Case:
     """Return the case in a folder, at a level; without one, at the case's default level.
 
-    ``path`` is the folder or the case.toml in it.  Raises CaseError if there is no case, or it has no such
-    level.
+    ``path`` is the folder or the case.toml in it, and ``level`` a name or the file of a level.  Raises
+    CaseError if there is no case, or it has no such level.
     """
     file = Path(path) if Path(path).is_file() else Path(path) / CASE_FILE
     if not file.is_file() or file.name != CASE_FILE:
         what = f"no such case: there is no {CASE_FILE}" if not file.is_file() else f"is no {CASE_FILE}"
         raise CaseError([CaseProblem((), what, "name the folder of a case", file=str(path))])
     chain = read_chain(file)
-    return Case(chain[0].folder, choose_level(chain[0].folder, lay_chain(chain).merged, level), overrides)
+    folder, wanted = chain[0].folder, None if level is None else str(level)
+    lines = (overrides,) if isinstance(overrides, str) else tuple(overrides)
+    return Case(folder, choose_level(folder, lay_chain(chain).merged, wanted), lines)
 
 
 def _as_overrides(key: str, value: Setting) -> Iterator[str]:

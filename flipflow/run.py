@@ -17,8 +17,9 @@ import numpy as np
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.scalars import SCALARS, Value, scalar, value_at
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable
 from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.results.tidy import why_transient
 from orchestrator.run.progress import ProgressReport, parse_report
 from orchestrator.studies.points import MAIN
 
@@ -28,16 +29,19 @@ if TYPE_CHECKING:
 CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGBUS, signal.SIGILL}
 """The signals by which a program ends itself."""
 REFUSED = 2  # exit code of a command that has begun nothing
-LAST_LINES = 5  # of a run's output, in the message of an error
+LAST_LINES, MOST_LINES = 5, 40  # of a run's output, in the message of an error; the most if nothing was begun
 COMPONENTS = ("x", "y", "z")
 
 
 class RunFailed(Exception):
-    """A run ended before its end; ``run`` is what it left behind, or None if it left nothing."""
+    """A run ended before its end; ``run`` is what it left behind, or None if it left nothing.
 
-    def __init__(self, why: str, run: Run | None = None) -> None:
+    ``refused`` says that nothing was begun.
+    """
+
+    def __init__(self, why: str, run: Run | None = None, refused: bool = False) -> None:
         super().__init__(why)
-        self.run = run
+        self.run, self.refused = run, refused
 
 
 class RunInterrupted(RunFailed):
@@ -49,11 +53,12 @@ class Run:
 
     def __init__(self, folder: str | Path) -> None:
         """Open a folder.  Raises FolderUnusable if it does not hold an ended run of this version."""
-        self.folder = Path(folder)
+        self.folder = Path(folder).absolute()  # whatever the current folder will be
         try:
             self.summary: dict[str, Any] = RunReader(self.folder).summary
         except (OSError, ValueError) as error:
-            raise FolderUnusable(f"{self.folder}: holds no run that has ended ({error})") from None
+            why = _why_open(self.folder) or f"holds no run that has ended ({error})"
+            raise FolderUnusable(f"{self.folder}: {why}") from None
 
     @property
     def status(self) -> str:
@@ -69,6 +74,13 @@ class Run:
     def doubts(self) -> list[str]:
         """The reasons not to trust the run, a sentence each."""
         return list(self.summary.get("doubts", []))
+
+    @property
+    def unsteady(self) -> list[str]:
+        """The reasons why a bed that is fed is not steady and why the motion of a machine has not settled, so
+        that results are of the start, too; a sentence each.
+        """
+        return [why for why in why_transient(self.summary.get("results") or {}) if why]
 
     def __getitem__(self, name: str) -> Value:
         """Return a result with its interval, by its short name (``stroke``) or its keys in ``summary.json``
@@ -170,7 +182,7 @@ class Run:
 
     def _repr_html_(self) -> str:
         """Return the state and the results for a notebook."""
-        doubts = "".join(f"<li>{escape(line)}</li>" for line in self.doubts)
+        doubts = "".join(f"<li>{escape(line)}</li>" for line in (*self.doubts, *self.unsteady))
         head = f"<p>Run <b>{escape(self.folder.name)}</b>: {escape(self.status)}</p>"
         table = self.results.to_html(float_format="%.4g", na_rep="")
         return head + (f"<ul>{doubts}</ul>" if doubts else "") + str(table)
@@ -191,8 +203,14 @@ def make_run(
 
     Raises RunFailed and RunInterrupted.
     """
-    folder = Path(out) if out is not None else _next_folder(Path(words[1]).name)
-    return _wait([*words, "--out", str(folder)], folder, progress, ranks)
+    while True:
+        folder = Path(out) if out is not None else _next_folder(Path(words[1]).name)
+        try:
+            return _wait([*words, "--out", str(folder)], folder, progress, ranks)
+        except RunFailed as error:
+            was_taken = out is None and error.refused and folder.exists()  # by a run that began meanwhile
+            if not was_taken:
+                raise
 
 
 def _next_folder(name: str) -> Path:
@@ -227,7 +245,7 @@ def _wait(
                 for line in process.stderr:
                     report = parse_report(line)
                     if report is None:
-                        last = [*last, line.strip()][-LAST_LINES:]
+                        last = [*last, line.rstrip()][-MOST_LINES:]
                     elif progress is not None:
                         progress(report)
                 process.wait()
@@ -237,29 +255,43 @@ def _wait(
             except BaseException:
                 process.send_signal(signal.SIGTERM if ranks == 1 else signal.SIGUSR1)
                 raise
-    return _ended(process.returncode, folder, "\n".join(last))
+    return _ended(process.returncode, folder, last)
 
 
-def _ended(code: int, folder: Path, said: str) -> Run:
+def _ended(code: int, folder: Path, last: Sequence[str]) -> Run:
     """Return the run in a folder whose process ended with an exit code, or raise what the code means.
 
     A process that was refused has left nothing: what the folder holds is of an earlier run.
     """
-    run = Run(folder) if code != REFUSED and (folder / "summary.json").is_file() else None
+    run = Run(folder) if code != REFUSED and (folder / SUMMARY).is_file() else None
     if code in trust.EXIT_CODES.values() and run is not None:
         return run
+    said = "\n".join(last[-LAST_LINES:])
+    if run is None:
+        said = "\n".join((*last, "" if code == REFUSED else _why_open(folder))).strip()
     number = -code if code < 0 else code - 128
     if number in CRASHES:
         raise RunFailed(f"{said}\nended by {signal.Signals(number).name}".lstrip(), run)
     if number > 0:
         raise RunInterrupted(said, run)
-    raise RunFailed(said, run)
+    raise RunFailed(said, run, refused=code == REFUSED)
+
+
+def _why_open(folder: Path) -> str:
+    """Return why the run in a folder has no summary, and what goes on with it; empty if that is not so."""
+    from orchestrator.output.report.page import NEEDED, why_open
+
+    is_open = [name for name in NEEDED if not (folder / name).is_file()] == [SUMMARY]
+    return why_open(folder) if is_open else ""
 
 
 def _launcher(ranks: int) -> list[str]:
-    """Return the words that start a program on several processes.  Raises RunFailed if there is no
-    ``mpirun``.
+    """Return the words that start a program on several processes.
+
+    Raises ValueError for less than one, and RunFailed if there is no ``mpirun``.
     """
+    if ranks < 1:  # mpirun would take as many as there are cores
+        raise ValueError(f"ranks is {ranks}; a run has one process or more")
     if ranks == 1:
         return []
     if shutil.which("mpirun") is None:

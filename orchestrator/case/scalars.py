@@ -230,7 +230,7 @@ def is_of_separation(name: str) -> bool:
 
 
 _PARTS = {
-    "particles": ("material.", "results.screening.", "results.bed."),
+    "particles": ("material.", *(f"results.{table}." for table in ("screening", "transport", "bed", "held"))),
     "frames": ("results.motion.frames.", "results.motion.relative.", "results.power."),
     "panels": ("results.motion.panels.", "results.motion.panel_points.", "results.wear."),
 }
@@ -250,6 +250,11 @@ def part_of(name: str, case: Case) -> str:
     return next((part for part, paths in _PARTS.items() if name.startswith(paths)), "")
 
 
+def is_of_particles(name: str) -> bool:
+    """Return whether a result describes the particles, which differ from run to run by chance."""
+    return (name in SCALARS and SCALARS[name].part == "particles") or name.startswith(_PARTS["particles"])
+
+
 def scalar(name: str) -> Scalar:
     """Return the result with a short name or a path.  Raises KeyError, which suggests a similar name."""
     if name in SCALARS:
@@ -260,5 +265,5 @@ def scalar(name: str) -> Scalar:
     if "." in name:
         return Scalar(name, 1e-12, _at(name))
     near = get_close_matches(name, SCALARS, 1)
-    hint = f'; did you mean "{near[0]}"?' if near else ""
+    hint = f'; did you mean "{near[0]}"?' if near else "."
     raise KeyError(f'no result "{name}"{hint} There are: {", ".join(SCALARS)}')

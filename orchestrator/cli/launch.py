@@ -32,6 +32,8 @@ from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records import run_folder, summary, trust
 from orchestrator.output.records.run_folder import (
     LOG,
+    PAGE,
+    PICTURES,
     RUN_LOCK,
     SUMMARY,
     FolderUnusable,
@@ -190,7 +192,7 @@ def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, wo
     killed = [] if (folder / SUMMARY).exists() else [KILLED]
     checkpoints.remove_later(folder, checkpoint)
     checkpoint.put_back(folder)
-    for written_at_end in ("failure.txt", SUMMARY):
+    for written_at_end in ("failure.txt", SUMMARY, PAGE, *PICTURES):
         (folder / written_at_end).unlink(missing_ok=True)
     write_case(folder, loaded)
     provenance = _read_provenance(folder)

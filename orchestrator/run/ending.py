@@ -79,8 +79,23 @@ class Ending:
             figures["status"] = trust.state_at_end(figures)
         summary.write_summary(folder, figures)
         if case.output.pictures and figures["sync_intervals"]:
-            _draw_pictures(folder)
+            self._draw_pictures()
         return figures
+
+    def _draw_pictures(self) -> None:
+        """Draw the pictures in a process of their own.
+
+        A failure is logged.  Ctrl-C ends the drawing alone, as all else of the run is written.
+        """
+        words = ("orchestrator.output.report.pictures", str(self.folder))
+        try:
+            process = python("-m", *words, alone=True, capture_output=True)
+        except KeyboardInterrupt:
+            LOG.warning("pictures are missing: stopped")
+            self.console.print("pictures are missing: stopped")
+            return
+        if process.returncode:
+            LOG.warning("no pictures: %s", process.stderr.strip().splitlines()[-1:])
 
     def _add_results(self, figures: dict[str, Any]) -> None:
         """Add the results to ``figures`` and to ``history.h5``.
@@ -146,12 +161,3 @@ class Ending:
 def _record_error(failed: dict[str, str], part: str) -> AbstractContextManager[None]:
     """Record in ``failed`` an error that prevents a part of the results, log its traceback, and go on."""
     return record_error(failed, part, partial(LOG.exception, "no %s", part))
-
-
-def _draw_pictures(folder: Path) -> None:
-    """Draw the pictures in a process of their own, and log a warning if that fails."""
-    process = python(
-        "-m", "orchestrator.output.report.pictures", str(folder), alone=True, capture_output=True
-    )
-    if process.returncode:
-        LOG.warning("no pictures: %s", process.stderr.strip().splitlines()[-1:])

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +36,13 @@ def test_a_case_knows_its_levels_and_values() -> None:
     assert case.at_level("draft")["panel.solver"] == "strip"
     with pytest.raises(KeyError, match=r"panel\.sulver"):
         case["panel.sulver"]
+
+
+def test_a_level_may_be_a_path_and_overrides_a_line_or_a_list() -> None:
+    """A path was an AttributeError, of one line each letter was an override, and a list could not grow."""
+    case = flipflow.load(EMPTY, EMPTY / "levels/draft.toml", "duration_s=0.5")
+    assert (case["panel.solver"], case["duration_s"]) == ("strip", 0.5)
+    assert flipflow.load(EMPTY, "draft", ["duration_s=0.5"]).change({"duration_s": 2})["duration_s"] == 2.0
 
 
 def test_a_case_over_another_one_has_the_default_level_and_the_levels_of_both() -> None:
@@ -110,6 +119,8 @@ def test_problems_are_lines_and_nothing_is_run(tmp_path: Path) -> None:
 @pytest.mark.solver
 def test_a_run_has_results_series_and_its_case(run: flipflow.Run) -> None:
     assert (run.status, run.is_trusted, run.doubts) == ("done", True, [])
+    assert run.unsteady == ["averaged over 1 cycle; 4 are needed to see it settle"]
+    assert run.unsteady[0] in run._repr_html_()
     assert run["stroke"].value == run.results.loc["stroke", "value"] > 1e-3
     assert flipflow.load(run.folder)["duration_s"] == 0.24
     driven = run.history("frames/driven")
@@ -126,6 +137,27 @@ def test_a_run_has_results_series_and_its_case(run: flipflow.Run) -> None:
     assert "stroke" in run._repr_html_()
     again = flipflow.open_run(run.folder)
     assert again["stroke"] == run["stroke"]
+
+
+@pytest.mark.process
+@pytest.mark.solver
+def test_runs_that_begin_together_have_folders_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two threads of a notebook; the folders are still theirs when the notebook goes elsewhere."""
+    monkeypatch.chdir(tmp_path)
+    case = flipflow.load(EMPTY, "draft").change({"duration_s": 0.1, "output.pictures": False})
+    with ThreadPoolExecutor(2) as threads:
+        made = [*threads.map(lambda _: case.run(), range(2))]
+    assert {run.folder.name for run in made} == {"empty-machine-1", "empty-machine-2"}
+    monkeypatch.chdir("/")
+    assert all("frames/driven" in run.groups for run in made)
+
+
+def test_a_run_has_one_process_or_more(tmp_path: Path) -> None:
+    """``mpirun -n 0`` takes as many processes as there are cores."""
+    with pytest.raises(ValueError, match="one process or more"):
+        flipflow.load(EMPTY, "draft").run(tmp_path / "run", ranks=0)
 
 
 @pytest.mark.process
@@ -188,6 +220,27 @@ def test_a_crash_is_no_interruption(
         flipflow.load(EMPTY, "draft").run(tmp_path / "run")
     assert type(ended.value).__name__ == kind
     assert kind == "RunInterrupted" or name in str(ended.value)
+
+
+@pytest.mark.process
+@pytest.mark.solver
+def test_a_killed_run_says_what_goes_on_with_it(run: flipflow.Run, tmp_path: Path) -> None:
+    """It has no summary, so that there is no run to open and to resume from Python."""
+    killed = Path(shutil.copytree(run.folder, tmp_path / "killed"))
+    (killed / "summary.json").unlink()
+    goes_on = f"`flipflow resume {killed}` goes on from t = 0.24 s"
+    with pytest.raises(flipflow.FolderUnusable, match=goes_on):
+        flipflow.open_run(killed)
+    with pytest.raises(flipflow.RunInterrupted, match=goes_on):
+        flipflow.run._ended(-signal.SIGKILL, killed, ())
+
+
+def test_a_message_of_many_lines_keeps_its_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of mpirun's words on too many ranks the last five were shown, without what is wrong."""
+    words = "not enough slots\n" + "what to do\n" * 12
+    say(monkeypatch, f"sys.stderr.write({words!r}); sys.exit(1)")
+    with pytest.raises(flipflow.RunFailed, match="not enough slots"):
+        flipflow.load(EMPTY, "draft").run(tmp_path / "run")
 
 
 def test_any_bytes_on_standard_error_are_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

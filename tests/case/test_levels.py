@@ -117,7 +117,7 @@ def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp
         ("duration_s=true", "duration_s: true is wrong, a valid number is wanted"),
         ("duration_s=nan", "finite"),
         ("gravity_m_per_s2=[0, 1]", "gravity_m_per_s2: [0, 1] has too few values"),
-        ("gravity_m_per_s2=[0, 1, 2, 3]", "at most 3"),
+        ("gravity_m_per_s2=[0, 1, 2, 3]", "[0, 1, 2, 3] has more than 3 values"),
         ("screen.panels.deck=3", "screen.panels.deck: 3 is wrong, a table is wanted"),
         ("bed.feeds.chute.rate_kg_per_s=1", "bed.feeds.chute.material: missing"),
         ("probes.a b.particle=1", "a name is made of letters"),

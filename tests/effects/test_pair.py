@@ -10,12 +10,14 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator.case.scalars import SCALARS, Value, scalar
+from orchestrator.case.scalars import SCALARS, Value, is_of_particles, scalar
 from orchestrator.cli.main import app
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, compute_change, key_of, recall, remember, share_pairs
+from orchestrator.preflight.judgement.weighing import measured_verdict
+from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.studies import pairs
 from orchestrator.studies.pairs import try_effects
 from tests.cases import CASE, case_folder, load_case, loaded
@@ -55,6 +57,32 @@ def test_chance_makes_a_change_near_the_threshold_unknown() -> None:
     assert near.matters is None
     assert compute_change(Value(10.0, 0.01), Value(10.8, 0.01), 0.1).matters is False
     assert compute_change(Value(10.0, 0.5), Value(13.0, 0.5), 0.1).matters is True
+
+
+def test_a_small_change_of_the_particles_clears_nothing_without_an_interval() -> None:
+    """Other seeds change the velocity of the draft by 4 %: nobody knows what chance did of 0.387 and
+    0.4 m/s.  The motion of the frames has no chance, and neither have equal runs."""
+
+    def motion(stroke_m: float, velocity_m_per_s: float) -> dict[str, Any]:
+        found = summary(velocity_m_per_s=velocity_m_per_s)
+        return found | {
+            "results": found["results"] | {"motion": {"relative": {"a-b": {"along_m": stroke_m}}}}
+        }
+
+    def verdict(stroke_m: float, velocity_m_per_s: float, *asked: str) -> tuple[bool | None, str]:
+        sides = motion(0.006, 0.387), motion(stroke_m, velocity_m_per_s)
+        tried = Pair("panel-damping", summary_with=sides[0], summary_without=sides[1])
+        found = measured_verdict(Verdict("", None, "", None, ""), tried, asked)
+        return found.matters, found.why
+
+    unknown = "measured: velocity 0.387 with it, 0.4 without, chance unknown"
+    assert verdict(0.006, 0.4, "velocity") == (None, unknown)
+    assert verdict(0.0055, 0.4, "stroke", "velocity") == (None, unknown)
+    assert verdict(0.0055, 0.4, "stroke")[0] is False
+    assert verdict(0.0055, 0.387, "stroke", "velocity")[0] is False
+    assert verdict(0.006, 0.5, "velocity")[0] is True
+    assert is_of_particles("results.held.stickers")
+    assert not is_of_particles("results.power.drives_W")
 
 
 def test_results_have_one_table_of_names_and_paths_besides() -> None:

@@ -264,7 +264,8 @@ def test_runs_that_cannot_be_read_are_all_named_and_nothing_is_written(
     runs: list[str], tmp_path: Path, command: str
 ) -> None:
     old = run_folder(tmp_path / "old", estimate(0.3, 0.1), format_version=1)
-    empty = run_folder(tmp_path / "empty", estimate(0.3, 0.1), results={"missing": {"everything": "short"}})
+    nothing = {"missing": {"everything": "short"}, "failed": {}, "share_of_width": 1.0}
+    empty = run_folder(tmp_path / "empty", estimate(0.3, 0.1), results=nothing)
     page = tmp_path / "page.csv"
     places = [runs[0], str(old), str(empty), str(tmp_path / "nowhere")]
     done = CALL.invoke(app, [command, *places, "--out", str(page)])
@@ -281,7 +282,9 @@ def test_runs_that_cannot_be_read_are_all_named_and_nothing_is_written(
 def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> None:
     assert "nothing to compare it with" in CALL.invoke(app, ["compare", runs[0]]).stderr
     assert "named twice" in CALL.invoke(app, ["compare", runs[0], runs[0]]).stderr
-    other = run_folder(tmp_path / "d", {}, results={"wear": {"deepest_m": 1.0}})
+    whole = {"share_of_width": 1.0, "slice_width_m": None}
+    runs[0] = str(run_folder(tmp_path / "e", {}, results=whole | {"bed": {"particles": 40.0}}))
+    other = run_folder(tmp_path / "d", {}, results=whole | {"wear": {"deepest_m": 1.0}})
     done = CALL.invoke(app, ["compare", runs[0], str(other), "--out", str(tmp_path / "page.html")])
     assert done.exit_code == 2
     assert "has no results in common with" in done.stderr
@@ -289,6 +292,19 @@ def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> 
     wrong = CALL.invoke(app, ["results", runs[0], "--out", str(tmp_path / "x.txt")])
     assert wrong.exit_code == 2
     assert ".csv or .parquet" in wrong.stderr
+
+
+def test_runs_of_different_programs_are_told_apart(runs: list[str]) -> None:
+    """What the program changed would be taken for what the keys changed."""
+    for run, commit in zip(runs, ("aa", "aa+", "aa"), strict=True):
+        about = {"commit": commit, "versions": {"numpy": "1.24.2"}}
+        (Path(run) / "provenance.json").write_text(json.dumps(about))
+    told = CALL.invoke(app, ["compare", *runs]).stderr
+    assert "other programs made the runs, which may change results: commit aa, aa+, aa" in told
+    assert "numpy" not in told
+    assert "other programs" not in CALL.invoke(app, ["compare", runs[0], runs[2]]).stderr
+    (Path(runs[2]) / "provenance.json").write_text("[")
+    assert "commit aa, unknown" in CALL.invoke(app, ["compare", runs[0], runs[2]]).stderr
 
 
 def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:

@@ -128,6 +128,25 @@ def test_killed_before_its_results_are_made_it_is_not_done(tmp_path: Path) -> No
     assert left_usable(folder, "done")["results"]["failed"] == {}
 
 
+STOPPED_AT_ITS_PICTURES = """
+from orchestrator.run import ending
+def python(*words, **more):
+    raise KeyboardInterrupt
+ending.python = python
+"""
+
+
+def test_stopped_at_its_pictures_it_is_done(tmp_path: Path) -> None:
+    """All else is written; the run was called interrupted, without what runs leave at their end."""
+    folder = tmp_path / "run"
+    words = run_words("quickstart", folder, ["duration_s=0.02"])
+    done = flipflow(*words, before=STOPPED_AT_ITS_PICTURES)
+    assert done.returncode == 0, done.stderr
+    assert "pictures are missing: stopped" in done.stderr
+    assert f"results in {folder}" in done.stderr
+    assert left_usable(folder, "done")["results"]["failed"] == {}
+
+
 def test_nohup_keeps_what_it_promises(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     nohup = "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)"

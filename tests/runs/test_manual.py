@@ -15,6 +15,7 @@ import pytest
 
 from orchestrator.coupling.schemes import create_scheme
 from orchestrator.output import checkpoints
+from orchestrator.output.records.run_folder import PICTURES
 from tests.runs.outside import QUICK, ROOT, flipflow, run_words, summary
 
 MANUAL = (ROOT / "docs/run-folder.md").read_text()
@@ -97,6 +98,7 @@ def test_the_files(folder: Path) -> None:
     named = {name.rstrip("/") for name in documented("# The folder of a run")}
     elsewhere = {"<surface>.stl", "failure.txt", "report.html", "recording.h5", "bed.h5"}
     elsewhere |= {"point_orbits.png", "panel_instants.png"}  # of three probes or more
+    assert {name for name in named if name.endswith(".png")} == set(PICTURES)
     found = {path.name for path in folder.iterdir()}
     assert found == named - elsewhere | {"walls.stl"}
 

@@ -105,6 +105,15 @@ def test_a_finished_run_may_go_on_to_a_later_end(whole: Path, tmp_path: Path) ->
     assert run_differences(whole, longer) == []
 
 
+def test_pages_and_pictures_of_the_former_end_are_gone(stopped: Path) -> None:
+    """They would stand beside the results of the later end."""
+    own = stopped / "notes.png"
+    for file in (stopped / "report.html", stopped / "energy.png", own):
+        file.touch()
+    assert resume(stopped, ["output.pictures=false"]) == launch.DONE
+    assert [*stopped.glob("*.html"), *stopped.glob("*.png")] == [own]
+
+
 @pytest.mark.parametrize("torn", ["cut", "changed", "half"])
 def test_a_torn_save_is_left_for_the_one_before(whole: Path, saved: Path, tmp_path: Path, torn: str) -> None:
     folder = Path(shutil.copytree(saved, tmp_path / "torn"))

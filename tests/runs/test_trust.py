@@ -107,12 +107,14 @@ GOOD: dict[str, Any] = {
 @pytest.mark.parametrize(
     ("key", "worse", "says"),
     [
-        ("energy_exchanged_J", {"particles-panel": 0.4}, "The coupling created 1.1 %"),
+        ("energy_exchanged_J", {"particles-panel": 0.4}, "The coupling created 1.07 %"),
         ("energy_ledger_J", {"defect.particles": -0.2}, "particles' solver destroyed 8.7 %"),
         ("momentum_residuals", {"panel": 2e-9}, "Momentum does not close (panel)"),
         ("energy_exchanged_J", {"panel-frames": 1.0}, "(panel and frames)"),
         ("iterations", {"unsolved": 11}, "11 of 1000 sync intervals were not solved"),
         ("material", {"lost": {"number": 11, "mass_kg": 0.011}}, "11 particles, 1.1 % of the mass"),
+        ("material", {"lost": {"number": 999, "mass_kg": 0.999}}, "999 particles, 99.9 % of the mass"),
+        ("energy_ledger_J", {"defect.particles": -4.6}, "destroyed 200 %"),
         ("material", {"escaped": {"number": 11, "mass_kg": 0.011}}, "fit through no opening"),
     ],
 )

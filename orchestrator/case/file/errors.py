@@ -156,6 +156,8 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
         if key and isinstance(key[-1], int):
             return CaseProblem(key[:-1], f"{value} has too few values")
         return CaseProblem(key, "missing")
+    if kind == "too_long" and isinstance(detail["input"], list | tuple):
+        return CaseProblem(key, f"{value} has more than {detail['ctx']['max_length']} values")
     if key and key[-1] == "[key]":
         return CaseProblem(key[:-1], "a name is made of letters, digits, _ and -, at most 60")
     if kind == "string_pattern_mismatch":

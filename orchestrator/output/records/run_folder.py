@@ -27,7 +27,17 @@ from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
 
 LOG = logging.getLogger("flipflow")
-HISTORY, SUMMARY, RECORDING = "history.h5", "summary.json", "recording.h5"
+HISTORY, SUMMARY, RECORDING, PAGE = "history.h5", "summary.json", "recording.h5", "report.html"
+PICTURES = (
+    "frame_motion.png",
+    "panel_shapes.png",
+    "point_orbits.png",
+    "panel_instants.png",
+    "bushing_loops.png",
+    "energy.png",
+    "deck.png",
+)
+"""The files of all pictures that a run makes at its end."""
 
 
 class FolderUnusable(Exception):

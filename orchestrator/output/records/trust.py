@@ -80,7 +80,7 @@ def _energy_created(summary: Summary) -> Iterator[str]:
         advice = summary.get("stability", {}).get("advice") or "Shorten coupling.sync_interval_s."
         verb = "created" if share > 0 else "destroyed"
         yield (
-            f"The coupling {verb} {100 * abs(share):.2g} % of the energy that was exchanged and "
+            f"The coupling {verb} {100 * abs(share):.3g} % of the energy that was exchanged and "
             f"lost, more than {100 * limit:g} %. {advice}"
         )
 
@@ -116,7 +116,7 @@ def _energy_of_solvers(summary: Summary) -> Iterator[str]:
         if abs(share) > LARGEST_SHARE_OF_A_SOLVER:
             whose, verb = f"{member.removesuffix('s')}s'", "made" if share > 0 else "destroyed"
             yield (
-                f"The time steps of the {whose} solver {verb} {100 * abs(share):.2g} % "
+                f"The time steps of the {whose} solver {verb} {100 * abs(share):.3g} % "
                 f"of the energy that it turned over, more than "
                 f"{100 * LARGEST_SHARE_OF_A_SOLVER:g} %; shorten its step or the sync interval."
             )
@@ -166,7 +166,7 @@ def _material(summary: Summary) -> Iterator[str]:
         amount = material[key]
         if amount["mass_kg"] > LARGEST_SHARE_ASTRAY * fed_kg:
             yield (
-                f"{amount['number']} particles, {100 * amount['mass_kg'] / fed_kg:.2g} % of the mass that "
+                f"{amount['number']} particles, {100 * amount['mass_kg'] / fed_kg:.3g} % of the mass that "
                 f"came, {what}: the products are off by as much."
             )
     crossings = material.get("crossings", {"number": 0})

@@ -21,7 +21,14 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
 from orchestrator.output.drawing import data_uri, embed, fill_template
-from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
+from orchestrator.output.records.run_folder import (
+    HISTORY,
+    PAGE,
+    SUMMARY,
+    FolderUnusable,
+    is_at_work,
+    write_text,
+)
 from orchestrator.output.report import facts
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
@@ -32,7 +39,6 @@ from orchestrator.output.subprocesses import python
 from orchestrator.output.views.drawings import SIDE, draw_view
 from orchestrator.output.views.outline import outline
 
-NAME = "report.html"
 FILM_CYCLES = 3
 NEEDED = ("case.toml", SUMMARY, "provenance.json", HISTORY)
 DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)
@@ -47,7 +53,7 @@ def report(folder: Path) -> Path:
     if not folder.is_dir():
         raise FolderUnusable(f"{folder}: no such folder")
     if missing == [SUMMARY]:
-        raise FolderUnusable(f"{folder}: {_why_open(folder)}")
+        raise FolderUnusable(f"{folder}: {why_open(folder)}")
     if missing:
         raise FolderUnusable(f"{folder}: no run, or a damaged one: it has no {', '.join(missing)}")
     with ProcessPoolExecutor(1, get_context("fork")) as apart:  # HDF5 crashes on some damaged files
@@ -59,7 +65,7 @@ def report(folder: Path) -> Path:
             ) from None
 
 
-def _why_open(folder: Path) -> str:
+def why_open(folder: Path) -> str:
     """Return a message about why the run has no summary, with advice."""
     if is_at_work(folder):
         return "the run is still going on"
@@ -76,7 +82,7 @@ def _why_open(folder: Path) -> str:
 def _write_page(folder: Path) -> Path:
     """Write the page and return its path.  Raises FolderUnusable if a file of the run cannot be used."""
     try:
-        write_text(folder / NAME, page(folder, compute_results(folder), make_film))
+        write_text(folder / PAGE, page(folder, compute_results(folder), make_film))
     except CaseError as error:
         raise FolderUnusable(f"{folder}: its case cannot be read\n{error}") from None
     except KeyError as error:
@@ -91,7 +97,7 @@ def _write_page(folder: Path) -> Path:
         ) from error
     except OSError as error:
         raise FolderUnusable(f"{folder}: {error}") from None
-    return folder / NAME
+    return folder / PAGE
 
 
 def _draw_side(case: Case, folder: Path) -> Iterator[tuple[str, Any]]:

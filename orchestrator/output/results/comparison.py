@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +20,7 @@ from orchestrator.case.file.errors import CaseError, show_value
 from orchestrator.case.file.layers import find_changes, read_toml
 from orchestrator.case.provenance import read_provenance
 from orchestrator.output.records.run_folder import FolderUnusable
-from orchestrator.output.results.tidy import Result, RunResults, doubtful, read_results
+from orchestrator.output.results.tidy import OF_THE_WIDTH, Result, RunResults, doubtful, read_results
 
 SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "no interval"
 UNIMPORTANT = {"title", "description", "default_level"}
@@ -98,8 +98,8 @@ class Comparison:
 
     @property
     def doubts(self) -> list[str]:
-        """The lines about runs that are not to be trusted, and about slices of different widths."""
-        return doubtful(self.runs, SCALED)
+        """The lines about runs that are not to be trusted, slices of different widths, and other programs."""
+        return [*doubtful(self.runs, SCALED), *_differing_programs(self.runs)]
 
     @property
     def compared(self) -> int:
@@ -168,7 +168,7 @@ def _compare_results(runs: Sequence[RunResults]) -> list[ComparedResult]:
     return [
         ComparedResult(name, result.unit, tuple(run.results.get(name) for run in runs))
         for name, result in first.results.items()
-        if any(name in other.results for other in others)
+        if name not in OF_THE_WIDTH and any(name in other.results for other in others)
     ]
 
 
@@ -185,6 +185,24 @@ def _compare_keys(runs: Sequence[RunResults]) -> list[DifferingKey]:
         for key in keys
         if key[0] not in UNIMPORTANT
     ]
+
+
+def _differing_programs(runs: Sequence[RunResults]) -> Iterator[str]:
+    """Yield a line for each program of which the runs had different versions."""
+    programs = [_programs(run.folder) for run in runs]
+    for name in dict.fromkeys(name for each in programs for name in each):
+        versions = [each.get(name) or "unknown" for each in programs]
+        if len(set(versions)) > 1:
+            yield f"other programs made the runs, which may change results: {name} {', '.join(versions)}"
+
+
+def _programs(folder: Path) -> dict[str, str | None]:
+    """Return the versions of the programs that made a run; none where its provenance cannot be read."""
+    try:
+        table = read_provenance(folder)
+        return {"commit": table.get("commit"), **table.get("versions", {})}
+    except (OSError, ValueError, AttributeError, TypeError):
+        return {}
 
 
 def _with_checksums(table: dict[str, Any], folder: Path) -> dict[str, Any]:

@@ -180,7 +180,7 @@ def why_not_settled(
 
 def _describe_change(what: str, share: float, cycles: int) -> str:
     return (
-        f"{what} still changes: by {100 * share:.2g} % from the first half of the {cycles} cycles to the "
+        f"{what} still changes: by {100 * share:.3g} % from the first half of the {cycles} cycles to the "
         f"second; up to {100 * LARGEST_DRIFT:g} % counts as settled"
     )
 

@@ -28,6 +28,8 @@ ROUNDING = {"m": 1e-9, "m/s": 1e-9, "rad": 1e-9, "N": 1e-6, "W": 1e-9}
 OF_THE_SLICE = {"kg", "kg/s", "m3", "N", "W", "J"}
 COUNTED = {"particles", "fine_particles", "lost_particles", "openings", "stickers", "blinded_openings"}
 """Units, and keys of numbers, of which a slice has its share of the width."""
+OF_THE_WIDTH = {"share_of_width", "slice_width_m"}
+"""Numbers of every run, however short: they say what was run and are no results."""
 BY_PATH = "short names are of the whole width, and what their paths give is of the slice"
 VECTOR, ITS_WIDTHS = "amplitude_m", "half_width_m"
 """Keys of a vector of estimates, and of their half widths beside it."""
@@ -191,7 +193,7 @@ def _read(folder: Path) -> RunResults:
     summary = RunReader(folder).summary
     status = str(summary.get("status", "unknown"))
     results, tables = tidy_results(summary), summary.get("results") or {}
-    if not results:
+    if results.keys() <= OF_THE_WIDTH:
         why = json.dumps(tables.get("missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
     unsteady, unsettled = why_transient(tables)

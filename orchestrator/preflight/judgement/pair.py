@@ -12,12 +12,12 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.scalars import Value, scalar
+from orchestrator.case.scalars import Value, is_of_particles, scalar
 from orchestrator.preflight.scene.effect import TENTH
 
 
@@ -28,13 +28,15 @@ class Change:
     ``with_it`` and ``without`` are its values with and without the effect.  ``relative`` is the size of
     their difference over the value with the effect.  It is infinite if only one run has the result, and
     None if neither has it or both values are too small to be resolved.  ``uncertain`` is half the width
-    of its confidence interval, None if the runs give none.
+    of its confidence interval, None if the runs give none.  ``by_chance`` says that chance
+    changes the result, too, and the runs do not tell by how much.
     """
 
     with_it: float | None
     without: float | None
     relative: float | None
     uncertain: float | None = None
+    by_chance: bool = False
 
     @property
     def matters(self) -> bool | None:
@@ -44,13 +46,16 @@ class Change:
         chance = self.uncertain or 0.0
         if self.relative - chance > TENTH:
             return True
-        return False if self.relative + chance <= TENTH else None
+        hidden = self.by_chance and self.relative > 0
+        return False if self.relative + chance <= TENTH and not hidden else None
 
     @property
     def in_words(self) -> str:
         """The two values and the uncertainty as text."""
         values = ("none" if value is None else f"{value:.3g}" for value in (self.with_it, self.without))
-        chance = "" if self.uncertain is None else f", +- {100 * self.uncertain:.2g} % by chance"
+        chance = ", chance unknown" if self.by_chance else ""
+        if self.uncertain is not None:
+            chance = f", +- {100 * self.uncertain:.2g} % by chance"
         return "{} with it, {} without".format(*values) + chance
 
 
@@ -77,7 +82,8 @@ class Pair:
         if self.summary_with is None or self.summary_without is None:
             return None
         asked = scalar(name)
-        return compute_change(asked.of(self.summary_with), asked.of(self.summary_without), asked.floor)
+        change = compute_change(asked.of(self.summary_with), asked.of(self.summary_without), asked.floor)
+        return replace(change, by_chance=change.uncertain is None and is_of_particles(name))
 
     def changes(self, names: Sequence[str]) -> dict[str, Change]:
         """Return the changes of the named results that the runs have, by name."""

@@ -74,21 +74,23 @@ def with_doubt(judged: Judged) -> Judged:
 
 
 def measured_verdict(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verdict:
-    """Return the verdict by the largest change of the results that are asked for.
+    """Return the verdict by the largest change that decides of the results that are asked for.
 
     Return the given verdict if there are no runs, or neither has such a result.
     """
     changes = pair.changes(asked)
     if not changes:
         return verdict
-    name, worst = max(changes.items(), key=lambda item: item[1].relative or 0.0)
     verdicts = {change.matters for change in changes.values()}
+    matters = True if True in verdicts else None if None in verdicts else False
+    deciding = (item for item in changes.items() if item[1].matters is matters)
+    name, worst = max(deciding, key=lambda item: item[1].relative or 0.0)
     return replace(
         verdict,
         number=f"change of {name}",
         value=worst.relative,
         threshold=f"{TENTH:g} (two runs)",
-        matters=True if True in verdicts else None if None in verdicts else False,
+        matters=matters,
         why=f"measured: {name} {worst.in_words}",
         limit=TENTH,
         measured=True,

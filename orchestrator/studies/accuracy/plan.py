@@ -164,7 +164,7 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
     surely = any(value - known[name] > TENTH for name, value in decisive.items())
     if not surely and any(value + known[name] > TENTH for name, value in decisive.items()):
         return verdict
-    errors = ", ".join(f"{name} {100 * value:.2g} %" for name, value in decisive.items())
+    errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in decisive.items())
     if any(widths.get(name, 0.0) is None for name in decisive):
         errors += "; how much of it is chance is not known"
     return replace(
@@ -385,7 +385,7 @@ class Plan:
         if coarser is not None:
             sets = " ".join(f"--set {each}" for each in coarser.sets) or "the case as it is"
             takes = in_words(self._wall_s(coarser))
-            yield f"coarser: {sets} is off by {100 * coarser.error:.2g} % and takes {takes}"
+            yield f"coarser: {sets} is off by {100 * coarser.error:.3g} % and takes {takes}"
         if self.choice is not None:
             yield from self._more_ranks_or_narrower()
 
