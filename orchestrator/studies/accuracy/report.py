@@ -256,7 +256,7 @@ def draw_convergence(every: Sequence[MeasuredSeries], judged_by: Sequence[str], 
     heights = [y for _, lines in shown for _, _, line_y, *_ in lines for y in line_y]
     if not heights:
         return None
-    drawn, parts = figure_parts(len(shown), min(len(shown), 2), 5.2, 4.2)
+    drawn, parts = figure_parts(len(shown), 1, 8.4, 4.2)
     lowest = max(min(heights), max(heights) / DEEP) / 2
     for axis, (one, lines) in zip(parts, shown, strict=True):
         for (label, x, y, certain, style), mark in zip(lines, MARKS, strict=False):
@@ -280,7 +280,7 @@ def draw_convergence(every: Sequence[MeasuredSeries], judged_by: Sequence[str], 
         axis.xaxis.set_major_formatter(lambda value, _: f"{value:.3g}")
         axis.tick_params(axis="x", rotation=30)
         if lines:
-            axis.legend(fontsize=7.5)
+            axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
     save(drawn, file)
     return file
 
@@ -307,27 +307,33 @@ def _seen(one: MeasuredSeries, name: str) -> str:
 def draw_models(models: Sequence[ComparedSetting], judged_by: Sequence[str], file: Path) -> Path | None:
     """Draw the error of every model over its cost, with a part for each quantity.
 
-    Return the file, or None where there are no errors.
+    Numbers beside the marks stand for the settings, whose names would lie over each other.  Return the file,
+    or None where there are no errors.
     """
     others = [each for each in models if not each.is_best]
     names = [name for name in (*judged_by, "shape") if any(name in each.errors for each in others)]
     if not names:
         return None
-    drawn, parts = figure_parts(len(names), min(len(names), 2), 5.6, 4.2)
+    columns = min(len(names), 2)
+    drawn, parts = figure_parts(len(names), columns, 5.6, 4.2)
     variants = list(dict.fromkeys(each.series.variant for each in models))
+    looks = [_look(variants.index(each.series.variant)) for each in others]
     for axis, name in zip(parts, names, strict=True):
-        for each in others:
+        for number, (each, look) in enumerate(zip(others, looks, strict=True), 1):
             if name in each.errors:
-                look = _look(variants.index(each.series.variant))
                 place = each.point.processor_s, max(each.errors[name].value, LEAST)
                 open_mark = {} if each.errors[name].is_certain else {"facecolors": "none"}
                 axis.scatter(*place, s=38, **look, **open_mark)
-                axis.annotate(each.setting.label, place, (6, 4), textcoords="offset points", fontsize=8)
+                beside = ((6, 4), (6, -11), (-12, 4), (-12, -11))[number % 4]
+                axis.annotate(str(number), place, beside, textcoords="offset points", fontsize=8)
         all_certain = all(each.errors[name].is_certain for each in others if name in each.errors)
         upward = "error against the best model" + CHANCE * (not all_certain)
         _scales(axis, "processor time of one run / s", upward)
         axis.set_title(_words(name))
-        axis.margins(x=0.3, y=0.15)
+        axis.margins(x=0.1, y=0.15)
+    keys = [parts[columns - 1].scatter([], [], s=38, **look) for look in looks]
+    labels = [f"{number}  {each.setting.label}" for number, each in enumerate(others, 1)]
+    parts[columns - 1].legend(keys, labels, loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
     save(drawn, file)
     return file
 
