@@ -139,7 +139,7 @@ def test_a_full_disk_while_one_rank_saves(tmp_path: Path, whole: Path, rank: int
     said_plainly(done)
     reason = "the checkpoint at t = 0.0012 s cannot be written: [Errno 28] No space left on device"
     assert done.stderr.count(reason) == 1, done.stderr
-    assert left_usable(folder, "failed")["reason"] == reason
+    assert left_usable(folder, "failed")["reason"] == f"the computer refused: {reason}"
     assert ended - (folder / "failure.txt").stat().st_mtime < ENDED_S
     wait_until(lambda: of(folder) == [])
     assert [save.name for save in (folder / "checkpoints").iterdir()] == [f"{6:012d}"]
