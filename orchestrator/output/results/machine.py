@@ -26,6 +26,7 @@ BAND_HZ = 500.0
 FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
 SMALL_MOTION = 0.05  # of the largest motion of a frame
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
+OUT_OF_STEP_RAD = 0.05  # since t = 0, between shafts that are told to turn at nearly the same speed
 SLOW_SHAFT = 0.8  # of its named speed: a rated slip is at most 0.2
 APART = 0.005  # of a speed: motors' shafts that differ by more have not synchronised
 FEWEST_CYCLES = 4  # in a window whose halves are compared
@@ -151,8 +152,8 @@ def why_not_settled(
     all_rad_per_s = {**named_speeds_rad_per_s(run.case), **speeds_rad_per_s}
     for (slow, slow_speed), (fast, fast_speed) in pairwise(sorted(all_rad_per_s.items(), key=itemgetter(1))):
         told = not {slow, fast} & set(speeds_rad_per_s)
-        least = LARGEST_DRIFT / (0.5 * (end_s - start_s)) if told else APART * slow_speed
-        if least < fast_speed - slow_speed and fast_speed < BEATING * slow_speed:
+        apart_rad, motors_apart = end_s * (fast_speed - slow_speed), fast_speed > (1 + APART) * slow_speed
+        if fast_speed < BEATING * slow_speed and (apart_rad > OUT_OF_STEP_RAD if told else motors_apart):
             return (
                 f"{slow} and {fast} turn at {slow_speed:.6g} and {fast_speed:.6g} rad/s: "
                 f"{'' if told else 'they have not synchronised, and '}the motion beats"

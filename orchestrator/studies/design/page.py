@@ -33,7 +33,7 @@ SHOWN = (
     (
         "effects",
         "What each factor does",
-        "Averages over all settings of the other factors, with the 95 % band.",
+        "What a factor changes itself, averaged over settings of the others, with the 95 % band.",
     ),
     (
         "surface",
