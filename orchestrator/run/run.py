@@ -188,13 +188,17 @@ class Run:
         figures = self._progress.figures
         with self._progress.stopwatch("output"), write_failure_context("results", time_s):
             recorder.record_sync_point(done, time_s, state)
-            if done % self._every == 0 or done == self._intervals:
+            is_output = done % self._every == 0 or done == self._intervals
+            if is_output or monitor.wants_books(done):
                 try:
-                    terms_J, bed = recorder.record_output(time_s, state, before)
+                    terms_J, bed = recorder.book(time_s)
                 finally:  # even if the material stops the run
                     figures["material"] = recorder.material_balance()
                 figures["particles"] = len(bed.particles.id) if bed is not None else 0
-                monitor.observe_output(time_s, state, terms_J, bed)
+                if is_output:
+                    recorder.record_output(time_s, state, before, terms_J, bed)
+                monitor.note_books(done, time_s, state, terms_J, bed)
+            monitor.observe_surface(done, time_s, state)
         self._progress.count_sync_point(done, time_s, steps)
 
     @property

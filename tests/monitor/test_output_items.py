@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
 
@@ -18,9 +19,10 @@ from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import BedSnapshot, Overlaps
 from orchestrator.ports.penetration import Penetrations
 from orchestrator.run.monitor import items
-from orchestrator.run.monitor.item import MonitorItem, OutputTime, Subject
+from orchestrator.run.monitor.item import Books, MonitorItem, Subject
 from orchestrator.run.monitor.items import all_items, item_limit, largest_stretch
 from orchestrator.run.monitor.monitor import LimitedItem
+from tests.cases import load_case
 
 STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)
@@ -45,20 +47,21 @@ def state(position_m: np.ndarray = FLAT_m, speed_m_per_s: float = 1.0) -> State:
     return State(clamps, np.empty((0, 3)), PanelState(surface, Load.zero(0)), Load.zero(4))
 
 
-OUTPUT_ITEMS = ("stretched_panels", "penetrated_surfaces", "deep_overlaps", "long_steps")
+ITEMS = ("stretched_panels", "penetrated_surfaces", "deep_overlaps", "long_steps")
 
 
 def alarms(now: State, balls: ParticleSnapshot, overlap: float, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setattr(items, "particle_step_s", lambda case: STEP_s)
     machine = SimpleNamespace(panels=[PANEL], penetrations=UNTOUCHED)
     subject = Subject(cast(Case, None), cast(Machine, machine), now, {})
-    output = OutputTime(now, {}, BedSnapshot(balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
+    books = Books(now, {}, BedSnapshot(balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
     said = []
-    for name in OUTPUT_ITEMS:
+    for name in ITEMS:
         kind = all_items()[name]
         item, limit = kind(subject), item_limit(MonitorSettings(), kind)
         assert limit is not None
-        said += LimitedItem(item, limit).judge(item.observe_output(output), 0.5)
+        observed = [*item.observe_surface(now), *item.observe_books(books)]
+        said += LimitedItem(item, limit).judge(observed, 0.5)
     return [alarm.what for alarm in said]
 
 
@@ -68,11 +71,13 @@ def test_five_edges_of_two_triangles() -> None:
 
 
 def test_stretch_is_the_largest_over_the_stress_free_lengths() -> None:
+    def stretch(position_m: np.ndarray) -> float:
+        return largest_stretch(EDGES.points, EDGES.length_m, position_m)[1]
+
     pulled = FLAT_m * [1.2, 1.0, 1.0]
-    assert largest_stretch(PANEL, pulled) == pytest.approx(0.2)
-    turned = pulled @ np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
-    assert largest_stretch(PANEL, turned) == pytest.approx(0.2)
-    assert largest_stretch(PANEL, 0.9 * FLAT_m) == pytest.approx(-0.1)
+    assert stretch(pulled) == pytest.approx(0.2)
+    assert stretch(pulled @ np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])) == pytest.approx(0.2)
+    assert stretch(0.9 * FLAT_m) == pytest.approx(-0.1)
 
 
 @pytest.mark.parametrize(
@@ -111,5 +116,24 @@ def test_no_particles_is_no_trouble(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_item_with_an_older_call_is_refused() -> None:
-    with pytest.raises(TypeError, match=r"Old\.add_interval\(data\) is now add_intervals\(intervals\)"):
+    with pytest.raises(TypeError, match=r"Old\.add_interval is now add_intervals"):
         type("Old", (MonitorItem,), {"add_interval": lambda _, data: None})
+
+
+def test_a_folded_panel_is_found_and_stops_the_run(tmp_path: Path) -> None:
+    case = load_case(tmp_path).case
+    line = np.arange(20)
+    deck = replace(PANEL, surface=slice(20), centre_line=line)
+    machine = SimpleNamespace(panels=[deck], penetrations=UNTOUCHED)
+    flat_m = np.column_stack([np.linspace(0.0, 0.3, 20), np.zeros(20), np.zeros(20)])
+    subject = Subject(case, cast(Machine, machine), state(flat_m), {})
+    item, limit = items.FoldedPanels(subject), item_limit(case.monitor, items.FoldedPanels)
+    assert limit is not None
+    limited = LimitedItem(item, limit)
+    assert limited.judge(item.observe_surface(state(flat_m)), 0.1) == []
+    back_m = flat_m.copy()  # 150 mm out and back, 2 mm above; the panel is 4 mm thick
+    back_m[10:, 0], back_m[10:, 2] = flat_m[9::-1, 0], 0.002
+    (alarm,) = limited.judge(item.observe_surface(state(back_m)), 0.5)
+    assert alarm.then == "stop"
+    assert alarm.what.startswith("t = 0.5 s: panel deck has folded into itself: its line ")
+    assert alarm.what.endswith("touches itself (monitor.folded_panels)")

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import logging
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from orchestrator.output.records.panel_lines import FoldMonitor, find_fold_m
-from orchestrator.ports.plans import SolverFailed
-from orchestrator.preflight.judge import load_judged
-from tests.cases import CASE, case_folder
+from orchestrator.output.records.panel_lines import find_fold_m
 
 
 def hairpin(gap_m: float) -> np.ndarray:
@@ -47,16 +41,3 @@ def test_a_sagging_panel_does_not(sag_m: float) -> None:
     x = np.linspace(0.0, 0.3, 23)
     line_m = np.column_stack([x, 0 * x, -sag_m * np.sin(np.pi * x / 0.3)])
     assert find_fold_m(line_m, 0.004) is None
-
-
-def test_a_folded_panel_stops_the_run_or_is_said_once(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    case = case_folder(tmp_path / "case", CASE)
-    with pytest.raises(SolverFailed, match=r"panel deck has folded into itself at t = 0\.5 s"):
-        FoldMonitor(load_judged(case, None, []).case).look(0.5, "deck", hairpin(0.003))
-    watch = FoldMonitor(load_judged(case, None, ["monitor.folded_panels=warn"]).case)
-    with caplog.at_level(logging.WARNING, "flipflow"):
-        watch.look(0.5, "deck", hairpin(0.003))
-        watch.look(0.6, "deck", hairpin(0.003))
-    assert caplog.text.count("folded into itself") == 1

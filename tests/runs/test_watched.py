@@ -19,7 +19,7 @@ from tests.runs.same_run import run_differences
 from tests.runs.test_failed import FAR_TOO_LONG
 from tests.runs.test_resumed import QUICKSTART, UNSAVED, checkpoint_folders, run
 
-# 30 pieces of coal fall faster and faster: too fast for this at 6 ms, the second output time
+# 30 pieces of coal fall faster and faster: too fast for this at 5 ms, when the bed is first judged
 FAST = "monitor.largest_step_share=4.5e-4"
 UNEASY = [FAST, "monitor.long_steps=shorten", "monitor.calm_s=0.0018"]
 
@@ -32,12 +32,12 @@ def test_stopped_it_names_the_last_good_state_and_goes_on_from_there(tmp_path: P
     assert done.returncode == 4, done.stderr
     said_plainly(done)
     stopped, _, good, command = done.stderr.strip().splitlines()[-4:]
-    assert stopped.startswith("stopped by the monitor at t = 0.006 s: particle ")
+    assert stopped.startswith("stopped by the monitor at t = 0.005 s: particle ")
     assert left_usable(folder, "failed")["reason"] == stopped
-    assert good == f"last good state: t = 0.0055 s, {checkpoint_folders(folder)[-2]}"
-    assert checkpoint_folders(folder)[-1].name == f"{60:012d}"  # that of the stop is there, too
+    assert good == f"last good state: t = 0.0044 s, {checkpoint_folders(folder)[-2]}"
+    assert checkpoint_folders(folder)[-1].name == f"{50:012d}"  # that of the stop is there, too
     words = shlex.split(command.removeprefix("to go on from there: flipflow "))
-    assert words == ["resume", str(folder), "--checkpoint", "55"]
+    assert words == ["resume", str(folder), "--checkpoint", "44"]
     gone_on = flipflow(*words, "--set", "monitor.long_steps=warn")
     assert gone_on.returncode == 0, gone_on.stderr
     assert run_differences(whole, folder) == []
@@ -51,7 +51,7 @@ def test_stopped_before_anything_was_saved_it_can_go_on_from_where_it_stopped(
     code = launch.run(Path("cases") / name, "draft", folder, words)
     assert code == launch.FAILED
     said = capsys.readouterr().err.replace("\n", " ")
-    assert f"nothing was saved before; state at t = 0.006 s: {checkpoint_folders(folder)[0]}" in said
+    assert f"nothing was saved before; state at t = 0.005 s: {checkpoint_folders(folder)[0]}" in said
     assert resume(folder, ["monitor.long_steps=warn"]) == launch.DONE
     assert summary(folder)["status"] == "done"
 
@@ -63,10 +63,10 @@ def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
     assert resume(folder, []) == launch.DONE
     assert run_differences(whole, folder) == []
     watched = summary(whole)["monitor"]
-    # from 6 ms in halves, from 7.8 ms whole, from 9 ms on in halves again, and twice as long
-    assert watched["shortened_intervals"] == 18 + 30
+    # from 5 ms in halves, from 6.8 ms whole, trusted from 8.6 ms on, from 10 ms in halves again
+    assert watched["shortened_intervals"] == 18 + 18
     assert watched["shortest_interval_s"] == 1e-4 / 2
-    assert watched["figures"]["long_steps"]["first_s"] == 0.006
+    assert watched["figures"]["long_steps"]["first_s"] == 0.005
     with h5py.File(whole / "history.h5") as history:
         assert len(history["forces/deck-1/time_s"]) == 121  # as of any run
     assert "sync intervals of 5e-05 s from here on" in (whole / "run.log").read_text()
@@ -78,7 +78,7 @@ def test_the_save_from_before_stays(tmp_path: Path) -> None:
     names = [save.name for save in checkpoint_folders(run(tmp_path / "run", QUICKSTART, sets))]
     assert names[-2:] == [f"{110:012d}", f"{120:012d}"]
     assert len(names) == 3
-    assert int(names[0]) == 55
+    assert int(names[0]) == 44
 
 
 def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
@@ -88,10 +88,10 @@ def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
     folder = run(tmp_path / "run", QUICKSTART, sets)
     assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
     names = [int(save.name) for save in checkpoint_folders(folder)]
-    assert names == [55, 143, 145]
+    assert names == [44, 143, 145]
     newest = checkpoints.find_newest(folder)
     assert newest is not None
-    assert (newest.sync_points, newest.good) == (145, 55)
+    assert (newest.sync_points, newest.good) == (145, 44)
 
 
 def test_a_save_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -111,7 +111,7 @@ def test_an_interval_far_too_long_is_shortened_where_it_has_to_be(tmp_path: Path
     assert said["monitor"]["shortest_interval_s"] < 5e-3 / 4
     terms_J = said["energy_ledger_J"]
     assert abs(terms_J["created.particles-panel"]) < 0.02 * terms_J["supplied.frames.exciter"]
-    assert abs(share_created(said)) > 0.05
+    assert abs(share_created(said)) > 0.01
     assert "The coupling created" in said["doubts"][0]
     assert "WARNING: the monitor ran " in (folder / "run.log").read_text()
 

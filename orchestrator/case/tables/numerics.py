@@ -144,8 +144,9 @@ class MonitorSettings(Table):
     """The reactions of a run to events that should not happen.  "warn" warns once, and the run continues.
     "shorten" runs the next sync intervals in halves, quarters and so on, until no such event has happened
     for ``calm_s``.  "stop" ends the run (exit code 4), keeps its results, and names the last checkpoint
-    before the event.  The run checks most events at output times, and created energy, growing modes and
-    crossings at most some five sync intervals after they happen (docs/theory/stability.md)."""
+    before the event.  Whatever the output, the run looks at surfaces every millisecond, at bed and
+    ledger every five, and at created energy, growing modes and crossings at most some five sync intervals
+    after they happen (docs/theory/stability.md)."""
 
     created_energy: Then = "shorten"
     """Reaction to energy that the coupling creates or destroys within some twenty intervals."""
@@ -154,7 +155,7 @@ class MonitorSettings(Table):
     intervals."""
     created_in_total: Literal["warn", "stop"] = "warn"
     """Reaction to energy that the coupling has created or destroyed since t = 0 according to the energy
-    ledger, which is checked at output times."""
+    ledger, which is checked every 5 ms."""
     largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
     """Largest acceptable share of created energy in the energy that went through the interface or was lost
     there since t = 0 (docs/theory/stability.md).  A run that ends above it is doubtful."""
@@ -193,7 +194,7 @@ class MonitorSettings(Table):
     surface, of the smallest radius.  After longer steps, contacts are detected late or never."""
     calm_s: NotNegative = 0.0
     """Time without any such event after which intervals become longer again; 0 takes a cycle of the
-    machine."""
+    machine, or 100 sync intervals if nothing drives it."""
     lost_particles: Literal["warn", "stop"] = "warn"
     """Reaction to particles that leave the domain elsewhere than through an exit."""
     escaped_particles: Literal["warn", "stop"] = "warn"

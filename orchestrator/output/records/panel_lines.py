@@ -6,19 +6,13 @@ edge of its second clamp.
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import Rectangle
-from orchestrator.ports.plans import SolverFailed
-from orchestrator.ports.state import SavedAttributes
 
 
 class PanelLines:
@@ -95,45 +89,15 @@ def _length_m(line_m: Array) -> float:
     return float(np.linalg.norm(np.diff(line_m, axis=0), axis=1).sum())
 
 
-LOG = logging.getLogger("flipflow")
 FOLD_LENGTHS = 4.0  # thicknesses: places that are nearer along the panel form a bend and no fold
-
-
-class FoldMonitor(SavedAttributes):
-    """A monitor of folds at output times, on rank 0."""
-
-    STATE: ClassVar = ("_said",)
-
-    def __init__(self, case: Case) -> None:
-        self._then = case.monitor.folded_panels
-        self._thickness_m = {panel.name: panel.table.thickness_m for panel in single_panels(case)}
-        self._said = np.empty(0, dtype=str)  # panels that a warning has named
-
-    def look(self, time_s: float, panel: str, line_m: Array) -> None:
-        """Look for a fold in the middle line ``line_m`` (points, 3) of a panel, and warn once for each panel.
-
-        Raises SolverFailed instead if ``monitor.folded_panels`` is "stop".
-        """
-        at_m = find_fold_m(line_m, self._thickness_m[panel])
-        if at_m is None:
-            return
-        what = (
-            f"panel {panel} has folded into itself at t = {time_s:.6g} s: its line {at_m[0]:.3g} m "
-            f"and {at_m[1]:.3g} m from its first clamp is nearer than its thickness of "
-            f"{self._thickness_m[panel]:.3g} m, and no solver here knows that it touches itself"
-        )
-        if self._then == "stop":
-            raise SolverFailed(what)
-        if panel not in self._said:
-            LOG.warning(what)
-            self._said = np.append(self._said, panel)
 
 
 def find_fold_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:
     """Return the stations in m of two places on a line (n, 3) that touch, or None if no places touch.
 
     Two places touch if they are nearer to each other than the thickness, although more than
-    ``FOLD_LENGTHS`` thicknesses of the line lie between them.
+    ``FOLD_LENGTHS`` thicknesses of the line lie between them.  There are none where all pieces of the line go
+    forward, along its chord, by more than their length over ``FOLD_LENGTHS``.
     """
     piece_m = np.linalg.norm(np.diff(line_m, axis=0), axis=1)
     count = np.maximum(1, np.ceil(2.0 * piece_m / thickness_m).astype(int))

@@ -33,16 +33,41 @@ from orchestrator.output.cycles import counted_cycle_s, cycle_number, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.history import History, columns
-from orchestrator.output.records.panel_lines import FoldMonitor
 from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
 from orchestrator.output.records.surface_fields import SurfaceFields
 from orchestrator.output.records.wear_record import WearRecord
-from orchestrator.ports import Array, ParticleSnapshot, Restorable, Saved
+from orchestrator.ports import Array, Overlaps, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.particle_records import BedSnapshot
 from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.ports.state import as_arrays, like
+
+
+class DeepestOverlaps(Restorable):
+    """The deepest overlaps since the last output time."""
+
+    def __init__(self) -> None:
+        self._overlaps = Overlaps()
+
+    def add(self, overlaps: Overlaps) -> None:
+        """Add the deepest overlaps of some steps."""
+        self._overlaps = self._overlaps.deepest(overlaps)
+
+    def take(self) -> Overlaps:
+        """Return the deepest overlaps since the last call."""
+        taken, self._overlaps = self._overlaps, Overlaps()
+        return taken
+
+    def save(self) -> Saved:
+        """Return the overlaps for a checkpoint."""
+        saved: Saved = as_arrays(self._overlaps)
+        return saved
+
+    def restore(self, saved: Saved) -> None:
+        """Restore the overlaps that ``save`` returned."""
+        self._overlaps = like(Overlaps(), saved)
 
 
 class Recorder:
@@ -74,11 +99,11 @@ class Recorder:
         self._history = History(folder / HISTORY, goes_on)
         rectangles = [panel.rectangle for panel in single_panels(case)]
         lines = [panel.centre_line for panel in machine.panels]
-        self._folds, self._forces = FoldMonitor(case), PanelForces(machine, start)
+        self._forces, self._deepest = PanelForces(machine, start), DeepestOverlaps()
         self._series = TimeSeries(machine, start, self._history)
         self._cycles = CycleRecord(machine, start, rectangles, counted_cycle_s(case), self._history)
         self._parts: dict[str, Restorable]
-        self._parts = {"folds": self._folds, "series": self._series, "cycles": self._cycles}
+        self._parts = {"overlaps": self._deepest, "series": self._series, "cycles": self._cycles}
         if len(machine.surface.triangles):
             self._parts["surface"] = self._surface = Series(folder, "surface")
             start_m, triangles = start.panel.surface.position_m, machine.surface.triangles
@@ -116,25 +141,45 @@ class Recorder:
         if self._writes:
             self._series.write_row(time_s, state, followed)
 
-    def record_output(
-        self, time_s: float, state: State, before: State
-    ) -> tuple[dict[str, float], BedSnapshot | None]:
-        """Record an output time: shapes, books, and files for ParaView.
+    def book(self, time_s: float) -> tuple[dict[str, float], BedSnapshot | None]:
+        """Bring the books up to date: the energy ledger's terms, and the particles that came and went.
 
-        ``before`` is the state at the sync point before it, or the same state at t = 0.  Return the terms of
-        the ledger, and the bed (None without particles).
+        Return the terms and the bed (None without particles), with the deepest overlaps since the last call.
+        """
+        terms_J = self._ledger.energy_J()
+        particles, book = self._machine.solvers.particles, self._machine.material
+        if particles is None or book is None:
+            return terms_J, None
+        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.take_fed()
+        overlaps = particles.overlaps()
+        book.look_at_contacts(overlaps, particles.crossings())
+        if self._writes:
+            self._deepest.add(overlaps)
+            for kind, table in (("fed", fed), ("removed", removed)):
+                self._history.add_events(kind, {"time_s": table.time_s, **columns(kind, table)})
+            book.add(time_s, fed, removed, present)
+        return terms_J, BedSnapshot(present, overlaps)
+
+    def record_output(
+        self,
+        time_s: float,
+        state: State,
+        before: State,
+        terms_J: Mapping[str, float],
+        bed: BedSnapshot | None,
+    ) -> None:
+        """Record an output time, with the books of ``book``: shapes, books, and files for ParaView.
+
+        ``before`` is the state at the sync point before it, or the same state at t = 0.
         """
         machine, surface = self._machine, state.panel.surface
-        terms = self._ledger.energy_J()
-        bed = self._book_material(time_s)
         worn_m3 = None if machine.wearing is None else machine.wearing.worn_m3()
         if not self._writes:
-            return terms, bed
-        self._history.add("energy", time_s, _with_unit(terms))
+            return
+        self._history.add("energy", time_s, _with_unit(terms_J))
         for panel in machine.panels:
             line_m = surface.position_m[panel.centre_line]
             self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line_m})
-            self._folds.look(time_s, panel.name, line_m)
         triangles = machine.surface.triangles
         if len(triangles):
             at_points = self._fields.at_points(surface, before.panel.surface, state.load)
@@ -144,14 +189,16 @@ class Recorder:
             stretch = {"stretch_percent": self._fields.stretch_percent(surface)}
             panels = machine.panel_of_triangle
             self._surface.add(time_s, surface_mesh(surface, triangles, panels, at_points, stretch))
-        if bed is not None:
+        if bed is not None and machine.material is not None:
             particles = bed.particles
+            self._history.add("overlaps", time_s, columns("overlaps", self._deepest.take()))
+            for feed in machine.material.feed.feeds:
+                self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
             self._history.add("bed", time_s, _describe_bed(particles))
             if self._deck is not None:
                 self._add_groups(time_s, self._deck.at(time_s, surface, particles))
             self._particles.add(time_s, particle_mesh(particles))
         self._history.flush()
-        return terms, bed
 
     def _ends_cycle(self, time_s: float) -> bool:
         """Return whether the next sync point belongs to another cycle, or this one is the start."""
@@ -161,23 +208,6 @@ class Recorder:
     def _add_groups(self, time_s: float, groups: Mapping[str, Mapping[str, Array | float]]) -> None:
         for group, values in groups.items():
             self._history.add(group, time_s, values)
-
-    def _book_material(self, time_s: float) -> BedSnapshot | None:
-        """Book the particles that came and went since the last output time, and return the bed."""
-        particles, book = self._machine.solvers.particles, self._machine.material
-        if particles is None or book is None:
-            return None
-        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.take_fed()
-        overlaps = particles.overlaps()
-        book.look_at_contacts(overlaps, particles.crossings())
-        if self._writes:
-            self._history.add("overlaps", time_s, columns("overlaps", overlaps))
-            for kind, table in (("fed", fed), ("removed", removed)):
-                self._history.add_events(kind, {"time_s": table.time_s, **columns(kind, table)})
-            for feed in book.feed.feeds:
-                self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
-            book.add(time_s, fed, removed, present)
-        return BedSnapshot(present, overlaps)
 
     def book_last_contacts(self) -> None:
         """Book the contacts since the last output time if a run ends between output times; collective."""

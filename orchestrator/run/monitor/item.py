@@ -32,8 +32,9 @@ class Subject:
     works: Works
 
 
-class OutputTime(NamedTuple):
-    """An output time: the state, the terms of the energy ledger, and the bed (None without particles)."""
+class Books(NamedTuple):
+    """The books at a sync point: the state, the terms of the energy ledger, and the bed (None without
+    particles), whose overlaps are the deepest since the books before."""
 
     state: State
     terms_J: dict[str, float]
@@ -43,21 +44,28 @@ class OutputTime(NamedTuple):
 class MonitorItem:
     """A quantity that the monitor observes, and the base class of all items.
 
-    An item observes every few sync intervals (``observe``), at output times (``observe_output``), or
-    both.  It reports the value of the quantity.  The monitor compares the value with the limit of the case,
-    and warns, shortens the sync intervals or stops the run.  All methods are called on the first rank.
+    An item observes every few sync intervals (``observe``), the surface every millisecond
+    (``observe_surface``), or ledger and bed every five (``observe_books``).  These times do not depend on the
+    output of the case.  The item reports the value of the quantity.  The monitor compares the value with the
+    limit of the case, and warns, shortens the sync intervals or stops the run.  All methods are called on the
+    first rank.
     """
 
     name: ClassVar[str]
     """The key of ``[monitor]`` (or of ``[monitor.items]``) that says what to do beyond the limit."""
     limit_key: ClassVar[str] = ""
-    """The key of ``[monitor]`` that has the limit; empty for items of ``[monitor.items]``."""
+    """The key of ``[monitor]`` that has the limit; empty for items of ``[monitor.items]`` and those with a
+    ``fixed_limit``."""
+    fixed_limit: ClassVar[float | None] = None
+    """The limit of an item that every case has and none may change."""
     message: ClassVar[str]
     """The message about a value beyond the limit, with places for ``{value}`` and ``{where}``."""
 
     def __init_subclass__(cls) -> None:
-        if hasattr(cls, "add_interval"):  # or it would never be called
-            raise TypeError(f"{cls.__name__}.add_interval(data) is now add_intervals(intervals)")
+        former = {"add_interval": "add_intervals", "observe_output": "observe_books or observe_surface"}
+        for name, now in former.items():
+            if hasattr(cls, name):  # or it would never be called
+                raise TypeError(f"{cls.__name__}.{name} is now {now}")
 
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
@@ -76,8 +84,12 @@ class MonitorItem:
         """Return the observations to judge now, at most five sync intervals after the last call."""
         return ()
 
-    def observe_output(self, output: OutputTime) -> Iterable[Observation]:
-        """Return the observations to judge at an output time."""
+    def observe_surface(self, state: State) -> Iterable[Observation]:
+        """Return the observations to judge of the state at a sync point."""
+        return ()
+
+    def observe_books(self, books: Books) -> Iterable[Observation]:
+        """Return the observations to judge of ledger and bed."""
         return ()
 
     def begin_anew(self) -> None:

@@ -16,17 +16,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseProblem, did_you_mean
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import MonitorSettings, Then
 from orchestrator.coupling._kernel import sizes_and_changes
 from orchestrator.coupling.ledger import created_shares
-from orchestrator.coupling.machine import PanelPoints
+from orchestrator.coupling.schemes.scheme import State
+from orchestrator.output.records.panel_lines import FOLD_LENGTHS, find_fold_m
 from orchestrator.ports import Array, Indices, InterfaceData, Saved
 from orchestrator.ports.state import SavedAttributes
 from orchestrator.run.monitor.interface_work import SLOW_M_PER_S, exchanged_J
-from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
+from orchestrator.run.monitor.item import Books, MonitorItem, Observation, Subject
 
 
 class CreatedEnergy(MonitorItem):
@@ -54,8 +56,8 @@ class CreatedInTotal(MonitorItem):
         "through or was lost there"
     )
 
-    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        shares = created_shares(output.terms_J, exchanged_J(self.subject.works))
+    def observe_books(self, books: Books) -> Iterator[Observation]:
+        shares = created_shares(books.terms_J, exchanged_J(self.subject.works))
         for interface, share in shares.items():
             yield Observation(abs(share), interface)
 
@@ -84,9 +86,9 @@ class DeepOverlaps(MonitorItem):
     limit_key = "largest_overlap"
     message = "particles overlap by {value:.2g} of a radius: contacts too soft or steps too long"
 
-    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        if output.bed is not None and len(output.bed.particles.id):
-            overlaps = output.bed.overlaps
+    def observe_books(self, books: Books) -> Iterator[Observation]:
+        if books.bed is not None and len(books.bed.particles.id):
+            overlaps = books.bed.overlaps
             yield Observation(2 * max(overlaps.between_per_diameter, overlaps.surface_per_diameter))
 
 
@@ -222,10 +224,10 @@ class LongSteps(MonitorItem):
         super().__init__(subject)
         self._step_s = particle_step_s(subject.case)
 
-    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        if output.bed is None or not len(output.bed.particles.id):
+    def observe_books(self, books: Books) -> Iterator[Observation]:
+        if books.bed is None or not len(books.bed.particles.id):
             return
-        particles, surface = output.bed.particles, output.state.panel.surface
+        particles, surface = books.bed.particles, books.state.panel.surface
         radius_m = particles.diameter_m / 2
         share = self._step_s * lengths(particles.velocity_m_per_s) / radius_m
         farthest = int(np.argmax(share))
@@ -244,38 +246,83 @@ class PenetratedSurfaces(MonitorItem):
         "move one of them, or give the panel a stop"
     )
 
-    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        through = self.subject.machine.penetrations.deepest(output.state.panel.surface.position_m)
+    def observe_surface(self, state: State) -> Iterator[Observation]:
+        through = self.subject.machine.penetrations.deepest(state.panel.surface.position_m)
         if through is not None:
             yield Observation(through.thicknesses, f"{through.panel} has gone through {through.surface}")
 
 
+class FoldedPanels(MonitorItem):
+    """Panels whose middle line comes nearer to itself than their thickness: 1 for each."""
+
+    name = "folded_panels"
+    fixed_limit = 0.0
+    message = "{where}, and no solver here knows that it touches itself"
+
+    def __init__(self, subject: Subject) -> None:
+        super().__init__(subject)
+        self._thickness_m = {panel.name: panel.table.thickness_m for panel in single_panels(subject.case)}
+        lines = [panel.centre_line for panel in subject.machine.panels]
+        self._ends = np.concatenate([np.empty((0, 2), int), *(np.c_[line[:-1], line[1:]] for line in lines)])
+        self._chords = np.array([line[[0, -1]] for line in lines], int).reshape(-1, 2)
+        self._pieces = [len(line) - 1 for line in lines]
+
+    def observe_surface(self, state: State) -> Iterator[Observation]:
+        position_m = state.panel.surface.position_m
+        piece_m, chord_m = (
+            position_m[ends[:, 1]] - position_m[ends[:, 0]] for ends in (self._ends, self._chords)
+        )
+        along = np.einsum("ij,ij->i", piece_m, np.repeat(chord_m, self._pieces, axis=0))
+        if (FOLD_LENGTHS * along > lengths(piece_m) * np.repeat(lengths(chord_m), self._pieces)).all():
+            return  # no line turns back so far that it could touch itself
+        for panel in self.subject.machine.panels:
+            thickness_m = self._thickness_m[panel.name]
+            at_m = find_fold_m(position_m[panel.centre_line], thickness_m)
+            if at_m is not None:
+                where = (
+                    f"panel {panel.name} has folded into itself: its line {at_m[0]:.3g} m and {at_m[1]:.3g}"
+                    f" m from its first clamp is nearer than its thickness of {thickness_m:.3g} m"
+                )
+                yield Observation(1.0, where)
+
+
 class StretchedPanels(MonitorItem):
-    """The largest stretch of an edge of each panel's triangles."""
+    """The largest stretch of an edge of the panels' triangles."""
 
     name = "stretched_panels"
     limit_key = "largest_stretch"
     message = "panel {where} is stretched by {value:.2g} of its length"
 
-    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
-        surface_m = output.state.panel.surface.position_m
-        for panel in self.subject.machine.panels:
-            yield Observation(largest_stretch(panel, surface_m), panel.name)
+    def __init__(self, subject: Subject) -> None:
+        super().__init__(subject)
+        panels = subject.machine.panels
+        self._edges = np.concatenate([np.empty((0, 2), int), *(panel.edges for panel in panels)])
+        self._length_m = np.concatenate([np.empty(0), *(panel.edge_length_m for panel in panels)])
+        self._panel = np.repeat([panel.name for panel in panels], [len(panel.edges) for panel in panels])
+
+    def observe_surface(self, state: State) -> Iterator[Observation]:
+        if len(self._edges):
+            worst, stretch = largest_stretch(self._edges, self._length_m, state.panel.surface.position_m)
+            yield Observation(stretch, str(self._panel[worst]))
 
 
-def largest_stretch(panel: PanelPoints, surface_m: Array) -> float:
-    """Return the largest strain of an edge of the panel's triangles, from its stress-free length."""
-    ends_m = surface_m[panel.edges]
-    length_m = lengths(ends_m[:, 1] - ends_m[:, 0])
-    return float((length_m / panel.edge_length_m).max()) - 1.0
+def largest_stretch(edges: Indices, length_m: Array, position_m: Array) -> tuple[int, float]:
+    """Return the number and the strain of the most stretched edge.
+
+    ``edges`` (n, 2) are pairs of the points at ``position_m``, and ``length_m`` (n,) are the stress-free
+    lengths.
+    """
+    ratio = lengths(position_m[edges[:, 1]] - position_m[edges[:, 0]]) / length_m
+    worst = int(ratio.argmax())
+    return worst, float(ratio[worst]) - 1.0
 
 
 class ItemLimit(NamedTuple):
-    """The limit of an item in a case, with the reaction beyond it and the limit's key."""
+    """The limit of an item in a case, with the reaction beyond it; ``given`` is the case's key for it."""
 
     then: Then
     limit: float
-    key: str
+    given: str
 
 
 def all_items() -> dict[str, type[MonitorItem]]:
@@ -287,20 +334,24 @@ def all_items() -> dict[str, type[MonitorItem]]:
 
 def item_limit(settings: MonitorSettings, kind: type[MonitorItem]) -> ItemLimit | None:
     """Return the limit of an item in ``[monitor]``, or None if the case does not name the item."""
+    if kind.fixed_limit is not None:
+        return ItemLimit(getattr(settings, kind.name), kind.fixed_limit, f"monitor.{kind.name}")
     if kind.limit_key:
         limit = getattr(settings, kind.limit_key)
-        return ItemLimit(getattr(settings, kind.name), limit, f"monitor.{kind.limit_key}")
+        return ItemLimit(getattr(settings, kind.name), limit, f"monitor.{kind.limit_key} = {limit:g}")
     table = settings.items.get(kind.name)
     if table is None:
         return None
-    return ItemLimit(table.then, table.limit, f"monitor.items.{kind.name}.limit")
+    return ItemLimit(table.then, table.limit, f"monitor.items.{kind.name}.limit = {table.limit:g}")
 
 
 def unknown_items(case: Case) -> list[CaseProblem]:
     """Return a problem for each table ``[monitor.items.<name>]`` whose item does not exist."""
     if not case.monitor.items:
         return []
-    names = [name for name, kind in all_items().items() if not kind.limit_key]
+    names = [
+        name for name, kind in all_items().items() if not (kind.limit_key or kind.fixed_limit is not None)
+    ]
     return [
         CaseProblem(
             ("monitor", "items", name),

@@ -14,14 +14,14 @@ from orchestrator.case.tables.numerics import Then
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import first_rank_does, is_first
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.output.cycles import cycle_s
+from orchestrator.output.cycles import cycle_s, is_driven
 from orchestrator.ports import InterfaceData, Saved
 from orchestrator.ports.clock import Interval, steps_in
-from orchestrator.ports.particle_records import BedSnapshot
+from orchestrator.ports.particle_records import BedSnapshot, Overlaps
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.ports.state import SavedAttributes, restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes, as_arrays, like, restore_attributes, save_attributes
 from orchestrator.run.monitor.interface_work import exchanged_J, interface_data, interface_works
-from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
+from orchestrator.run.monitor.item import Books, MonitorItem, Observation, Subject
 from orchestrator.run.monitor.items import (
     ItemLimit,
     all_items,
@@ -35,6 +35,8 @@ from orchestrator.run.monitor.pace import Pace
 LOG = logging.getLogger("flipflow")
 MOST_PARTS = 64
 TOGETHER = 5  # intervals judged together while all is well, which costs little more than judging one
+CALM_WITHOUT_CYCLE = 100  # intervals, five times those over which created energy is summed
+SURFACES_EVERY_S, BOOKS_EVERY_S = 1e-3, 5e-3  # a panel moves by millimetres in a millisecond
 WEIGHT: tuple[Then, ...] = ("stop", "shorten", "warn")
 FASTEST_M_PER_S = 300.0  # nothing on a screen moves at the speed of sound in air
 
@@ -67,7 +69,7 @@ class LimitedItem(SavedAttributes):
 
     def judge(self, observations: Iterable[Observation], time_s: float) -> list[Alarm]:
         """Record the observations, and return an alarm for each observation beyond the limit."""
-        then, limit, key = self._limit
+        then, limit, given = self._limit
         alarms = []
         for value, where in observations:
             self._worst = max(self._worst, value)
@@ -76,7 +78,7 @@ class LimitedItem(SavedAttributes):
                 if self._times == 1:
                     self._first_s = time_s
                 message = self.item.message.format(value=value, where=where)
-                what = f"t = {time_s:.6g} s: {message} ({key} = {limit:g})"
+                what = f"t = {time_s:.6g} s: {message} ({given})"
                 alarms.append(Alarm(then, what, self._times == 1))
         return alarms
 
@@ -108,9 +110,13 @@ class Monitor:
         every = self._items.values()
         self._adding = [one for one in every if one.item.has_own("add_intervals")]
         self._observing = [one for one in every if one.item.has_own("observe")]
+        self._of_surfaces = [one for one in every if one.item.has_own("observe_surface")]
+        self._of_books = [one for one in every if one.item.has_own("observe_books")]
+        self._surfaces_every = max(1, round(SURFACES_EVERY_S / self._interval_s))
+        self._books_every = max(1, round(BOOKS_EVERY_S / self._interval_s))
         self._alarms: list[Alarm] = []
         self._pending: list[InterfaceData] = []
-        self._judged, self._at_once = 0, False
+        self._judged, self._deepest = 0, Overlaps()
         self._warned_of_shortest = False
 
     def advance(self, interval: Interval, state: State) -> tuple[State, State]:
@@ -119,24 +125,50 @@ class Monitor:
         with machine.stopwatch("coupling"):  # the stopwatch counts the members' time elsewhere
             return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._note)
 
-    def observe_output(
-        self, time_s: float, state: State, terms_J: dict[str, float], bed: BedSnapshot | None
+    def wants_books(self, done: int) -> bool:
+        """Return whether the books are to be observed after ``done`` sync intervals, whatever the output."""
+        return done % self._books_every == 0
+
+    def note_books(
+        self, done: int, time_s: float, state: State, terms_J: dict[str, float], bed: BedSnapshot | None
     ) -> None:
-        """Observe an output time; the next ``act`` judges at once.  ``terms_J`` are the ledger's terms."""
-        self._at_once = True
-        if is_first(self._world):
+        """Note the books, and observe them where that is due.  ``terms_J`` are the ledger's terms."""
+        if not is_first(self._world):
+            return
+        if bed is not None:
+            self._deepest = self._deepest.deepest(bed.overlaps)
+        if not self.wants_books(done):
+            return
+        with self._machine.stopwatch("monitor"):
+            self._add_pending()
+            if bed is not None:
+                bed, self._deepest = BedSnapshot(bed.particles, self._deepest), Overlaps()
+            for limited in self._of_books:
+                books = Books(state, terms_J, bed)
+                self._alarms += limited.judge(limited.item.observe_books(books), time_s)
+
+    def observe_surface(self, done: int, time_s: float, state: State) -> None:
+        """Observe the surface after ``done`` sync intervals where that is due."""
+        if done % self._surfaces_every == 0 and is_first(self._world):
             with self._machine.stopwatch("monitor"):
-                self._add_pending()
-                for limited in self._items.values():
-                    observations = limited.item.observe_output(OutputTime(state, terms_J, bed))
-                    self._alarms += limited.judge(observations, time_s)
+                for limited in self._of_surfaces:
+                    self._alarms += limited.judge(limited.item.observe_surface(state), time_s)
+
+    def _is_due(self, done: int) -> bool:
+        """Return whether what was observed is judged after ``done`` sync intervals; the same on all ranks.
+
+        While all is well, that is at fixed multiples of the sync interval, so that neither the output nor
+        the end of a run changes how it goes on.
+        """
+        every = (TOGETHER, self._surfaces_every, self._books_every)
+        return not self.pace.trusted or any(done % each == 0 for each in every)
 
     def act(self, interval: Interval, state: State) -> None:
         """Warn after a sync interval, or shorten the next ones, as the case says.  Raises Stopped."""
         done = interval.index + 1
-        if self.pace.trusted and not self._at_once and done - self._judged < TOGETHER:
+        if not self._is_due(done):
             return
-        since, self._judged, self._at_once = done - self._judged, done, False
+        since, self._judged = done - self._judged, done
         time_s = interval.end_s
         then, what = first_rank_does(self._world, lambda: self._verdict(time_s))
         if then == "stop":
@@ -170,7 +202,7 @@ class Monitor:
         items = {name: limited.save() for name, limited in self._items.items()}
         works = {name: work.save() for name, work in self._works.items()}
         books = {"pace": self.pace.save(), "work": works, "items": items}
-        return books | save_attributes(self, "_judged", "_at_once")
+        return books | save_attributes(self, "_judged") | {"deepest": as_arrays(self._deepest)}
 
     def restore(self, saved: Saved) -> None:
         """Restore the memory that ``save`` returned; an item that the case did not have then begins now."""
@@ -180,7 +212,8 @@ class Monitor:
         for name, limited in self._items.items():
             if name in saved["items"]:
                 limited.restore(saved["items"][name])
-        restore_attributes(self, saved, "_judged", "_at_once")
+        restore_attributes(self, saved, "_judged")
+        self._deepest = like(Overlaps(), saved["deepest"])
 
     def _note(self, part: Interval) -> None:
         if is_first(self._world):
@@ -252,4 +285,6 @@ def calm_intervals(case: Case) -> int:
 
     Trouble in one phase of the machine's cycle comes back in the next cycle.
     """
+    if not (case.monitor.calm_s or is_driven(case)):
+        return CALM_WITHOUT_CYCLE
     return steps_in(case.monitor.calm_s or cycle_s(case), case.coupling.sync_interval_s)
