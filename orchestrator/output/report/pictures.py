@@ -21,6 +21,7 @@ from matplotlib.colors import ListedColormap
 from scipy.integrate import trapezoid
 
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.file.folder import admit
 from orchestrator.output.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
 from orchestrator.output.results.run_reader import RunReader
 
@@ -411,4 +412,4 @@ def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any
 
 
 if __name__ == "__main__":
-    write_pictures(Path(sys.argv[1]))
+    write_pictures(admit(Path(sys.argv[1])))

@@ -12,6 +12,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.file.folder import admit
 from orchestrator.case.tables.case import Case
 from orchestrator.output.drawing import data_uri, draw_svg, embed, fill_template
 from orchestrator.output.records.run_folder import write_text
@@ -62,9 +63,9 @@ class Views:
     def write(self, folder: Path, findings: CheckFindings) -> list[Path]:
         """Write all views into a folder, which is made if needed, and return the files.
 
-        Raises OSError if a file cannot be written.
+        Raises FolderUnusable for a foreign folder, and OSError if a file cannot be written.
         """
-        folder.mkdir(parents=True, exist_ok=True)
+        admit(folder).mkdir(parents=True, exist_ok=True)
         written: list[Path] = []
         drawings: dict[str, str] = {}
         with made_apart(self.machine) as model:
