@@ -29,7 +29,7 @@ from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
-from orchestrator.output.subprocesses import python
+from orchestrator.output.subprocesses import end_with_parent, python
 from orchestrator.output.views.drawings import SIDE, draw_view
 from orchestrator.output.views.outline import outline
 

@@ -16,6 +16,7 @@ from orchestrator.case.file.folder import admit
 from orchestrator.case.tables.case import Case
 from orchestrator.output.drawing import data_uri, draw_svg, embed, fill_template
 from orchestrator.output.records.run_folder import write_text
+from orchestrator.output.subprocesses import end_with_parent
 from orchestrator.output.views.drawings import SIDE, TOP, draw_view
 from orchestrator.output.views.modes import modes_svg
 from orchestrator.output.views.openings import draw_openings
@@ -108,7 +109,7 @@ def made_apart(machine: MachineOutline) -> Iterator[Callable[[], str]]:
     LIGGGHTS brings another VTK, which cannot share a process with this one.  The function returns "" if the
     process crashed.
     """
-    with ProcessPoolExecutor(1, get_context("spawn")) as apart:
+    with ProcessPoolExecutor(1, get_context("spawn"), end_with_parent) as apart:
         made = apart.submit(_model_page, machine)
 
         def model() -> str:
