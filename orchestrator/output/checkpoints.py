@@ -8,6 +8,7 @@ and so does the last good one.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -34,6 +35,9 @@ FORMER_FOLDER = "saves"  # of checkpoints up to format 3, which cannot be resume
 FORMAT = 11
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
 them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
+LARGE_BYTES, SPARSE = 2**30, 1000
+"""The size from which on a file of a checkpoint has data in more than the ``SPARSE``-th part of it."""
+BLOCK_BYTES = 512  # in which Linux counts the room of a file
 ORIGIN_KEYS = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
@@ -267,6 +271,13 @@ def _of_rank(world: Any) -> str:
 
 
 def _checksum(file: Path) -> str:
+    """Return the checksum of a file.  Raises OSError, also for one that is nearly all holes.
+
+    Such a file takes no room in an archive, and hours to be read.
+    """
+    about = file.stat()
+    if about.st_size > LARGE_BYTES and SPARSE * BLOCK_BYTES * about.st_blocks < about.st_size:
+        raise OSError(errno.EFBIG, "has hardly any data for its size", str(file))
     with file.open("rb") as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 

@@ -20,6 +20,7 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
+from flipflow import FolderUnusable, open_run
 from orchestrator.cli import launch
 from orchestrator.cli.launch import FAILED, WRONG
 from orchestrator.cli.main import app
@@ -39,9 +40,9 @@ class Stranger:
     home: Path
     run: Path
 
-    def home_now(self) -> dict[Path, str]:
-        """Every file of the home, by its checksum."""
-        files = (file for file in self.home.rglob("*") if file.is_file())
+    def home_now(self, but: Path | None = None) -> dict[Path, str]:
+        """Every file of the home and its checksum, but for those in a folder."""
+        files = (file for file in self.home.rglob("*") if file.is_file() and but not in file.parents)
         return {file: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
 
 
@@ -102,6 +103,12 @@ def files_elsewhere(it: Stranger) -> None:
 def device_in_checksums(it: Stranger) -> None:
     for checkpoint in (it.run / "checkpoints").iterdir():
         forge(checkpoint, lambda about: about["sha256"].update({"/dev/zero": ""}))
+
+
+def holes_as_arrays(it: Stranger) -> None:
+    """A terabyte, which an archive keeps in some bytes."""
+    for checkpoint in (it.run / "checkpoints").iterdir():
+        os.truncate(checkpoint / "rank-0.npz", 10**12)
 
 
 def pipe_as_log(it: Stranger) -> None:
@@ -177,17 +184,19 @@ def test_links_and_pipes_are_refused_by_every_command(
     assert "holds links, pipes or devices" in done.stderr
 
 
-@pytest.mark.parametrize("spoil", [device_in_checksums, data_elsewhere], ids=lambda spoil: spoil.__name__)
-def test_a_forged_checkpoint_reaches_nothing_elsewhere(
+FORGED = {device_in_checksums: "elsewhere", data_elsewhere: "elsewhere", holes_as_arrays: "hardly any data"}
+
+
+@pytest.mark.parametrize("spoil", FORGED, ids=lambda spoil: spoil.__name__)
+def test_a_forged_checkpoint_reaches_nothing_elsewhere_and_ends(
     stranger: Stranger, spoil: Callable[[Stranger], None]
 ) -> None:
     spoil(stranger)
-    before = {file: sum for file, sum in stranger.home_now().items() if stranger.run not in file.parents}
+    before = stranger.home_now(but=stranger.run)
     done = flipflow(stranger, *COMMANDS["resume"])
-    after = {file: sum for file, sum in stranger.home_now().items() if stranger.run not in file.parents}
-    assert after == before
+    assert stranger.home_now(but=stranger.run) == before
     assert done.exit_code == WRONG, done.stderr
-    assert "elsewhere" in done.stderr
+    assert FORGED[spoil] in done.stderr
 
 
 READERS = {
@@ -237,6 +246,20 @@ def test_a_checkpoint_of_another_format_is_kept(stranger: Stranger, version: int
     assert "its commit is 0ld" in done.stderr
     log = stranger.run / "run.log"
     assert stranger.home_now() | {log: ""} == before | {log: ""}
+
+
+def test_words_of_a_path_do_not_control_the_terminal(stranger: Stranger) -> None:
+    (stranger.run / EVIL).symlink_to(stranger.home)
+    for command in ("resume", "report", "results"):
+        done = flipflow(stranger, *COMMANDS[command])
+        assert done.exit_code == WRONG
+        assert f"{stranger.run}/\\x1b]0;owned\\x07\\x9b2J is a link" in done.stderr
+
+
+def test_python_refuses_it_too(stranger: Stranger) -> None:
+    link_beside_page(stranger)
+    with pytest.raises(FolderUnusable, match="holds links"):
+        open_run(stranger.run)
 
 
 def test_a_folder_may_be_reached_by_a_link(stranger: Stranger) -> None:
