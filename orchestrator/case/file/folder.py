@@ -43,7 +43,7 @@ def admit(folder: Path) -> Path:
                     entries += 1
                     if entry.is_dir(follow_symlinks=False):
                         waiting.append((entry.path, depth + 1))
-                    elif not entry.is_file(follow_symlinks=False):
+                    elif not entry.is_file(follow_symlinks=False) and os.path.lexists(entry.path):
                         foreign.append(f"  {entry.path} is {'a link' if entry.is_symlink() else 'no file'}")
         except (FileNotFoundError, NotADirectoryError):  # or removed by a run that is at work
             pass
