@@ -16,7 +16,7 @@ Examples
 from flipflow.case import Case, load
 from flipflow.run import Run, RunFailed, RunInterrupted, open_run
 from orchestrator.case.file.errors import CaseError
-from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.run.progress import ProgressReport
 
 __all__ = [

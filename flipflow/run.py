@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from orchestrator.case.file.errors import visible
+from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.scalars import SCALARS, Value, scalar, value_at
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable
+from orchestrator.output.records.run_folder import SUMMARY
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.tidy import why_transient
 from orchestrator.run.progress import ProgressReport, parse_report
@@ -55,7 +57,7 @@ class Run:
         """Open a folder.  Raises FolderUnusable if it does not hold an ended run of this version."""
         self.folder = Path(folder).absolute()  # whatever the current folder will be
         try:
-            self.summary: dict[str, Any] = RunReader(self.folder).summary
+            self.summary: dict[str, Any] = RunReader(admit(self.folder)).summary
         except (OSError, ValueError) as error:
             why = _why_open(self.folder) or f"holds no run that has ended ({error})"
             raise FolderUnusable(f"{self.folder}: {why}") from None
@@ -178,7 +180,7 @@ class Run:
         return _wait(["resume", str(self.folder), *sets], self.folder, progress, ranks)
 
     def __repr__(self) -> str:
-        return f"Run({self.folder.name!r}, {self.status})"
+        return f"Run({self.folder.name!r}, {visible(self.status)})"
 
     def _repr_html_(self) -> str:
         """Return the state and the results for a notebook."""

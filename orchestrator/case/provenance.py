@@ -16,6 +16,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.file.folder import UnreadableFile, read_json
+
 PINS = Path(__file__).parents[2] / "docker"
 DEBIAN, PYPI, CHECKOUT = "Debian", "PyPI", "this checkout"
 
@@ -147,8 +149,15 @@ def provenance(ranks: int) -> dict[str, Any]:
 
 
 def read_provenance(folder: Path) -> dict[str, Any]:
-    """Return the content of ``provenance.json`` in the folder of a run.  Raises OSError or ValueError."""
-    table: dict[str, Any] = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    """Return the table of ``provenance.json`` in the folder of a run.  Raises OSError or UnreadableFile."""
+    file = folder / "provenance.json"
+    try:
+        table: dict[str, Any] | None = read_json(file)
+    except UnreadableFile:
+        table = None
+    parts = {"bed": dict, "resumed": list}
+    if not isinstance(table, dict) or not all(isinstance(table.get(k, t()), t) for k, t in parts.items()):
+        raise UnreadableFile(f"{file}: is damaged; it is written when a run begins, and cannot be made again")
     return table
 
 

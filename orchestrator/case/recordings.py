@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.file.folder import open_hdf5
 from orchestrator.case.file.whole import written_whole
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter
@@ -86,10 +87,8 @@ def read(path: Path) -> File:
     """Read a recording.  Raises UnreadableRecording."""
     if not path.is_file():
         raise UnreadableRecording(f"{path}: no such file; flipflow record makes one from a run's folder")
-    import h5py  # It is imported here because checks of cases without recordings do not need it.
-
     try:
-        with h5py.File(path) as file:
+        with open_hdf5(path) as file:
             speed_rad_per_s = float(file.attrs["speed_rad_per_s"])
             version = file.attrs.get("format_version")
             if version != FORMAT:

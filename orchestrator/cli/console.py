@@ -6,17 +6,29 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 from rich.console import Console
+from rich.text import Text
+
+from orchestrator.case.file.printable import escape_unprintable
 
 if TYPE_CHECKING:
     from orchestrator.case.file.errors import CaseProblem
     from orchestrator.preflight.judge import JudgedCase
 
-CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
-ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
+
+class TextConsole(Console):
+    """A console that no text controls: of unprintable characters, such as ESC, the escapes are printed."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a string, on its own or in a table, as a text that can be printed."""
+        return super().render_str(escape_unprintable(text), **options)
+
+
+CONSOLE = TextConsole(highlight=False, markup=False, soft_wrap=True)
+ERRORS = TextConsole(stderr=True, highlight=False, markup=False, soft_wrap=True)
 WRONG, MISSING, FAILED = 2, 3, 4
 UNLIMITED = 10_000  # columns of tables that no terminal shows: nothing of them is cut
 TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.cells need less of it"
@@ -49,7 +61,7 @@ def _in_words(error: Exception) -> str:
 def _code(error: Exception) -> int | None:
     """Return the exit code of an error; None for an internal error."""
     from orchestrator.case.file.errors import CaseError
-    from orchestrator.output.records.run_folder import FolderUnusable
+    from orchestrator.case.file.folder import FolderUnusable, UnreadableFile
     from orchestrator.ports.plans import SolverFailed, SolverMissing
 
     if isinstance(error, SolverMissing):
@@ -58,7 +70,8 @@ def _code(error: Exception) -> int | None:
         return FAILED
     if isinstance(error, BrokenPipeError):  # who reads the output has gone
         return None
-    return WRONG if isinstance(error, CaseError | FolderUnusable | MemoryError | OSError) else None
+    wrong = CaseError | FolderUnusable | UnreadableFile | MemoryError | OSError
+    return WRONG if isinstance(error, wrong) else None
 
 
 def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:

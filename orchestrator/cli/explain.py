@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
 
 from orchestrator.case.scalars import SCALARS
+from orchestrator.cli.console import TextConsole
 from orchestrator.cli.json_forms import explain_form, print_json
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, find_dispensable, with_dependents
@@ -47,7 +47,7 @@ def print_explanation(
     if as_json:
         print_json(explain_form(loaded, [*effects.values()]))
         return
-    console = Console(highlight=False, markup=False)
+    console = TextConsole(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
     level = f"level {loaded.level}" if loaded.level else "no level"

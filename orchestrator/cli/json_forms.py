@@ -26,8 +26,9 @@ FORMAT = 1
 
 def print_json(table: dict[str, Any]) -> None:
     """Print a table as JSON on standard output, with ``format_version`` first; numbers that are not finite
-    become null."""
-    typer.echo(json.dumps(_finite({"format_version": FORMAT} | table), indent=2, ensure_ascii=False))
+    become null, and characters that a terminal could obey are escaped."""
+    text = json.dumps(_finite({"format_version": FORMAT} | table), indent=2, ensure_ascii=False)
+    typer.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
 
 
 def _finite(value: Any) -> Any:

@@ -25,18 +25,19 @@ from rich.console import Console
 
 from orchestrator.case import provenance
 from orchestrator.case.file.errors import CaseError
-from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, find_all_problems
+from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, open_hdf5
+from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, TextConsole, find_all_problems
 from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
-from orchestrator.output.checkpoints import Checkpoint
+from orchestrator.output.checkpoints import Checkpoint, OtherCheckpoint
 from orchestrator.output.records import run_folder, summary, trust
 from orchestrator.output.records.run_folder import (
+    HISTORY,
     LOG,
     PAGE,
     PICTURES,
     RUN_LOCK,
     SUMMARY,
-    FolderUnusable,
     is_at_work,
     lock,
     write_case,
@@ -132,30 +133,18 @@ def _decide_effects(
 
 
 def _require_ended_run(folder: Path) -> None:
-    """Raise FolderUnusable if a folder has no run, or one that is still going on."""
+    """Raise FolderUnusable if a folder has no run, a foreign one, or one that is still going on."""
     if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
         raise FolderUnusable(f"{folder}: is not the folder of a run")
-    if is_at_work(folder):
+    if is_at_work(admit(folder)):
         raise FolderUnusable(f"{folder}: the run is still going on")
-    _read_provenance(folder)
-
-
-def _read_provenance(folder: Path) -> dict[str, Any]:
-    """Return the table of a run's ``provenance.json``.  Raises FolderUnusable for a file that is none."""
-    file = folder / "provenance.json"
-    try:
-        table = json.loads(file.read_text(encoding="utf-8"))
-    except ValueError:
-        table = None
-    if not isinstance(table, dict) or not isinstance(table.get("resumed", []), list):
-        raise FolderUnusable(f"{file}: is damaged; it is written when a run begins, and cannot be made again")
-    return table
+    provenance.read_provenance(folder)
 
 
 def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
     """Return the last undamaged checkpoint, or the checkpoint of a sync point.
 
-    Raises FolderUnusable if there is none.
+    Raises FolderUnusable if there is none, and OtherCheckpoint if another version of flipflow wrote it.
     """
     checkpoint = (
         checkpoints.find_newest(folder)
@@ -170,7 +159,7 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
             f"{folder / checkpoints.FOLDER}"
         )
     if checkpoint is None and (folder / checkpoints.FORMER_FOLDER).is_dir():
-        raise FolderUnusable(
+        raise OtherCheckpoint(
             f"{folder}: its checkpoints are in {checkpoints.FORMER_FOLDER}/, as an older flipflow wrote "
             "them; resume the run with that version (provenance.json names it), or run the case again"
         )
@@ -185,19 +174,20 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
 def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, world: Any) -> list[str]:
     """Restore the folder as it was at the checkpoint, and return warnings about that.
 
-    Raises FolderUnusable if the case is that of another run.
+    Raises FolderUnusable if the case is that of another run, and UnreadableFile if the series are foreign.
     """
     now = origin(loaded, folder, world)
     refuse_another_run(checkpoint, now)
     killed = [] if (folder / SUMMARY).exists() else [KILLED]
     checkpoints.remove_later(folder, checkpoint)
     checkpoint.put_back(folder)
+    open_hdf5(folder / HISTORY).close()
     for written_at_end in ("failure.txt", SUMMARY, PAGE, *PICTURES):
         (folder / written_at_end).unlink(missing_ok=True)
     write_case(folder, loaded)
-    provenance = _read_provenance(folder)
-    resumed = [*provenance.get("resumed", []), {"at_s": checkpoint.simulated_s, **now["provenance"]}]
-    write_json(folder / "provenance.json", provenance | {"resumed": resumed})
+    begun = provenance.read_provenance(folder)
+    resumed = [*begun.get("resumed", []), {"at_s": checkpoint.simulated_s, **now["provenance"]}]
+    write_json(folder / "provenance.json", begun | {"resumed": resumed})
     return [*killed, *checkpoint.torn, *origin_warnings(checkpoint, now)]
 
 
@@ -229,13 +219,15 @@ def _report_refusal(world: Any, error: Exception) -> int:
     match error:
         case SolverMissing():
             message, code = str(error), MISSING
-        case CaseError() | FolderUnusable() | OSError():
+        case OtherCheckpoint():
+            message, code = str(error), FAILED
+        case CaseError() | FolderUnusable() | UnreadableFile() | OSError():
             message, code = str(error), WRONG
         case MemoryError():
             message, code = TOO_LARGE, WRONG
         case _:
             message, code = _describe_internal(error), BROKEN
-    return mpi.in_turn(world, lambda: _console().print(run_folder.escape_unprintable(message)), code)
+    return mpi.in_turn(world, lambda: _console().print(message), code)
 
 
 def _execute(
@@ -316,7 +308,7 @@ class _StandardError(io.TextIOBase):
 
 def _console(quiet: bool = False) -> Console:
     file = cast(IO[str], _StandardError())
-    return Console(file=file, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
+    return TextConsole(file=file, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
 
 
 def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int:
@@ -326,7 +318,7 @@ def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
         _print_and_log(f"{reason} at t = {run.simulated_s:g} s", console)
-        console.print(run_folder.escape_unprintable(f"to go on: {resume_hint(folder, world)}"))
+        console.print(f"to go on: {resume_hint(folder, world)}")
     except BaseException as error:
         return _end_after_error(run, *_classify(error), folder, world)
     else:
@@ -383,7 +375,7 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)
                 console.print(f"WARNING: do not trust this run: {doubt}")
-        console.print(run_folder.escape_unprintable(f"results in {folder}"))
+        console.print(f"results in {folder}")
     except OSError as error:
         LOG.error("the results are not complete: %s", error)
         console.print(f"the results are not complete: {error}\nall else is in {folder}")
@@ -425,7 +417,7 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
 def _print_and_log(line: str, console: Console) -> None:
     """Print a line on the console and in the log."""
     LOG.info(line)
-    console.print(run_folder.escape_unprintable(line))
+    console.print(line)
 
 
 def resume_lines(folder: Path, world: Any) -> Iterator[str]:

@@ -297,7 +297,7 @@ def report(run: RunPath) -> None:
     from orchestrator.output.report.page import report as make_report
 
     with reported_errors():
-        CONSOLE.print(make_report(run))
+        CONSOLE.print(str(make_report(run)))
 
 
 @app.command()

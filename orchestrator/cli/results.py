@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.cli.console import CONSOLE, ERRORS, refuse, reported_errors
 from orchestrator.cli.json_forms import print_json
 from orchestrator.output.results.tidy import doubtful, read_results
@@ -38,7 +39,9 @@ def print_results(folders: Sequence[Path], out: Path | None, as_json: bool) -> N
 
 
 def print_csv(rows: Sequence[Mapping[str, str | float | None]]) -> None:
-    """Print rows as CSV on standard output."""
+    """Print rows as CSV on standard output, with the escapes of characters that a terminal could obey."""
     writer = csv.DictWriter(sys.stdout, [*rows[0]])
     writer.writeheader()
-    writer.writerows(rows)
+    writer.writerows(
+        {key: escape_unprintable(v) if isinstance(v, str) else v for key, v in row.items()} for row in rows
+    )

@@ -8,11 +8,12 @@ and so does the last good one.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,10 +22,11 @@ import numpy as np
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.saved_bed import BED
+from orchestrator.case.file.folder import read_json
 from orchestrator.case.file.whole import written_whole
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.coupling.mpi import first_rank_does
-from orchestrator.output.records.run_folder import check_format
+from orchestrator.output.records.run_folder import OtherFormat, check_format
 from orchestrator.ports import Saved
 
 KEPT = 2
@@ -33,7 +35,14 @@ FORMER_FOLDER = "saves"  # of checkpoints up to format 3, which cannot be resume
 FORMAT = 12
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
 them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
+LARGE_BYTES, SPARSE = 2**30, 1000
+"""The size from which on a file of a checkpoint has data in more than the ``SPARSE``-th part of it."""
+BLOCK_BYTES = 512  # in which Linux counts the room of a file
 ORIGIN_KEYS = ("ranks", "host", "machine", "python", "versions", "commit")
+
+
+class OtherCheckpoint(OtherFormat):
+    """An error about a checkpoint that another version of flipflow wrote, in another format (exit code 4)."""
 
 
 class TornCheckpoint(Exception):
@@ -217,8 +226,8 @@ def _read_about(folder: Path) -> dict[str, Any]:
     Raises TornCheckpoint where something that a resumed run needs is missing or damaged.
     """
     try:
-        about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-        check_format(folder / ABOUT, about.get("format_version"), FORMAT)
+        about: dict[str, Any] = read_json(folder / ABOUT)
+        _check_format(folder / ABOUT, about)
         for key in ("name", "level", "case", "files", "left_out"):
             about[key]
         for key in ORIGIN_KEYS:
@@ -226,7 +235,7 @@ def _read_about(folder: Path) -> dict[str, Any]:
         int(about["provenance"]["ranks"])
         int(about["sync_points"])
         float(about["progress"]["figures"]["simulated_s"])
-        for name in about["copies"]:
+        for name in (*about["copies"], *about["sha256"]):
             if Path(name).name != name:
                 raise TornCheckpoint(f"{folder / ABOUT} names a file elsewhere: {name}")
         for name, checksum in about["sha256"].items():
@@ -237,6 +246,15 @@ def _read_about(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError, AttributeError, TypeError) as error:
         raise TornCheckpoint(f"{folder} cannot be read: {error}") from error
     return about
+
+
+def _check_format(file: Path, about: Mapping[str, Any]) -> None:
+    """Raise OtherCheckpoint, with the commit that wrote a checkpoint, if it has another format."""
+    try:
+        check_format(file, about.get("format_version"), FORMAT)
+    except OtherFormat as error:
+        commit = about.get("provenance", {}).get("commit") or "unknown"
+        raise OtherCheckpoint(f"{error}; its commit is {commit}") from None
 
 
 def _in_order(run: Path) -> list[Path]:
@@ -253,6 +271,13 @@ def _of_rank(world: Any) -> str:
 
 
 def _checksum(file: Path) -> str:
+    """Return the checksum of a file.  Raises OSError, also for one that is nearly all holes.
+
+    Such a file takes no room in an archive, and hours to be read.
+    """
+    about = file.stat()
+    if about.st_size > LARGE_BYTES and SPARSE * BLOCK_BYTES * about.st_blocks < about.st_size:
+        raise OSError(errno.EFBIG, "has hardly any data for its size", str(file))
     with file.open("rb") as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 

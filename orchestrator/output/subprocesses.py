@@ -6,17 +6,24 @@ case may have put any file.
 
 from __future__ import annotations
 
+import ctypes
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
+PR_SET_PDEATHSIG = 1  # of Linux's <sys/prctl.h>
 
 
 LAUNCHERS = ("OMPI_", "ORTE_", "PMI_", "PMIX_")
 """The prefixes of the environment variables that tell a process its rank under mpirun."""
+
+
+WITH_PARENT = ("setpriv", "--pdeathsig", "KILL")
+"""The words before a command that is killed when the process that started it dies (Debian's util-linux)."""
 
 
 _RUNNING: set[subprocess.Popen[str]] = set()
@@ -28,8 +35,8 @@ def python(
     """Run ``python WORDS`` to its end, with the arguments ``more`` of subprocess.Popen.
 
     With ``alone``, the program runs as a single process even if this process is a rank under mpirun.  The
-    program is killed if this call is interrupted, or takes longer than ``timeout`` seconds, which raises
-    subprocess.TimeoutExpired.
+    program is killed if this process dies, and if this call is interrupted or takes longer than ``timeout``
+    seconds, which raises subprocess.TimeoutExpired.
     """
     paths = [str(ROOT), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     own = {"PYTHONPATH": os.pathsep.join(paths)}
@@ -38,7 +45,7 @@ def python(
         env = {name: value for name, value in env.items() if not name.startswith(LAUNCHERS)}
     if capture_output:
         more |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    command = [sys.executable, "-P", *words]
+    command = [*WITH_PARENT, sys.executable, "-P", *words]
     with subprocess.Popen(command, env=env, text=True, **more) as process:
         _RUNNING.add(process)
         try:
@@ -49,6 +56,11 @@ def python(
         finally:
             _RUNNING.discard(process)
     return subprocess.CompletedProcess(command, process.returncode, *written)
+
+
+def end_with_parent() -> None:
+    """Have this process killed when the process that started it dies; for the workers of a pool."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def stop_all() -> None:

@@ -11,7 +11,8 @@ import tomli_w
 from orchestrator.case.file.base import read_level
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import CaseError, CaseProblem, show_value
-from orchestrator.case.file.layers import Layers, parse_override
+from orchestrator.case.file.layers import Layers, is_outside, parse_override
+from orchestrator.case.file.whole import written_whole
 from orchestrator.case.load import read_tables
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
@@ -31,9 +32,12 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
     file = loaded.folder / "levels" / f"{name}.toml"
     if file.exists():
         raise CaseError([CaseProblem((), "exists already; nothing was written", file=str(file))])
+    if is_outside(file, loaded.folder):
+        raise CaseError([CaseProblem((), "lies outside of the case's folder", file=str(file))])
     text = level_text(loaded, sets, about)
     file.parent.mkdir(exist_ok=True)
-    file.write_text(text, encoding="utf-8")
+    with written_whole(file) as aside:
+        aside.write_text(text, encoding="utf-8")
     return file
 
 

@@ -15,9 +15,10 @@ from typing import Any
 
 from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.file.errors import show_value
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
-from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, resolved_case
+from orchestrator.output.records.run_folder import RECORDING, resolved_case
 from orchestrator.preflight.judge import JudgedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}

@@ -88,7 +88,7 @@ KNOWN_BY |= {"stability.html": "stability", "points.csv": "design fit optimise"}
 
 def check_folder(out: Path, name: str) -> None:
     """Raise FolderUnusable for the folder of a case, of a run or of another study than ``name``."""
-    from orchestrator.output.records.run_folder import FolderUnusable
+    from orchestrator.case.file.folder import FolderUnusable
 
     for file, studies in KNOWN_BY.items():
         if (out / file).exists() and name not in studies.split():
@@ -101,6 +101,7 @@ def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[...
 
     ``name`` is the name of the study.
     """
+    from orchestrator.case.file.folder import admit
     from orchestrator.studies.points import CaseStudy, Crew
 
     # the parameters of these functions are the options that replace a parameter of the type
@@ -120,10 +121,13 @@ def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[...
 
     def call(**given: Any) -> StudyOutput:
         if isinstance(out := given.get("out"), Path):
-            check_folder(out, name)
+            check_folder(admit(out), name)
         for parameter, factory in factories.items():
             record = factory(**{key: given.pop(key) for key in inspect.signature(factory).parameters})
-            given[parameter] = replace(record, name=name) if isinstance(record, CaseStudy) else record
+            if isinstance(record, CaseStudy):
+                record = replace(record, name=name)
+                admit(record.folder)
+            given[parameter] = record
         return command(**given)
 
     call.__doc__ = command.__doc__

@@ -8,7 +8,6 @@ are threads.
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 import signal
@@ -24,13 +23,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.folder import FolderUnusable, read_json
 from orchestrator.case.file.layers import find_changes
 from orchestrator.case.file.units import parse_quantity, split_quantity
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import (
-    FolderUnusable,
     changed_files,
     is_at_work,
     resolved_case,
@@ -199,8 +198,8 @@ class Point:
     def side_by_side(self) -> int:
         """Return the number of runs that were made at a time when this run was made; 0 if it is unknown."""
         try:
-            return int(json.loads(_about(self.folder).read_text())["side_by_side"])
-        except (OSError, ValueError, KeyError):
+            return int(read_json(_about(self.folder))["side_by_side"])
+        except (OSError, ValueError, KeyError, TypeError):
             return 0
 
 
@@ -308,8 +307,8 @@ def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
 def run_point(point: Point, beside: int) -> str:
     """Run one point, which is not done, in a process of its own, and return a line about its end.
 
-    ``beside`` is the number of runs at a time.  A run that still goes on, because only its study was killed,
-    is waited for.
+    ``beside`` is the number of runs at a time.  A run that still goes on, because a worker elsewhere outlives
+    its killed study, is waited for.
     """
     while is_at_work(point.folder):
         time.sleep(WAIT_S)

@@ -19,6 +19,7 @@ from scipy.interpolate import CubicHermiteSpline
 from orchestrator.case import recordings
 from orchestrator.case.deck.panels import SinglePanel, axes, single_panels
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.folder import admit
 from orchestrator.case.recordings import Turning, shape_of, turning
 from orchestrator.case.tables.case import Case
 from orchestrator.output.results.harmonics import first_harmonic
@@ -76,7 +77,7 @@ def record(run: Path, cycles: int | None) -> Recorded:
     Without ``cycles``, it has the number of cycles after which the panels repeat themselves, or come nearest
     to that.  Raises CaseError for a run without the necessary data.
     """
-    case = load_judged(run).case
+    case = load_judged(admit(run)).case
     machine = turning(case)
     if machine is None:
         raise _refusal(run, "nothing turns this machine: it has no cycle")

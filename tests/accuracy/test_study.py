@@ -12,7 +12,8 @@ import pytest
 from pyarrow import parquet
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.output.records.run_folder import FolderUnusable, write_case
+from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.output.records.run_folder import write_case
 from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import StudyRequest

@@ -9,8 +9,8 @@ import matplotlib.image
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.scalars import Value
-from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.studies.commands import sweep
 from orchestrator.studies.points import CaseStudy, parse_vary
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep

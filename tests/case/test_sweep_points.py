@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
+from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.summary import write_summary
 from orchestrator.studies.points import CaseStudy, Point
 from tests.cases import case_folder

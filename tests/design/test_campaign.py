@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.studies.design.campaign import NEAR_A_FAILURE, Campaign, explained, planned_settings
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers, doubts

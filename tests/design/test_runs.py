@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 import tomli_w
 
-from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
+from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.studies.design import runs as design_runs
 from orchestrator.studies.design.runs import Runs

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.table_data import read_published, read_table

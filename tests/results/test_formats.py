@@ -23,10 +23,12 @@ from tests.runs.test_manual import MANUAL
 ROOT = Path(__file__).parents[2]
 FILES = {"history.h5", "summary.json"}
 NAMING = "orchestrator/output/records/run_folder.py"
-READER = "orchestrator/output/results/run_reader.py"
+OPENER = "orchestrator/case/file/folder.py"
 WRITERS = {"orchestrator/output/records/history.py", "orchestrator/output/records/summary.py"}
 RECORDINGS = "orchestrator/case/recordings.py"
 BEDS = "orchestrator/case/bed/saved_bed.py"
+OWN_JSON = {"orchestrator/case/provenance.py", "orchestrator/preflight/judgement/pair.py"}
+"""Readers of files that this program or an installer has written on this machine."""
 
 
 def product() -> dict[str, ast.Module]:
@@ -35,17 +37,16 @@ def product() -> dict[str, ast.Module]:
 
 
 def test_nobody_but_the_reader_opens_a_run() -> None:
-    """HDF5 is used by the reader, the writer, recordings and saved beds alone, and nobody else reads
-    JSON from what is called as the summary."""
+    """HDF5 is used by the opener of files, the writer, recordings and saved beds alone, and nobody but the
+    opener reads JSON of a folder that another may have filled."""
     for file, tree in product().items():
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
-        allowed = file in {READER, RECORDINGS, BEDS, *WRITERS}
+        allowed = file in {OPENER, RECORDINGS, BEDS, *WRITERS}
         assert "h5py" not in names or allowed, f"{file} uses HDF5: RunReader reads a run"
         assert not FILES & texts or file == NAMING, f"{file} names a file that RunReader reads"
-        if "SUMMARY" in names and not allowed:
-            calls = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
-            assert "loads" not in calls or file == "orchestrator/cli/launch.py", file
+        calls = {ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+        assert not {"json.load", "json.loads"} & calls or file in {OPENER, *OWN_JSON}, file
 
 
 def test_the_manual_has_the_schema_of_the_history() -> None:

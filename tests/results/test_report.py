@@ -19,8 +19,9 @@ import numpy as np
 import pytest
 import tomli_w
 
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.output.drawing import figure
-from orchestrator.output.records.run_folder import RUN_LOCK, FolderUnusable, lock
+from orchestrator.output.records.run_folder import RUN_LOCK, lock
 from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.report.page import Film, page, report

@@ -228,7 +228,7 @@ def test_what_is_no_run_or_was_not_saved_is_refused(
     assert resume(stopped, []) == launch.WRONG
     assert "nothing was saved" in capsys.readouterr().err
     (stopped / "saves").mkdir()
-    assert resume(stopped, []) == launch.WRONG
+    assert resume(stopped, []) == launch.FAILED
     assert "as an older flipflow wrote them" in capsys.readouterr().err
 
 

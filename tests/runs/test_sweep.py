@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import csv
 import os
+import signal
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from orchestrator.output.records.run_folder import is_at_work
-from tests.runs.outside import HANG_S, flipflow, started, wait_until
+from tests.runs.outside import ENDED_S, HANG_S, flipflow, of, started, wait_until
 
 pytestmark = pytest.mark.slow
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
@@ -109,17 +111,22 @@ def test_the_picture_is_drawn(swept: Path) -> None:
     assert 0.01 < (np.abs(pixels - pixels[0, 0]).max(axis=-1) > 0.1).mean() < 0.9
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_a_signal_stops_the_runs_too(tmp_path: Path, workers: str) -> None:
-    """SIGTERM reaches the study alone, as batch systems and service managers send it."""
+def test_a_signal_stops_the_runs_too(tmp_path: Path, workers: str, number: signal.Signals) -> None:
+    """It reaches the study alone, as batch systems, service managers and a lack of memory send it."""
     out = tmp_path / "long"
     runs = [out / f"speed_rad_per_s-{speed}" for speed in ("58.0", "84.0")[: int(workers)]]
     with started(*words(out, "duration_s=1000"), "--workers", workers) as study:
         wait_until(lambda: all((run / "history.h5").exists() for run in runs))
-        study.terminate()
-        study.communicate(timeout=HANG_S)
-    assert study.returncode == 143
-    wait_until(lambda: not any(is_at_work(run) for run in runs))
+        study.send_signal(number)
+        study.wait(timeout=HANG_S)
+    assert study.returncode == (143 if number == signal.SIGTERM else -number)
+    ended_s = time.monotonic() + ENDED_S
+    while of(out) and time.monotonic() < ended_s:
+        time.sleep(0.05)
+    assert of(out) == []
+    assert not any(is_at_work(run) for run in runs)
 
 
 def test_several_keys_and_any_result(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.saved_bed import BED, UnreadableBed
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
+from orchestrator.case.file.folder import FolderUnusable, admit, part_of
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.file.slice import bounds_m, cut_to_slice
 from orchestrator.case.solver_plans import material_numbers
@@ -111,16 +112,20 @@ def read_run(run: Path, time_s: float | None) -> CarriedBed:
 
 
 def _recorded_states(run: Path) -> Iterator[RecordedState]:
-    """Yield the states of a run that can be read.  Raises UnreadableBed for a folder that is no run."""
+    """Yield the states of a run that can be read.  Raises UnreadableBed for what is no folder of a run."""
     if not (run / "case.toml").is_file() or not (run / "provenance.json").is_file():
         raise UnreadableBed(f"{run}: is not the folder of a run")
+    try:
+        admit(run)
+    except FolderUnusable as error:
+        raise UnreadableBed(str(error)) from None
     for file in run.glob(f"{CHECKPOINTS}/[0-9]*/{BED}"):
         if (time_s := saved_bed.read_time_s(file)) is not None:
             yield RecordedState(time_s, file)
     if (run / SERIES).is_file():
         try:
             rows = [row.attrib for row in ElementTree.parse(run / SERIES).iter("DataSet")]
-            yield from [RecordedState(float(row["timestep"]), run / row["file"]) for row in rows]
+            yield from [RecordedState(float(row["timestep"]), part_of(run, row["file"])) for row in rows]
         except (OSError, ValueError, KeyError, ElementTree.ParseError) as error:
             raise UnreadableBed(f"{run / SERIES}: cannot be read ({error})") from None
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from orchestrator.case.file.folder import open_hdf5
 from orchestrator.case.file.whole import written_whole
 from orchestrator.case.tables.carried_bed import COLUMNS, CarriedBed
 from orchestrator.case.tables.quantities import unit_of
@@ -58,10 +59,8 @@ def write(path: Path, bed: CarriedBed) -> None:
 
 def read(path: Path) -> CarriedBed:
     """Read a bed.  Raises UnreadableBed."""
-    import h5py  # It is imported here because checks of cases without a saved bed do not need it.
-
     try:
-        with h5py.File(path) as file:
+        with open_hdf5(path) as file:
             version = file.attrs.get("format_version")
             if version != FORMAT:
                 raise UnreadableBed(
@@ -80,10 +79,8 @@ def read(path: Path) -> CarriedBed:
 
 def read_time_s(path: Path) -> float | None:
     """Return the time of a saved bed; None if the file cannot be read."""
-    import h5py
-
     try:
-        with h5py.File(path) as file:
+        with open_hdf5(path) as file:
             return float(file.attrs["time_s"])
     except (OSError, KeyError, ValueError):
         return None

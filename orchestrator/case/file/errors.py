@@ -11,6 +11,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.case.file.units import why_refused
 
 Key = tuple[str | int, ...]
@@ -94,7 +95,7 @@ def visible(text: str) -> str:
     Characters that cannot be printed are escaped, so that a terminal obeys none of them.
     """
     text = text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return escape_unprintable(text, "")
 
 
 def shorten(text: str) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+import os
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,13 +12,18 @@ from pathlib import Path
 
 @contextmanager
 def written_whole(file: Path) -> Iterator[Path]:
-    """Give another name to write to, which becomes ``file`` at the end; nothing is left after an error.
+    """Give the name of a new, empty file, which becomes ``file`` at the end; nothing is left after an error.
 
-    Raises OSError where ``file`` is a device, a pipe or a folder.
+    Nobody can foresee that name, and a link in the place of ``file`` is replaced, not followed.  Raises
+    OSError where ``file`` is a device, a pipe or a folder.
     """
     if file.exists() and not file.is_file():
         raise OSError(errno.EEXIST, "exists already and is no file", str(file))
-    aside = file.with_name(f".{file.name}")
+    aside = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
+    try:
+        os.close(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666))
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(file)) from None
     try:
         yield aside
         aside.replace(file)

@@ -21,6 +21,8 @@ import tomli_w
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.saved_bed import BED
+from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.case.file.whole import written_whole
 from orchestrator.case.provenance import provenance, read_provenance
 from orchestrator.case.tables.case import Case
@@ -38,10 +40,6 @@ PICTURES = (
     "deck.png",
 )
 """The files of all pictures that a run makes at its end."""
-
-
-class FolderUnusable(Exception):
-    """An error about a folder that exists already, cannot be written, or cannot be used (exit code 2)."""
 
 
 class FolderExists(FolderUnusable):
@@ -198,14 +196,6 @@ class _PrintableFormatter(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         return escape_unprintable(super().format(record))
-
-
-def escape_unprintable(text: str) -> str:
-    """Return the text with Python's escapes for unprintable characters other than line ends and tabs."""
-    return "".join(
-        char if char.isprintable() or char in "\n\t" else char.encode("unicode_escape").decode()
-        for char in text
-    )
 
 
 @contextmanager

@@ -17,25 +17,19 @@ from jinja2 import UndefinedError
 
 from orchestrator.case.deck.stl import UnreadableStl
 from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
 from orchestrator.output.drawing import data_uri, embed, fill_template
-from orchestrator.output.records.run_folder import (
-    HISTORY,
-    PAGE,
-    SUMMARY,
-    FolderUnusable,
-    is_at_work,
-    write_text,
-)
+from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, is_at_work, write_text
 from orchestrator.output.report import facts
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
-from orchestrator.output.subprocesses import python
+from orchestrator.output.subprocesses import end_with_parent, python
 from orchestrator.output.views.drawings import SIDE, draw_view
 from orchestrator.output.views.outline import outline
 
@@ -52,11 +46,14 @@ def report(folder: Path) -> Path:
     missing = [name for name in NEEDED if not (folder / name).is_file()]
     if not folder.is_dir():
         raise FolderUnusable(f"{folder}: no such folder")
+    admit(folder)
     if missing == [SUMMARY]:
         raise FolderUnusable(f"{folder}: {why_open(folder)}")
     if missing:
         raise FolderUnusable(f"{folder}: no run, or a damaged one: it has no {', '.join(missing)}")
-    with ProcessPoolExecutor(1, get_context("fork")) as apart:  # HDF5 crashes on some damaged files
+    with ProcessPoolExecutor(
+        1, get_context("fork"), end_with_parent
+    ) as apart:  # HDF5 crashes on some damaged files
         try:
             return apart.submit(_write_page, folder).result()
         except BrokenProcessPool:

@@ -21,8 +21,10 @@ from matplotlib.colors import ListedColormap
 from scipy.integrate import trapezoid
 
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.file.folder import admit
 from orchestrator.output.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
 from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.subprocesses import end_with_parent
 
 COLUMNS = 4  # panels or bushings side by side
 LOWEST = 3.8  # inches: least height, at which a single row of panels is legible
@@ -383,7 +385,7 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
 
 def write_pictures(folder: Path) -> None:
     """Write all pictures for which the folder of a run has data, that of the deck beside the others."""
-    with ProcessPoolExecutor(1) as renderer, RunReader(folder) as run:
+    with ProcessPoolExecutor(1, initializer=end_with_parent) as renderer, RunReader(folder) as run:
         deck = renderer.submit(_write_deck, folder, run.end_s)
         for name, fig in draw_machine(run):
             save(fig, folder / f"{name}.png")
@@ -411,4 +413,4 @@ def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any
 
 
 if __name__ == "__main__":
-    write_pictures(Path(sys.argv[1]))
+    write_pictures(admit(Path(sys.argv[1])))

@@ -15,6 +15,8 @@ import numpy as np
 import pyvista
 from PIL import Image
 
+from orchestrator.case.file.folder import part_of
+
 PANELS, WALLS = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels differ in colour
 PICTURE_VIEW = (0.45, -1.0, 0.75)  # from the side and above
 FILM_VIEW = (0.12, -1.0, 0.28)  # nearly from the side, a little from above
@@ -83,7 +85,7 @@ def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
     if not index.is_file():
         return []
     entries = ElementTree.parse(index).getroot().iter("DataSet")
-    pairs = [(float(e.get("timestep", "nan")), folder / e.get("file", "")) for e in entries]
+    pairs = [(float(e.get("timestep", "nan")), part_of(folder, e.get("file", ""))) for e in entries]
     return [(time_s, file) for time_s, file in pairs if file.is_file()]
 
 

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError, show_value
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.file.layers import find_changes, read_toml
 from orchestrator.case.provenance import read_provenance
-from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.output.results.tidy import OF_THE_WIDTH, Result, RunResults, doubtful, read_results
 
 SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "no interval"

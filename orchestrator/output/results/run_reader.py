@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import re
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import h5py
 import numpy as np
 import numpy.typing as npt
 
 from orchestrator.case.deck.line import DeckLine, deck_line
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import axes
+from orchestrator.case.file.folder import UnreadableFile, open_hdf5, read_json
 from orchestrator.case.file.slice import share
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.tables.case import Case
@@ -53,12 +52,9 @@ class RunReader:
     def summary(self) -> dict[str, Any]:
         """The table of ``summary.json``."""
         file = self.folder / SUMMARY
-        try:
-            table: Any = json.loads(file.read_text(encoding="utf-8"))
-        except RecursionError:
-            table = None
+        table: Any = read_json(file)
         if not isinstance(table, dict):
-            raise ValueError(f"{file}: holds no table")
+            raise UnreadableFile(f"{file}: holds no table")
         check_format(file, table.get("format_version"), SUMMARY_FORMAT)
         return table
 
@@ -76,7 +72,7 @@ class RunReader:
     def history(self) -> Any:
         """The open file of time series."""
         file = self.folder / HISTORY
-        history = h5py.File(file)
+        history = open_hdf5(file)
         try:
             check_format(file, history.attrs.get("format_version"), HISTORY_FORMAT)
         except BaseException:

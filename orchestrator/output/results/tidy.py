@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.quantities import unit_along
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable
+from orchestrator.output.records.run_folder import SUMMARY
 from orchestrator.output.results.events import BATCH
 from orchestrator.output.results.run_reader import RunReader
 
@@ -190,7 +191,7 @@ def _read(folder: Path) -> RunResults:
         raise FolderUnusable(f"{folder}: no such folder")
     if not (folder / SUMMARY).is_file():
         raise FolderUnusable(f"{folder}: is no run that has ended: it has no {SUMMARY}")
-    summary = RunReader(folder).summary
+    summary = RunReader(admit(folder)).summary
     status = str(summary.get("status", "unknown"))
     results, tables = tidy_results(summary), summary.get("results") or {}
     if results.keys() <= OF_THE_WIDTH:

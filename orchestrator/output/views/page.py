@@ -12,9 +12,11 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.file.folder import admit
 from orchestrator.case.tables.case import Case
 from orchestrator.output.drawing import data_uri, draw_svg, embed, fill_template
 from orchestrator.output.records.run_folder import write_text
+from orchestrator.output.subprocesses import end_with_parent
 from orchestrator.output.views.drawings import SIDE, TOP, draw_view
 from orchestrator.output.views.modes import modes_svg
 from orchestrator.output.views.openings import draw_openings
@@ -62,9 +64,9 @@ class Views:
     def write(self, folder: Path, findings: CheckFindings) -> list[Path]:
         """Write all views into a folder, which is made if needed, and return the files.
 
-        Raises OSError if a file cannot be written.
+        Raises FolderUnusable for a foreign folder, and OSError if a file cannot be written.
         """
-        folder.mkdir(parents=True, exist_ok=True)
+        admit(folder).mkdir(parents=True, exist_ok=True)
         written: list[Path] = []
         drawings: dict[str, str] = {}
         with made_apart(self.machine) as model:
@@ -107,7 +109,7 @@ def made_apart(machine: MachineOutline) -> Iterator[Callable[[], str]]:
     LIGGGHTS brings another VTK, which cannot share a process with this one.  The function returns "" if the
     process crashed.
     """
-    with ProcessPoolExecutor(1, get_context("spawn")) as apart:
+    with ProcessPoolExecutor(1, get_context("spawn"), end_with_parent) as apart:
         made = apart.submit(_model_page, machine)
 
         def model() -> str:

@@ -8,7 +8,6 @@ study's machine, under its present load.
 
 from __future__ import annotations
 
-import json
 import math
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,6 +21,7 @@ from scipy.optimize import brentq
 from orchestrator.case import solvers
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.folder import read_json
 from orchestrator.case.file.layers import find_changes
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, full_width_m
 from orchestrator.case.tables.case import Case, has_particles
@@ -212,9 +212,9 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     usual = (loaded.folder / NAME, Path("runs") / f"{loaded.name}-accuracy" / NAME)
     for file in (given,) if given else filter(Path.is_file, usual):
         try:
-            table = json.loads(file.read_text(encoding="utf-8"))
+            table = read_json(file)
             case, level, version = table["case"], table["level"], table.get("format_version")
-        except (ValueError, KeyError, TypeError, RecursionError):
+        except (ValueError, KeyError, TypeError):
             raise problem(file, "is no study of accuracy") from None
         if version != FORMAT:
             raise problem(file, "another version of flipflow wrote it; make the study again")

@@ -11,10 +11,10 @@ from typing import Annotated, Any
 import typer
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.scalars import scalar
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import FolderUnusable
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
 from orchestrator.output.results.tidy import single_numbers

@@ -12,7 +12,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.ports import Array
 from orchestrator.studies.design import plans
 from orchestrator.studies.design.aim import Aim

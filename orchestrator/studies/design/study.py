@@ -9,8 +9,9 @@ import numpy as np
 from rich.table import Table
 
 from orchestrator.case.file.errors import CaseProblem
+from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.file.layers import read_toml
-from orchestrator.output.records.run_folder import FolderUnusable, study_folder
+from orchestrator.output.records.run_folder import study_folder
 from orchestrator.ports import Array
 from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import SAME, Campaign
@@ -33,7 +34,7 @@ class DesignStudy:
 
     def __init__(self, study: Study, crew: Crew, out: Path | None) -> None:
         self.study = study
-        self.folder = out or Path("runs") / study.name
+        self.folder = admit(out or Path("runs") / study.name)
         self._check_folder()
         self._case = CaseStudy(
             study.path(study.file.case), study.file.level or None, (), self.folder / RUNS, crew

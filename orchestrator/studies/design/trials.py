@@ -6,12 +6,12 @@ study that was ended at any moment goes on with the same trials.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple, Protocol
 
+from orchestrator.case.file.folder import UnreadableFile, read_json
 from orchestrator.output.records.run_folder import write_json
 
 Stage = Literal["centre", "cheap", "plan", "search", "confirm"]
@@ -117,6 +117,10 @@ class Journal:
 
 
 def _trial(file: Path) -> Trial:
-    table = json.loads(file.read_text(encoding="utf-8"))
-    predicted = {name: Prediction(*told) for name, told in table.pop("predicted").items()}
-    return Trial(**table | {"setting": tuple(table["setting"]), "predicted": predicted})
+    """Read a trial.  Raises UnreadableFile."""
+    try:
+        table = read_json(file)
+        predicted = {name: Prediction(*told) for name, told in table.pop("predicted").items()}
+        return Trial(**table | {"setting": tuple(table["setting"]), "predicted": predicted})
+    except (KeyError, TypeError, AttributeError) as error:
+        raise UnreadableFile(f"{file}: is no trial of a study ({error})") from None
