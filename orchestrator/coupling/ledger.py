@@ -108,7 +108,10 @@ class Ledger:
                 terms |= {f"{book}.{member}.{kind}": value for kind, value in entries.items()}
             stored_J, lost_J, supplied_J = (sum(entries.values()) for entries in books.values())
             terms[f"defect.{member}"] = stored_J + lost_J - supplied_J - sum(received[member].values())
-        terms["created.panel-frames"] = received["panel"]["clamps"] + received["frames"]["reaction"]
+        blow_J = self._members.frames.blow_J
+        if self._members.frames.seizes:
+            terms["lost.frames.blow"] = blow_J
+        terms["created.panel-frames"] = received["panel"]["clamps"] + received["frames"]["reaction"] + blow_J
         if "particles" in now:
             terms["created.particles-panel"] = received["particles"]["surface"] + received["panel"]["load"]
         return terms

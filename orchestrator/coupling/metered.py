@@ -118,26 +118,37 @@ class MeteredFrames(FramesWrapper):
     """Frames with a meter.
 
     ``received`` meters the panels' load on the frames; ``last`` has the last load, and the motion to which it
-    led.
+    led.  A drive that moves its frame with a velocity v from t = 0 on ``seizes`` the panels there: it gives
+    each mass m at rest the momentum m v at once, for which it does the work m v^2.  Half of it becomes
+    kinetic energy; the other half is lost, as in a plastic impact, and is ``blow_J``.
     """
 
-    BOOKS = ("received", "_now")
+    BOOKS = ("received", "_now", "blow_J", "_has_seized")
     last: tuple[Load, Motion]
 
-    def __init__(self, frames: Frames, name: str, stopwatch: Stopwatch) -> None:
+    def __init__(
+        self, frames: Frames, name: str, stopwatch: Stopwatch, at_rest_N: Array | None = None
+    ) -> None:
+        """Meter ``frames``; ``at_rest_N`` (points, 3) is the panels' force on them while all is at rest."""
         super().__init__(frames)
-        self._name, self._stopwatch = name, stopwatch
-        self.received = Meter()
+        self._name, self._stopwatch, self._at_rest_N = name, stopwatch, at_rest_N
+        self.received, self.seizes, self.blow_J, self._has_seized = Meter(), False, 0.0, False
 
     def initial(self) -> Motion:
         with solver_failure_context(self._name, None):
             self._now = super().initial()
+        self._seizing_m_per_s = self._now.velocity_m_per_s
+        self.seizes = self._at_rest_N is not None and bool(self._seizing_m_per_s.any())
         return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             motion = super().advance(interval, reaction)
         self.received.add(reaction, self._now, motion, interval.length_s)
+        if self.seizes and not self._has_seized and not np.array_equal(reaction.force_N, self._at_rest_N):
+            impulse_N_s = interval.length_s * (reaction.force_N - self._at_rest_N)
+            self.blow_J = -float(np.vdot(impulse_N_s, self._seizing_m_per_s[: len(impulse_N_s)])) / 2
+            self._has_seized = True
         self.last, self._now = (reaction, motion), motion
         return motion
 
