@@ -19,7 +19,9 @@ from orchestrator.preflight.scene.scene import Scene, scene
 from orchestrator.preflight.stability.bounds import Bound, contact_bounds, frame_bounds, surface_bounds
 from orchestrator.preflight.stability.modes import FrameMatrices, frame_matrices, highest_rad_per_s
 
-PLAIN, STRONGER, AUTO = "particles-first", "robin", "auto"
+AUTO = "auto"
+IN_TURN = ("particles-first", "robin", "aitken")
+"""The schemes that "auto" chooses from, from the cheapest to the dearest."""
 
 BECAUSE = {
     "light points": "{where} knocks a light spot of the panel to and fro between exchanges",
@@ -35,6 +37,7 @@ BECAUSE = {
     "late reaction": "the panels' pull on the frames comes an exchange late and feeds their swing",
     "carried mass": "the panels are too heavy for a frame that carries them",
     "shortest impact": "an impact of {where} should last ten exchanges",
+    "whole impacts": "an impact of {where} must last so many exchanges that this scheme follows it",
     "moving surface": "between exchanges a surface is taken to go straight on, which {where} feels",
     "driven surface": "the smooth path of a driven surface between exchanges must not leave its "
     "true one by what {where} feels",
@@ -84,10 +87,15 @@ class StabilityReport:
         return min(finite, key=lambda bound: bound.interval_s, default=None)
 
     @property
+    def grows_s(self) -> float:
+        """The shortest interval beyond which something grows without end; infinite if nothing does."""
+        return min((b.interval_s / b.sure for b in self.bounds if b.kind == "stability"), default=math.inf)
+
+    @property
     def limit(self) -> str:
         """The safe interval as text, with the name of the bound that sets it."""
         bound = self.stability_bound
-        return f"{self.safe_s:.2g} s ({bound.name})" if bound else "unlimited"
+        return f"{at_most(self.safe_s)} s ({bound.name})" if bound else "unlimited"
 
     @property
     def is_unsafe(self) -> bool:
@@ -107,9 +115,10 @@ class StabilityReport:
         elif self.safe_s == 0:
             yield f"  stable at no interval: {because(stability)}; {remedy(stability)}"
         else:
-            yield f"  sure to be stable up to {self.safe_s:.3g} s: {because(stability)}"
+            yield f"  sure to be stable up to {at_most(self.safe_s, 3)} s: {because(stability)}"
         if accuracy is not None:
-            yield f"  accurate by the usual rules up to {accuracy.interval_s:.3g} s: {because(accuracy)}"
+            accurate = at_most(accuracy.interval_s, 3)
+            yield f"  accurate by the usual rules up to {accurate} s: {because(accuracy)}"
         yield "  (--detail: all limits, and the numbers behind them)"
 
     def detail_lines(self) -> Iterator[str]:
@@ -131,7 +140,7 @@ class StabilityReport:
         if self.safe_s == 0:
             return f"no sync interval is short enough ({self.scheme}, {bound.name})"
         return (
-            f"largest safe sync interval {self.safe_s:.3g} s ({self.scheme}, {bound.name}); "
+            f"largest safe sync interval {at_most(self.safe_s, 3)} s ({self.scheme}, {bound.name}); "
             f"the case takes {self.interval_s:.3g} s, {self.interval_s / self.safe_s:.2g} of it"
         )
 
@@ -145,10 +154,10 @@ class StabilityReport:
                 yield f"{begin}: no interval is short enough: {why}; {remedy(stability)}"
             else:
                 times = self.interval_s / self.safe_s
-                yield f"{begin}: {times:.2g} times what is sure to be stable, {self.safe_s:.2g} s: {why}"
+                yield f"{begin}: {times:.2g} times what is sure to be stable, {at_most(self.safe_s)} s: {why}"
         if accuracy is not None and self.interval_s > accuracy.interval_s:
             limit_s = accuracy.interval_s
-            yield f"{begin}: accurate by the usual rules is at most {limit_s:.2g} s: {because(accuracy)}"
+            yield f"{begin}: accurate by the usual rules is at most {at_most(limit_s)} s: {because(accuracy)}"
 
     def advice(self) -> str:
         """Return a sentence of advice for a run that became unstable."""
@@ -157,7 +166,7 @@ class StabilityReport:
             return "A smaller coupling.sync_interval_s or solver step usually helps."
         if self.safe_s == 0:
             return f"No shorter interval helps: {because(bound)}; {remedy(bound)}."
-        safe = f"coupling.sync_interval_s = {self.safe_s:.2g} s"
+        safe = f"coupling.sync_interval_s = {at_most(self.safe_s)} s"
         return f"At most {safe} is sure to be stable: {because(bound)}."
 
     def as_json(self) -> dict[str, Any]:
@@ -176,6 +185,14 @@ class StabilityReport:
         }
 
 
+def at_most(interval_s: float, digits: int = 2) -> str:
+    """Return an interval as text, rounded down so that what is given as sure is sure."""
+    if not (math.isfinite(interval_s) and interval_s > 0):
+        return f"{interval_s:g}"
+    step = 10.0 ** (math.floor(math.log10(interval_s)) - digits + 1)
+    return f"{math.floor(interval_s / step * (1 + 1e-12)) * step:.{digits}g}"
+
+
 def because(bound: Bound) -> str:
     """Return a clause that explains the bound in a designer's words, or in the theory's if there is none."""
     clause = BECAUSE.get(bound.name)
@@ -190,21 +207,29 @@ def remedy(bound: Bound) -> str:
 def stability_report(case: Case) -> StabilityReport:
     """Return the report of a case without problems.
 
-    If the case leaves its scheme to the program, the report is that of the plain scheme, unless the
-    sync interval is unsafe there and ``robin`` allows a longer one; then the report is for ``robin``.
+    If the case leaves its scheme to the program, the report is that of the first scheme of ``IN_TURN`` for
+    which the sync interval is safe.  If it is safe for none, it is that of the plain scheme or of robin,
+    whichever grows at longer intervals.
     """
+    behind = _Behind.of(case)
     if case.coupling.scheme != AUTO:
-        return _report(case)
-    plain = _report(with_scheme(case, PLAIN))
-    if not plain.is_unsafe:
-        return replace(plain, why=f"the sync interval is within its safe one, {plain.limit}")
-    beyond = f"the sync interval of {plain.interval_s:.3g} s is above {PLAIN}'s {plain.limit}"
-    if not has_particles(case):
-        return replace(plain, why=f"{beyond}, and without particles {STRONGER} is no other")
-    stronger = _report(with_scheme(case, STRONGER))
-    if stronger.safe_s > plain.safe_s:
-        return replace(stronger, why=f"{beyond}; {STRONGER}'s is {stronger.limit}")
-    return replace(plain, why=f"{beyond}, and {STRONGER}'s is no longer: {stronger.limit}")
+        return behind.report(case.coupling.scheme)
+    beyond: list[StabilityReport] = []
+    for name in IN_TURN if has_particles(case) else IN_TURN[:1]:
+        report = behind.report(name)
+        if not report.is_unsafe:
+            return replace(report, why="; ".join([*map(_too_long, beyond), _within(report)]))
+        beyond.append(report)
+    taken = max(beyond[:2], key=lambda report: report.grows_s)
+    return replace(taken, why="; ".join(map(_too_long, beyond)))
+
+
+def _within(report: StabilityReport) -> str:
+    return f"the sync interval is within {report.scheme}'s safe one, {report.limit}"
+
+
+def _too_long(report: StabilityReport) -> str:
+    return f"the sync interval of {report.interval_s:.3g} s is above {report.scheme}'s {report.limit}"
 
 
 def case_with_scheme(case: Case) -> Case:
@@ -218,24 +243,32 @@ def with_scheme(case: Case, name: str) -> Case:
     return case.model_copy(update={"coupling": coupling})
 
 
-def _report(case: Case) -> StabilityReport:
-    """Return the report of a case that names its scheme."""
-    numbers = scene(case)
-    modes_rad_per_s, unknown = highest_rad_per_s(case)
-    frames = frame_matrices(numbers)
-    bounds: list[Bound] = []
-    if has_particles(case):
-        bounds += surface_bounds(numbers)
-        if numbers.panels:
-            bounds += contact_bounds(numbers, modes_rad_per_s, frames)
-    if frames is not None and numbers.panels:
-        bounds += frame_bounds(numbers, frames)
-    return StabilityReport(
-        scheme=case.coupling.scheme,
-        interval_s=case.coupling.sync_interval_s,
-        bounds=tuple(bounds),
-        facts=dict(_facts(numbers, modes_rad_per_s, unknown, frames)),
-    )
+@dataclass(frozen=True)
+class _Behind:
+    """The numbers behind the bounds of a case, whatever its scheme."""
+
+    scene: Scene
+    modes_rad_per_s: Mapping[str, float]
+    unknown: str
+    frames: FrameMatrices | None
+
+    @staticmethod
+    def of(case: Case) -> _Behind:
+        numbers = scene(case)
+        return _Behind(numbers, *highest_rad_per_s(case), frame_matrices(numbers))
+
+    def report(self, scheme: str) -> StabilityReport:
+        """Return the report of the case under a scheme."""
+        numbers = replace(self.scene, case=with_scheme(self.scene.case, scheme))
+        case, frames, bounds = numbers.case, self.frames, list[Bound]()
+        if has_particles(case):
+            bounds += surface_bounds(numbers)
+            if numbers.panels:
+                bounds += contact_bounds(numbers, self.modes_rad_per_s, frames)
+        if frames is not None and numbers.panels:
+            bounds += frame_bounds(numbers, frames)
+        facts = dict(_facts(numbers, self.modes_rad_per_s, self.unknown, frames))
+        return StabilityReport(scheme, case.coupling.sync_interval_s, tuple(bounds), facts)
 
 
 def _facts(
