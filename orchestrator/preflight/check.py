@@ -133,6 +133,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *motion.resonances(shaken),
         *motion.slips_of_magnitude(shaken),
         *motion.normal_strokes(shaken),
+        *motion.exits_in_swing(shaken),
         *motion.missing_damping(case, shaken),
         *motion.sudden_exciters(case),
         *motion.beating_speeds(shaken),
