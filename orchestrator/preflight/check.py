@@ -146,6 +146,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *bed.fines(case, "leave-out"),
         *bed.other_densities(case),
         *bed.narrow_beds(case),
+        *bed.doubtful_run(case),
         *bed.other_adhesion(case),
         *bed.soft_contacts(loaded.described),
         *bed.rounded_counts(case),

@@ -7,6 +7,7 @@ diameters and materials are taken over.  Tangential springs of contacts are not:
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 from contextlib import suppress
@@ -32,6 +33,7 @@ from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.case import Case
 
 CHECKPOINTS, SERIES = "checkpoints", "particles.pvd"
+SUMMARY, TRUSTED = "summary.json", ("done", "incomplete")  # a run that is incomplete lacks results alone
 SAME = 1e-9  # times with a smaller relative difference are one time
 
 
@@ -73,12 +75,32 @@ def carry_bed(case: Case, folder: Path) -> Case:
 def _find_particles(bed: Bed, folder: Path) -> CarriedBed:
     """Return the particles that the table ``[bed]`` names.  Raises UnreadableBed."""
     if bed.from_run is not None:
-        return read_run(_locate(bed.from_run, folder), bed.from_time_s)
+        run = _locate(bed.from_run, folder)
+        found = read_run(run, bed.from_time_s)
+        status, doubt = _status(run)
+        if status == "failed" and bed.from_time_s is None:
+            raise UnreadableBed(f"{doubt}; bed.from_time_s takes a state from before it failed")
+        return replace(found, doubt=doubt)
     assert bed.table is not None
     if bed.from_time_s is not None:
         raise UnreadableBed("a table has no times: bed.from_time_s belongs to bed.from_run")
     path = _locate(bed.table, folder)
     return saved_bed.read(path) if path.suffix == ".h5" else read_table(path)
+
+
+def _status(run: Path) -> tuple[str, str]:
+    """Return how a run ended, by its summary, and in words what that says against its particles."""
+    try:
+        summary = json.loads((run / SUMMARY).read_text(encoding="utf-8"))
+        status, reasons = str(summary["status"]), [summary["reason"], *summary["doubts"]]
+    except FileNotFoundError:
+        status, reasons = "not at its end", []
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        status, reasons = "without a readable summary", []
+    if status in TRUSTED:
+        return status, ""
+    why = next((str(reason).rstrip(".") for reason in reasons if reason), "")
+    return status, f"the run {run} is {status}{f': {why}' if why else ''}"
 
 
 def _locate(name: str, folder: Path) -> Path:

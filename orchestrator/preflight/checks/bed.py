@@ -253,6 +253,12 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
         yield CaseProblem(("materials", name), what, hint)
 
 
+def doubtful_run(case: Case) -> Iterator[str]:
+    """Yield a warning if the bed is taken from a run that cannot be trusted."""
+    if case.bed.carried is not None and case.bed.carried.doubt:
+        yield f"bed.from_run: {case.bed.carried.doubt}; its bed is taken as it is"
+
+
 def other_adhesion(case: Case) -> Iterator[str]:
     """Yield a warning for each pair whose pull-off force in the run is far from what the case asks for."""
     for pair in pull_offs(case):
