@@ -7,7 +7,6 @@ diameters and materials are taken over.  Tangential springs of contacts are not:
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from contextlib import suppress
@@ -24,7 +23,7 @@ from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.saved_bed import BED, UnreadableBed
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
-from orchestrator.case.file.folder import FolderUnusable, admit, part_of
+from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, part_of, read_json
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.file.slice import bounds_m, cut_to_slice
 from orchestrator.case.solver_plans import material_numbers
@@ -91,11 +90,11 @@ def _find_particles(bed: Bed, folder: Path) -> CarriedBed:
 def _status(run: Path) -> tuple[str, str]:
     """Return how a run ended, by its summary, and in words what that says against its particles."""
     try:
-        summary = json.loads((run / SUMMARY).read_text(encoding="utf-8"))
+        summary = read_json(run / SUMMARY)
         status, reasons = str(summary["status"]), [summary["reason"], *summary["doubts"]]
     except FileNotFoundError:
         status, reasons = "not at its end", []
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (OSError, UnreadableFile, ValueError, KeyError, TypeError):
         status, reasons = "without a readable summary", []
     if status in TRUSTED:
         return status, ""
