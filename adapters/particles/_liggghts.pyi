@@ -65,7 +65,9 @@ class Engine:
         """Repeat the surface after a period along y; ``joined_triangles`` (m, 3) are the triangles
         with one number for points that are one period apart and the same place."""
 
-    def set_exits(self, *, center_m: Array, axes: Array, half_m: Array, domain_m: Array) -> None:
+    def set_exits(
+        self, *, center_m: Array, axes: Array, half_m: Array, domain_m: Array, below_deck: Ints, deck: Ints
+    ) -> None:
         """Set the boxes (n, 3), (n, 3, 3), (n, 3) that take particles out, and the domain (2, 3)."""
 
     def tally(self) -> Indices:

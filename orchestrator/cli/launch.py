@@ -27,6 +27,7 @@ from orchestrator.case import provenance
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, open_hdf5
 from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, TextConsole, find_all_problems
+from orchestrator.cli.overview import adhesion_lines
 from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint, OtherCheckpoint
@@ -261,7 +262,7 @@ def _execute(
             if first and checkpoint is None:
                 run_folder.remove_folder(folder)
             return _report_refusal(world, error)
-        for line in stability.detail_lines():
+        for line in (*adhesion_lines(loaded.case), *stability.detail_lines()):
             LOG.info(line)
         for line in lines:
             LOG.warning(line)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from orchestrator.case.bed.adhesion import adhesion_law, pull_offs
 from orchestrator.case.bed.contact_times import shortest_rayleigh_s
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
@@ -141,6 +142,7 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
     yield f"  particles  {particles_at_start(case)} at the start{feeds} ({case.particles.solver})"
     for line in fines(case, "next-class"):
         yield f"  sizes      {line}"
+    yield from adhesion_lines(case)
     if (carried := case.bed.carried) is not None:
         at = "" if math.isnan(carried.time_s) else f", at t = {carried.time_s:g} s"
         yield f"  bed        from {carried.source}{at}"
@@ -148,6 +150,12 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
         f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
         "smallest particle's Rayleigh time"
     )
+
+
+def adhesion_lines(case: Case) -> Iterator[str]:
+    """Yield a line about the pull-off force of each pair of materials that stick."""
+    for pair in pull_offs(case):
+        yield f"  adhesion   {pair.in_words} ({adhesion_law(case)})"
 
 
 def _cost(case: Case, at_start: int) -> Iterator[str]:

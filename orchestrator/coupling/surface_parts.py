@@ -234,6 +234,7 @@ class OpenSurface:
             np.concatenate(
                 [NO_POINTS, *(np.full(len(part.triangles), number[part.material]) for part in touched)]
             ),
+            self.panel_of_triangle(),
         )
 
     def panel_of_triangle(self) -> Indices:

@@ -160,11 +160,15 @@ class TriangleSurface:
         (m, 3) numbers of points.
     material
         (m,) the index of each triangle's material.
+    panel
+        (m,) the number of each triangle's panel, -1 for walls; None without panels.  The normals of a panel's
+        triangles point to its upper side.
     """
 
     position_m: Array
     triangles: Indices
     material: Indices
+    panel: Indices | None = None
 
 
 @dataclass(frozen=True)

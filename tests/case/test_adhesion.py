@@ -8,16 +8,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion, sticky_contacts
+from orchestrator.case.bed.adhesion import (
+    PullOff,
+    adhesive_step_s,
+    planned_adhesion,
+    pull_offs,
+    sticky_contacts,
+)
 from orchestrator.case.bed.contact_times import contact_moduli, reduced_modulus_Pa, shortest_rayleigh_s
 from orchestrator.case.bed.size_distribution import median_diameter_m, size_class
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.solver_plans import material_numbers, particle_step_s
 from orchestrator.case.tables.case import Case
+from orchestrator.cli.overview import overview
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports.plans import Jkr, Sjkr
+from orchestrator.preflight.check import warnings
+from orchestrator.preflight.effects.adhesion import EFFECT
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import find_left_out
+from orchestrator.preflight.scene.scene import scene
 from tests.cases import BLOCK, CASE, case_folder, complaints, load_case, loaded, only_complaint
 
 WET = ("contacts.0.work_of_adhesion_J_per_m2=0.1", "contacts.1.work_of_adhesion_J_per_m2=0.2")
@@ -71,6 +81,49 @@ def test_softening(tmp_path: Path, rule: str) -> None:
             assert kept == pytest.approx(before.work_J_per_m2**5 / before.reduced_Pa**2)
         else:
             assert after.pull_off_N == pytest.approx(before.pull_off_N)
+
+
+SOFT = ("materials.coal.youngs_modulus_Pa=5e7", "particles.largest_youngs_modulus_Pa=1e6")
+
+
+def test_a_case_by_bond_number_or_moisture_keeps_the_pull_off_force(tmp_path: Path) -> None:
+    """Bond 3 of two grains of 20 mm is 3 weights in contacts of 5e7 and of 1e6 Pa.  In J/m2, or where the
+    case says so, the sticking speed is kept: 3 (1/50)^0.4 = 0.627 weights, which is warned of."""
+    pair = "contacts.1.bond_number=3"
+    (kept,) = pull_offs(case(tmp_path, pair, *SOFT))
+    assert (kept.asked, kept.run) == pytest.approx((3.0, 3.0))
+    assert loaded(tmp_path, [pair, *SOFT]).case.particles.softened_adhesion == "pull-off"
+    work_J_per_m2 = case(tmp_path, pair).contacts[1].work_of_adhesion_J_per_m2
+    by_work = f"contacts.1.work_of_adhesion_J_per_m2={work_J_per_m2!r}"
+    for given in ((by_work,), (pair, "particles.softened_adhesion=sticking")):
+        (found,) = pull_offs(case(tmp_path, *given, *SOFT))
+        assert found.asked == pytest.approx(3.0)
+        assert found.run == pytest.approx(3.0 * 0.02**0.4)
+        (said,) = [line for line in warnings(loaded(tmp_path, [*given, *SOFT])) if "pull-off force" in line]
+        assert "0.627 weights of a grain of 20 mm, 3 asked for" in said
+        assert any(found.in_words in line for line in overview(loaded(tmp_path, [*given, *SOFT])))
+        verdict = EFFECT.judge(scene(case(tmp_path, *given, *SOFT)))
+        assert "the pull-off force is 0.627 weights" in verdict.why
+    assert not [line for line in warnings(loaded(tmp_path, [pair, *SOFT])) if "pull-off force" in line]
+
+
+def test_a_pull_off_force_counts_for_real_grains_and_by_the_law_of_the_run(tmp_path: Path) -> None:
+    """A block of 4 to 16 mm: sjkr pulls right at the geometric mean, and half as strong at 4 mm."""
+    block = (
+        'bed.blocks.coal={material="coal", box_m=[[0.05, 0.05, 0.05], [0.25, 0.15, 0.3]], count=40, sizes='
+    )
+    block += "[{smallest_m=0.004, largest_m=0.016, mass_fraction=1.0}]}"
+    text = CASE[: CASE.index("[bed.particles.ball]")] + CASE[CASE.index("[probes.middle]") :]
+
+    def found(*overrides: str) -> PullOff:
+        bond = ("contacts.1.bond_number=3", "contacts.1.bond_diameter_m=0.004")
+        (pair,) = pull_offs(load_case(tmp_path, text, (block, *bond, *overrides)).case)
+        return pair
+
+    for real in (found(), found("particles.coarse_graining=1.5")):
+        assert (real.diameter_m, real.asked, real.run) == pytest.approx((0.004, 3.0, 3.0))
+    cheap = found('particles.adhesion="sjkr"')
+    assert (cheap.asked, cheap.run) == pytest.approx((3.0, 1.5))
 
 
 def test_sjkr_pulls_as_jkr_at_its_diameter(tmp_path: Path) -> None:

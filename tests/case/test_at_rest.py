@@ -49,6 +49,14 @@ def ball_at(height_m: float) -> str:
     return f"bed.particles.ball.position_m=[0.135, 0.1, {height_m}]"
 
 
+def test_a_slack_panel_in_an_exit_is_refused(tmp_path: Path) -> None:
+    exit_ = 'screen.exits.under={product="undersize", box_m=[[-0.5, -0.5, -0.5], [0.5, 0.5, TOP]]}'
+    found = said(tmp_path, [*SLACK, exit_.replace("TOP", "-0.03")])
+    assert len(found) == 1
+    assert "screen.exits.under.box_m: panel deck as it hangs at rest reaches into it" in found[0]
+    assert said(tmp_path, [*SLACK, exit_.replace("TOP", "-0.07")]) == []
+
+
 def test_a_ball_inside_a_slack_panel_is_refused(tmp_path: Path) -> None:
     """It used to leave at 10 m/s.  In the middle the panel is 59 mm below its clamps."""
     found = said(tmp_path, [*SLACK, *BALL, ball_at(-0.06)])

@@ -243,6 +243,38 @@ def test_the_nearest_state_of_a_run_is_taken(tmp_path: Path, wanted: float | Non
     np.testing.assert_array_equal(particles.spin_rad_per_s, [[1.0, 2.0, 3.0]])
 
 
+@pytest.mark.parametrize(
+    ("status", "reason", "doubts", "said"),
+    [
+        ("done", "", [], ""),
+        (
+            "doubtful",
+            "",
+            ["The coupling created 7 % of the energy."],
+            "is doubtful: The coupling created 7 %",
+        ),
+        ("interrupted", "stopped", [], "is interrupted: stopped"),
+        ("failed", "a panel blew up", [], "is failed: a panel blew up"),
+        (None, "", [], "is not at its end"),
+    ],
+)
+def test_a_bed_of_a_run_that_cannot_be_trusted_is_told_by_its_name(
+    tmp_path: Path, status: str | None, reason: str, doubts: list[str], said: str
+) -> None:
+    """That of a failed run is refused unless a moment is asked for."""
+    run = saved_run(tmp_path)
+    if status:
+        summary = {"status": status, "reason": reason, "doubts": doubts}
+        (run / "summary.json").write_text(json.dumps(summary))
+    source = [f"bed.from_run={run}"]
+    if status == "failed":
+        (refused,) = complaints(tmp_path, *source)
+        assert f"the run {run} {said}; bed.from_time_s takes a state from before it failed" in refused
+        source.append("bed.from_time_s=0.1")
+    found = [line for line in warnings(loaded(tmp_path, source)) if "bed.from_run" in line]
+    assert [f"the run {run} {said}" in line for line in found] == ([True] if said else [])
+
+
 def test_runs_with_and_without_an_effect_are_remembered_for_one_state_of_a_run(tmp_path: Path) -> None:
     """A run that has been continued is another origin of the bed."""
     run = saved_run(tmp_path)

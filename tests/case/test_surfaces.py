@@ -13,7 +13,7 @@ from meshes.side_walls import side_walls
 from orchestrator.case.deck.panels import walls
 from orchestrator.case.deck.stl import Facets, UnreadableStl, read
 from orchestrator.preflight.checks.surfaces import faults
-from tests.cases import complaints, loaded
+from tests.cases import complaints, loaded, only_complaint
 
 CASES = Path(__file__).parents[2] / "cases"
 CUBE_M = np.array([(x, y, z) for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (0.0, 0.1)])
@@ -159,3 +159,14 @@ def test_the_quickstarts_walls_are_those_of_the_generator(tmp_path: Path) -> Non
     meshio.stl.write(tmp_path / "walls.stl", mesh)
     stored = CASES / "quickstart" / "walls.stl"
     assert (tmp_path / "walls.stl").read_text() == stored.read_text()
+
+
+def test_a_particle_inside_a_closed_body_is_refused(tmp_path: Path) -> None:
+    """Also one that touches none of its faces; beside the body, and in one that is open, nothing is said."""
+    write(tmp_path)
+    trapped = "bed.particles.ball.position_m=[0.05, 0.05, 0.05]"
+    said = only_complaint(tmp_path, WALL, trapped)
+    assert '"ball" at [0.05, 0.05, 0.05] is inside surface wall, a closed body' in said
+    assert not complaints(tmp_path, WALL, "bed.particles.ball.position_m=[0.15, 0.05, 0.05]")
+    write(tmp_path, triangles=OUTWARD[2:])
+    assert not complaints(tmp_path, WALL, trapped)

@@ -267,6 +267,14 @@ def test_periodic_sides_are_closed(tmp_path: Path) -> None:
     assert len(said(tmp_path, gap, WALLS)) == 2
 
 
+def test_an_exit_that_a_panel_swings_into_is_said(tmp_path: Path) -> None:
+    """Mounted without tension, the panels sag by 2/pi sqrt(L stroke), some 30 mm."""
+    box = "screen.exits.below.box_m=[[-0.5, -0.5, -0.6], [1.05, 0.9, {}]]"
+    assert said(tmp_path, box.format(-0.08)) == []
+    (found,) = said(tmp_path, box.format(-0.005))
+    assert 'and 2 more swings into exit "below", by up to ' in found
+
+
 @pytest.mark.parametrize(("low_m", "reaches"), [(-0.5, True), (0.25, True), (0.26, False), (0.3, False)])
 def test_an_exit_beside_periodic_sides_is_said(tmp_path: Path, low_m: float, reaches: bool) -> None:
     """Nothing could leave there, and the flights, which know no sides, end in it."""

@@ -76,9 +76,11 @@ def test_branches_are_as_stiff_as_the_sheet_they_damp():
     from dolfinx import fem
 
     from adapters.panel.common.grid import ElementGrid
+    from adapters.panel.finite_element.branch_strain import sheet_entries
     from adapters.panel.finite_element.compiled import expression, function_space
     from adapters.panel.finite_element.perforation import perforate
-    from adapters.panel.finite_element.sheet_forms import flat_mesh, scaled_strain
+    from adapters.panel.finite_element.sheet_forms import flat_mesh, membrane_shares, scaled_strain
+    from adapters.panel.finite_element.structure import cell_constants
     from adapters.panel.finite_element.unit_cell import SOLID
 
     given = small(ALONG)
@@ -88,7 +90,13 @@ def test_branches_are_as_stiff_as_the_sheet_they_damp():
     position = fem.Function(space)
     gradient = ufl.grad(position)
     C = ufl.transpose(gradient) * gradient
-    strain = expression(scaled_strain(holes.strain_field(21e3), C), np.array([[0.5, 0.5]]))
+    entries = cell_constants(flat, 5)
+    solid, rest = membrane_shares(given, flat, holes)
+    stiffness_N_per_m = given.material.youngs_modulus_Pa * given.thickness_m
+    c10_N_per_m, c01_N_per_m = (c * given.thickness_m for c in (given.material.c10_Pa, given.material.c01_Pa))
+    unstrained = np.zeros((len(solid), 3))
+    entries.x.array[:] = sheet_entries(c10_N_per_m, c01_N_per_m, solid, rest, unstrained).ravel()
+    strain = expression(scaled_strain(entries, C), np.array([[0.5, 0.5]]))
     material_m = space.tabulate_dof_coordinates()
     cells = np.arange(len(holes.share.x.array), dtype=np.int32)
     for e in ([1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3], [1e-3, -5e-4, 2e-4]):
@@ -96,7 +104,7 @@ def test_branches_are_as_stiff_as_the_sheet_they_damp():
         position.x.array.reshape(-1, 3)[:, :2] = material_m[:, :2] @ F.T
         green = (F.T @ F - np.eye(2)) / 2
         voigt = np.array([green[0, 0], green[1, 1], 2 * green[0, 1]])
-        solid, soft = (21e3 * voigt @ A @ voigt / 2 for A in (SOLID, holes.cell.membrane))
+        solid, soft = (stiffness_N_per_m * voigt @ A @ voigt / 2 for A in (SOLID, holes.cell.membrane))
         wanted = solid + holes.share.x.array * (soft - solid)
         found = (strain.eval(cells) ** 2).sum(axis=1) / 2
         assert found == pytest.approx(wanted, rel=1e-10)

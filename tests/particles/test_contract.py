@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -279,6 +279,28 @@ def test_exits_take_out_who_is_inside(build: Build) -> None:
     np.testing.assert_allclose(after.outside_impulse_N_s, [-4.0 * MASS_KG, 0, 0], rtol=1e-12)
     assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * MASS_KG)
     assert len(run.solver.removed().id) == 0
+
+
+def test_an_exit_takes_only_who_is_below_the_deck_that_reaches_into_it(build: Build) -> None:
+    """A plate with an opening of 20 mm in the middle of an exit of the undersize: who hovers over the plate
+    or over its opening stays, who is below the plate, in its opening or beside its edge is taken.  All are
+    taken around a wall, and by an exit of the oversize."""
+    whole = plate(0.05, 5)
+    middle = np.abs(whole.position_m[whole.triangles].mean(axis=1)[:, :2]).max(axis=1) < 0.01
+    places_m = [[0.03, 0, 0.006], [0, 0, 0.004], [0.03, 0, -0.006], [0, 0, -0.001], [0.08, 0, -0.02]]
+    everybody = [1, 2, 3, 4, 5]
+    for panel, product, gone in (
+        (0, "undersize", everybody[2:]),
+        (-1, "undersize", everybody),
+        (0, "oversize", everybody),
+    ):
+        triangles = whole.triangles[~middle]
+        panels = np.full(len(triangles), panel)
+        surface = replace(whole, triangles=triangles, material=whole.material[~middle], panel=panels)
+        exits = (replace(exit_box([0, 0, 0], [0.09, 0.09, 0.03]), product=product),)
+        run = build(plan(surface, particles(places_m), exits=exits, gravity_m_per_s2=WEIGHTLESS))
+        run.advance(2)
+        np.testing.assert_array_equal(np.sort(run.solver.removed().id), gone)
 
 
 def test_an_exit_is_turned_with_the_deck(build: Build) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -133,8 +134,39 @@ def shaken(
         position = np.array([[0.1, 0.05, 0.0], [0.2 + drift_m * time, 0.021, 0.0]])
         position[:, 2] = height_m
         seen = locate(deck, line + moved, rise, position + moved)
-        found = held.at(float(time), snapshot(position + moved, np.full(2, 0.004)), seen)
+        velocity = np.tile(rise[0], (2, 1))
+        found = held.at(float(time), snapshot(position + moved, np.full(2, 0.004), velocity), seen)
     return found
+
+
+@pytest.mark.parametrize("throw", [1.3, 1.6, 2.5])
+def test_a_loose_grain_that_hops_low_is_no_sticker(throw: float) -> None:
+    """On a panel that shakes harmonically, a grain of 40 mm is thrown anew in each cycle and flies as a stone
+    does.  It never rises by a quarter of its diameter, and one that is held stays where it is."""
+    g, speed, diameter_m = 9.80665, 2 * np.pi / CYCLE_S, 0.04
+    amplitude_m = throw * g / speed**2
+    deck, line = deck_of(straight(0.0))
+    held = RetainedParticles(CYCLE_S, ACROSS, np.empty((0, 2)))
+    step_s, found, highest_m = CYCLE_S / 4000, {}, 0.0
+    place_m, rate_m_per_s = 0.0, amplitude_m * speed
+    for step in range(int((HELD_CYCLES + 2) * 4000)):
+        time = step * step_s
+        panel_m = amplitude_m * np.sin(speed * time)
+        panel_m_per_s = amplitude_m * speed * np.cos(speed * time)
+        rate_m_per_s -= g * step_s
+        place_m += rate_m_per_s * step_s
+        if place_m <= panel_m:  # it lands without a bounce
+            place_m, rate_m_per_s = panel_m, max(rate_m_per_s, panel_m_per_s)
+        highest_m = max(highest_m, place_m - panel_m)
+        if step % 330 == 0:  # twelve outputs in each cycle, at ever other phases
+            rise = np.tile([0.0, 0.0, panel_m_per_s], (len(line), 1))
+            moved = line + np.array([0.0, 0.0, panel_m])
+            heights = [[0.1, 0.05, place_m + diameter_m / 2], [0.3, 0.05, panel_m + diameter_m / 2]]
+            velocity = np.array([[0.0, 0.0, rate_m_per_s], [0.0, 0.0, panel_m_per_s]])
+            grains = snapshot(np.array(heights), np.full(2, diameter_m), velocity)
+            found = held.at(time, grains, locate(deck, moved, rise, grains.position_m))
+    assert 0.0 < highest_m < diameter_m / 4
+    assert found["stickers"] == 1.0
 
 
 def test_what_stays_on_a_shaking_panel_is_stuck() -> None:
@@ -166,7 +198,7 @@ def test_ids_that_come_and_go() -> None:
     rise = np.tile([0.0, 0.0, 1.0], (len(line), 1))
     parts = {0.0: [], 0.1: [0, 1], 0.3: [0, 1, 2], 0.6: [0, 2]}
     for time, rows in parts.items():
-        particles = every.part(rows)
+        particles = replace(every.part(rows), velocity_m_per_s=np.tile([0.0, 0.0, 1.0], (len(rows), 1)))
         seen = locate(deck, line, rise, particles.position_m)
         found = held.at(time, particles, seen)
     assert found["stickers"] == 1.0  # the first, since 0.1 s; the third came too late

@@ -15,8 +15,9 @@ from scipy.sparse import csr_matrix
 from adapters.panel.common.compiled_body import CompiledBody, kernel
 from adapters.panel.common.compiled_panel import CompiledPanel
 from adapters.panel.common.grid import ElementGrid
+from adapters.panel.finite_element.branch_strain import SHEET_ENTRIES
 from adapters.panel.finite_element.elastic_panel import ElasticPanel
-from adapters.panel.finite_element.sheet_forms import openings, strain_entries
+from adapters.panel.finite_element.sheet_forms import membrane_shares, openings
 from adapters.panel.finite_element.structure import Structure
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.clock import Interval
@@ -51,6 +52,7 @@ class CompiledSheet(CompiledBody):
         vectors = (3, all_places)
         self._flat_m = bending.flat_m[nodes]
         mass_kg = structure.mass_kg[nodes]
+        structure.rest(resting_m)
         constants = {
             **_cells(plan, structure, grid),
             **_entries(bending.matrix[nodes][:, nodes]),
@@ -114,26 +116,19 @@ def open_sheet(
 def _cells(plan: PanelPlan, structure: Structure, grid: ElementGrid) -> dict[str, Any]:
     """Return the membrane's law on each cell of ``grid``, y running fastest."""
     flat = structure.space.mesh
-    count = grid.shape[0] * grid.shape[1]
-    strain = np.tile(strain_entries(plan.material, plan.thickness_m), (count, 1))
-    solid, rest = np.ones(count), np.empty((0, 6))
     holes = openings(plan, flat)
-    if holes:
-        stiffness_N_per_m = plan.material.youngs_modulus_Pa * plan.thickness_m
-        cells = _cell_numbers(grid, holes.share.function_space.tabulate_dof_coordinates())
-        share = holes.share.x.array[cells]
-        factor, stiffer = holes.split(stiffness_N_per_m)
-        solid = 1.0 - (1.0 - factor) * share
-        rest = np.outer(share, stiffer[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])
-        strain = holes.strain_entries(stiffness_N_per_m)[cells]
+    solid, rest = membrane_shares(plan, flat, holes)
+    corners = flat.geometry.dofmap.array.reshape(len(solid), -1)
+    cells = _cell_numbers(grid, flat.geometry.x[corners].mean(axis=1))
+    strain = structure.viscous.entries if structure.viscous else np.tile(SHEET_ENTRIES, (len(solid), 1))
     return {
         "along_m": np.diff(grid.s_m),
         "across_m": np.diff(grid.y_m),
         "c10_N_per_m": plan.material.c10_Pa * plan.thickness_m,
         "c01_N_per_m": plan.material.c01_Pa * plan.thickness_m,
-        "solid": solid,
-        "rest": rest,
-        "strain_entries": strain,
+        "solid": solid[cells],
+        "rest": np.ascontiguousarray(rest[cells if holes else []][:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]),
+        "strain_entries": strain[cells],
     }
 
 

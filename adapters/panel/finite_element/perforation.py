@@ -58,21 +58,6 @@ class Perforated:
         factor = float(eigh(self.cell.membrane, SOLID, eigvals_only=True)[0])
         return factor, stiffness_N_per_m * (self.cell.membrane - factor * SOLID)
 
-    def strain_entries(self, stiffness_N_per_m: float) -> Array:
-        """Return the entries (cells, 5) of the ``sheet_forms.scaled_strain`` whose half square is the
-        small-strain energy per area."""
-        shares = self.share.x.array
-        return np.array([_root(stiffness_N_per_m * self._membrane(share)) for share in shares])
-
-    def strain_field(self, stiffness_N_per_m: float) -> Any:
-        """Return ``strain_entries`` as a field, constant in each cell."""
-        table = self.strain_entries(stiffness_N_per_m)
-        flat = self.share.function_space.mesh
-        element = ufl.VectorElement("DG", flat.ufl_cell(), 0, dim=table.shape[1])
-        field = fem.Function(function_space(flat, element))
-        field.x.array[:] = table.ravel()
-        return field
-
     def moment(self, plate_N_m: float) -> Callable[[Any], Any]:
         """Return the bending moment of a curvature (2 x 2), for E t^3 / 12 = ``plate_N_m``."""
         flat = self.share.function_space.mesh
@@ -84,9 +69,6 @@ class Perforated:
             return ufl.as_matrix([[m[0], m[2]], [m[2], m[1]]])
 
         return moment
-
-    def _membrane(self, share: float) -> Array:
-        return np.asarray((1.0 - share) * SOLID + share * self.cell.membrane)
 
 
 def perforate(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perforated:
@@ -100,9 +82,3 @@ def perforate(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perfora
     inside = np.clip(np.minimum(high, region[1]) - np.maximum(low, region[0]), 0.0, None)
     share.x.array[:] = (1.0 - apertures.margin_share) * (inside / (high - low)).prod(axis=1)
     return Perforated(cell_stiffness(apertures, plan.thickness_m), apertures.solid_share, share)
-
-
-def _root(stiffness: Array) -> Array:
-    """Return the entries of an upper root R with R^T R = ``stiffness``: R11, R12, R21 = 0, R22, R33."""
-    upper = np.linalg.cholesky(stiffness).T
-    return np.array([upper[0, 0], upper[0, 1], 0.0, upper[1, 1], upper[2, 2]])

@@ -16,8 +16,9 @@ from mpi4py import MPI
 
 from adapters.panel.common.grid import ElementGrid
 from adapters.panel.finite_element.bending import Bending, plate, stiffness_matrix
+from adapters.panel.finite_element.branch_strain import SHEET_ENTRIES, sheet_entries
 from adapters.panel.finite_element.compiled import function_space
-from adapters.panel.finite_element.structure import Law, Structure
+from adapters.panel.finite_element.structure import Law, Structure, cell_constants
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
@@ -44,14 +45,6 @@ def _membrane_energy(material: HyperelasticPlan, thickness_m: float, C: Any) -> 
     """Return the energy per area in J/m2 for the right Cauchy-Green tensor C (2 x 2) of the mid-surface."""
     trace, det = ufl.tr(C), ufl.det(C)
     return thickness_m * (material.c10_Pa * (trace + 1 / det - 3) + material.c01_Pa * (det + trace / det - 3))
-
-
-def strain_entries(material: HyperelasticPlan, thickness_m: float) -> tuple[float, ...]:
-    """Return the entries of ``scaled_strain`` with which half its square is the small-strain plane-stress
-    energy  mu t (E:E + (tr E)^2)."""
-    root = (2.0 * material.shear_modulus_Pa * thickness_m) ** 0.5
-    isochoric = root * 0.5**0.5
-    return (root * 1.5**0.5, root * 1.5**0.5, isochoric, -isochoric, isochoric)
 
 
 def scaled_strain(entries: Any, C: Any) -> Any:
@@ -121,18 +114,33 @@ def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
     C = ufl.transpose(gradient) * gradient
     measure = ufl.dx(metadata={"quadrature_degree": QUADRATURE_DEGREE})
     energy = _membrane_energy(plan.material, plan.thickness_m, C)
-    entries: Any = strain_entries(plan.material, plan.thickness_m)
     if holes:
-        stiffness_N_per_m = plan.material.youngs_modulus_Pa * plan.thickness_m
-        energy = holes.membrane_energy(energy, stiffness_N_per_m, C)
-        entries = holes.strain_field(stiffness_N_per_m)
+        energy = holes.membrane_energy(energy, plan.material.youngs_modulus_Pa * plan.thickness_m, C)
+    flat = position.function_space.mesh
+    entries = cell_constants(flat, len(SHEET_ENTRIES))
+    c10_N_per_m, c01_N_per_m = (c * plan.thickness_m for c in (plan.material.c10_Pa, plan.material.c01_Pa))
+    solid, rest = membrane_shares(plan, flat, holes)
     return Law(
         position,
         {"membrane": energy * measure},
         scaled_strain(entries, C),
+        entries,
+        SHEET_ENTRIES,
+        lambda strain: sheet_entries(c10_N_per_m, c01_N_per_m, solid, rest, strain),
         QUADRATURE_DEGREE,
         plan.material.branches,
     )
+
+
+def membrane_shares(plan: PanelPlan, flat: Any, holes: Perforated | None) -> tuple[Array, Array]:
+    """Return the share (cells,) of the solid law in each cell of the mesh ``flat``, and the stiffness
+    (cells, 3, 3) on top of it, in N/m."""
+    if holes is None:
+        cells = flat.topology.index_map(flat.topology.dim).size_local
+        return np.ones(cells), np.zeros((cells, 3, 3))
+    share = holes.share.x.array
+    factor, stiffer = holes.split(plan.material.youngs_modulus_Pa * plan.thickness_m)
+    return 1.0 - (1.0 - factor) * share, share[:, None, None] * stiffer
 
 
 def bending(plan: PanelPlan, scalars: Any, material_m: Array, holes: Perforated | None = None) -> Bending:

@@ -16,8 +16,9 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from adapters.panel.common.solid_grid import PiercedGrid, bearable_grid
+from adapters.panel.finite_element.branch_strain import SOLID_ENTRIES, solid_entries
 from adapters.panel.finite_element.compiled import function_space
-from adapters.panel.finite_element.structure import Law, Structure
+from adapters.panel.finite_element.structure import Law, Structure, cell_constants
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import PanelPlan
 
@@ -54,16 +55,25 @@ def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGR
         "isochoric": isochoric * ufl.dx(metadata={"quadrature_degree": ISOCHORIC_DEGREE}),
         "volumetric": volumetric * ufl.dx(metadata={"quadrature_degree": volumetric_degree}),
     }
-    strain = _scaled_strain(material.shear_modulus_Pa, C)
-    return Law(position, energy, strain, ISOCHORIC_DEGREE, material.branches)
+    entries = cell_constants(position.function_space.mesh, len(SOLID_ENTRIES))
+    return Law(
+        position,
+        energy,
+        scaled_strain(entries, C),
+        entries,
+        SOLID_ENTRIES,
+        lambda strain: solid_entries(material.c10_Pa, material.c01_Pa, strain),
+        ISOCHORIC_DEGREE,
+        material.branches,
+    )
 
 
-def _scaled_strain(shear_modulus_Pa: float, C: Any) -> Any:
-    """Return the vector whose half square is  mu dev(E) : dev(E)."""
-    E = ufl.dev(0.5 * (C - ufl.Identity(3)))
-    root, twice = (2.0 * shear_modulus_Pa) ** 0.5, 2.0**0.5
-    diagonal = [root * E[i, i] for i in range(3)]
-    return ufl.as_vector(diagonal + [root * twice * E[i, j] for i, j in ((0, 1), (0, 2), (1, 2))])
+def scaled_strain(entries: Any, C: Any) -> Any:
+    """Return the vector (A (E11, E22, E33), a 2 E12, b 2 E13, c 2 E23) for the ``entries`` A, a, b, c."""
+    E = 0.5 * (C - ufl.Identity(3))
+    normal = [sum(entries[3 * i + j] * E[j, j] for j in range(3)) for i in range(3)]
+    across = [entries[9 + k] * 2.0 * E[i, j] for k, (i, j) in enumerate(((0, 1), (0, 2), (1, 2)))]
+    return ufl.as_vector(normal + across)
 
 
 def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:

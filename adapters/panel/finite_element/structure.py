@@ -3,7 +3,7 @@ Maxwell branches, and bending."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,18 +32,28 @@ def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
     return mass
 
 
+def cell_constants(mesh: Any, values: int) -> Any:
+    """Return a field of ``values`` numbers that are constant in each cell."""
+    return fem.Function(function_space(mesh, ufl.VectorElement("DG", mesh.ufl_cell(), 0, dim=values)))
+
+
 @dataclass(frozen=True)
 class Law:
     """A material law in UFL on the field ``position`` (world position of each material point).
 
     ``energy`` names integrals of stored energy in J.  The Maxwell branches act on ``strain``, a
-    vector scaled such that  g/2 |overstrain|^2  is their energy per unit of the mesh's measure;
-    ``degree`` is the quadrature degree of that integral.
+    vector scaled by the field ``entries``, which is constant in each cell, such that  g/2 |overstrain|^2  is
+    their energy per unit of the mesh's measure; ``degree`` is the quadrature degree of that integral.  With
+    the entries ``unscaled``, it is the strain itself, from whose means in each cell at rest (cells, size)
+    ``scale`` makes the entries.
     """
 
     position: Any
     energy: Mapping[str, Any]
     strain: Any
+    entries: Any
+    unscaled: Array
+    scale: Callable[[Array], Array]
     degree: int
     branches: tuple[tuple[float, float], ...]
 
@@ -60,7 +70,7 @@ class ViscousStrain(SavedAttributes):
         size = law.strain.ufl_shape[0]
         points = ufl.VectorElement("Quadrature", cell, degree=law.degree, quad_scheme="default", dim=size)
         self._measure = ufl.dx(metadata={"quadrature_degree": law.degree, "quadrature_rule": "default"})
-        self._strain = law.strain
+        self._strain, self._law = law.strain, law
         self._history = fem.Function(function_space(mesh, points))
         self._share = fem.Constant(mesh, 0.0)
         reference, weights = make_quadrature(string_to_type(cell.cellname()), law.degree)
@@ -80,7 +90,16 @@ class ViscousStrain(SavedAttributes):
 
     def rest(self, position_m: Array) -> None:
         """Make ``position_m``, which must stand in the field, the relaxed shape."""
+        law, cells = self._law, len(self._cells)
+        law.entries.x.array[:] = np.tile(law.unscaled, cells)
+        strain = self._evaluate.eval(self._cells, self._now).reshape(cells, -1, law.strain.ufl_shape[0])
+        law.entries.x.array[:] = law.scale(strain.mean(axis=1)).ravel()
         self._before[:] = self._evaluate.eval(self._cells, self._now).reshape(-1)
+
+    @property
+    def entries(self) -> Array:
+        """The entries (cells, n) that scale the strain about the relaxed shape."""
+        return np.asarray(self._law.entries.x.array.reshape(len(self._cells), -1))
 
     def begin_step(self, step_s: float) -> None:
         self.branches.begin(step_s, self._before)
@@ -99,9 +118,10 @@ class Structure:
     """The lumped mass, internal force and energy of a body.
 
     ``held`` are the prescribed nodes, ``tangent`` is the bilinear form of the material's stiffness at the
-    positions now in the law's field.  ``added_kg`` is the mass that is fixed to the nodes.  ``joined`` are
-    pairs of free nodes (pairs, 2) that move alike, opposite each other along y: the sides of a body that goes
-    on beyond them.  At rest, nothing moves them along y.
+    positions now in the law's field.  ``viscous`` is the strain of the Maxwell branches, if there are any.
+    ``added_kg`` is the mass that is fixed to the nodes.  ``joined`` are pairs of free nodes (pairs, 2) that
+    move alike, opposite each other along y: the sides of a body that goes on beyond them.  At rest, nothing
+    moves them along y.
 
     Arrays of positions and forces have shape (nodes, 3).  A step is ``begin_step``, then any number of
     ``force_N`` at trial positions of its end, then ``end_step``, which accepts the positions given to
@@ -132,13 +152,13 @@ class Structure:
         self.bending = bending
         test, trial = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         work = ufl.derivative(sum(law.energy.values()), law.position, test)
-        viscous = ViscousStrain(law) if law.branches else None
-        if viscous:
-            work += viscous.virtual_work(law.position, test)
+        self.viscous = ViscousStrain(law) if law.branches else None
+        if self.viscous:
+            work += self.viscous.virtual_work(law.position, test)
         self._energy = {name: form(energy) for name, energy in law.energy.items()}
         self._force = form(work)
         self.tangent = ufl.derivative(work, law.position, trial)
-        self._memories = [part for part in (viscous, bending) if part is not None]
+        self._memories = [part for part in (self.viscous, bending) if part is not None]
         self._position_m = law.position.x.array.reshape(-1, 3)  # a view into the field
 
     def rest(self, position_m: Array) -> None:

@@ -23,6 +23,7 @@ struct ChainParts {
   int first;                               // row where the springs begin
   double rest_m, c10_Pa, c01_Pa;           // of every spring
   std::vector<double> area_m2;             // (springs)
+  std::vector<double> branch_N_per_m;      // (springs): with which each branch answers, over its ratio
   std::vector<double> bending_N_m3;        // (bends)
   std::vector<double> curvature_1_m2;      // (bends, 3): of rows k, k + 1, k + 2 in bend k
   std::vector<int> at_clamp;               // (bends): does the bend count across `along` only?
@@ -63,10 +64,8 @@ class Chain {
         moved_across_(held()),
         strain_(parts_.strains()),
         over_(parts_.strains()),
+        stiffness_(parts_.branch_N_per_m),
         direction_(3 * parts_.springs()) {
-    const double youngs_Pa = 6.0 * (parts_.c10_Pa + parts_.c01_Pa);
-    for (const double area_m2 : parts_.area_m2)
-      stiffness_.push_back(youngs_Pa * area_m2 / parts_.rest_m);
     for (const double bending_N_m3 : parts_.bending_N_m3)
       stiffness_.insert(stiffness_.end(), 3, bending_N_m3);
   }
@@ -343,7 +342,7 @@ class Chain {
   std::vector<double> before_m_, before_N_, start_m_per_s_, start_m_, outside_N_;   // (rows, 3)
   std::vector<double> impulse_N_s_, acting_;                                        // (rows, 3)
   std::vector<double> moved_across_;                                                // (held)
-  std::vector<double> stiffness_, strain_, over_;                                   // (strains)
+  std::vector<double> strain_, over_, stiffness_;                                   // (strains)
   std::vector<double> direction_;                                                   // (springs, 3)
 };
 

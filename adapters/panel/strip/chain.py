@@ -68,6 +68,10 @@ class Chain:
         """Return the tensions (c,) in N of axial springs of the lengths ``length_m`` (c,)."""
         return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
 
+    def rate_N_per_m(self, length_m: Array) -> Array:
+        """Return the derivatives (c,) of the tensions with respect to the lengths ``length_m`` (c,)."""
+        return np.asarray(self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m))
+
     def elastic_N(self, position_m: Array) -> Array:
         """Return the elastic force (r, 3) on the rows in N."""
         along, length_m = self.spring_directions(position_m)
@@ -93,10 +97,9 @@ class Chain:
     def tangent_N_per_m(self, position_m: Array) -> Array:
         """Return the second derivative of the elastic energy, (3 r, 3 r)."""
         along, length_m = self.spring_directions(position_m)
-        rate_N_per_m = self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m)
         turning_N_per_m = self.tension_N(length_m) / length_m
         outer = along[:, :, None] * along[:, None, :]
-        blocks = (rate_N_per_m - turning_N_per_m)[:, None, None] * outer
+        blocks = (self.rate_N_per_m(length_m) - turning_N_per_m)[:, None, None] * outer
         blocks = blocks + turning_N_per_m[:, None, None] * np.eye(3)
         rows = len(self.rows_m)
         across = np.tile(np.eye(3), (len(self.bending_N_m3), 1, 1))

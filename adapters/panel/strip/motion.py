@@ -23,7 +23,7 @@ class ChainMotion(CompiledBody):
     """A chain that starts at rest and relaxed at ``position_m`` (r, 3), under the gravity of ``plan``.
 
     ``internal_N`` (r, 3) is the present force of springs and branches on the rows.  Branches act on spring
-    lengths, with the springs' stiffness at no stretch, and on curvatures; their stresses are kept over their
+    lengths, with the springs' stiffness at rest, and on curvatures; their stresses are kept over their
     ratios.  ``clamp_half_m`` (held, 3) are the half widths of the held rows, from the middle to y = width.
     """
 
@@ -51,7 +51,8 @@ class ChainMotion(CompiledBody):
             "share": self.share,
         }
         held = np.flatnonzero(chain.clamp_of_row >= 0)
-        constants = _links(chain) | rows
+        resting_N_per_m = chain.rate_N_per_m(chain.spring_directions(position_m)[1])
+        constants = _links(chain) | rows | {"branch_N_per_m": resting_N_per_m}
         rows_shape = (len(chain.mass_kg), 3)
         super().__init__(kernel.Chain, step_s, rows_shape, chain.mass_kg, held, branches, constants, memory)
         self.rest(position_m)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -12,11 +13,14 @@
 #include "update.h"
 
 #include "../../vec3.h"
+#include "surface_path.h"
+#include "triangle.h"
 
 namespace flipflow {
 
 // Takes particles out of the run: those whose centre is in the box of an exit, and those that left
-// the domain.
+// the domain.  What leaves below the deck has come through it: where the deck reaches into such an exit, who
+// is on its upper side stays.
 //
 // It acts where LIGGGHTS is about to sort particles and to list neighbours anew, so it costs a
 // look at each particle then and nothing else.  A particle is out at the latest when it, or any
@@ -27,11 +31,21 @@ class FixExits : public LAMMPS_NS::Fix {
   struct Box {
     Vec3 center, axis[3];  // unit vectors along the edges
     double half[3];        // half the edges' lengths, m
+    bool below_deck = false;
 
     bool holds(Vec3 place) const {
       const Vec3 from_center = place - center;
       for (int k = 0; k < 3; ++k)
         if (std::abs(dot(from_center, axis[k])) > half[k]) return false;
+      return true;
+    }
+
+    // Does the box around the triangle, along the edges, meet this one?
+    bool may_meet(Vec3 a, Vec3 b, Vec3 c) const {
+      for (int k = 0; k < 3; ++k) {
+        const double x = dot(a - center, axis[k]), y = dot(b - center, axis[k]), z = dot(c - center, axis[k]);
+        if (std::min({x, y, z}) > half[k] || std::max({x, y, z}) < -half[k]) return false;
+      }
       return true;
     }
   };
@@ -47,10 +61,14 @@ class FixExits : public LAMMPS_NS::Fix {
 
   FixExits(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
 
-  void set(std::vector<Box> exits, Vec3 low_m, Vec3 high_m) {
+  // The normals of the `deck`, triangles of the `surface`, point to its upper side.
+  void set(std::vector<Box> exits, Vec3 low_m, Vec3 high_m, std::vector<Triangle> deck,
+           const SurfacePath &surface) {
     exits_ = std::move(exits);
     low_ = low_m;
     high_ = high_m;
+    deck_ = std::move(deck);
+    surface_ = &surface;
   }
 
   // What else is to be done before particles go to other ranks.
@@ -76,6 +94,7 @@ class FixExits : public LAMMPS_NS::Fix {
   static constexpr int kLost = -1, kStays = -2;
 
   void take_out(double velocity_behind) {
+    in_exit_.assign(exits_.size(), {});
     const size_t before = removed_.size();
     for (int i = atom->nlocal - 1; i >= 0; --i) {
       const Vec3 place = from(atom->x[i]);
@@ -93,9 +112,10 @@ class FixExits : public LAMMPS_NS::Fix {
   }
 
   // -1: lost, -2: stays
-  int exit_of(Vec3 place) const {
+  int exit_of(Vec3 place) {
     for (size_t e = 0; e < exits_.size(); ++e)
-      if (exits_[e].holds(place)) return static_cast<int>(e);
+      if (exits_[e].holds(place) && !(exits_[e].below_deck && is_above(deck_in(e), place)))
+        return static_cast<int>(e);
     const double x[3] = {place.x, place.y, place.z};
     const double low[3] = {low_.x, low_.y, low_.z}, high[3] = {high_.x, high_.y, high_.z};
     for (int k = 0; k < 3; ++k)
@@ -103,12 +123,49 @@ class FixExits : public LAMMPS_NS::Fix {
     return kStays;
   }
 
+  // The triangles of the deck that reach into an exit, where the deck is now.
+  const std::vector<Triangle> &deck_in(size_t e) {
+    DeckInExit &found = in_exit_[e];
+    if (!std::exchange(found.known, true))
+      for (const Triangle &t : deck_)
+        if (exits_[e].may_meet(surface_->position(t[0]), surface_->position(t[1]), surface_->position(t[2])))
+          found.triangles.push_back(t);
+    return found.triangles;
+  }
+
+  // Is a place on the upper side of the triangle that is nearest?  Of two that share the nearest point, the
+  // one counts that sees the place more from the front.
+  bool is_above(const std::vector<Triangle> &triangles, Vec3 place) const {
+    constexpr double kAlike = 1e-9;
+    double nearest = HUGE_VAL, height = -1.0;
+    for (const Triangle &t : triangles) {
+      const Vec3 a = surface_->position(t[0]), b = surface_->position(t[1]), c = surface_->position(t[2]);
+      const ClosestPoint at = closest_point(place, a, b, c);
+      const Vec3 nearest_m = at.weight[0] * a + at.weight[1] * b + at.weight[2] * c;
+      const Vec3 away = place - nearest_m, normal = cross(b - a, c - a);
+      const double distance = norm(away), up = dot(away, normal) / norm(normal);
+      if (distance > nearest * (1.0 + kAlike)) continue;
+      if (distance >= nearest * (1.0 - kAlike) && std::abs(up) <= std::abs(height)) continue;
+      nearest = std::min(nearest, distance);
+      height = up;
+    }
+    return height >= 0.0;
+  }
+
   void remove(int i) {
     --atom->nlocal;
     if (i != atom->nlocal) atom->avec->copy(atom->nlocal, i, 1);
   }
 
+  struct DeckInExit {
+    bool known = false;
+    std::vector<Triangle> triangles;
+  };
+
   std::vector<Box> exits_;
+  std::vector<Triangle> deck_;
+  const SurfacePath *surface_ = nullptr;
+  std::vector<DeckInExit> in_exit_;  // of each exit, found anew each time that particles are taken out
   Vec3 low_{}, high_{};
   std::vector<Removed> removed_;
   bool acts_at_next_setup_ = false;

@@ -134,11 +134,12 @@ void repeat_surface(Engine &engine, double period_m, const Ints &joined_triangle
 }
 
 void set_exits(Engine &engine, const Doubles &center_m, const Doubles &axes, const Doubles &half_m,
-               const Doubles &domain_m) {
+               const Doubles &domain_m, const Ints &below_deck, const Ints &deck) {
   check_shape("center_m", center_m, {kAny, 3});
   check_shape("axes", axes, {center_m.shape(0), 3, 3});
   check_shape("half_m", half_m, {center_m.shape(0), 3});
   check_shape("domain_m", domain_m, {2, 3});
+  check_shape("below_deck", below_deck, {center_m.shape(0)});
   std::vector<flipflow::FixExits::Box> boxes(half_m.shape(0));
   for (size_t e = 0; e < boxes.size(); ++e) {
     boxes[e].center = flipflow::from(center_m.data() + 3 * e);
@@ -146,9 +147,11 @@ void set_exits(Engine &engine, const Doubles &center_m, const Doubles &axes, con
       boxes[e].axis[k] = flipflow::from(axes.data() + 9 * e + 3 * k);
       boxes[e].half[k] = half_m.at(e, k);
     }
+    boxes[e].below_deck = below_deck.at(e) != 0;
   }
   engine.exits().set(std::move(boxes), flipflow::from(domain_m.data()),
-                     flipflow::from(domain_m.data() + 3));
+                     flipflow::from(domain_m.data() + 3),
+                     corners_of("deck", deck, engine.surface().points()), engine.surface().path());
 }
 
 // One value, or three, of each row.
@@ -333,7 +336,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("repeat_surface", &repeat_surface, by_keyword, py::arg("period_m"),
            exactly("joined_triangles"))
       .def("set_exits", &set_exits, by_keyword, exactly("center_m"), exactly("axes"),
-           exactly("half_m"), exactly("domain_m"))
+           exactly("half_m"), exactly("domain_m"), exactly("below_deck"), exactly("deck"))
       .def("tally", &tally)
       .def("take_removed", &take_removed)
       .def("overlaps", &overlaps, by_keyword, exactly("position_m"), exactly("diameter_m"))

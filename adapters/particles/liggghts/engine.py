@@ -59,11 +59,15 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         period_m = float(plan.domain_m[1, 1] - plan.domain_m[0, 1])
         joined = join_across(plan.surface, period_m)
         engine.repeat_surface(period_m=period_m, joined_triangles=ints(joined))
+    surface = plan.surface
+    deck = surface.triangles[:0] if surface.panel is None else surface.triangles[surface.panel >= 0]
     engine.set_exits(
         center_m=floats([exit.center_m for exit in plan.exits]).reshape(-1, 3),
         axes=floats([exit.axes for exit in plan.exits]).reshape(-1, 3, 3),
         half_m=floats([exit.half_m for exit in plan.exits]).reshape(-1, 3),
         domain_m=floats(plan.domain_m),
+        below_deck=ints([exit.product == "undersize" for exit in plan.exits]),
+        deck=ints(deck),
     )
     return engine
 

@@ -21,7 +21,7 @@ from orchestrator.case.bed.contact_times import (
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.plans import Jkr, Sjkr
 
 STEPS_PER_CONTACT = 20  # An adhesive contact takes at least so many steps.
@@ -32,7 +32,8 @@ class StickyContact:
     """A contact of the smallest particles of two materials that stick, or of such a particle and a surface.
 
     ``contact`` is the number of the case's row.  Modulus, mass and radius are the reduced quantities
-    of both bodies; ``radius_m`` is the smaller particle's own radius.
+    of both bodies; ``radius_m`` and ``grain_kg`` are the smaller particle's own radius and the lighter one's
+    mass.
     """
 
     contact: int
@@ -41,6 +42,7 @@ class StickyContact:
     reduced_kg: float
     reduced_m: float
     radius_m: float
+    grain_kg: float
 
     @property
     def pull_off_N(self) -> float:
@@ -118,6 +120,7 @@ def _sticky_contact(case: Case, number: int, one: Body, two: Body) -> StickyCont
         reduced_kg=1 / (1 / one[1] + 1 / two[1]),
         reduced_m=1 / (1 / one[0] + 1 / two[0]),
         radius_m=min(one[0], two[0]),
+        grain_kg=min(one[1], two[1]),
     )
 
 
@@ -130,7 +133,7 @@ def _reduced_Pa(case: Case, between: tuple[str, str], cap_Pa: float | None) -> f
 def softened_work_J_per_m2(case: Case, number: int) -> float:
     """Return the work of adhesion for contacts that may be softer than the case's materials.
 
-    "sticking" keeps the speed below which particles stick.  The energy that a neck takes is
+    "sticking", the default, keeps the speed below which particles stick.  The energy that a neck takes is
     proportional to (w^5 R^4 / E*^2)^(1/3), and so w must be proportional to E*^0.4 (Haervig, J.,
     Kleinhans, U., Wieland, C., Spliethoff, H., Jensen, A. L., Sorensen, K. and Condra, T. J., Powder
     Technology 319, 2017, 472-482).  "pull-off" keeps the pull-off force and therefore w, because the
@@ -142,6 +145,47 @@ def softened_work_J_per_m2(case: Case, number: int) -> float:
     cap_Pa = case.particles.largest_youngs_modulus_Pa
     ratio = _reduced_Pa(case, contact.between, cap_Pa) / _reduced_Pa(case, contact.between, None)
     return contact.work_of_adhesion_J_per_m2 * math.pow(ratio, 0.4)
+
+
+@dataclass(frozen=True)
+class PullOff:
+    """The pull-off force of the smallest real particles of a pair of materials, over a particle's weight.
+
+    The case's work of adhesion, or Bond number, has ``asked`` for it; contacts that are softened or have the
+    law "sjkr" pull as in the ``run``.
+    """
+
+    contact: int
+    between: tuple[str, str]
+    diameter_m: float
+    asked: float
+    run: float
+
+    @property
+    def in_words(self) -> str:
+        """What the run has, and what was asked for if that is something else."""
+        one, two = self.between
+        asked = "" if math.isclose(self.asked, self.run, rel_tol=0.005) else f", {self.asked:.3g} asked for"
+        grain = f"a grain of {1e3 * self.diameter_m:.3g} mm"
+        return f"pull-off force of {one} and {two}: {self.run:.3g} weights of {grain}{asked}"
+
+
+def pull_offs(case: Case) -> list[PullOff]:
+    """Return the pull-off force of each contact that sticks, of two particles and of one on a surface."""
+    k = case.particles.coarse_graining
+    found = []
+    for pair in sticky_contacts(case):
+        row = case.contacts[pair.contact]
+        # of coarse particles, k times as large and as sticky, a weight is the k-th part of the real ones'
+        weight_N = pair.grain_kg * STANDARD_GRAVITY_M_PER_S2 / k
+        run_N = pair.pull_off_N
+        if adhesion_law(case) == "sjkr":
+            density_J_per_m3 = _energy_density_J_per_m3(case, pair.contact, pair.work_J_per_m2)
+            run_N = 2 / 3 * math.pi**3 * density_J_per_m3**3 * pair.reduced_m**2 / pair.reduced_Pa**2
+        asked_N = pair.pull_off_N * row.work_of_adhesion_J_per_m2 / pair.work_J_per_m2
+        diameter_m = 2 * pair.radius_m / k
+        found.append(PullOff(pair.contact, row.between, diameter_m, asked_N / weight_N, run_N / weight_N))
+    return found
 
 
 def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:

@@ -23,7 +23,7 @@ from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.saved_bed import BED, UnreadableBed
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
-from orchestrator.case.file.folder import FolderUnusable, admit, part_of
+from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, part_of, read_json
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.file.slice import bounds_m, cut_to_slice
 from orchestrator.case.solver_plans import material_numbers
@@ -32,6 +32,7 @@ from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.case import Case
 
 CHECKPOINTS, SERIES = "checkpoints", "particles.pvd"
+SUMMARY, TRUSTED = "summary.json", ("done", "incomplete")  # a run that is incomplete lacks results alone
 SAME = 1e-9  # times with a smaller relative difference are one time
 
 
@@ -73,12 +74,32 @@ def carry_bed(case: Case, folder: Path) -> Case:
 def _find_particles(bed: Bed, folder: Path) -> CarriedBed:
     """Return the particles that the table ``[bed]`` names.  Raises UnreadableBed."""
     if bed.from_run is not None:
-        return read_run(_locate(bed.from_run, folder), bed.from_time_s)
+        run = _locate(bed.from_run, folder)
+        found = read_run(run, bed.from_time_s)
+        status, doubt = _status(run)
+        if status == "failed" and bed.from_time_s is None:
+            raise UnreadableBed(f"{doubt}; bed.from_time_s takes a state from before it failed")
+        return replace(found, doubt=doubt)
     assert bed.table is not None
     if bed.from_time_s is not None:
         raise UnreadableBed("a table has no times: bed.from_time_s belongs to bed.from_run")
     path = _locate(bed.table, folder)
     return saved_bed.read(path) if path.suffix == ".h5" else read_table(path)
+
+
+def _status(run: Path) -> tuple[str, str]:
+    """Return how a run ended, by its summary, and in words what that says against its particles."""
+    try:
+        summary = read_json(run / SUMMARY)
+        status, reasons = str(summary["status"]), [summary["reason"], *summary["doubts"]]
+    except FileNotFoundError:
+        status, reasons = "not at its end", []
+    except (OSError, UnreadableFile, ValueError, KeyError, TypeError):
+        status, reasons = "without a readable summary", []
+    if status in TRUSTED:
+        return status, ""
+    why = next((str(reason).rstrip(".") for reason in reasons if reason), "")
+    return status, f"the run {run} is {status}{f': {why}' if why else ''}"
 
 
 def _locate(name: str, folder: Path) -> Path:

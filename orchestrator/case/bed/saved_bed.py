@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def from_snapshot(
 ) -> CarriedBed:
     """Return the particles of an instant; ``numbers`` are the materials' numbers by name."""
     by_number = sorted(numbers, key=lambda name: numbers[name])
-    columns = {name: getattr(snapshot, name) for name in COLUMNS}
+    columns: dict[str, Any] = {name: getattr(snapshot, name) for name in COLUMNS}
     return keep_used_materials(
         CarriedBed(tuple(by_number), **columns, time_s=time_s, coarse_graining=coarse_graining, source="")
     )
@@ -66,9 +67,10 @@ def read(path: Path) -> CarriedBed:
                 raise UnreadableBed(
                     f"{path}: has format {version}; this flipflow reads {FORMAT}: run the case again"
                 )
+            columns: dict[str, Any] = {name: np.asarray(file[name][:]) for name in COLUMNS}
             return CarriedBed(
                 materials=tuple(str(name) for name in file.attrs["materials"]),
-                **{name: np.asarray(file[name][:]) for name in COLUMNS},
+                **columns,
                 time_s=float(file.attrs["time_s"]),
                 coarse_graining=float(file.attrs["coarse_graining"]),
                 source=str(path),

@@ -63,6 +63,7 @@ BASES = {
 def resolve_works_of_adhesion(case: Case, grains_m: Mapping[str, float]) -> Case:
     """Return the case with a work of adhesion in place of each Bond number and each class of moisture.
 
+    Both stand for a pull-off force, which softened contacts then keep unless the case says otherwise.
     ``grains_m`` has the typical diameter of each material of particles.
 
     A Bond number stays as it is if no particle has a material of the pair, or if later checks refuse
@@ -74,7 +75,10 @@ def resolve_works_of_adhesion(case: Case, grains_m: Mapping[str, float]) -> Case
     if problems := [*_contradictions(case)] or [*wrong_sizes(case)]:
         raise CaseError(problems)
     contacts = tuple(_resolve(row, case, grains_m) for row in case.contacts)
-    return case.model_copy(update={"contacts": contacts})
+    particles = case.particles
+    if particles.softened_adhesion is None:
+        particles = particles.model_copy(update={"softened_adhesion": "pull-off"})
+    return case.model_copy(update={"contacts": contacts, "particles": particles})
 
 
 def move_to_given_key(problem: CaseProblem, contacts: Any) -> CaseProblem:

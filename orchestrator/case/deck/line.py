@@ -92,12 +92,13 @@ class DeckPlaces:
     """The places of points relative to the deck at one moment.
 
     ``station_m`` (n,) is the station in the panels' material.  ``height_m`` (n,) is measured normal to
-    the surface and is negative below it.  ``rise_m_per_s`` (n,) is the surface's own speed along its
-    normal.  ``inside`` (n,) says whether the point is between the deck's two ends.
+    the surface and is negative below it.  ``normal`` (n, 3) is the surface's normal, and ``rise_m_per_s``
+    (n,) its own speed along it.  ``inside`` (n,) says whether the point is between the deck's two ends.
     """
 
     station_m: Array
     height_m: Array
+    normal: Array
     rise_m_per_s: Array
     inside: npt.NDArray[np.bool_]
 
@@ -123,6 +124,7 @@ def locate(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: A
     return DeckPlaces(
         on_line(deck.station_m),
         (position_m[:, 2] - on_line(z)) * cosine,
+        np.outer(cosine, UP) - np.outer(sine, deck.along),
         speed_z * cosine - speed_u * sine,
         (at >= u[0]) & (at <= u[-1]),
     )

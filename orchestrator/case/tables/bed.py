@@ -119,7 +119,8 @@ class Bed(Table):
     """Feeds by name."""
     from_run: OneLine | None = None
     """Folder of a run whose particles this case begins with, from the case's folder or from the working
-    directory.  It may be a run of another level, mesh or machine."""
+    directory.  It may be a run of another level, mesh or machine; that of a run that failed needs a
+    ``from_time_s``."""
     from_time_s: NotNegative | None = None
     """With ``from_run``: time of the state; the nearest recorded state is taken.  By default, it is the
     last one.  States of checkpoints are exact, others are those of the ParaView files."""

@@ -32,6 +32,8 @@ class CarriedBed:
         The number of diameters of real particles for which one diameter stands; NaN for a table.
     source
         The file that the particles were read from.
+    doubt
+        Why the run that it comes from cannot be trusted, in words; empty if nothing speaks against it.
     """
 
     materials: tuple[str, ...]
@@ -44,6 +46,7 @@ class CarriedBed:
     time_s: float
     coarse_graining: float
     source: str
+    doubt: str = ""
 
     def part(self, rows: npt.NDArray[np.bool_]) -> CarriedBed:
         """Return the particles of some rows."""

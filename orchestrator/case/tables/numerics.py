@@ -76,9 +76,10 @@ class ParticlesSolver(Table):
     """Factor k by which diameters are enlarged; each particle then stands for k^3 particles.  It is meant
     for layers that load the machine, and is refused for particles smaller than four openings
     (docs/theory/feed.md)."""
-    softened_adhesion: Literal["sticking", "pull-off"] = "sticking"
+    softened_adhesion: Literal["sticking", "pull-off"] | None = None
     """Property that softened contacts keep.  sticking: the speed below which particles stick.
-    pull-off: the pull-off force."""
+    pull-off: the pull-off force.  By default, it is pull-off if a contact has a bond_number or a class of
+    moisture, and else sticking."""
     adhesion: Literal["none", "sjkr", "jkr"] | None = None
     """Law of adhesion (docs/theory/adhesion.md).  By default, it is jkr if contacts have a work of
     adhesion."""

@@ -65,7 +65,8 @@ class Exit(Table):
     """Product that leaves through this exit."""
     box_m: Box
     """Lowest and highest corner of the box.  A particle is removed when its centre is in the box, which must
-    not be thinner than 0.55 of the largest diameter."""
+    not be thinner than 0.55 of the largest diameter.  A particle that lies on a panel which reaches into an
+    exit of the undersize stays."""
 
 
 class Screen(Table):

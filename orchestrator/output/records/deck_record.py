@@ -20,6 +20,8 @@ DEPTH_SHARE = 0.95  # share of a bin's mass that lies below the bed depth
 HELD_CYCLES = 5
 NEAR = 0.25  # diameters: largest gap between panel and particle that counts as lying on the panel
 STAYS = 0.5  # diameters: largest motion along or across that counts as the same place
+LOOSE = 0.1  # of the panel's largest speed along its normal: so fast, a retained particle goes against it
+THROWS = 1.25  # times gravity: acceleration of the panel that tells retained particles from loose ones
 SEATED = 0.75  # radii: a centre that is nearer to the surface, above or below, sits in an opening
 
 
@@ -82,9 +84,12 @@ def _percentile(height_m: Array, mass_kg: Array, number: Array, bins: int) -> Ar
 class RetainedParticles(SavedAttributes):
     """A record of the retained particles, which follows every particle from one output time to the next.
 
-    A particle is retained if it has lain on the panel for ``HELD_CYCLES`` cycles, at the same place of its
-    material, while the acceleration of the panel under it exceeded gravity.  The acceleration is the panel's
-    largest speed along its normal times the cycle's angular speed.
+    A particle is retained, by adhesion or wedged in an opening, if it has lain on the panel for
+    ``HELD_CYCLES`` cycles, at the same place of its material, and has moved with it, while the panel's
+    acceleration under it would throw a loose one.  The acceleration is the panel's largest speed along its
+    normal times the cycle's angular speed.  At ``THROWS`` times gravity, a loose particle flies from a
+    harmonic motion with up to a sixth of the panel's largest speed: whoever goes by more than ``LOOSE`` of it
+    against the panel is hopping, however low.
     """
 
     STATE: ClassVar = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
@@ -110,14 +115,19 @@ class RetainedParticles(SavedAttributes):
         lies = places.inside & (np.abs(places.height_m) < radius * (1 + 2 * NEAR))
         old, known = self._previous_rows(particles.id)
         moved = np.abs(place - self._anchor_m[old]).max(axis=1) if len(self._id) else radius
-        stays = known & lies & (moved < 2 * STAYS * radius)
+        fastest = self._previous_values(self._fastest_m_per_s, old)
+        fastest = np.maximum(np.where(known, fastest, 0.0), np.abs(places.rise_m_per_s))
+        gravity_m_per_s = STANDARD_GRAVITY_M_PER_S2 * self._cycle_s / (2 * np.pi)
+        rises_m_per_s = np.einsum("ij,ij->i", particles.velocity_m_per_s, places.normal)
+        against_m_per_s = np.abs(rises_m_per_s - places.rise_m_per_s)
+        hops = against_m_per_s > LOOSE * np.maximum(fastest, gravity_m_per_s)
+        stays = known & lies & ~hops & (moved < 2 * STAYS * radius)
         self._since_s = np.where(stays, self._previous_values(self._since_s, old), time_s)
         self._anchor_m = np.where(stays[:, None], self._previous_values(self._anchor_m, old), place)
-        fastest = np.where(stays, self._previous_values(self._fastest_m_per_s, old), 0.0)
-        self._fastest_m_per_s = np.maximum(fastest, np.abs(places.rise_m_per_s))
+        self._fastest_m_per_s = np.where(stays, fastest, np.abs(places.rise_m_per_s))
         self._id = particles.id
         retained = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
-        retained &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > STANDARD_GRAVITY_M_PER_S2
+        retained &= self._fastest_m_per_s > THROWS * gravity_m_per_s
         mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
         seated_m = place[retained & (np.abs(places.height_m) < SEATED * radius)]
         blinded = self._openings.query(seated_m)[1] if self._openings is not None else []

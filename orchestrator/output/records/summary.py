@@ -116,9 +116,12 @@ def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
     whose = f"particles {where}".rstrip()
     yield f"{part(f'{whose}: came', material['fed'])} = " + " + ".join(there)
     if material["lost"]["number"]:
+        lost = 100 * material["lost"]["mass_kg"] / material["fed"]["mass_kg"]
+        none = "" if material["exits"] else ", of which the case has none"
         yield (
             f"WARNING: {_particles(material['lost']['number'])} left the domain elsewhere than "
-            "through an exit; history.h5 says where (removed, exit = -1)"
+            f"through an exit{none}: {lost:.3g} % of the mass that came; history.h5 says where "
+            "(removed, exit = -1)"
         )
     if material["escaped"]["number"]:
         yield (

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.bed.adhesion import pull_offs
 from orchestrator.case.bed.size_distribution import given_classes, median_diameter_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.bed import Filling
@@ -41,6 +42,8 @@ def machine_facts(run: RunReader) -> Facts:
     if panels:
         tensions = sorted({1e3 * (p.rectangle.span_m - p.rectangle.length_m) for p in panels})
         yield "tension amount δ", ", ".join(f"{t:.3g} mm" for t in tensions)
+    for pair in pull_offs(run.case):
+        yield "adhesion", pair.in_words
     yield "panel material", ", ".join(dict.fromkeys(p.table.material for p in panels)) or "none"
     frames = [
         f"{name} {frame.mass_kg:g} kg" if frame.mass_kg else f"{name} (moved as prescribed)"

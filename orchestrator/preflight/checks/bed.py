@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
+from orchestrator.case.bed.adhesion import adhesion_law, pull_offs, sticky_contacts, surface_materials
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.feed import RateFeed, are_apart
 from orchestrator.case.bed.size_distribution import (
@@ -212,6 +212,7 @@ def crowded_boxes(case: Case) -> Iterator[CaseProblem]:
 
 
 WIDEST_NECK = 0.5  # over the smaller radius; JKR's theory takes spheres for paraboloids
+OTHER_PULL = 1.5  # factor by which a pull-off force may differ from what the case asks for
 STRONGEST_PULL = 1e6  # over the weight of the smallest particle
 
 
@@ -250,6 +251,23 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
         what = f"particles and surfaces are both made of {name}; sjkr cannot tell them apart"
         hint = "give the surface a material of its own with the same values"
         yield CaseProblem(("materials", name), what, hint)
+
+
+def doubtful_run(case: Case) -> Iterator[str]:
+    """Yield a warning if the bed is taken from a run that cannot be trusted."""
+    if case.bed.carried is not None and case.bed.carried.doubt:
+        yield f"bed.from_run: {case.bed.carried.doubt}; its bed is taken as it is"
+
+
+def other_adhesion(case: Case) -> Iterator[str]:
+    """Yield a warning for each pair whose pull-off force in the run is far from what the case asks for."""
+    for pair in pull_offs(case):
+        if not 1 / OTHER_PULL <= pair.run / pair.asked <= OTHER_PULL:
+            law = adhesion_law(case)
+            help_ = 'give particles.sjkr_diameter_m, or take particles.adhesion = "jkr"'
+            if law == "jkr":
+                help_ = 'particles.softened_adhesion = "pull-off" keeps what was asked for'
+            yield f"contacts.{pair.contact}: {pair.in_words}; {help_}"
 
 
 def soft_contacts(case: Case) -> Iterator[str]:

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from orchestrator.case.deck.panels import axes
 from orchestrator.case.solver_plans import bushing_axes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
@@ -26,6 +27,7 @@ SOFT_HZ = 0.8  # A frame that hangs 0.4 m deep in its springs; screens have 2 Hz
 CYCLES = 4  # of a usual run-up
 BEYOND = 2.0  # factor by which a bushing may work beyond its measured amplitudes and frequencies
 SHEARED = 1.5  # Motion normal to a panel over that along it; a circular motion has 1.
+SHARES = np.linspace(0.0, 1.0, 17)  # of a panel's length, width and swing, where it is looked for in exits
 LEVEL = 0.09  # Sine of 5 degrees.
 BEATING = 1.5  # Speeds that differ by less than this factor beat; a second exciter may turn twice as fast.
 UPRIGHT = 0.27  # Tangent of 15 degrees: a stroke that leans less against the normal carries nothing.
@@ -196,6 +198,33 @@ def normal_strokes(scene: Scene) -> Iterator[str]:
             f"the stroke of {name_frame(frame)} is normal to the level panel {name}{_more(len(lifted))}: it "
             "throws material up and does not carry it along the deck"
         )
+
+
+def exits_in_swing(scene: Scene) -> Iterator[str]:
+    """Yield a warning for each exit into which a panel reaches while it swings: below its straight shape
+    by its sag, a sine arch, and by the stroke of its clamps normal to it."""
+    turn = axes(scene.case)
+    along, across, below = (share.ravel() for share in np.meshgrid(*[SHARES] * 3, indexing="ij"))
+    for name, row in scene.case.screen.exits.items():
+        low, high = np.array(row.box_m)
+        reached_m = {}
+        for moving, spring in zip(scene.panels, scene.springs, strict=True):
+            at = moving.panel.rectangle
+            own = [[shaking.amplitude_m[frame] for shaking in scene.shaken] for frame in spring.frames]
+            deep_m = max(_parts_m(amplitudes_m, moving)[1] for amplitudes_m in own)
+            deep_m += moving.sag_m * np.sin(math.pi * along)
+            flat_m = at.mounted(np.column_stack([along * at.length_m, across * at.width_m]))
+            places_m = (flat_m - (below * deep_m)[:, None] * at.normal) @ turn
+            inside = ((places_m > low) & (places_m < high)).all(axis=1)
+            if inside.any():
+                reached_m[moving.panel.name] = float((high[2] - places_m[inside, 2]).max())
+        if reached_m:
+            panel, most_m = max(reached_m.items(), key=lambda item: item[1])
+            yield (
+                f'panel {panel}{_more(len(reached_m))} swings into exit "{name}", by up to '
+                f"{1e3 * most_m:.3g} mm: there an exit of the undersize waits until a particle is below the "
+                f"panel, any other takes it from the deck; lower the upper face of screen.exits.{name}.box_m"
+            )
 
 
 def _parts_m(amplitudes_m: list[Array], moving: MovedPanel) -> tuple[float, float]:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck import stl
-from orchestrator.case.deck.panels import SinglePanel, plate_corners_m, single_panels, to_world, walls
+from orchestrator.case.deck.panels import SinglePanel, axes, plate_corners_m, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid, surface_grids
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.slice import period_m
@@ -163,7 +163,8 @@ ALLOWED = 1e-6  # overlap over diameter that counts as touching
 
 
 def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """Check that particles are inside the domain, apart from each other, and clear of surfaces.
+    """Check that particles are inside the domain and outside of closed bodies, apart from each other, and
+    clear of surfaces.
 
     ``hanging_panels`` checks slack panels, because only their solvers know how they hang.
     """
@@ -183,6 +184,7 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
         place = np.round(particles.position_m[outside[0]], 4).tolist()
         hint = 'bed.outside = "leave-out" leaves them out' if case.bed.carried is not None else ""
         yield CaseProblem(key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}", hint)
+    yield from closed_bodies(case, particles, folder)
     if apart:
         return
     yield from _overlapping(case, particles)
@@ -216,7 +218,7 @@ def surface_penetrations(
 def hanging_panels(
     case: Case, surface: TriangleSurface, panel_of_triangle: Indices, particles: ParticleList
 ) -> Iterator[CaseProblem]:
-    """Check that no panel at rest reaches into particles or into boxes of feeds.
+    """Check that no panel at rest reaches into particles or into boxes of feeds, and no slack one into exits.
 
     Check as well that particles that were pushed out have found room.
     """
@@ -226,6 +228,8 @@ def hanging_panels(
         own_m = corners_m[panel_of_triangle == number]
         yield from _in_surface(case, particles, at_rest, own_m)
         yield from _in_feed_box(case, at_rest, own_m)
+        if panel.rectangle.span_m < panel.rectangle.length_m:
+            yield from _in_exit_box(case, at_rest, own_m)
     if case.bed.carried is not None and case.bed.push_out:
         yield from _overlapping(case, particles)
         yield from _in_surface(case, particles, "a rigid surface", corners_m[panel_of_triangle < 0])
@@ -252,6 +256,64 @@ def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CasePro
         rim_m = ALLOWED * (high - low)  # a box may stand against a wall
         if reach_into(corners_m @ inlet.axes, np.stack([low + rim_m, high - rim_m])).any():
             yield CaseProblem(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it")
+
+
+def _in_exit_box(case: Case, name: str, corners_m: Array) -> Iterator[CaseProblem]:
+    """Check that none of the triangles (m, 3, 3) reaches into the box of an exit."""
+    for exit_, row in case.screen.exits.items():
+        low, high = np.array(row.box_m)
+        rim_m = ALLOWED * (high - low)
+        if reach_into(corners_m @ axes(case), np.stack([low + rim_m, high - rim_m])).any():
+            hint = "move the box away from it: particles on the panel would be taken for what has left it"
+            yield CaseProblem(("screen", "exits", exit_, "box_m"), f"{name} reaches into it", hint)
+
+
+def closed_bodies(case: Case, particles: ParticleList, folder: Path) -> Iterator[CaseProblem]:
+    """Check that no particle's centre is inside a rigid surface that is a closed body.
+
+    A ray from inside goes through a closed body an odd number of times.
+    """
+    for wall in walls(case, folder):
+        if not _is_closed(wall.triangles):
+            continue
+        corners_m = wall.position_m[wall.triangles]
+        low, high = wall.position_m.min(axis=0), wall.position_m.max(axis=0)
+        near = np.flatnonzero(((particles.position_m > low) & (particles.position_m < high)).all(axis=1))
+        inside = [row for row in near if _times_met(particles.position_m[row], corners_m) % 2]
+        if inside:
+            key, name = _describe_particle(case, inside[0])
+            place = np.round(particles.position_m[inside[0]], 4).tolist()
+            what = f"{name} at {place} is inside surface {wall.name}, a closed body"
+            hint = "move it out; a housing around particles needs an open side"
+            yield CaseProblem(key, f"{what}{_count_of_others(np.array(inside))}", hint)
+
+
+RAY = np.array([0.5347, 0.2718, 0.8001])  # along no edge or face that a machine is likely to have
+
+
+def _is_closed(triangles: Indices) -> bool:
+    """Tell whether each edge of the triangles (m, 3) belongs to two of them."""
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
+    return bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
+
+
+def _times_met(place_m: Array, corners_m: Array) -> int:
+    """Return how many triangles (m, 3, 3) a ray from a place (3,) goes through.
+
+    Moeller, T., Trumbore, B., Journal of Graphics Tools 2, 1997, 21-28, doi 10.1080/10867651.1997.10487468.
+    """
+    first, second = corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0]
+    normal = np.cross(RAY, second)
+    size = np.einsum("ij,ij->i", first, normal)
+    ahead = np.abs(size) > 0.0
+    first, second, normal, size = first[ahead], second[ahead], normal[ahead], size[ahead]
+    away_m = place_m - corners_m[ahead, 0]
+    along_first = np.einsum("ij,ij->i", away_m, normal) / size
+    across_m = np.cross(away_m, first)
+    along_second = across_m @ RAY / size
+    way_m = np.einsum("ij,ij->i", second, across_m) / size
+    met = (along_first >= 0.0) & (along_second >= 0.0) & (along_first + along_second <= 1.0) & (way_m > 0.0)
+    return int(met.sum())
 
 
 def _surfaces(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from orchestrator.case.bed.adhesion import softened_work_J_per_m2
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
@@ -33,18 +34,19 @@ def judge(scene: Scene) -> Verdict:
 def _pulls(case: Case) -> Iterator[tuple[float, float]]:
     """Yield the pull-off force over the weight at 1 J/m2, and the work of adhesion, of each pair that meets.
 
-    Both are those of the smallest real particles, even if the case computes coarse ones.
+    Both are those of the smallest real particles, even if the case computes coarse ones, with the work of
+    contacts as they are softened.
     """
     k = case.particles.coarse_graining
     radius_m = {name: d / 2 / k for name, d in smallest_diameters_m(case).items()}
-    for row in case.contacts:
+    for number, row in enumerate(case.contacts):
         radii = [radius_m.get(name, math.inf) for name in row.between]
         if math.isinf(min(radii)):
             continue
         density_kg_per_m3 = case.materials[row.between[radii.index(min(radii))]].density_kg_per_m3
         weight_N = STANDARD_GRAVITY_M_PER_S2 * sphere_mass_kg(2 * min(radii), density_kg_per_m3)
         reduced_m = 1 / (1 / radii[0] + 1 / radii[1])
-        yield 1.5 * math.pi * reduced_m / weight_N, row.work_of_adhesion_J_per_m2 / k
+        yield 1.5 * math.pi * reduced_m / weight_N, softened_work_J_per_m2(case, number) / k
 
 
 EFFECT = contact_law_effect(

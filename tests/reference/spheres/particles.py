@@ -25,7 +25,8 @@ from orchestrator.ports import (
     sort_removed,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import ParticlesPlan
+from orchestrator.ports.geometry import closest_on_triangle
+from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 from tests.reference.spheres.contacts import Neighbours, find_near_surface
 from tests.reference.spheres.crossing import find_crossings
@@ -236,7 +237,8 @@ class SpheresSolver:
         now, (lowest_m, highest_m) = self._spheres, self._plan.domain_m
         exit_of = np.full(len(now), -1)
         for number, box in reversed(list(enumerate(self._plan.exits))):
-            exit_of[box.holds(now.position_m)] = number
+            held = np.flatnonzero(box.holds(now.position_m))
+            exit_of[held[self._has_left(box, now.position_m[held])]] = number
         inside = np.all((now.position_m >= lowest_m) & (now.position_m <= highest_m), axis=1)
         stays = inside & (exit_of < 0)
         if stays.all():
@@ -248,6 +250,25 @@ class SpheresSolver:
         self._supplied_J["removal"] -= left.mechanical_J(self._plan.gravity_m_per_s2) + ended_J
         self._impulse_N_s -= left.momentum_kg_m_per_s()
         self._came_kg_m2_per_s = self._came_kg_m2_per_s - left.angular_momentum_kg_m2_per_s()
+
+    def _has_left(self, box: ExitPlan, position_m: Array) -> npt.NDArray[np.bool_]:
+        """Tell who is on the lower side of the nearest panel that reaches into an exit of the undersize."""
+        surface, below = self._plan.surface, np.ones(len(position_m), dtype=bool)
+        if surface.panel is None or box.product != "undersize":
+            return below
+        corners_m = self._surface_m[surface.triangles[surface.panel >= 0]]
+        in_box_m = (corners_m - box.center_m) @ box.axes.T
+        meets = (in_box_m.min(axis=1) <= box.half_m) & (in_box_m.max(axis=1) >= -box.half_m)
+        corners_m = corners_m[meets.all(axis=1)]
+        for row, place_m in enumerate(position_m if len(corners_m) else ()):
+            nearest_m = np.einsum("ij,ijk->ik", closest_on_triangle(place_m[None], corners_m), corners_m)
+            away_m = place_m - nearest_m
+            normal = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+            height_m = np.einsum("ij,ij->i", away_m, normal) / np.linalg.norm(normal, axis=1)
+            distance_m = np.linalg.norm(away_m, axis=1)
+            alike = distance_m <= distance_m.min() * (1 + 1e-9)
+            below[row] = height_m[alike][np.argmax(np.abs(height_m[alike]))] < 0.0
+        return below
 
     def _replace(self, new: Spheres, row: Indices) -> None:
         """Go on with ``new`` spheres; the present ones are now in rows ``row`` (< 0: gone)."""
