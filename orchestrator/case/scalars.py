@@ -229,6 +229,11 @@ def is_of_separation(name: str) -> bool:
     return name in separated or name.startswith("results.screening.")
 
 
+def is_peak(name: str) -> bool:
+    """Return whether a result is a largest value, which a run-up may decide."""
+    return name == "stretch" or "peak" in name or "largest" in name
+
+
 _PARTS = {
     "particles": ("material.", *(f"results.{table}." for table in ("screening", "transport", "bed", "held"))),
     "frames": ("results.motion.frames.", "results.motion.relative.", "results.power."),

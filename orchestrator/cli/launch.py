@@ -51,6 +51,8 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import Entry, account, lines_at_start, recall
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import key_of, share_pairs
+from orchestrator.preflight.scene.frame_motion import motion_lines
+from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability.report import stability_report
 from orchestrator.run.interruption import ImmediateStop, Interrupted, find_immediate_stop
 from orchestrator.run.origin import origin, refuse_another_run
@@ -249,6 +251,8 @@ def _execute(
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if checkpoint is None else f"going on from t = {checkpoint.simulated_s:g} s with"
         _print_and_log(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
+        for line in motion_lines(scene(loaded.case)):
+            _print_and_log(line, console)
         try:
             stability = stability_report(loaded.case)
             lines = [

@@ -259,7 +259,10 @@ def explain(
             help="results, by short names (efficiency,stroke,...), whose change decides",
         ),
     ] = None,
-    budget: Annotated[float, typer.Option(min=0, help="with --for: processor time for all runs / s")] = 300.0,
+    budget: Annotated[
+        float,
+        typer.Option(min=0, help="with --for: processor time for all runs / s; one run gets a quarter of it"),
+    ] = 300.0,
     as_json: AsJson = False,
     overrides: Overrides = None,
 ) -> None:
@@ -271,7 +274,9 @@ def explain(
     needed.  Measurements by flipflow study accuracy replace estimates.
 
     With --for, short runs at a cheap level with and without an effect decide by the change of these
-    results, unless an estimate is sure that the effect may be left out.  The runs are remembered.
+    results, unless an estimate is sure that the effect may be left out; of such effects the cheapest
+    is tried, too.  The runs are remembered.  --budget limits their processor time: a run that is predicted
+    to take more than a quarter of it, or more than is left of it, is not made.
 
     Exit code 0: done, whatever the verdicts; 2: the case has problems.
     """
@@ -486,7 +491,7 @@ def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Return runs with and without effects for the results ``asked`` for; None if none are asked for."""
     from orchestrator.case.scalars import scalar
-    from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, try_all_effects
+    from orchestrator.studies.pairs import RUNS_IN_BUDGET, Pairs, try_all_effects
 
     try:
         for name in asked:
@@ -495,8 +500,7 @@ def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> Tried
         refuse(f"--for: {error.args[0]}")
     if not asked:
         return None
-    limit_s = max(LIMIT_S, budget_s / RUNS_IN_BUDGET)
-    return try_all_effects(loaded, Pairs(limit_s, ERRORS.print), budget_s)
+    return try_all_effects(loaded, Pairs(budget_s / RUNS_IN_BUDGET, ERRORS.print, budget_s=budget_s))
 
 
 def _case_lines(folder: Path) -> Iterator[str]:

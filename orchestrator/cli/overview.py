@@ -26,6 +26,8 @@ from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, lines_at_start
+from orchestrator.preflight.scene.frame_motion import motion_lines
+from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability.report import stability_report, with_scheme
 from orchestrator.preflight.step_filling import step_filling_lines
 
@@ -78,6 +80,8 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
         f"{f'{drives} of them driven, ' if drives else ''}{bushings} bushings, "
         f"{len(screen.exciters)} exciters, deck inclined by {screen.inclination_deg:g} deg"
     )
+    for line in motion_lines(scene(case)):
+        yield f"             {line}"
     panels, cells = single_panels(case), " x ".join(str(count) for count in case.panel.cells)
     described = f"{len(panels)} ({case.panel.solver}), {cells} cells each" if panels else "none"
     yield f"  panels     {described}"

@@ -22,6 +22,7 @@ from orchestrator.preflight.checks import (
     machine,
     motion,
     panels,
+    slips,
     steps,
     surfaces,
 )
@@ -50,6 +51,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
             machine.solvers_objections(whole),
             machine.inertia_tensors(whole),
             machine.frame_weights(whole),
+            slips.refused_motion(whole),
             bed.written_size(case),
             bed.feeds(case),
             bed.exits(whole),
@@ -123,7 +125,15 @@ def warnings(loaded: JudgedCase) -> list[str]:
     """
     case = loaded.case
     shaken = scene(case)
+    slipped = [
+        *slips.unusual_motion(shaken),
+        *slips.late_exciters(case),
+        *slips.cancelled_shafts(shaken),
+        *slips.angles_in_other_units(loaded.layers.merged),
+        *slips.cut_beside_all_sizes(case),
+    ]
     return [
+        *map(str, loaded.layers.named(slipped)),
         *unusual_sizes(case.whole_machine),
         *deck.panels_out_of_line(case),
         *deck.panels_across(case),

@@ -11,6 +11,7 @@ import json
 import math
 import resource
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -43,12 +44,12 @@ from orchestrator.preflight.scene.effect import describe_verdict
 from orchestrator.studies.points import NoResult, run_in_scratch, sample_s
 
 LIMIT_S = 30.0
-"""The largest predicted processor time of one run of a pair."""
+"""The largest predicted processor time of one run of a pair before a run with ``effects = "auto"``."""
 PATIENCE = 10.0
 """The multiple of the limit, in wall time, after which a run is ended: predictions err by a factor of three,
 and the processor may be busy with other work."""
 RUNS_IN_BUDGET = 4
-"""The number of runs in the budget of ``flipflow explain --for``, each as long as the limit allows: three
+"""The number of runs in the budget of ``flipflow explain --for``, each as long as its share allows: three
 runs already say something."""
 FEWEST_CYCLES = 6
 """The least number of the machine's cycles after its run-up: half of them are evaluated."""
@@ -65,20 +66,25 @@ class NoPair(Exception):
     """An error of a pair whose runs cannot be made, or cannot be relied upon; the message says why."""
 
 
+class BudgetUsed(Exception):
+    """The end of a budget: the next run would take more than is left of it."""
+
+
 @dataclass
 class Pairs:
     """A maker of pairs that remembers them and shares runs among them.
 
-    ``limit_s`` is the largest predicted processor time of a run.  ``say`` gets a line before each run.
-    ``forget`` ignores the remembered results.  ``spent_s`` is the processor time of all runs so far, also of
-    runs that failed.
+    ``limit_s`` is the largest predicted processor time of a run, and ``budget_s`` that of all runs together.
+    ``say`` gets a line before each run.  ``forget`` ignores the remembered results.  ``spent_s`` is the
+    processor time of all runs so far, also of runs that failed.
     """
 
     limit_s: float = LIMIT_S
     say: Say = lambda line: None
     forget: bool = False
+    budget_s: float = math.inf
     spent_s: float = field(default=0.0, init=False)
-    _runs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    _made: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Clear the caches, since files may have changed after another object filled them."""
@@ -86,7 +92,10 @@ class Pairs:
         _predicted_s.cache_clear()
 
     def of(self, loaded: JudgedCase, effect: str) -> Pair:
-        """Return the pair of a case and one of its effects, from memory if the pair is known."""
+        """Return the pair of a case and one of its effects, from memory if the pair is known.
+
+        Raises BudgetUsed.
+        """
         key = key_of(loaded.origin.read(), effect)
         known = None if self.forget else recall(key)
         if known is not None and not (known.refused and known.limit_s < self.limit_s):
@@ -98,32 +107,49 @@ class Pairs:
         remember(key, pair)
         return pair
 
-    def _make(self, loaded: JudgedCase, effect: str) -> Pair:
+    def cheapest(self, loaded: JudgedCase, effects: Sequence[str]) -> list[str]:
+        """Return the effect without which a run is the cheapest, alone in a list; [] if none can be run."""
+        costs_s = {}
+        for effect in effects:
+            with suppress(NoPair, CaseError):
+                level, _, without = self._runs(loaded, effect)
+                costs_s[effect] = _predicted_s(loaded.folder, level, without)
+        return sorted(costs_s, key=lambda effect: costs_s[effect])[:1]
+
+    def _runs(self, loaded: JudgedCase, effect: str) -> tuple[str, Sets, Sets]:
+        """Return the level, and the overlays of the runs with and without an effect.  Raises NoPair."""
         level, sets = _cheap(loaded, effect, self.limit_s)
         present, removed = _present(loaded.folder, level, sets), with_dependents([effect], "")
         remaining = [name for name in present if name not in removed]
+        return level, (*sets, _with_effects(present)), (*sets, _with_effects(remaining))
+
+    def _make(self, loaded: JudgedCase, effect: str) -> Pair:
+        level, *runs = self._runs(loaded, effect)
+        sets = runs[0][:-1]
         with_it, without = (
-            self._summary(loaded.folder, level, (*sets, _with_effects(names)), f"{loaded.name} {what}")
-            for names, what in ((present, "as it is"), (remaining, f"without {effect}"))
+            self._summary(loaded.folder, level, each, f"{loaded.name} {what}")
+            for each, what in zip(runs, ("as it is", f"without {effect}"), strict=True)
         )
         used_s = with_it["processor_s"] + without["processor_s"]
         return Pair(effect, level, sets, "", used_s, self.limit_s, with_it, without)
 
     def _summary(self, folder: Path, level: str, sets: Sets, what: str) -> dict[str, Any]:
-        """Return the summary of the run of a case with ``sets``.  Raises NoPair."""
+        """Return the summary of the run of a case with ``sets``.  Raises NoPair and BudgetUsed."""
         loaded = _load(folder, level, sets)
         if problems := find_problems(loaded):
             raise NoPair(f"{what} cannot be run: {problems[0]}")
         key = json.dumps([resolved_case(loaded), str(folder)], sort_keys=True, default=str)
-        if key not in self._runs:
-            cost_s = _predicted_s(folder, level, sets)
+        if key not in self._made:
+            cost_s, left_s = _predicted_s(folder, level, sets), self.budget_s - self.spent_s
+            if cost_s > left_s:
+                raise BudgetUsed
             self.say(f"trial run: {what}, {loaded.case.duration_s:g} s, about {cost_s:.0f} s")
             began_s = _processor_time_of_children_s()
             try:
-                self._runs[key] = _run(folder, level, sets, PATIENCE * self.limit_s, what)
+                self._made[key] = _run(folder, level, sets, PATIENCE * self.limit_s, left_s, what)
             finally:
                 self.spent_s += _processor_time_of_children_s() - began_s
-        return self._runs[key]
+        return self._made[key]
 
 
 def _processor_time_of_children_s() -> float:
@@ -132,13 +158,15 @@ def _processor_time_of_children_s() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _run(folder: Path, level: str, sets: Sets, patience_s: float, what: str) -> dict[str, Any]:
+def _run(
+    folder: Path, level: str, sets: Sets, patience_s: float, processor_s: float, what: str
+) -> dict[str, Any]:
     """Return the summary of a run that is trustworthy apart from the deliberate omissions of the pair.
 
     Raises NoPair.
     """
     try:
-        summary = run_in_scratch(folder, level, sets, patience_s)
+        summary = run_in_scratch(folder, level, sets, patience_s, processor_s)
     except NoResult as why:
         raise NoPair(f"{what} {why}") from None
     state = str(summary["status"])
@@ -279,25 +307,30 @@ def rank_effects(judged: Sequence[Judged]) -> list[str]:
     return [each.effect for each in sorted(open_to_trial, key=place)]
 
 
-def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> TriedEffects:
-    """Make the pairs of effects in turn until the budget is used, and return them.
+def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs) -> TriedEffects:
+    """Make the pairs of effects in turn, except those for which the budget does not last, and return them.
 
     Remembered pairs cost nothing.
     """
     tried = known_pairs(loaded.origin, effects)
     omitted = []
     for name in effects:
-        if pairs.spent_s < budget_s:
+        try:
             tried[name] = pairs.of(loaded, name)
-        elif name not in tried or tried[name].refused:
-            omitted.append(name)
+        except BudgetUsed:
+            if name not in tried or tried[name].refused:
+                omitted.append(name)
     return TriedEffects(tried, tuple(omitted), pairs.spent_s)
 
 
-def try_all_effects(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
-    """Make and return the pairs of all effects of the case about which a pair could decide."""
+def try_all_effects(loaded: JudgedCase, pairs: Pairs) -> TriedEffects:
+    """Make and return the pairs of all effects of the case about which a pair could decide.
+
+    The cheapest of the effects that may surely be left out comes first, to test the estimates.
+    """
     judged = list(weigh_effects(loaded.described).values())
-    return try_effects(loaded, rank_effects(judged), pairs, budget_s)
+    spare = [each.effect for each in judged if each.present and each.can_go and each.verdict.matters is False]
+    return try_effects(loaded, [*pairs.cheapest(loaded, spare), *rank_effects(judged)], pairs)
 
 
 def effects_to_try(loaded: JudgedCase) -> tuple[str, ...]:
@@ -324,7 +357,7 @@ def try_before_run(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
             f'effects = "auto" cannot decide about {", ".join(names)}: short runs with and without '
             f"each, at most {BUDGET_S:g} s of processor time"
         )
-    pairs = try_effects(loaded, names, Pairs(LIMIT_S, say), BUDGET_S).pairs
+    pairs = try_effects(loaded, names, Pairs(LIMIT_S, say, budget_s=BUDGET_S)).pairs
     asked = loaded.choice.asked or (*SCALARS,)
     judged = weigh_effects(loaded.described, pairs, asked)
     for name, pair in pairs.items():

@@ -9,7 +9,9 @@ are threads.
 from __future__ import annotations
 
 import logging
+import math
 import os
+import resource
 import signal
 import subprocess
 import tempfile
@@ -260,19 +262,31 @@ class NoResult(Exception):
 
 
 def run_in_scratch(
-    case: Path, level: str, sets: Sequence[str], patience_s: float | None = None
+    case: Path,
+    level: str,
+    sets: Sequence[str],
+    patience_s: float | None = None,
+    processor_s: float = math.inf,
 ) -> dict[str, Any]:
     """Make a run in a folder that is removed afterwards, and return its summary.
 
-    Raises NoResult where the run leaves no summary, or takes longer than ``patience_s``.
+    Raises NoResult where the run leaves no summary, takes longer than ``patience_s``, or takes more processor
+    time than ``processor_s``, in whole seconds.
     """
+    more: dict[str, Any] = {}
+    if math.isfinite(processor_s):
+        limit_s = max(1, math.ceil(processor_s))
+        limits_s = (limit_s, limit_s + 1)  # then asked to end, then killed
+        more["preexec_fn"] = partial(resource.setrlimit, resource.RLIMIT_CPU, limits_s)
     with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
         folder = Path(scratch) / "run"
         words = ("-c", MAIN, *run_words(case, level, sets, folder))
         try:
-            done = python(*words, alone=True, capture_output=True, env=ONE_THREAD, timeout=patience_s)
+            done = python(*words, alone=True, capture_output=True, env=ONE_THREAD, timeout=patience_s, **more)
         except subprocess.TimeoutExpired:
             raise NoResult(f"took more than {patience_s:g} s and was ended") from None
+        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and more:
+            raise NoResult(f"took more than {limit_s} s of processor time and was ended")
         try:
             return RunReader(folder).summary
         except (OSError, ValueError):

@@ -151,9 +151,10 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
     alone = CASE.replace('frame = "driving"', 'frame = "driven"')
     folder = case_folder(tmp_path, alone)
     given = [
-        f"screen.frames.driven={{{FRAME}}}",
+        f"screen.frames.driven={{{FRAME.replace('mass_kg=1', 'mass_kg=76')}}}",
         "screen.frames.driving={drive={speed_rad_per_s=78.5, amplitude_m=[0.01, 0, 0]}}",
         'screen.bushings.isolation.between=["driving", "driven"]',
+        "screen.largest_acceleration_m_per_s2=1e4",
     ]
 
     def said(*overrides: str) -> list[str]:
@@ -269,13 +270,13 @@ def test_two_panels_in_one_place_are_refused(
     tmp_path: Path, corner_m: list[float], along: list[float], meets: bool
 ) -> None:
     twin = TWIN.replace("CORNER", str(corner_m)).replace("ALONG", str(along))
-    ball = "bed.particles.ball.position_m=[-0.5, 0, 0.5]"
+    sets = (twin, "bed.particles.ball.position_m=[-0.5, 0, 0.5]", "screen.drawn_at_rest=false")
     if meets:
         assert "twin.corner_m: panel twin lies in the place of panel deck, or" in only_complaint(
-            tmp_path, twin, ball
+            tmp_path, *sets
         )
     else:
-        assert complaints(tmp_path, twin, ball) == []
+        assert complaints(tmp_path, *sets) == []
 
 
 def test_each_pair_of_panels_in_one_place_is_named(tmp_path: Path) -> None:

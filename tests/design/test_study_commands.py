@@ -117,8 +117,9 @@ def test_a_formula_that_divides_by_zero_in_a_corner_is_named(tmp_path: Path) -> 
     write_plates(tmp_path, ('"amplitude / 1000"', '"1 / (amplitude - 12)"'))
     done = study("design")
     assert done.exit_code == 2
-    assert "3 problems" in done.output
+    assert "4 problems" in done.output
     assert "amplitude = 8, rate = 70: -0.25 is out of" in done.output  # the centre
+    assert "amplitude = 4, rate = 100: the plate frame moves with 127 g" in done.output  # by 0.125 m
     assert "amplitude = 12, rate = 40: " in done.output
     assert "1 / (amplitude - 12)" in done.output
     assert contents(tmp_path) == {"study.toml"}

@@ -173,7 +173,7 @@ def test_auto_warns_of_what_is_lacking_and_invents_nothing(tmp_path: Path) -> No
     said = [line for line in warnings(found) if "matters, and the case does not have it" in line]
     lacking = {line.split()[0] for line in said}
     of_panels = {"panel-deformation", "large-deflection", "panel-inertia", "particle-load"}
-    assert lacking == of_panels | {"run-up"}
+    assert lacking == of_panels | {"run-up", "rolling-friction"}
     assert found.case.panel.solver == "rigid"
 
 

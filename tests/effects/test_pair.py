@@ -157,9 +157,49 @@ def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
     clock_s = iter(range(0, 1000, 10))
     monkeypatch.setattr(pairs, "_processor_time_of_children_s", lambda: float(next(clock_s)))
     monkeypatch.setattr(pairs, "_run", lambda *_: summary(velocity_m_per_s=0.4))
-    found = try_effects(case, names, pairs.Pairs(limit_s=30.0), budget_s=15.0)
+    monkeypatch.setattr(pairs, "predicted_s", lambda *_: 6.0)
+    found = try_effects(case, names, pairs.Pairs(limit_s=30.0, budget_s=17.0))
     assert (found.pairs[names[0]].refused, found.omitted) == ("", names[1:])
     assert found.spent_s == 20.0
+
+
+def test_no_run_is_made_that_would_take_more_than_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pairs, "_run", lambda *_: pytest.fail("it was run"))
+    monkeypatch.setattr(pairs, "predicted_s", lambda *_: 6.0)
+    found = try_effects(loaded(tmp_path), ("particle-load",), pairs.Pairs(limit_s=30.0, budget_s=5.0))
+    assert (found.pairs, found.omitted) == ({}, ("particle-load",))
+
+
+@pytest.mark.process
+def test_a_run_is_ended_when_the_budget_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However short it was predicted to be: 50 s of simulated time in a second of processor time."""
+    case = loaded(tmp_path, ("duration_s=50.0",))
+    monkeypatch.setattr(pairs, "predicted_s", lambda *_: 0.5)
+    found = try_effects(case, ("particle-load",), pairs.Pairs(limit_s=30.0, budget_s=1.0))
+    assert "took more than 1 s of processor time and was ended" in found.pairs["particle-load"].refused
+    assert found.spent_s < 3.0
+
+
+@pytest.mark.parametrize(("words", "limit_s"), [((), 75.0), (("--budget", "5"), 1.25)])
+def test_a_run_gets_a_quarter_of_the_budget(
+    words: tuple[str, ...], limit_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And no more, however little that is."""
+    asked: list[pairs.Pairs] = []
+
+    def try_all(case: object, engine: pairs.Pairs) -> pairs.TriedEffects:
+        asked.append(engine)
+        return pairs.TriedEffects({})
+
+    monkeypatch.setattr(pairs, "try_all_effects", try_all)
+    case = str(case_folder(tmp_path / "case", CASE))
+    done = CliRunner().invoke(app, ["explain", case, "--for", "velocity", *words])
+    assert done.exit_code == 0, done.output
+    assert [engine.limit_s for engine in asked] == [limit_s]
+    help_text = CliRunner().invoke(app, ["explain", "--help"]).output
+    assert "a quarter of it" in " ".join(help_text.replace("│", " ").split())
 
 
 def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> None:
@@ -189,12 +229,12 @@ def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch
 
 
 def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What an estimate surely leaves out is not tried; the rest is by two runs each, of which the
-    one with everything is made once; asked again, nothing is run."""
-    made: list[str] = []
+    """Of what an estimate surely leaves out the cheapest is tried; the rest is by two runs each, of
+    which the one with everything is made once; asked again, nothing is run."""
+    made: list[tuple[str, ...]] = []
 
     def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:
-        made.append(sets[-1])
+        made.append(sets)
         without = "sliding-friction" not in sets[-1]
         return summary(velocity_m_per_s=0.5 if without else 0.4)
 
@@ -208,7 +248,9 @@ def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pyte
     assert "matters: measured: velocity 0.4" in friction
     load_row = next(line for line in done.output.splitlines() if line.startswith(" particle-load"))
     assert "may be left out: measured:" in load_row
-    assert made.count(made[0]) == 1, "the case as it is"
+    assert len(made) == len(set(made)), "the case as it is, once"
+    spare = [line for line in done.output.splitlines() if line.startswith((" frame-rot", " sideways-"))]
+    assert ["measured:" in line for line in spare] == [True, False], "the cheapest alone"
     once = len(made)
     again = CliRunner().invoke(app, [*words, "--set", SHORT])
     assert again.exit_code == 0, again.output

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.bed.contact_times import hertz_overlap_m
-from tests.cases import BLOCK, FEED, load_case
+from tests.cases import BLOCK, CASE, FEED, load_case
 from tests.effects.verdicts import (
     APERTURES,
     BARE,
@@ -29,21 +29,21 @@ def test_friction_against_the_slope(tmp_path: Path) -> None:
     assert (found.present, found.verdict.matters) == (True, True)
 
 
-@pytest.mark.parametrize(("friction", "matters"), [(0.09, True), (0.03, False)])
-def test_rolling_friction_against_the_slope(tmp_path: Path, friction: float, matters: bool) -> None:
+@pytest.mark.parametrize("friction", [0.4, 0.09, 0.03])
+@pytest.mark.parametrize("case", [STILL_CASE, CASE])
+def test_rolling_friction_matters_on_a_slope(tmp_path: Path, friction: float, case: str) -> None:
+    """Where a lone sphere does not stop, with or without a throw; and where it does."""
     row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
-    found = by_name(load_case(tmp_path, STILL_CASE, [TILTED, row]))["rolling-friction"]
+    found = by_name(load_case(tmp_path, case, [TILTED, row]))["rolling-friction"]
     assert found.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
-    assert (found.present, found.verdict.matters, found.is_spare) == (True, matters, not matters)
+    assert (found.present, found.verdict.matters, found.is_spare) == (True, True, False)
+    assert ("a lone sphere does not stop" in found.verdict.why) == (friction < 0.363970)
 
 
-def test_what_is_thrown_hardly_rolls(tmp_path: Path) -> None:
-    """Brute force, banana and quickstart: rolling friction 0.34 to 0.42 of what the slope pulls,
-    and without it the bed's speed changes by 3 % and less."""
-    row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
-    found = verdict(tmp_path, "rolling-friction", TILTED, row)
-    assert (found.present, found.verdict.matters) == (True, None)
-    assert "hardly rolls" in found.verdict.why
+@pytest.mark.parametrize(("slope", "matters"), [("screen.inclination_deg=0", False), (TILTED, True)])
+def test_no_rolling_friction_is_lacking_on_a_slope_alone(tmp_path: Path, slope: str, matters: bool) -> None:
+    found = verdict(tmp_path, "rolling-friction", slope)
+    assert (found.verdict.value, found.verdict.matters, found.is_lacking) == (0.0, matters, matters)
 
 
 def test_rolling_friction_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:

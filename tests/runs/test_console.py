@@ -21,7 +21,11 @@ LINE = r"t = 0\.0010 of 0\.002 s, 50 %, \d+ s spent, about \d+ s left"
 def test_progress_in_a_file_is_a_line_now_and_then(tmp_path: Path) -> None:
     done = flipflow(*run_words("quickstart", tmp_path / "run", SHORT), before=AT_ONCE)
     assert re.search(LINE, done.stderr), done.stderr
-    assert re.search(LINE, (tmp_path / "run/run.log").read_text())
+    log = (tmp_path / "run/run.log").read_text()
+    assert re.search(LINE, log)
+    for frame in ("driving", "driven"):  # their estimated motion, in the screen's terms
+        assert f"frame {frame}: stroke " in done.stderr
+        assert f"frame {frame}: stroke " in log
     assert "\x1b[" not in done.stderr
     assert done.stdout == ""
 

@@ -6,9 +6,10 @@ A rotation by ``inclination_deg`` about y turns the deck axes into the world axe
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from annotated_types import Gt, Le
+from pydantic import Field, Strict
 
 from orchestrator.case.tables.deck import Deck, PanelSheet
 from orchestrator.case.tables.frames import Bushing, Exciter, Frame
@@ -77,6 +78,9 @@ class Screen(Table):
     drawn_at_rest: Switch = True
     """true: bushings are preloaded so that nothing moves before an exciter or drive starts.
     false: the frames drop onto their unloaded bushings at t = 0."""
+    largest_acceleration_m_per_s2: Annotated[float, Strict(), Gt(0), Le(1e7)] = 392.0
+    """Largest acceleration of a frame that is taken as meant, by default 40 g.  A case is refused whose
+    frames would move harder, by the estimate that `flipflow check` prints."""
     frames: dict[Name, Frame] = Field(default_factory=dict)
     """Frames by name."""
     bushings: dict[Name, Bushing] = Field(default_factory=dict)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,11 @@ from orchestrator.case.solver_plans import frames_plan, panel_plans
 from orchestrator.case.solvers import Port
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import GROUND
-from orchestrator.ports import linear_frames
+from orchestrator.ports import Array, linear_frames
+from orchestrator.ports.plans import BodyPlan
 from orchestrator.preflight.checks.names import rows
+from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.scene.shaking import PanelSpring, carry_panels
 
 FASTEST_MOTOR = 1.25  # synchronous speed over the exciter's: motors slip by some per cent
 
@@ -73,9 +76,11 @@ def inertia_tensors(case: Case) -> Iterator[CaseProblem]:
 
 
 def frame_weights(case: Case) -> Iterator[CaseProblem]:
-    """Check that bushings to the ground or to driven frames hold the weight of frames drawn at rest.
+    """Check that bushings to the ground or to driven frames hold frames that are drawn at rest.
 
-    The static equations K u = weight must have a solution in the coordinates of the solver.
+    The static equations K u = load must have a solution in the coordinates of the solver: for the weight of
+    the frames, and for the panels on them.  What these weigh and pull together is known only when they are
+    open, so that each clamp's weight and each panel's pull must be held alone, with the panels as springs.
     """
     able = case.frames.adapter
     if not (able.moved_by_forces and case.screen.drawn_at_rest):
@@ -84,15 +89,38 @@ def frame_weights(case: Case) -> Iterator[CaseProblem]:
     coordinates = rotating if able.rotates else linear_frames.TRANSLATIONS
     plan = frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
     free = [plan.bodies[number] for number in linear_frames.free(plan)]
-    weight = np.array([[*body.mass_kg * plan.gravity_m_per_s2, 0.0, 0.0, 0.0] for body in free]).reshape(
-        -1, 6
-    )
-    _, unmet = linear_frames.linearise(plan, coordinates).hold(weight[:, coordinates].ravel())
-    for body, left in zip(free, unmet.reshape(len(free), len(coordinates)), strict=True):
-        if np.abs(left).max() > linear_frames.IN_BALANCE * np.abs(weight).max():  # in N and N m
+    if not free:
+        return
+    weight = np.array([[*body.mass_kg * plan.gravity_m_per_s2, 0.0, 0.0, 0.0] for body in free])
+    loads = [(linear_frames.linearise(plan, coordinates), weight)]
+    springs = scene(case).springs if case.exchange.panel_reaction else ()
+    with_panels = linear_frames.linearise(carry_panels(plan, springs), coordinates)
+    loads += [(with_panels, load) for load in _panel_loads(free, springs, plan.gravity_m_per_s2)]
+    unheld = np.zeros(len(free), dtype=np.bool_)
+    for machine, load in loads:
+        _, unmet = machine.hold(load[:, coordinates].ravel())
+        left = np.abs(unmet).reshape(len(free), len(coordinates)).max(axis=1)  # in N and N m
+        unheld |= left > linear_frames.IN_BALANCE * np.abs(load).max()
+    for body, is_unheld in zip(free, unheld, strict=True):
+        if is_unheld:
             what = "no bushing holds its weight, or keeps it from tipping over"
             hint = "add bushings to the ground, or let it drop: screen.drawn_at_rest = false"
             yield CaseProblem(("screen", "frames", body.name), what, hint)
+
+
+def _panel_loads(
+    free: Sequence[BodyPlan], springs: Sequence[PanelSpring], gravity_m_per_s2: Array
+) -> Iterator[Array]:
+    """Yield the loads (bodies, 6) of the weight of each panel at each of its ends, and of a pull along it."""
+    for spring in springs:
+        weight, pull = np.zeros((2, 2, len(free), 6))
+        for end, sign in ((0, 1.0), (1, -1.0)):
+            for number, body in enumerate(free):
+                if body.name == spring.frames[end]:
+                    arm = linear_frames.displacement(body, spring.ends_m[end])
+                    weight[end, number] = arm.T @ (spring.mass_kg / 2 * gravity_m_per_s2)
+                    pull[end, number] = arm.T @ (sign * spring.along)
+        yield from (load for load in (*weight, pull.sum(axis=0)) if load.any())
 
 
 def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:

@@ -14,12 +14,11 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.scene.clamp_motion import has_moved_by_forces
-from orchestrator.preflight.scene.frame_modes import SHAPES, frame_modes, name_frame
+from orchestrator.preflight.scene.frame_modes import NEAR, SHAPES, frame_modes, modes_near, name_frame
 from orchestrator.preflight.scene.moved_panel import MovedPanel
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames
 
-NEAR = 0.15  # A mode this close to an excitation, as a share of it, is resonant or soon may be.
 UNDAMPED = 0.002  # Share of the critical damping below which a mode rings for more than 80 cycles.
 NORMAL = SHAPES.index("motion normal to the deck")
 LOOSE_HZ = 1e-3  # Rounding of a mode that nothing holds.
@@ -35,11 +34,9 @@ UPRIGHT = 0.27  # Tangent of 15 degrees: a stroke that leans less against the no
 
 def resonances(scene: Scene) -> Iterator[str]:
     """Yield a warning for each speed of excitation, with all the frames' modes that are near it."""
-    modes = frame_modes(scene)
     for shaking in scene.shaken:
         excited_Hz = shaking.speed_rad_per_s / (2 * math.pi)
-        near = [mode for mode in modes if abs(mode.frequency_Hz - excited_Hz) <= NEAR * excited_Hz]
-        if near:
+        if near := modes_near(scene, shaking.speed_rad_per_s):
             which = "; ".join(mode.in_words for mode in near)
             yield (
                 f"the excitation at {excited_Hz:.3g} Hz is within {NEAR:.0%} of {_count(len(near))} of the "
@@ -59,7 +56,7 @@ def slips_of_magnitude(scene: Scene) -> Iterator[str]:
         sag_m = STANDARD_GRAVITY_M_PER_S2 / (2 * math.pi * softest.frequency_Hz) ** 2
         yield (
             f"soft bushings: {softest.in_words}, as if it hung {sag_m:.2g} m deep in them under its weight; "
-            "stiffness_N_per_m is in N/m, and rubber springs of screens have 1e4 to 1e7"
+            f"{_softest_bushing(scene.case)}rubber springs of screens have 1e4 to 1e7 N/m"
         )
     free = free_frames(scene.plan)
     for body in (body for body in scene.plan.bodies if body.name in free):
@@ -69,6 +66,21 @@ def slips_of_magnitude(scene: Scene) -> Iterator[str]:
                 f"{name_frame(body.name)} of {body.mass_kg:.3g} kg is lighter than the panels that it "
                 f"carries, {panels_kg:.3g} kg; mass_kg is in kg"
             )
+
+
+def _softest_bushing(case: Case) -> str:
+    """Return a text about the softest stiffness of all bushings, as if in N/mm; "" without bushings."""
+    sizes = [
+        (size, name)
+        for name, row in case.screen.bushings.items()
+        for size in row.stiffness_N_per_m
+        if size > 0
+    ]
+    if not sizes:
+        return ""
+    size, name = min(sizes)
+    key = f"screen.bushings.{name}.stiffness_N_per_m"
+    return f"{key} has {size:g}, and {size:g} N/mm would be {1e3 * size:g} N/m; "
 
 
 def missing_damping(case: Case, scene: Scene) -> Iterator[str]:
@@ -169,7 +181,7 @@ def beating_speeds(scene: Scene) -> Iterator[str]:
 
 
 def normal_strokes(scene: Scene) -> Iterator[str]:
-    """Yield warnings about strokes normal to the deck.
+    """Yield warnings about strokes normal to the panels and across them.
 
     The ends of a flip-flow panel must move against each other along the panel.  A panel whose ends move
     together carries material on a level deck only if its stroke leans downhill.
@@ -178,18 +190,20 @@ def normal_strokes(scene: Scene) -> Iterator[str]:
     for moving, spring in zip(scene.panels, scene.springs, strict=True):
         relative = [shaking.relative_m(spring.frames) for shaking in scene.shaken]
         along_m, normal_m = _parts_m(relative, moving)
-        if normal_m > SHEARED * along_m:
-            sheared.append((moving.panel.name, spring.frames, normal_m, along_m))
+        across_m = sum(float(abs(amplitude_m @ moving.panel.rectangle.across)) for amplitude_m in relative)
+        side_m, way = max((normal_m, "normal to"), (across_m, "across"))
+        if side_m > SHEARED * along_m:
+            sheared.append((moving.panel.name, spring.frames, way, side_m, along_m))
         own = [shaking.amplitude_m[spring.frames[0]] for shaking in scene.shaken]
         own_along_m, own_normal_m = _parts_m(own, moving)
         level = abs(spring.along[2]) < LEVEL and scene.case.bed.feeds
         if level and along_m == normal_m == 0 and own_along_m < UPRIGHT * own_normal_m:
             lifted.append((moving.panel.name, spring.frames[0]))
     if sheared:
-        name, frames, normal_m, along_m = sheared[0]
+        name, frames, way, side_m, along_m = sheared[0]
         yield (
-            f"the stroke between {name_frame(frames[0])} and {name_frame(frames[1])} is normal to panel "
-            f"{name}{_more(len(sheared))}: {1e3 * normal_m:.2g} mm against {1e3 * along_m:.2g} mm along it, "
+            f"the stroke between {name_frame(frames[0])} and {name_frame(frames[1])} is {way} panel "
+            f"{name}{_more(len(sheared))}: {1e3 * side_m:.2g} mm against {1e3 * along_m:.2g} mm along it, "
             "which shears the panel and hardly stretches it; directions are in deck axes, x along the deck"
         )
     if lifted:

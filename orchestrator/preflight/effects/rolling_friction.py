@@ -1,26 +1,32 @@
-"""Rolling friction, with which a sphere rolls down a slope with 5/7 g (sin - mu_r cos)."""
+"""Rolling friction, with which a sphere rolls down a slope with 5/7 g (sin - mu_r cos).
+
+A lone sphere stops on a slope whose tangent is below mu_r.  On a steeper one it rolls ever faster, while
+grains that are no spheres stop: what rolls depends on the friction that stands for their shape.
+"""
 
 from __future__ import annotations
 
 from orchestrator.preflight.scene.contacts import (
+    LEVEL,
     contact_law_effect,
     contacts_on_deck,
     describe_friction,
     friction_over_pull,
 )
-from orchestrator.preflight.scene.effect import Verdict, compare
+from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
-    """Judge rolling friction over the slope; the verdict is in doubt where particles are thrown."""
+    """Judge rolling friction, which matters on every slope, and on the level where there is any."""
     friction = max((row.rolling_friction for row in contacts_on_deck(scene.case)), default=0.0)
     ratio = friction_over_pull(scene, friction)
-    why, cost = describe_friction(ratio, "rolling alone"), "a contact history (epsd2)"
-    verdict = compare("mu_r / tan(slope)", ratio, why, "0.1 (rolling sphere)", cost=cost)
-    if verdict.matters and scene.throw > 1:
-        return verdict.doubted(f"but what is thrown, with {scene.throw:.2g} g, hardly rolls")
-    return verdict
+    why = describe_friction(ratio, "rolling alone")
+    slopes = scene.slope >= LEVEL
+    if slopes and ratio < 1:
+        why += ": a lone sphere does not stop, and grains that are no spheres do"
+    number, threshold, cost = "mu_r / tan(slope)", "1 (a lone sphere stops)", "a contact history (epsd2)"
+    return Verdict(number, ratio, threshold, slopes or ratio > 0, why, cost)
 
 
 EFFECT = contact_law_effect(

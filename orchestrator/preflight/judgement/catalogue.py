@@ -16,7 +16,7 @@ from orchestrator.case.tables.case import Case, missing_features
 from orchestrator.preflight import effects
 from orchestrator.preflight.scene.effect import PARTS, Effect, Part, Verdict, has_part
 from orchestrator.preflight.scene.observed import Observed
-from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.scene.scene import Scene, scene
 
 
 def _find_effects() -> dict[str, Effect]:
@@ -64,12 +64,13 @@ class Judged:
         return self.verdict.matters is False and self.present and bool(self.key)
 
 
-def judge_effects(case: Case) -> dict[str, Judged]:
+def judge_effects(case: Case, numbers: Scene | None = None) -> dict[str, Judged]:
     """Return the judgements of effects by name, part by part, for a case without problems in its tables.
 
-    Cases without particles or without panels have no judgements of the effects of these.
+    ``numbers`` is the case's scene where it is known.  Cases without particles or without panels have no
+    judgements of the effects of these.
     """
-    numbers, judged = scene(case), {}
+    numbers, judged = numbers or scene(case), {}
     for name, effect in sorted(EFFECTS.items(), key=lambda item: PARTS.index(item[1].part)):
         verdict = effect.judge(numbers) if has_part(case, effect.part) else None
         if verdict is not None:

@@ -4,6 +4,10 @@ An estimate "may be left out" becomes "cannot say" if
 
 - the number is within the estimate's error of the threshold (``Verdict.is_close``), or
 - the user asks for the separation, and the effect brings or removes material, or
+- it is an effect of frames or panels, whose numbers are of a steady harmonic motion, and the machine may
+  move otherwise (``scene/steadiness.py``), or
+- the user asks for a peak, or for nothing in particular, and the estimate is another with the strokes on the
+  way up to the full speed, or
 - another effect of the case would go as well, because it needs this one or because the solver that
   leaves this one out does not know it, and that effect matters or cannot be judged.
 
@@ -21,7 +25,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import replace
 
-from orchestrator.case.scalars import is_of_separation, part_of
+from orchestrator.case.scalars import is_of_separation, is_peak, part_of
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
@@ -32,7 +36,10 @@ from orchestrator.preflight.judgement.catalogue import (
 )
 from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.scene.effect import MARGIN, TENTH, Verdict, describe_verdict
+from orchestrator.preflight.scene.scene import Scene, scene
+from orchestrator.preflight.scene.steadiness import doubt_of_steady_motion, on_the_way_up
 
+OF_MOTION = ("panels", "frames")  # parts whose numbers are of the frames' steady motion
 NEAR = f"within a factor of {MARGIN:g} of the threshold"
 
 
@@ -43,13 +50,19 @@ def weigh_effects(
 
     ``pairs`` are the remembered runs by effect, and ``asked`` has the names of the results that count.
     """
-    judged = judge_effects(case)
+    numbers = scene(case)
+    judged = judge_effects(case, numbers)
     for name, pair in (pairs or {}).items():
         if name in judged:
             judged[name] = replace(judged[name], verdict=measured_verdict(judged[name].verdict, pair, asked))
     separates = any(is_of_separation(name) for name in asked)
     parts = {part_of(name, case) for name in asked}
-    doubted = {name: _add_doubt(effect, _doubt(effect, parts, separates)) for name, effect in judged.items()}
+    unsteady = doubt_of_steady_motion(numbers)
+    rising = on_the_way_up(numbers) if not asked or any(is_peak(name) for name in asked) else None
+    doubted = {}
+    for name, effect in judged.items():
+        why = _doubt(effect, parts, separates) or _doubt_of_motion(effect, unsteady, rising)
+        doubted[name] = _add_doubt(effect, why)
     return {name: _consistent(case, effect, doubted.values()) for name, effect in doubted.items()}
 
 
@@ -118,6 +131,22 @@ def _doubt(judged: Judged, parts: Set[str], separates: bool) -> str:
     if stays or not verdict.matters or not parts or "" in parts or not parts.isdisjoint(about):
         return ""
     return f"what that changes of the {' and '.join(sorted(parts))} it does not say"
+
+
+def _doubt_of_motion(judged: Judged, unsteady: str, rising: Scene | None) -> str:
+    """Return the reason why an estimate "may be left out" does not hold in another motion; "" if it does.
+
+    ``unsteady`` says why the machine may move otherwise than steadily, and ``rising`` is the scene with the
+    largest strokes of its run-up.
+    """
+    if judged.verdict.matters is not False or judged.verdict.measured or judged.part not in OF_MOTION:
+        return ""
+    if unsteady or rising is None:
+        return unsteady
+    then = EFFECTS[judged.effect].judge(rising)
+    if then is None or (then.matters is False and not then.is_close):
+        return ""
+    return f"on its way up the machine may come to {then.in_numbers}, and a peak counts"
 
 
 def _consistent(case: Case, judged: Judged, every: Collection[Judged]) -> Judged:

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
-from orchestrator.preflight.checks.motion import NEAR
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.proposal.levels import DRAFT_S
 from orchestrator.preflight.proposal.limits import PACKED
 from orchestrator.preflight.proposal.machine import round_to
 from orchestrator.preflight.proposal.proposal import Proposal, panels_N_per_m
-from orchestrator.preflight.scene.frame_modes import frame_modes
+from orchestrator.preflight.scene.frame_modes import NEAR, frame_modes
 
 if TYPE_CHECKING:
     from orchestrator.preflight.proposal.layout import Layout

@@ -50,6 +50,7 @@ def contact_law_effect(
     )
 
 
+LEVEL = 1e-9  # slope of a deck that counts as level
 STEP_COST = "the particles' step goes with 1/sqrt(stiffness)"
 
 
@@ -143,7 +144,7 @@ def friction_over_pull(scene: Scene, friction: float) -> float:
     The share of the weight that the deck carries is that of a run if it tells.  On a level deck, the
     ratio is infinite, or 0 without friction.
     """
-    if scene.slope < 1e-9:
+    if scene.slope < LEVEL:
         return math.inf if friction else 0.0
     bearing = scene.observed.bearing
     return friction / scene.slope * (1.0 if bearing is None else bearing.carried)

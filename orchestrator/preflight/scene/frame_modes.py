@@ -19,6 +19,7 @@ from orchestrator.preflight.scene.shaking import carry_panels, free_frames
 
 SHAPES = ("motion along the deck", "motion across", "motion normal to the deck", "roll", "pitch", "yaw")
 """The coordinates of a frame in deck axes: translations along x, y and z, then rotations about them."""
+NEAR = 0.15  # A mode this close to an excitation, as a share of it, is resonant or soon may be.
 TAKES_PART = 0.1  # of the larger amplitude: a frame that moves less is not named
 
 
@@ -28,7 +29,8 @@ class FrameMode:
 
     ``displacement`` (frames, 3) and ``rotation`` (frames, 3) are real amplitudes in deck axes, in m and
     rad to a common scale, of the centres of mass of ``frames``.  ``energy`` (frames, 6) has the shares
-    of the kinetic energy by frame and coordinate, and ``damping_ratio`` the share of the critical damping.
+    of the kinetic energy by frame and coordinate, ``damping_ratio`` the share of the critical damping, and
+    ``panels_share`` the share of the panels in the stiffness.
     """
 
     frequency_Hz: float
@@ -37,6 +39,7 @@ class FrameMode:
     displacement: Array
     rotation: Array
     energy: Array
+    panels_share: float
 
     @property
     def shape(self) -> str:
@@ -80,8 +83,9 @@ def frame_modes(scene: Scene) -> tuple[FrameMode, ...]:
     bodies = [body for body in plan.bodies if body.name in names]
     rotates = all(np.linalg.det(body.inertia_kg_m2) > 0 for body in bodies)
     coordinates = linear_frames.SPACE if rotates else linear_frames.TRANSLATIONS
-    loaded = carry_panels(plan, scene.springs)
-    machine = linear_frames.linearise(loaded, coordinates, linear_frames.numbers(plan, tuple(names)))
+    moving = linear_frames.numbers(plan, tuple(names))
+    machine = linear_frames.linearise(carry_panels(plan, scene.springs), coordinates, moving)
+    of_bushings = linear_frames.linearise(plan, coordinates, moving).stiffness
     square, shapes = scipy.linalg.eigh(machine.stiffness, machine.mass)
     turn = axes(scene.case)
     modes = []
@@ -96,9 +100,18 @@ def frame_modes(scene: Scene) -> tuple[FrameMode, ...]:
             displacement=shape[:, 0] @ turn,
             rotation=shape[:, 1] @ turn if rotates else np.zeros((len(names), 3)),
             energy=_energy_shares(shape, machine.mass, turn),
+            panels_share=1 - float(column @ of_bushings @ column) / square_per_s2
+            if square_per_s2 > 0
+            else 0.0,
         )
         modes.append(mode)
     return tuple(modes)
+
+
+def modes_near(scene: Scene, speed_rad_per_s: float) -> list[FrameMode]:
+    """Return the modes of the frames that are near a speed of excitation."""
+    excited_Hz = speed_rad_per_s / (2 * math.pi)
+    return [mode for mode in frame_modes(scene) if abs(mode.frequency_Hz - excited_Hz) <= NEAR * excited_Hz]
 
 
 def _energy_shares(shape: Array, mass: Array, turn: Array) -> Array:

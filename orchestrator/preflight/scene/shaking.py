@@ -4,7 +4,7 @@
 
 X has the complex amplitudes of the free frames in world axes, x(t) = Re(X exp(i w t)): three
 translations of each centre of mass and, with rotations, three small angles.  Driven frames have
-their drive's translation; its rotation is left out.  docs/theory/effects.md has the theory.
+those of their drive.  docs/theory/effects.md has the theory.
 """
 
 from __future__ import annotations
@@ -100,7 +100,10 @@ def _shaking(
     for drive in plan.drives:
         if drive.speed_rad_per_s == speed_rad_per_s:  # amplitude * sin(w t + phase)
             (number,) = linear_frames.numbers(plan, (drive.body,))
-            amplitude[number, :3] = drive.amplitude_m * np.exp(1j * (drive.phase_rad - np.pi / 2))
+            angle = drive.rotation_rad * np.exp(1j * (drive.rotation_phase_rad - np.pi / 2))
+            moved = drive.amplitude_m * np.exp(1j * (drive.phase_rad - np.pi / 2))
+            moved += np.cross(angle, plan.bodies[number].center_of_mass_m - drive.center_m)
+            amplitude[number] = np.hstack([moved, angle])[:freedoms]
     for exciter in plan.exciters:
         if exciter.speed_rad_per_s == speed_rad_per_s:
             (number,) = linear_frames.numbers(plan, (exciter.body,))
