@@ -13,6 +13,9 @@ import h5py
 import numpy as np
 import pytest
 
+from orchestrator.case.scalars import SCALARS, value_at
+from orchestrator.output.results.tidy import single_numbers
+from orchestrator.studies.quantities import MEASURES, measure
 from tests.cases import case_folder
 from tests.results.recomputed import Recomputed, differences
 from tests.runs.outside import flipflow, run_words, summary
@@ -89,6 +92,30 @@ def test_accelerations_follow_from_velocities(again: Recomputed) -> None:
     for name in (*again.frames, *again.case["probes"]):
         theirs = again.data[f"accelerations/{name}/acceleration_m_per_s2"]
         assert np.abs(again.acceleration(name) - theirs).max() < 1e-9 * np.abs(theirs).max()
+
+
+@pytest.mark.process
+@pytest.mark.slow
+def test_a_name_has_one_meaning(folder: Path) -> None:
+    """Short names, keys of results and quantities of studies: what has one name is one number.
+
+    Where several points have a figure, a mean or the largest of them lies among them.
+    """
+    table = summary(folder)
+    every: dict[str, list[float]] = {}
+    for path, value in single_numbers(table["results"]):
+        every.setdefault(path.rpartition(".")[2], []).append(value)
+    quantities = measure(folder).values
+    assert len(quantities) > 9
+    for name, value in quantities.items():
+        if name in every:
+            assert min(every[name]) * 0.999999 <= value <= max(every[name]) * 1.000001, name
+    short = {name: value for name in SCALARS if (value := value_at(table, name)) is not None}
+    assert len(short) > 15
+    assert not short.keys() & (quantities.keys() | MEASURES.keys())
+    for name, number in short.items():
+        if name in every:
+            assert min(every[name]) * 0.999999 <= number.value <= max(every[name]) * 1.000001, name
 
 
 DRIVEN = """
