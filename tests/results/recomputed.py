@@ -21,6 +21,7 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 from scipy.fft import dct, dst
+from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 from scipy.stats import t as student
 
@@ -28,6 +29,7 @@ Array = npt.NDArray[Any]
 G = 9.80665
 LOST = -1
 NEAR = 1e-7  # of a cycle: rounding of times at its ends
+FIRST_NODE = 0.005299532504175  # of Gauss's 16 nodes in (0, 1): where the drawn partition curve begins
 Statistic = Callable[[Array], float]
 
 
@@ -428,6 +430,131 @@ class Recomputed:
             "oversize_percent": 100 * over_kg / all_kg,
             "d50_m": self.estimate(lambda s: size_at(0.5, s), columns),
             "ep_m": self.estimate(lambda s: (size_at(0.75, s) - size_at(0.25, s)) / 2, columns),
+        }
+
+    def whole_feed(self) -> dict[str, Any]:
+        """The fines completed by the partition curve, in which grains make attempts at the openings."""
+        left, exits = self.removed, [product for _, product in self.exits]
+        d, kg, there = left["diameter_m"], left["kg"], left["exit"] != LOST
+        fine = there & (d < self.cut_m)
+        edges = np.geomspace(d[fine].min(), self.cut_m, 13)
+        size = np.clip(np.digitize(d, edges) - 1, 0, 11)
+        mean_m = np.array([d[fine & (size == k)].mean() for k in range(12)])
+        columns = []
+        for k, own in enumerate(exits):
+            here = fine & (left["exit"] == k)
+            for c in range(12):
+                for what in (np.ones(len(kg)), kg):
+                    columns.append(self.by_cycle(left["time_s"], what, here & (size == c)))
+            if own == "undersize":
+                coarse_under = self.by_cycle(left["time_s"], kg, ~fine & there & self.product("undersize"))
+        coarse = self.by_cycle(left["time_s"], kg, ~fine & there)
+        table = self.of_window(*columns, coarse_under, coarse)
+        unders = [k for k, own in enumerate(exits) if own == "undersize"]
+        (row,) = self.case["screen"]["panels"].values()
+        holes = row["apertures"]
+        share = len(self.openings()) / row["count"] * holes["length_m"] * holes["width_m"]
+        share /= row["length_m"] * row["width_m"]
+
+        def passed(curve: Array, sizes: Array) -> Array:
+            free = np.clip(1 - sizes / self.cut_m, 0, None)
+            return np.asarray(1 - (1 - share * free ** curve[1]) ** np.exp(curve[0]))
+
+        def parts(s: Array) -> tuple[Array, Array]:
+            """Numbers and masses (exits, classes) of the fines."""
+            both = s[:-2].reshape(len(exits), 12, 2)
+            return both[:, :, 0], both[:, :, 1]
+
+        def fit(s: Array, count: int, classes: slice) -> Array:
+            numbers = parts(s)[0][:, classes]
+            through = numbers[unders[:count]].sum(axis=0)
+            above = numbers.sum(axis=0) - through
+
+            def unlikely(curve: Array) -> float:
+                p = np.clip(passed(curve, mean_m[classes]), 1e-300, 1 - 1e-16)
+                return float(-np.sum(through * np.log(p) + above * np.log1p(-p)))
+
+            options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 4000}
+            limits = ((-7.0, 7.0), (0.0, 20.0))
+            starts = ((-np.log(share), 1.0), (0.5, 0.5))
+            found = [
+                minimize(unlikely, x, method="Nelder-Mead", bounds=limits, options=options) for x in starts
+            ]
+            return np.asarray(min(found, key=lambda one: one.fun).x)
+
+        # a class is spread evenly over its diameters by number, so that its mass grows as their third power
+        (feed,) = self.case["bed"]["feeds"].values()
+        finest, limit = min(c["smallest_m"] for c in feed["sizes"]), feed["smallest_fed_m"]
+
+        def mass(low: float, high: float) -> float:
+            total = 0.0
+            for c in feed["sizes"]:
+                a, b = np.clip([low, high], c["smallest_m"], c["largest_m"])
+                total += c["mass_fraction"] * (b**4 - a**4) / (c["largest_m"] ** 4 - c["smallest_m"] ** 4)
+            return total
+
+        total, out = mass(0, self.cut_m), mass(0, limit)
+        grid = np.linspace(finest, limit, 4001)
+        middle = (grid[1:] + grid[:-1]) / 2
+        weight = np.array([mass(a, b) for a, b in pairwise(grid)])
+
+        def placement(count: int, s: Array) -> float:
+            kilos = parts(s)[1]
+            computed = kilos[unders[:count]].sum() / kilos.sum()
+            finer = weight @ passed(fit(s, count, slice(0, 12)), middle)
+            return float(100 * ((total - out) * computed + finer) / total)
+
+        whole, last = table.sum(axis=0), len(unders)
+        reach, tested_reach = np.log(limit / finest), np.log(self.cut_m / limit) / 2
+        tested = [0.0]
+        for count in range(1, last + 1):
+            curve, kilos = fit(whole, count, slice(6, 12)), parts(whole)[1][:, :6]
+            too_much = kilos.sum(axis=0) @ passed(curve, mean_m[:6]) - kilos[unders[:count]].sum()
+            tested.append(too_much / kilos.sum())
+        error = 100 * out / total * np.array(tested) * (reach / tested_reach) ** 2
+
+        def figure(of: Statistic, points: float) -> dict[str, Any]:
+            found = self.estimate(of, table)
+            if found["half_width"] is not None:
+                found["half_width"] += abs(points)
+            return found
+
+        def section(place: int) -> dict[str, Any]:
+            def passes(s: Array) -> float:
+                return total * (placement(place + 1, s) - (placement(place, s) if place else 0.0))
+
+            return {
+                "exit": self.exits[unders[place]][0],
+                "cumulative_efficiency_percent": figure(lambda s: placement(place + 1, s), error[place + 1]),
+                "yield_percent": figure(passes, total * (error[place + 1] - error[place])),
+            }
+
+        curve = fit(whole, last, slice(0, 12))
+        sizes = np.linspace(min(finest + (limit - finest) * FIRST_NODE, mean_m.min()), self.cut_m, 41)
+        return {
+            "left_out_percent": 100 * out,
+            "smallest_m": finest,
+            "smallest_computed_m": limit,
+            "fines_percent": 100 * total,
+            "fine_placement_percent": figure(lambda s: placement(last, s), error[last]),
+            "efficiency_percent": figure(
+                lambda s: placement(last, s) - 100 * divide(s[-2], s[-1]), error[last]
+            ),
+            "continuation": {
+                "factor": limit / finest,
+                "tested_factor": np.exp(tested_reach),
+                "tested_error_percent": 100 * tested[last],
+                "error_percent": error[last],
+            },
+            "sections": [section(place) for place in range(last)],
+            "curve": {
+                "attempts": np.exp(curve[0]),
+                "exponent": curve[1],
+                "opening_m": self.cut_m,
+                "open_share": share,
+                "diameter_m": sizes,
+                "oversize_percent": 100 * (1 - passed(curve, sizes)),
+            },
         }
 
     # ------------------------------------------------------------------ the bed on the deck
@@ -890,7 +1017,7 @@ class Recomputed:
             "share_of_width": 1.0,
             "slice_width_m": None,
             "steady": self.steady(),
-            "screening": self.screening(),
+            "screening": self.screening() | {"whole_feed": self.whole_feed()},
             "transport": self.transport(),
             "bed": self.bed(),
             "held": self.held(),

@@ -41,10 +41,11 @@ def again(folder: Path) -> Recomputed:
 @pytest.mark.slow
 @pytest.mark.parametrize("table", ["results", "probes"])
 def test_every_figure_is_found_again(folder: Path, again: Recomputed, table: str) -> None:
-    """Tolerance: rounding, which windows of cycles and fits raise to some 1e-12."""
+    """Tolerance: rounding; partition curves are fitted by another method, which stops at 1e-5."""
     theirs = summary(folder)[table]
     ours = again.results() if table == "results" else again.probes()
-    theirs.get("screening", {}).pop("whole_feed", None)
+    fits = [each.get("screening", {}).pop("whole_feed", {}) for each in (ours, theirs)]
+    assert differences(*fits, tolerance=1e-4) == []
     assert differences(ours, theirs, tolerance=1e-9) == []
 
 
