@@ -667,6 +667,19 @@ class Recomputed:
                 depth[k] = top[order][np.argmax(share >= 0.95 - 1e-9)]
         return {"mass_kg": mass, "velocity_m_per_s": velocity, "depth_m": depth}
 
+    def bed_in_time(self, number: int) -> dict[str, Any]:
+        """A row of the group ``bed``, from a snapshot."""
+        grains = self.snapshots[number]
+        kg = np.pi / 6 * np.asarray(grains["diameter_m"], float) ** 3 * grains["density_kg_per_m3"]
+        velocity = np.asarray(grains["velocity_m_per_s"], float)
+        return {
+            "particles": len(kg),
+            "mass_kg": kg.sum(),
+            "mean_speed_m_per_s": np.average(np.linalg.norm(velocity, axis=1), weights=kg),
+            "mean_velocity_m_per_s": np.average(velocity, axis=0, weights=kg),
+            "highest_m": grains["place_m"][:, 2].max(),
+        }
+
     def held_in_time(self) -> dict[str, Array]:
         """The group ``held``, from the snapshots: who lay at one place for five cycles on a quick panel."""
         lying: dict[int, tuple[float, float, float, float]] = {}  # since, station, across, fastest
@@ -937,6 +950,62 @@ class Recomputed:
             ),
         }
 
+    def in_cycles(self, values: Array, of: Callable[[Array], Any]) -> Array:
+        """A statistic of the sync points of each cycle, of the last and perhaps cut one, too.
+
+        The start belongs to the first cycle.
+        """
+        cycle = self.cycle(self.time_s)
+        return np.array([of(values[cycle == k]) for k in range(cycle.max() + 1)])
+
+    def panel_cycles(self, name: str) -> dict[str, Array]:
+        """The rows of the group ``panel_cycles/<name>``."""
+        first, second, load = (
+            self.data[f"forces/{name}/{what}_N"] for what in ("first_clamp", "second_clamp", "load")
+        )
+        pull, line = (first - second) @ self.deck[:, 0] / 2, self.middle_line(name, "position_m")
+        sizes = np.maximum(*(np.linalg.norm(force, axis=1) for force in (first, second)))
+        chord = (line[:, -1] - line[:, 0]) @ self.deck
+        upright = np.stack([-chord[:, 2], 0 * chord[:, 1], chord[:, 0]], axis=1)
+        upright /= np.linalg.norm(upright, axis=1)[:, None]
+        height = np.einsum("tpi,ti->tp", (line - line[:, :1]) @ self.deck, upright)
+        middle, stretch = height[:, line.shape[1] // 2], self.stretch(name)
+        least, most = (lambda v: v.min(axis=0)), (lambda v: v.max(axis=0))
+        columns = {
+            "sync_points": (pull, len),
+            "pull_least_N": (pull, least),
+            "pull_mean_N": (pull, np.mean),
+            "pull_most_N": (pull, most),
+            "clamp_most_N": (sizes, most),
+            "load_mean_N": (load, lambda v: v.mean(axis=0)),
+            "stretch_least": (stretch, least),
+            "stretch_most": (stretch, most),
+            "sag_most_m": (np.abs(height).max(axis=1), most),
+            "middle_least_m": (middle, least),
+            "middle_most_m": (middle, most),
+        }
+        return {column: self.in_cycles(values, of) for column, (values, of) in columns.items()}
+
+    def point_cycles(self, name: str) -> dict[str, Array]:
+        """The rows of the group ``point_cycles/<name>``."""
+        group, what = ("frames", "displacement_m") if name in self.frames else ("probes", "position_m")
+        moved = self.data[f"{group}/{name}/{what}"] - self.data[f"{group}/{name}/{what}"][0]
+        speed = np.linalg.norm(self.data[f"{group}/{name}/velocity_m_per_s"], axis=1)
+        return {
+            "sync_points": self.in_cycles(moved, len),
+            "least_m": self.in_cycles(moved, lambda v: v.min(axis=0)),
+            "mean_m": self.in_cycles(moved, lambda v: v.mean(axis=0)),
+            "most_m": self.in_cycles(moved, lambda v: v.max(axis=0)),
+            "farthest_m": self.in_cycles(np.linalg.norm(moved, axis=1), np.max),
+            "fastest_m_per_s": self.in_cycles(speed, np.max),
+        }
+
+    def stretch(self, name: str) -> Array:
+        """The mean strain of a panel's middle line at every sync point, beside its clamps."""
+        pieces = np.linalg.norm(np.diff(self.middle_line(name, "position_m"), axis=1), axis=2)
+        (row,) = self.case["screen"]["panels"].values()
+        return np.asarray((pieces.sum(axis=1) - 2 * row["clamp_m"]) / row["length_m"] - 1)
+
     def panel(self, name: str) -> dict[str, Any]:
         """The figures of a panel, from all sync points in the window."""
         rows = self.within(self.time_s, self.moves_s)
@@ -944,11 +1013,7 @@ class Recomputed:
             self.data[f"forces/{name}/{what}_N"][rows] for what in ("first_clamp", "second_clamp", "load")
         )
         pull = (first - second) @ self.deck[:, 0] / 2
-        line = self.middle_line(name, "position_m")
-        pieces = np.linalg.norm(np.diff(line, axis=1), axis=2)
-        # the first and the last piece lie under the clamps
-        (row,) = self.case["screen"]["panels"].values()
-        stretch = (pieces.sum(axis=1) - 2 * row["clamp_m"]) / row["length_m"] - 1
+        stretch = self.stretch(name)
         return {
             "tension_mean_N": pull.mean(),
             "tension_largest_N": pull.max(),
