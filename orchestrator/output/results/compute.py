@@ -24,7 +24,7 @@ from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
 from orchestrator.output.results.screening import screening
 from orchestrator.output.results.wear import wear_metrics
-from orchestrator.output.results.whole_feed import NO_TEST, feed_fines, whole_feed
+from orchestrator.output.results.whole_feed import feed_fines, whole_feed
 
 FEWEST_FINES = 100
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
@@ -145,8 +145,8 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
         table["missing"]["whole feed"] = "the openings differ: one curve does not continue through them"
         return
     completed = whole_feed(events, fines, openings_m[0], open_share(run.case))
-    if completed is None:
-        table["missing"]["whole feed"] = NO_TEST
+    if isinstance(completed, str):
+        table["missing"]["whole feed"] = completed
     else:
         table["screening"]["whole_feed"] = completed
 

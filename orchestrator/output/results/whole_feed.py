@@ -44,6 +44,7 @@ BINS = 12
 NUMBER, MASS = 0, 1
 NODES = 16  # of the quadrature over the diameters of a class
 LIMITS = ((-7.0, 7.0), (0.0, 20.0))  # of log N and sigma
+LARGEST_ERROR = 25.0  # points: an interval of so much to either side holds half of all answers
 NO_TEST = "the coarser half of the fines that left determines no curve: the error of continuing it is unknown"
 
 
@@ -184,14 +185,12 @@ def _share_between(rows: Sequence[tuple[SizeClass, float]], low_m: float, high_m
     return sum(part * share_between(row, low_m, high_m) for row, part in rows)
 
 
-def whole_feed(
-    events: Events, fines: FeedFines, opening_m: float, open_share: float
-) -> dict[str, Any] | None:
+def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: float) -> dict[str, Any] | str:
     """Return the separation of the whole feed, and the curve by which its fines are completed.
 
     ``opening_m`` is the smaller side of the openings, which are all alike, and ``open_share`` their share of
-    the panels.  The half widths have the error of continuing the curve, too.  Return None if the particles
-    that left do not test it.
+    the panels.  The half widths have the error of continuing the curve, too.  Return the reason instead if
+    the particles that left do not test it, or if the error is too large.
     """
     undersize = events.exits.of(UNDERSIZE)
     mean_m, sums = _numbers_and_masses(events, fines)
@@ -228,10 +227,17 @@ def whole_feed(
 
     tested = np.array([0.0, *(tested_error(count) for count in range(1, last + 1))])
     if not np.isfinite(tested[last]):
-        return None
+        return NO_TEST
     reach = math.log(fines.smallest_computed_m / fines.smallest_m)
     tested_reach = math.log(fines.cut_m / fines.smallest_computed_m) / 2
     error = 100.0 * fines.left_out / fines.total * tested * (reach / tested_reach) ** 2
+    if abs(error[last]) > LARGEST_ERROR:
+        computed_mm, listed_mm = 1e3 * fines.smallest_computed_m, 1e3 * fines.smallest_m
+        return (
+            f"its curve, continued from {computed_mm:.3g} to {listed_mm:.3g} mm, may be wrong by "
+            f"{abs(error[last]):.0f} points of the fines, as its own finer half tells; "
+            "compute more of them (smallest_fed_m)"
+        )
 
     def figure(statistic: Callable[[Array], float], error: float) -> Estimate:
         """Return an estimate whose interval has the error of the continuation, too."""
