@@ -145,7 +145,7 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
     "frames": {
         "stroke": ("amplitude of the frames against each other along the deck / m", 1e-6, _stroke),
         "frame_amplitude": (
-            "largest amplitude of a frame or a probe on it / m",
+            "largest amplitude of a frame or a probe on it, in the plane of the deck's length / m",
             1e-6,
             _largest(_FRAMES, "major_m"),
         ),
@@ -161,13 +161,17 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
         ),
     },
     "panels": {
-        "middle_amplitude": ("largest half range of a probe on a panel / m", 1e-6, _middle),
+        "middle_half_range": (
+            "largest half range of a probe on a panel, its clamps' motion included / m",
+            1e-6,
+            _middle,
+        ),
         "rms_g": (
             "acceleration, mean of the probes on panels, root mean square / g",
             1e-3,
             _mean(_POINTS, "rms_g"),
         ),
-        "peak_g": (
+        "cycle_peak_g": (
             "acceleration, mean of the probes on panels, peak in a cycle / g",
             1e-2,
             _mean(_POINTS, "cycle_peak_g"),
@@ -216,6 +220,8 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
     },
 }
 SCALARS = {name: Scalar(*row, part) for part, rows in _ROWS.items() for name, row in rows.items()}
+RENAMED = {"peak_g": "cycle_peak_g", "middle_amplitude": "middle_half_range"}
+"""Short names of earlier versions, with those of now."""
 
 
 def value_at(summary: Summary, name: str) -> Value | None:
@@ -269,6 +275,8 @@ def scalar(name: str) -> Scalar:
         raise KeyError(f'"{name}" is half a range, whatever its harmonics, and is called "{new}" now')
     if "." in name:
         return Scalar(name, 1e-12, _at(name))
+    if name in RENAMED:
+        raise KeyError(f'"{name}" is called "{RENAMED[name]}" now')
     near = get_close_matches(name, SCALARS, 1)
     hint = f'; did you mean "{near[0]}"?' if near else "."
     raise KeyError(f'no result "{name}"{hint} There are: {", ".join(SCALARS)}')

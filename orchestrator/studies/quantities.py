@@ -288,13 +288,15 @@ class Quantity:
 
 
 QUANTITIES = {
-    "deflection_m": Quantity("panel: half range of the middle in a cycle / m", "deflection", 1e-9),
+    "deflection_m": Quantity(
+        "panel: half range of the middle against its clamps, in a cycle / m", "deflection", 1e-9
+    ),
     "shape": Quantity("panel: shape over the cycles", "shape", 0.0, False),
     "clamp_peak_N": Quantity("clamp force: peak / N", "clamp peak", 1e-6, False, True),
     "clamp_rms_N": Quantity("clamp force: rms / N", "clamp rms", 1e-6, True, True),
-    "peak_g": Quantity("panel's middle: peak acceleration / g", "acc. peak", 1e-6, False),
-    "rms_g": Quantity("panel's middle: rms acceleration / g", "acc. rms", 1e-6),
-    "frame_m": Quantity("frames: largest half range / m", "frame", 1e-9),
+    "middle_peak_g": Quantity("panel's middle: peak acceleration in a cycle / g", "acc. peak", 1e-6, False),
+    "middle_rms_g": Quantity("panel's middle: rms acceleration / g", "acc. rms", 1e-6),
+    "frame_half_range_m": Quantity("frames: largest half range of a centre of mass / m", "frame", 1e-9),
     "passing_kg_per_s": Quantity("passing: through the exits / (kg/s)", "passing", 0.0, True, True),
     "efficiency_percent": Quantity("screening efficiency / %", "efficiency"),
     "velocity_m_per_s": Quantity("bed: mean velocity / (m/s)", "velocity", 1e-6),
@@ -340,7 +342,7 @@ def measure(folder: Path) -> Metrics:
         count = max(1, min(CYCLES, int(end_s / 2 / cycle + 1e-9)))
         start_s = max(0.0, end_s - count * cycle)
         panels = [_panel_metrics(history, case, panel, start_s, cycle) for panel in single_panels(case)]
-        values = {"frame_m": _frame_m(history, start_s)} if case.screen.frames else {}
+        values = {"frame_half_range_m": _frame_half_range_m(history, start_s)} if case.screen.frames else {}
         if case.screen.exits:  # without exits nothing flows, and a mean velocity is the velocity of a swing
             values |= _exit_values(history, summary, start_s, end_s)
     for name in panels[0][0] if panels else ():
@@ -384,7 +386,7 @@ def relative(values: Array, reference: Array) -> float:
     return float(np.linalg.norm(values - reference)) / size if size else math.inf
 
 
-def _frame_m(history: Any, start_s: float) -> float:
+def _frame_half_range_m(history: Any, start_s: float) -> float:
     """Return half the range of motion, as the size of a vector, of the frame that moves most."""
     return max(
         float(np.linalg.norm(np.ptp(group["displacement_m"][:][group["time_s"][:] >= start_s], axis=0) / 2))
@@ -438,8 +440,8 @@ def _panel_metrics(
         "deflection_m": mean_of_cycles(np.ptp, shape_m[:, middle, 2], time_s[last], cycle) / 2,
         "clamp_peak_N": float(pull_N.max()),
         "clamp_rms_N": float(np.sqrt(np.mean(pull_N**2))),
-        "peak_g": mean_of_cycles(np.max, size_g, time_s[last], cycle),
-        "rms_g": float(np.sqrt(np.mean(size_g**2))),
+        "middle_peak_g": mean_of_cycles(np.max, size_g, time_s[last], cycle),
+        "middle_rms_g": float(np.sqrt(np.mean(size_g**2))),
     }
     return values, shape_m[:, line][:, :, [0, 2]].reshape(len(shape_m), -1)
 

@@ -70,13 +70,13 @@ def study(folder: Path, *points: Combination, budget_s: float = 600.0) -> Accura
     return AccuracyStudy(request, LOADED, Offer(SERIES, {}), (), (), points, reference=points[-1].name)
 
 
-def flow(frame_m: float, velocity_m_per_s: float) -> dict[str, float]:
-    return {"frame_m": frame_m, "velocity_m_per_s": velocity_m_per_s}
+def flow(frame_half_range_m: float, velocity_m_per_s: float) -> dict[str, float]:
+    return {"frame_half_range_m": frame_half_range_m, "velocity_m_per_s": velocity_m_per_s}
 
 
 def test_settings_that_are_no_choice_are_not_recommended(tmp_path: Path) -> None:
     """The frames move without the particles as they do with them, at a tenth of the time."""
-    still = {"frame_m": 1.0}
+    still = {"frame_half_range_m": 1.0}
     made = study(
         tmp_path,
         point(tmp_path, "base", {}, [still], panel=10.0),
@@ -93,11 +93,11 @@ def test_a_point_without_a_quantity_that_decides_has_no_error(tmp_path: Path) ->
     made = study(
         tmp_path,
         point(tmp_path, "base", {}, [flow(1.0, 0.5)], panel=10.0),
-        point(tmp_path, "coupling-long", {"coupling": LONG}, [{"frame_m": 1.0}], panel=5.0),
+        point(tmp_path, "coupling-long", {"coupling": LONG}, [{"frame_half_range_m": 1.0}], panel=5.0),
         point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 0.5)], panel=20.0),
     )
     _, long, _ = made.rows
-    assert (long.errors, long.error) == ({"frame_m": Error(0.0, None)}, None)
+    assert (long.errors, long.error) == ({"frame_half_range_m": Error(0.0, None)}, None)
     assert [*cost_table(made).columns[3].cells] == ["", "0 %", "reference"]
     found = made.recommend(0.01).row
     assert found is not None
@@ -119,7 +119,7 @@ def test_every_error_that_decides_is_within_the_tolerance_of_a_recommendation(tm
     assert base.worst is not None
     assert base.worst[0] == "velocity_m_per_s"
     assert base.worst[1].value == pytest.approx(0.04)
-    assert base.errors["frame_m"] == Error(pytest.approx(0.12), pytest.approx(0.0, abs=1e-12))
+    assert base.errors["frame_half_range_m"] == Error(pytest.approx(0.12), pytest.approx(0.0, abs=1e-12))
     assert made.recommend(0.05).row is None
     assert made.recommend(0.15).row is not None
 
@@ -178,7 +178,7 @@ def test_particles_that_are_taken_over_have_an_unknown_scatter(tmp_path: Path) -
     same = point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=2.0)
     random = study(tmp_path, point(tmp_path, "base", {}, [flow(1.0, 1.0)], panel=1.0), same)
     taken_over = replace(random, loaded=loaded)
-    assert taken_over.spread.half_width("frame_m", (1, 1)) is None
+    assert taken_over.spread.half_width("frame_half_range_m", (1, 1)) is None
     assert next(advice(random)).endswith("(as far as chance lets one see: more --seeds would tell)")
     assert next(advice(taken_over)).endswith("runs with another bed would tell)")
 
@@ -204,7 +204,7 @@ def test_errors_that_chance_explains_have_open_marks(tmp_path: Path, monkeypatch
     spread = scatter([own, fine], True)
     wrong = tuple(errors(each, fine, spread) for each in (own, fine))
     series = MeasuredSeries(SERIES[0], (SERIES[0].settings[1], SHORT), (own, fine), wrong, ({}, {}))
-    draw_convergence([series], ["frame_m", "velocity_m_per_s"], tmp_path / "picture.png")
+    draw_convergence([series], ["frame_half_range_m", "velocity_m_per_s"], tmp_path / "picture.png")
     (axis,) = (each for each in drawn[0].axes if each.lines)
     assert [line.get_markerfacecolor() for line in axis.lines].count("white") == 1
     assert axis.get_ylabel() == "error (open: chance)"
@@ -212,7 +212,7 @@ def test_errors_that_chance_explains_have_open_marks(tmp_path: Path, monkeypatch
         ComparedSetting(SERIES[0], setting, each, found, each is fine)
         for setting, each, found in zip(series.settings, series.points, wrong, strict=True)
     ]
-    draw_models(models, ["frame_m", "velocity_m_per_s"], tmp_path / "picture.png")
+    draw_models(models, ["frame_half_range_m", "velocity_m_per_s"], tmp_path / "picture.png")
     filled = [len(each.collections[0].get_facecolors()) for each in drawn[1].axes if each.collections]
     assert filled == [1, 0]
 

@@ -24,7 +24,7 @@ CALL = CliRunner()
 def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
     strip = {"axis": "panel", "variant": "strip", "label": "strip, 22 cells", "sets": ["panel.solver=strip"]}
     strip |= {"reference": "sheet", "processor_s": 2.0, "reference_processor_s": 5.0}
-    strip |= {"error": {"deflection_m": error, "shape": 0.5, "rms_g": error / 2}}
+    strip |= {"error": {"deflection_m": error, "shape": 0.5, "middle_rms_g": error / 2}}
     sheet = strip | {"variant": "sheet", "label": "sheet", "processor_s": 5.0, "error": {}}
     read = load_judged(CASE, "draft").origin.read()
     about = {"format_version": FORMAT, "case": case, "level": "draft", "read": read, "sets": []}
@@ -39,12 +39,12 @@ def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) 
     found = measured_verdict("variation-across", verdicts["variation-across"], there)
     assert (found.value, found.matters) == (error, matters)
     assert "5 s instead of 2 s" in found.cost
-    there.table["models"][0]["half_width"] = {"deflection_m": 0.25, "rms_g": 0.25}
+    there.table["models"][0]["half_width"] = {"deflection_m": 0.25, "middle_rms_g": 0.25}
     assert (
         measured_verdict("variation-across", verdicts["variation-across"], there)
         is verdicts["variation-across"]
     )
-    there.table["models"][0]["half_width"] = {"deflection_m": None, "rms_g": None}  # of one seed
+    there.table["models"][0]["half_width"] = {"deflection_m": None, "middle_rms_g": None}  # of one seed
     alone = measured_verdict("variation-across", verdicts["variation-across"], there)
     assert (alone.matters, alone.why) == (matters, f"{found.why}; how much of it is chance is not known")
     other = verdicts["panel-deformation"]

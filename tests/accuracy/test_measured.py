@@ -25,7 +25,7 @@ GENERATOR = np.random.default_rng(4)
 def point(*values: float) -> Combination:
     every = tuple(
         Metrics(
-            {"deflection_m": value, "frame_m": 2.0, "energy_defect": 1e-3},
+            {"deflection_m": value, "frame_half_range_m": 2.0, "energy_defect": 1e-3},
             np.empty((0, 0)),
             {"wall_s": 10.0, "processor_s": 8.0, "wall_by_part_s": {"particles": 5.0, "rest": 5.0}},
         )
@@ -36,9 +36,12 @@ def point(*values: float) -> Combination:
 
 def test_nothing_random_has_no_interval() -> None:
     wrong = errors(point(1.1), point(1.0), scatter([point(1.1), point(1.0)], False))
-    assert wrong == {"deflection_m": Error(pytest.approx(0.1), 0.0), "frame_m": Error(0.0, 0.0)}
-    assert worst_error(wrong, ["frame_m", "deflection_m"]) == ("deflection_m", wrong["deflection_m"])
-    assert worst_error(wrong, ["frame_m", "rms_g"]) is None
+    assert wrong == {"deflection_m": Error(pytest.approx(0.1), 0.0), "frame_half_range_m": Error(0.0, 0.0)}
+    assert worst_error(wrong, ["frame_half_range_m", "deflection_m"]) == (
+        "deflection_m",
+        wrong["deflection_m"],
+    )
+    assert worst_error(wrong, ["frame_half_range_m", "middle_rms_g"]) is None
     assert worst_error(wrong, []) is None
 
 
@@ -79,10 +82,10 @@ def test_what_a_seed_does_to_all_points_alike_is_no_scatter() -> None:
 
 def test_the_error_that_decides_reaches_highest() -> None:
     """0.7 +- 5 % may be 5.7 %, 0.8 +- 0.1 % no more than 0.9 %."""
-    wrong = {"frame_m": Error(0.008, 0.001), "rms_g": Error(0.007, 0.05)}
-    found = worst_error(wrong, ["frame_m", "rms_g"])
+    wrong = {"frame_half_range_m": Error(0.008, 0.001), "middle_rms_g": Error(0.007, 0.05)}
+    found = worst_error(wrong, ["frame_half_range_m", "middle_rms_g"])
     assert found is not None
-    assert (found[0], found[1].at_most) == ("rms_g", pytest.approx(0.057))
+    assert (found[0], found[1].at_most) == ("middle_rms_g", pytest.approx(0.057))
 
 
 @pytest.mark.parametrize(("values", "order"), [((1.16, 1.04, 1.0), 1.58), ((1.2, 0.97, 1.0), None)])

@@ -15,7 +15,7 @@ PARTS_S = {"particles": 8.0, "panel": 2.0}
 
 def option(axis: str, name: str, error: float, **ratio: float) -> Option:
     setting = Setting(name, (f"{axis}={name}",) if name != "own" else ())
-    return Option(axis, setting, {"deflection_m": error, "rms_g": error / 2}, ratio)
+    return Option(axis, setting, {"deflection_m": error, "middle_rms_g": error / 2}, ratio)
 
 
 AXES = {
@@ -44,7 +44,7 @@ def by_hand(tolerance: float) -> tuple[str, str]:
 
 @pytest.mark.parametrize("tolerance", [0.2, 0.07, 0.05, 0.035, 0.015, 0.005])
 def test_the_cheapest_within_a_tolerance_is_found(tolerance: float) -> None:
-    model = Model(AXES, PARTS_S, {"deflection_m": 0.001}, ["deflection_m", "rms_g"])
+    model = Model(AXES, PARTS_S, {"deflection_m": 0.001}, ["deflection_m", "middle_rms_g"])
     found = model.cheapest(tolerance)
     assert found is not None
     assert tuple(one.setting.label for one in found.options) == by_hand(tolerance)
@@ -60,7 +60,7 @@ def test_the_best_within_a_time_and_its_cost() -> None:
     assert found.settings.keys() == {"step", "mesh"}
     assert model.best(1.0, "cheapest") is None
     assert model.cheapest(0.0) is not None  # all that is measured is perfect here
-    assert Model(AXES, PARTS_S, {"rms_g": 0.1}, ["rms_g"]).cheapest(0.05) is None
+    assert Model(AXES, PARTS_S, {"middle_rms_g": 0.1}, ["middle_rms_g"]).cheapest(0.05) is None
 
 
 def test_of_settings_that_are_equally_good_the_cheapest_and_the_finest_are_found() -> None:

@@ -18,7 +18,7 @@ from tests.runs.outside import ROOT
 
 
 def measured(deflection_m: float, shapes_m: Array) -> Combination:
-    values = {"deflection_m": deflection_m, "frame_m": 0.0}
+    values = {"deflection_m": deflection_m, "frame_half_range_m": 0.0}
     return Combination(ALONE, "one", metrics=(Metrics(values, shapes_m, {}),))
 
 

@@ -28,9 +28,9 @@ from tests.runs.outside import ROOT
 
 # 2 s to start, then 20 s of processor time for each simulated second; here twice as slow
 TIMING = Timing(2.0, 0.5, start_s=4.0, factor=2.0)
-FINE = {"label": "half", "sets": ["coupling.sync_interval_s=5e-5"], "error": {"frame_m": 0.0}}
-OWN = {"label": "own", "sets": [], "error": {"frame_m": 0.04}, "ratio": {"panel": 1.0}}
-COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error": {"frame_m": 0.2}}
+FINE = {"label": "half", "sets": ["coupling.sync_interval_s=5e-5"], "error": {"frame_half_range_m": 0.0}}
+OWN = {"label": "own", "sets": [], "error": {"frame_half_range_m": 0.04}, "ratio": {"panel": 1.0}}
+COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error": {"frame_half_range_m": 0.2}}
 
 
 def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -> StoredStudy:
@@ -42,9 +42,9 @@ def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -
         "sets": [],
         "read": load_judged(ROOT / "cases/quickstart", "draft").origin.read(),
         "chance": chance,
-        "judged_by": ["frame_m"],
+        "judged_by": ["frame_half_range_m"],
         "reference": "fine",
-        "remaining": {"frame_m": 0.01},
+        "remaining": {"frame_half_range_m": 0.01},
         "short": {},
         "base": {"processor_by_part_s": {"panel": 10.0, "rest": 2.0}, "simulated_s": 0.5},
         "options": {"coupling": axis},
@@ -192,7 +192,7 @@ def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
 @pytest.mark.parametrize(
     ("values", "is_empty"),
     [
-        ({"deflection_m": 1e-18, "rms_g": 3e-16, "clamp_rms_N": 400.0}, True),
+        ({"deflection_m": 1e-18, "middle_rms_g": 3e-16, "clamp_rms_N": 400.0}, True),
         ({"deflection_m": 1e-6, "clamp_rms_N": 400.0}, False),
         ({"deflection_m": None, "velocity_m_per_s": 0.1}, False),
         ({"passing_kg_per_s": 0.2}, False),

@@ -49,7 +49,7 @@ case = "CASES/panel-cycle"
 level = "draft"
 sets = ["panel.cells=[4, 1]", "panel.surface_cells=[4, 2]"]
 duration_s = 0.32
-asked = ["middle_amplitude"]
+asked = ["middle_half_range"]
 effects = ["panel-deformation"]
 
 [scenes.high]
@@ -62,7 +62,7 @@ sets = [
   "screen.panels.deck.stops.beam={from_m=0.13, to_m=0.17, gap_m=0.12}",
 ]
 duration_s = 0.32
-asked = ["middle_amplitude"]
+asked = ["middle_half_range"]
 effects = ["beam-contact"]
 """
 
@@ -132,14 +132,14 @@ def test_dry_says_what_would_be_run_and_runs_nothing(tmp_path: Path, monkeypatch
 @pytest.mark.parametrize(
     ("instead", "words", "said"),
     [
-        ('["midle_amplitude"]', (), 'no result "midle_amplitude"; did you mean "middle_amplitude"'),
-        ('["middle_amplitude"]', ("--scene", "hihg"), 'no scene "hihg"; did you mean "high"'),
+        ('["midle_half_range"]', (), 'no result "midle_half_range"; did you mean "middle_half_range"'),
+        ('["middle_half_range"]', ("--scene", "hihg"), 'no scene "hihg"; did you mean "high"'),
     ],
 )
 def test_a_bank_with_mistakes_is_refused(
     tmp_path: Path, instead: str, words: tuple[str, ...], said: str
 ) -> None:
-    bank = tiny_bank(tmp_path, TINY.replace('["middle_amplitude"]', instead))
+    bank = tiny_bank(tmp_path, TINY.replace('["middle_half_range"]', instead))
     found = study(bank, *words, "--dry")
     assert found.exit_code == 2
     assert said in found.output

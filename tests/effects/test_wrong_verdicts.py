@@ -326,7 +326,7 @@ def test_what_is_near_its_threshold_from_above_is_for_a_pair_to_say() -> None:
         "screen.frames.moving.drive.amplitude_m=[0.0015, 0.0, 0.0]",
         "screen.frames.moving.drive.speed_rad_per_s=8.0",
     )
-    near = asked_of(["middle_amplitude"], "panel-cycle", *slow)["panel-damping"].verdict
+    near = asked_of(["middle_half_range"], "panel-cycle", *slow)["panel-damping"].verdict
     assert near.value == pytest.approx(0.124, abs=0.001)
     assert near.matters is None
     assert "within a factor of 3" in near.why
@@ -341,7 +341,7 @@ def test_taut_panels_far_below_resonance_move_as_their_clamps() -> None:
         "screen.frames.moving.drive.amplitude_m=[0.0, 0.0, 0.002]",
         "screen.frames.moving.drive.speed_rad_per_s=40.0",
     )
-    found = asked_of(["middle_amplitude"], "panel-cycle", *stiff)["panel-damping"].verdict
+    found = asked_of(["middle_half_range"], "panel-cycle", *stiff)["panel-damping"].verdict
     assert found.matters is None
     assert "taut panels' middles" in found.why
 
@@ -352,6 +352,6 @@ def test_panels_that_answer_their_clamps_are_about_panels() -> None:
     of_frames = asked_of(["frame_amplitude"], "hard/bushings")["panel-deformation"].verdict
     assert of_frames.value == pytest.approx(0.35, rel=0.02)
     assert of_frames.matters is None
-    of_panels = asked_of(["middle_amplitude"], "hard/bushings")["panel-deformation"].verdict
+    of_panels = asked_of(["middle_half_range"], "hard/bushings")["panel-deformation"].verdict
     assert of_panels.matters is True
     assert asked_of(["stroke"], "ffs0827-empty", *TAUT)["panel-deformation"].verdict.matters is True

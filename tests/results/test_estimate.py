@@ -11,8 +11,8 @@ from orchestrator.output.results.estimate import (
     batch_sums,
     counting_deviation,
     estimate,
-    half_width,
     mean,
+    standard_error,
 )
 
 
@@ -46,7 +46,7 @@ def test_a_ratio_has_the_interval_of_its_linearisation() -> None:
     found = estimate(lambda sums: sums[0] / sums[1], np.column_stack([y, x]))
     ratio = y.sum() / x.sum()
     assert found.value == pytest.approx(ratio, rel=1e-14)
-    assert found.half_width == pytest.approx(half_width((y - ratio * x) / x.mean()), rel=0.01)
+    assert found.half_width == pytest.approx(np.prod(standard_error((y - ratio * x) / x.mean())), rel=0.01)
 
 
 def test_the_first_batch_has_what_is_left_over() -> None:

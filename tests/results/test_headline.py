@@ -56,13 +56,14 @@ def test_the_feed_is_in_tonnes_an_hour_with_kilograms_a_second_beside(steady: di
 
 
 def test_the_whole_feed_says_how_far_its_curve_is_continued(steady: dict[str, Any]) -> None:
-    """The interval of the figure is that of the computed sizes, which a reader would take for its error."""
+    """How far the curve is continued, and the error of that, which the interval has."""
     efficiency = steady["screening"]["efficiency_percent"]
     added = {"left_out_percent": 12.5, "smallest_computed_m": 0.0015, "smallest_m": 0.0005}
+    added |= {"continuation": {"error_percent": -1.23}}
     screening = steady["screening"] | {"whole_feed": added | {"efficiency_percent": efficiency}}
     tile = tiles_of(steady | {"screening": screening})["efficiency of the whole feed"]
     assert tile.over.startswith("12.5 % of the feed by the partition curve, continued from 1.5 to 0.5 mm; ")
-    assert "is not in the interval" in tile.over
+    assert "; the interval has the error of that, some 1.2 points" in tile.over
 
 
 @pytest.mark.parametrize(("points", "shown"), [(0.0, False), (0.04, False), (0.06, True), (None, True)])

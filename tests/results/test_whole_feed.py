@@ -14,14 +14,21 @@ from orchestrator.case.tables.bed import Feed
 from orchestrator.output.results import compute
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.events import Events, EventTable, Exits
-from orchestrator.output.results.whole_feed import PartitionCurve, feed_fines, fit_partition, whole_feed
+from orchestrator.output.results.whole_feed import (
+    FeedFines,
+    PartitionCurve,
+    feed_fines,
+    fit_partition,
+    whole_feed,
+)
 from orchestrator.ports import Array
 from orchestrator.ports.physics import sphere_mass_kg
 from tests.results.synthetic import folder_of
 
 OPENING_M = 0.003
 BOX = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-LAW = PartitionCurve(2.0, 0.45, OPENING_M)
+OPEN_SHARE = 0.3
+LAW = PartitionCurve(6.0, 0.45, OPENING_M, OPEN_SHARE)
 
 
 def feed(limit_m: float | None = None, rate: float = 1.0, finest_m: float = 0.0005) -> Feed:
@@ -32,17 +39,21 @@ def feed(limit_m: float | None = None, rate: float = 1.0, finest_m: float = 0.00
     return Feed.model_validate(table | ({} if limit_m is None else {"smallest_fed_m": limit_m}))
 
 
-def events(law: PartitionCurve, smallest_m: float, number: int = 60_000) -> Events:
-    """Return particles spread evenly by mass over 100 cycles that pass two sections by a law."""
+def events(law: PartitionCurve, smallest_m: float, number: int = 60_000, alike_m: float = 0.0) -> Events:
+    """Return particles spread evenly by mass over 100 cycles that pass two sections by a law.
+
+    Those finer than ``alike_m`` pass no more easily than grains of this size.
+    """
     generator = np.random.default_rng(7)
     mass_less = generator.uniform(size=number)
     diameter_m = smallest_m + (OPENING_M - smallest_m) * mass_less
     keep = generator.uniform(size=number) < (smallest_m / diameter_m) ** 3  # even by mass, not by number
     diameter_m = diameter_m[keep]
     time_s = np.sort(generator.uniform(0.1, 100.0, len(diameter_m)))
-    half = PartitionCurve(law.rate / 2, law.exponent, law.opening_m).passed(diameter_m)
+    as_m = np.maximum(diameter_m, alike_m)
+    half, whole = (of.passed(as_m) for of in (replace(law, attempts=law.attempts / 2), law))
     drawn = generator.uniform(size=len(diameter_m))
-    exit_number = np.where(drawn < half, 0, np.where(drawn < law.passed(diameter_m), 1, 2))
+    exit_number = np.where(drawn < half, 0, np.where(drawn < whole, 1, 2))
     mass_kg = sphere_mass_kg(diameter_m, 1430.0)
     came = EventTable(np.arange(len(diameter_m)), time_s, diameter_m, mass_kg)
     place_m = np.zeros((len(diameter_m), 3))
@@ -51,19 +62,19 @@ def events(law: PartitionCurve, smallest_m: float, number: int = 60_000) -> Even
     return Events(came, left, exits, np.arange(101.0))
 
 
-def mean_passed(law: PartitionCurve, low_m: float = 0.0005, high_m: float = 0.003) -> float:
-    """Return the share that passes of masses that are spread evenly over the diameters."""
-    diameter_m = np.linspace(low_m, high_m, 200_001)
-    return float(law.passed(diameter_m).mean())
+def mean_passed(law: PartitionCurve, alike_m: float = 0.0) -> float:
+    """Return the share that passes of masses that are spread evenly from 0.5 to 3 mm."""
+    diameter_m = np.linspace(0.0005, 0.003, 200_001)
+    return float(law.passed(np.maximum(diameter_m, alike_m)).mean())
 
 
 def test_a_curve_is_found_again() -> None:
     """Numbers in exact proportion: the likelihood is largest for the law itself."""
     sizes_m = np.linspace(0.001, 0.0029, 12)
     under = 1e4 * LAW.passed(sizes_m)
-    found = fit_partition(sizes_m, under, 1e4 - under, OPENING_M)
+    found = fit_partition(sizes_m, under, 1e4 - under, OPENING_M, OPEN_SHARE)
     assert found is not None
-    assert (found.rate, found.exponent) == pytest.approx((LAW.rate, LAW.exponent), rel=1e-5)
+    assert (found.attempts, found.exponent) == pytest.approx((LAW.attempts, LAW.exponent), rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -77,12 +88,26 @@ def test_a_curve_is_found_again() -> None:
 def test_what_determines_no_curve_gives_none(
     sizes_m: list[float], under: list[float], over: list[float]
 ) -> None:
-    assert fit_partition(np.array(sizes_m), np.array(under), np.array(over), OPENING_M) is None
+    assert fit_partition(np.array(sizes_m), np.array(under), np.array(over), OPENING_M, OPEN_SHARE) is None
 
 
 def test_too_large_particles_do_not_pass() -> None:
     shares: Array = LAW.passed(np.array([0.0, 0.0029, 0.003, 0.004]))
-    assert shares == pytest.approx([1 - np.exp(-2.0), 1 - np.exp(-2.0 * (1 / 30) ** 0.45), 0.0, 0.0])
+    assert shares == pytest.approx([1 - 0.7**6, 1 - (1 - 0.3 * (1 / 30) ** 0.45) ** 6, 0.0, 0.0])
+
+
+def test_the_finest_grain_passes_in_an_attempt_by_the_open_share() -> None:
+    """Gaudin's chance of one attempt, 0.3 (1 - d/a)^2, known from half of the openings' width on, is
+    continued to the share of the openings at size 0.  A law of many small chances comes to less."""
+    once = PartitionCurve(1.0, 2.0, OPENING_M, OPEN_SHARE)
+    sizes_m = np.linspace(0.0015, 0.0029, 12)
+    under = 1e6 * once.passed(sizes_m)
+    found = fit_partition(sizes_m, under, 1e6 - under, OPENING_M, OPEN_SHARE)
+    assert found is not None
+    assert float(found.passed(np.array([0.0]))[0]) == pytest.approx(OPEN_SHARE, rel=1e-3)
+    many = fit_partition(sizes_m, under, 1e6 - under, OPENING_M, 1e-4)
+    assert many is not None
+    assert float(many.passed(np.array([0.0]))[0]) < 0.27
 
 
 def test_fines_of_a_feed_are_divided_by_their_mass() -> None:
@@ -119,7 +144,14 @@ def test_feeds_are_mixed_by_what_they_have_fed() -> None:
     assert over.left_out == pytest.approx(alone, rel=1e-12)
 
 
-@pytest.mark.parametrize("limit_m", [0.001, 0.0015, 0.002])
+def completed(seen: Events, fines: FeedFines) -> dict[str, Any]:
+    """Return the table of the whole feed."""
+    table = whole_feed(seen, fines, OPENING_M, OPEN_SHARE)
+    assert isinstance(table, dict), table
+    return table
+
+
+@pytest.mark.parametrize("limit_m", [0.001, 0.0012, 0.0015])
 def test_the_whole_feed_is_completed(limit_m: float) -> None:
     """Only particles above a limit are seen; the law gives the share of all.
 
@@ -127,18 +159,69 @@ def test_the_whole_feed_is_completed(limit_m: float) -> None:
     """
     seen = events(LAW, limit_m)
     fines = feed_fines([feed(limit_m)], OPENING_M)
-    table = whole_feed(seen, fines, OPENING_M)
+    table = completed(seen, fines)
     placement = table["fine_placement_percent"]
     assert placement.standard_error < 2.0
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
     assert table["efficiency_percent"].value == pytest.approx(placement.value, rel=1e-12)
     assert (table["smallest_computed_m"], table["smallest_m"]) == (pytest.approx(limit_m), 0.0005)
     one, two = table["sections"]
-    half = PartitionCurve(LAW.rate / 2, LAW.exponent, OPENING_M)
+    half = replace(LAW, attempts=LAW.attempts / 2)
     error = one["cumulative_efficiency_percent"].standard_error
     assert abs(one["cumulative_efficiency_percent"].value - 100 * mean_passed(half)) < 4 * error
     whole_yield = one["yield_percent"].value + two["yield_percent"].value
     assert whole_yield == pytest.approx(fines.total * placement.value, rel=1e-9)
+
+
+def test_the_interval_has_the_error_of_the_continuation() -> None:
+    """Grains below 1.6 mm pass no more easily than those of 1.6 mm, so that the curve of coarser ones lets
+    too many of the finer ones pass: of those from 1 mm to 1.73 mm, by which it is tested, as of those from
+    0.5 mm to 1 mm, to which it is continued.  The test's classes are 10 % wide in size, over which the share
+    that passes changes by some points.
+    """
+    alike_m, fines = 0.0016, feed_fines([feed(0.001)], OPENING_M)
+    steep = PartitionCurve(6.0, 1.5, OPENING_M, OPEN_SHARE)
+    seen = events(steep, 0.001, 200_000, alike_m)
+    table, truth = completed(seen, fines), 100 * mean_passed(steep, alike_m)
+    found, told = table["fine_placement_percent"], table["continuation"]
+    assert (told["factor"], told["tested_factor"]) == pytest.approx((2.0, 3**0.5), rel=1e-6)
+    seen_m, passed = seen.removed.diameter_m, seen.removed.exit < 2
+    finer = seen_m < 0.003**0.5 * seen_m.min() ** 0.5
+    law = fit_partition(seen_m[~finer], passed[~finer] * 1.0, ~passed[~finer] * 1.0, OPENING_M, OPEN_SHARE)
+    assert law is not None
+    kg = seen.removed.mass_kg[finer]
+    too_much = 100 * np.average(law.passed(seen_m[finer]) - passed[finer], weights=kg)
+    assert told["tested_error_percent"] == pytest.approx(too_much, abs=1.0)
+    by_scatter = found.standard_error * 2.3
+    assert found.value - truth > by_scatter  # what an interval without the error would say
+    assert abs(found.value - truth) < found.half_width
+    assert told["error_percent"] == pytest.approx(
+        0.2 * told["tested_error_percent"] * (np.log(2) / np.log(3**0.5)) ** 2, rel=0.05
+    )
+    sure = completed(events(steep, 0.001, 200_000), fines)
+    assert abs(sure["continuation"]["error_percent"]) < 0.3 * told["error_percent"]
+
+
+def test_a_curve_that_cannot_be_tested_is_not_continued(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All grains of the coarser half stay above: they determine no curve, and the reason is told."""
+    seen, fines = events(LAW, 0.001), feed_fines([feed(0.001)], OPENING_M)
+    stays = np.where(seen.removed.diameter_m > 0.0017, 2, seen.removed.exit)
+    none = replace(seen, removed=replace(seen.removed, exit=stays))
+    assert isinstance(whole_feed(none, fines, OPENING_M, OPEN_SHARE), str)
+    monkeypatch.setattr(compute, "smaller_sides_m", lambda _: [OPENING_M])
+    monkeypatch.setattr(compute, "open_share", lambda _: OPEN_SHARE)
+    run: Any = SimpleNamespace(case=SimpleNamespace(bed=SimpleNamespace(feeds={"coal": feed(0.001)})))
+    table: dict[str, Any] = {"screening": {"fine_particles": 10_000}, "missing": {}}
+    compute._add_whole_feed(run, none, OPENING_M, table)
+    assert "the coarser half of the fines" in table["missing"]["whole feed"]
+
+
+def test_a_curve_that_is_continued_too_far_is_refused() -> None:
+    """Computed from 2 to 3 mm and listed from 0.5 mm: over a factor of 4, whose logarithm is seven times that
+    of the test, the chance alone in the computed fines says that nothing is known of the finest."""
+    found = whole_feed(events(LAW, 0.002), feed_fines([feed(0.002)], OPENING_M), OPENING_M, OPEN_SHARE)
+    assert isinstance(found, str)
+    assert "continued from 2 to 0.5 mm, may be wrong by" in found
 
 
 def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
@@ -156,16 +239,16 @@ def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
     more = np.where(seen.removed.diameter_m < finest, 1.0 / heavier, 1.0)
     rows = (replace(row, mass_kg=row.mass_kg * more) for row in (seen.fed, seen.removed))
     fed_more = Events(*rows, seen.exits, seen.edges_s)
-    placement = whole_feed(fed_more, fines, OPENING_M)["fine_placement_percent"]
+    placement = completed(fed_more, fines)["fine_placement_percent"]
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
-    unweighed = whole_feed(fed_more, feed_fines([feed(limit_m)], OPENING_M), OPENING_M)
+    unweighed = completed(fed_more, feed_fines([feed(limit_m)], OPENING_M))
     assert unweighed["fine_placement_percent"].value > placement.value + 1.0
 
 
 def test_coarse_grains_that_pass_lower_the_efficiency() -> None:
     """Particles above a cut size of 2 mm pass openings of 3 mm, and their share counts against the screen."""
     seen, fines = events(LAW, 0.001), feed_fines([feed(0.001)], 0.002)
-    table = whole_feed(seen, fines, OPENING_M)
+    table = completed(seen, fines)
     coarse = seen.removed.diameter_m >= 0.002
     passed = seen.removed.mass_kg[coarse & (seen.removed.exit < 2)].sum() / seen.removed.mass_kg[coarse].sum()
     lower = table["fine_placement_percent"].value - table["efficiency_percent"].value
@@ -179,6 +262,7 @@ def test_openings_that_differ_have_no_common_curve(monkeypatch: pytest.MonkeyPat
     run: Any = SimpleNamespace(case=SimpleNamespace(bed=SimpleNamespace(feeds={"coal": feed(0.001)})))
     for openings_m, is_there in (((OPENING_M, OPENING_M), True), ((2 * OPENING_M, OPENING_M), False)):
         monkeypatch.setattr(compute, "smaller_sides_m", lambda _, given=openings_m: given)
+        monkeypatch.setattr(compute, "open_share", lambda _: OPEN_SHARE)
         table: dict[str, Any] = {"screening": {"fine_particles": 10_000}, "missing": {}}
         compute._add_whole_feed(run, events(LAW, 0.001), OPENING_M, table)
         assert ("whole_feed" in table["screening"]) == is_there

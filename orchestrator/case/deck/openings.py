@@ -35,6 +35,17 @@ def smaller_sides_m(case: Case) -> Iterator[float]:
             yield min(panel.apertures.length_m, panel.apertures.width_m)
 
 
+def open_share(case: Case) -> float:
+    """Return the area of all openings over the free area of the panels that have openings (at least one)."""
+    open_m2 = free_m2 = 0.0
+    for panel in single_panels(case):
+        if panel.apertures is not None:
+            at = panel.rectangle
+            open_m2 += len(panel.apertures.centres_m(at)) * panel.apertures.opening_m2
+            free_m2 += at.length_m * at.width_m
+    return open_m2 / free_m2
+
+
 def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
     """Return the probability that a sphere which falls straight onto the pattern touches nothing.
 

@@ -87,11 +87,12 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
 
 
 def _describe_continuation(whole_feed: dict[str, Any]) -> str:
-    """Return what the partition curve adds, and how far: its interval is that of the computed sizes alone."""
+    """Return what the partition curve adds, how far it is continued, and by what it is wrong there."""
     computed_mm, listed_mm = (1e3 * whole_feed[key] for key in ("smallest_computed_m", "smallest_m"))
     return (
         f"{whole_feed['left_out_percent']:.3g} % of the feed by the partition curve, continued from "
-        f"{computed_mm:.3g} to {listed_mm:.3g} mm; the error of that is not in the interval"
+        f"{computed_mm:.3g} to {listed_mm:.3g} mm; the interval has the error of that, some "
+        f"{abs(whole_feed['continuation']['error_percent']):.2g} points"
     )
 
 

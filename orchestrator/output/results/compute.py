@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.deck.openings import openings_m, smaller_sides_m
+from orchestrator.case.deck.openings import open_share, openings_m, smaller_sides_m
 from orchestrator.case.tables.case import has_particles
 from orchestrator.case.tables.frames import Bushing
 from orchestrator.output.results import machine
@@ -144,7 +144,11 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
     if min(openings_m) < max(openings_m):
         table["missing"]["whole feed"] = "the openings differ: one curve does not continue through them"
         return
-    table["screening"]["whole_feed"] = whole_feed(events, fines, openings_m[0])
+    completed = whole_feed(events, fines, openings_m[0], open_share(run.case))
+    if isinstance(completed, str):
+        table["missing"]["whole feed"] = completed
+    else:
+        table["screening"]["whole_feed"] = completed
 
 
 def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:

@@ -96,11 +96,9 @@ def mean(values: Array) -> Estimate:
 def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
     """Return the mean of values (times,), where ``cycle`` (times,) is the number of each value's cycle.
 
-    In a steady state, the estimate is the mean of the cycles' means and has an interval.
+    Every value counts alike, however many fall into its cycle.  In a steady state there is an interval.
     """
-    if not is_steady:
-        return Estimate(float(values.mean()))
-    return mean(_sum_by_cycle(values, cycle) / _sum_by_cycle(np.ones(len(values)), cycle))
+    return ratio_by_cycles(values, np.ones(len(values)), cycle, is_steady)
 
 
 def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) -> Estimate:
@@ -132,12 +130,6 @@ def counting_deviation(part: float, mass_kg: Array) -> float:
         return float("nan")
     number = float(mass_kg.sum()) ** 2 / float(mass_kg @ mass_kg)
     return float(np.sqrt(max(part * (1.0 - part), 0.0) / number))
-
-
-def half_width(values: Array) -> float:
-    """Return the half width of Student's confidence interval of the mean of n batches."""
-    error, quantile = standard_error(values)
-    return quantile * error
 
 
 def standard_error(values: Array) -> tuple[float, float]:

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.output.cycles import count_whole_cycles, within
-from orchestrator.output.results.estimate import FEWEST_BATCHES, Estimate, batch_count, half_width
+from orchestrator.output.results.estimate import FEWEST_BATCHES, Estimate, batch_count, standard_error
 from orchestrator.ports import Array
 
 Phasors = npt.NDArray[Any]  # complex
@@ -36,13 +36,15 @@ class Harmonic:
 
     The motion is Re(``phasor`` exp(i w t)): its amplitude is the size of the phasor, and its phase is the
     angle in cos(w t + phase), where t is the time of the run.  ``half_width`` is the half width of the
-    amplitude's 95 % confidence interval, or None with fewer than five ``batches``.  ``other`` is half the
+    amplitude's 95 % confidence interval, and ``standard_error`` the amplitude's standard deviation; both are
+    None with fewer than five ``batches``.  ``other`` is half the
     range of the motion without mean place, drift and first harmonic.  ``change`` is the change of the
     phasor from the first half of the cycles to the second, or None with fewer than four cycles.
     """
 
     phasor: Phasors
     half_width: Array | None
+    standard_error: Array | None
     batches: int
     other: Array
     change: Phasors | None
@@ -54,8 +56,11 @@ class Harmonic:
 
     def estimate(self, component: int) -> Estimate:
         """Return the amplitude of one component with its interval."""
-        width = None if self.half_width is None else float(self.half_width[component])
-        return Estimate(float(self.amplitude[component]), width, self.batches)
+        width, error = (
+            None if sizes is None else float(sizes[component])
+            for sizes in (self.half_width, self.standard_error)
+        )
+        return Estimate(float(self.amplitude[component]), width, self.batches, standard_error=error)
 
     def orbit(self) -> dict[str, Any]:
         """Return the table of a point's motion in m along x, y and z, with its ellipse in the x-z plane.
@@ -96,9 +101,10 @@ def first_harmonic(
     wave = np.real(phasor * np.exp(1j * speed_rad_per_s * time_s)[:, None])
     other = np.ptp(values - slow - wave, axis=0) / 2
     batches = batch_count(cycles)
-    width = None
+    width = error = None
     if batches >= FEWEST_BATCHES:
-        width = _half_width(time_s, values - slow, phasor, end_s, cycle_s, cycles // batches, batches)
+        moved, length = values - slow, cycles // batches
+        width, error = _half_width(time_s, moved, phasor, end_s, cycle_s, length, batches)
     change = None
     if cycles >= FEWEST_CYCLES_FOR_CHANGE:
         half_s = cycles // 2 * cycle_s
@@ -107,7 +113,7 @@ def first_harmonic(
             for begin_s in (start_s, end_s - half_s)
         )
         change = late - early
-    return Harmonic(phasor, width, batches, other, change)
+    return Harmonic(phasor, width, error, batches, other, change)
 
 
 def drift(harmonics: list[Harmonic]) -> float | None:
@@ -170,8 +176,9 @@ def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: fl
 
 def _half_width(
     time_s: Array, moved: Array, phasor: Phasors, end_s: float, cycle_s: float, length: int, batches: int
-) -> Array:
-    """Return the half widths of the amplitudes, from the last ``batches`` batches of ``length`` cycles."""
+) -> tuple[Array, Array]:
+    """Return the half widths of the amplitudes and their standard errors, from the last ``batches`` batches
+    of ``length`` cycles."""
     phase = 2 * np.pi / cycle_s * time_s
     terms = np.column_stack([np.cos(phase), -np.sin(phase), np.ones_like(phase)])
     lasting_s = length * cycle_s
@@ -184,4 +191,5 @@ def _half_width(
     size = np.abs(phasor)
     direction = np.divide(phasor, size, out=np.ones_like(phasor), where=size > 0)
     along = np.real(np.array(each) * np.conj(direction))
-    return HANN_WIDENS * np.array([half_width(column) for column in along.T])
+    error, quantile = np.array([standard_error(column) for column in along.T]).T
+    return HANN_WIDENS * quantile * error, HANN_WIDENS * error

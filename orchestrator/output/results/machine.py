@@ -260,14 +260,13 @@ def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]
         normal_g = acceleration @ normals[probe.panel] / STANDARD_GRAVITY_M_PER_S2
         cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
         parts = [size_g[cycle == number] for number in np.unique(cycle)]
-        rms_g, square = rms(size_g), mean(np.array([float(np.mean(part**2)) for part in parts]))
-        width = square.half_width
+        square = mean(np.array([float(np.mean(part**2)) for part in parts]))
         table[name] = {
             "panel": probe.panel,
             "at": list(probe.at or ()),
             "band_Hz": band_hz(step_s),
             "peak_g": float(size_g.max()),
-            "rms_g": Estimate(rms_g, width / (2 * rms_g) if width is not None and rms_g else None),
+            "rms_g": root(rms(size_g), square),
             "peak_normal_g": float(np.abs(normal_g).max()),
             "rms_normal_g": rms(normal_g),
             "cycle_peak_g": mean(np.array([float(part.max()) for part in parts])),
@@ -278,6 +277,14 @@ def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]
 def rms(values: Array) -> float:
     """Return the root of the mean square."""
     return float(np.sqrt(np.mean(values**2)))
+
+
+def root(value: float, square: Estimate) -> Estimate:
+    """Return the estimate of a root, ``value``, whose uncertainty follows from that of its square."""
+    if not value:
+        return Estimate(value, None, square.batches)
+    half_width, error = (size and size / (2 * value) for size in (square.half_width, square.standard_error))
+    return Estimate(value, half_width, square.batches, standard_error=error)
 
 
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:

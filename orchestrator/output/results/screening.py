@@ -36,7 +36,8 @@ def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
 
     ``fine_placement`` is the share of the feed's fines that pass (the recovery of undersize), and
     ``coarse_placement`` is the share of the feed's coarse that is held back.  ``efficiency`` is their sum
-    less one: 1 for a perfect screen, and 0 for a mere splitter.  ``misplaced`` is the mass of fines in the
+    less one: 1 for a perfect screen, and 0 for a mere splitter.  Without coarse particles none passes, and it
+    is the fine placement.  ``misplaced`` is the mass of fines in the
     oversize and of coarse in the undersize over the feed.  ``fines_in_oversize`` is the fine share of the
     oversize.
     """
@@ -46,7 +47,7 @@ def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
     coarse = share(over[COARSE], under[COARSE] + over[COARSE])
     return {
         "oversize_yield": share(float(over.sum()), feed_kg),
-        "efficiency": fine + coarse - 1.0,
+        "efficiency": fine + (1.0 if math.isnan(coarse) else coarse) - 1.0,
         "fine_placement": fine,
         "coarse_placement": coarse,
         "misplaced": share(over[FINE] + under[COARSE], feed_kg),
@@ -68,7 +69,8 @@ def counting_deviations(mass_kg: Array, group: Indices, exits: Exits) -> dict[st
     table = {
         name: counting_deviation(share, mass_kg[of.get(name, all_of_them)]) for name, share in shares.items()
     }
-    table["efficiency"] = math.hypot(table["fine_placement"], table["coarse_placement"])
+    coarse = table["coarse_placement"]
+    table["efficiency"] = math.hypot(table["fine_placement"], 0.0 if math.isnan(coarse) else coarse)
     return table
 
 

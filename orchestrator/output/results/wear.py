@@ -9,7 +9,7 @@ import numpy as np
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.cycles import cycle_numbers
-from orchestrator.output.results.estimate import mean_by_cycles
+from orchestrator.output.results.estimate import ratio_by_cycles
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
@@ -30,15 +30,15 @@ def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) 
     if len(there) < 2:
         return None
     time_s = time_s[there]
-    hours = (time_s[-1] - time_s[0]) / HOUR_S
+    passed_h = np.diff(time_s) / HOUR_S
     cycle = cycle_numbers(time_s[1:], run.cycle_s, float(time_s[0]))
     table = {}
     for name, panel in panels.items():
         mean_m, depth_m = (run.read(f"wear/{name}/{column}")[there] for column in ("mean_m", "depth_m"))
-        depth_m_per_h = (depth_m[-1] - depth_m[0]) / hours
+        depth_m_per_h = (depth_m[-1] - depth_m[0]) / passed_h.sum()
         table[name] = {
             "worn_m3": float(run.read(f"wear/{name}/worn_m3")[-1]),
-            "mean_m_per_h": mean_by_cycles(np.diff(mean_m) / np.diff(time_s) * HOUR_S, cycle, is_steady),
+            "mean_m_per_h": ratio_by_cycles(np.diff(mean_m), passed_h, cycle, is_steady),
             **_deepest(depth_m_per_h, panel.table.thickness_m),
             "depth_m_per_h": depth_m_per_h,
         }

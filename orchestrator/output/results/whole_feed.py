@@ -2,21 +2,24 @@
 
 A feed lists all of its sizes, and ``smallest_fed_m`` leaves out those that would be too many particles.  The
 partition curve of the computed fines is continued to the finer ones.  In a part of the deck, particles of
-one size d pass openings of width a at a rate that falls with their size,
+one size d make N attempts to pass openings of width a, whose chance falls with their size,
 
-    share that stays above = exp(-K (1 - d / a)^sigma),
+    share that stays above = (1 - p (1 - d / a)^sigma)^N.
 
-the form of Ferrara, Preti and Schena (International Journal of Mineral Processing 22, 1988, 193-222).  K and
-sigma are those that most likely give the numbers of particles that left: a binomial regression with the
-complementary log-log link (McCullagh and Nelder, Generalized Linear Models, 2nd ed., 1989, section 4.3).
-docs/theory/screening.md has its limits.
+The chance of the finest is the open share p of the panels (Gaudin, Principles of Mineral Dressing, 1939, with
+sigma = 2).  For many attempts this is exp(-p N (1 - d / a)^sigma), the form of Ferrara, Preti and Schena
+(International Journal of Mineral Processing 22, 1988, 193-222).  N and sigma are those that most likely give
+the numbers of particles that left (McCullagh and Nelder, Generalized Linear Models, 2nd ed., 1989, ch. 4).
+
+The error of the continuation is tested on the computed fines: the curve of their coarser half is continued to
+the finer half.  docs/theory/screening.md has the definitions.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -33,31 +36,37 @@ from orchestrator.case.bed.size_distribution import (
     share_left_out,
 )
 from orchestrator.case.tables.bed import Feed, SizeClass
-from orchestrator.output.results.estimate import share
+from orchestrator.output.results.estimate import Estimate, share
 from orchestrator.output.results.events import LOST, UNDERSIZE, Events, per_cycle
 from orchestrator.ports import Array
 
 BINS = 12
 NUMBER, MASS = 0, 1
 NODES = 16  # of the quadrature over the diameters of a class
-LIMITS = ((-7.0, 7.0), (0.0, 20.0))  # of log K and sigma
+LIMITS = ((-7.0, 7.0), (0.0, 20.0))  # of log N and sigma
+LARGEST_ERROR = 25.0  # points: an interval of so much to either side holds half of all answers
+NO_TEST = "the coarser half of the fines that left determines no curve: the error of continuing it is unknown"
 
 
 @dataclass(frozen=True)
 class PartitionCurve:
-    """The share of each size that stays above the deck: exp(-rate (1 - d / opening_m)^exponent)."""
+    """The share of each size that stays above: (1 - open_share (1 - d / opening_m)^exponent)^attempts."""
 
-    rate: float
+    attempts: float
     exponent: float
     opening_m: float
+    open_share: float
 
     def passed(self, diameter_m: Array) -> Array:
         """Return the shares that pass, of particles with these diameters; 0 for those that are too large."""
         free = np.clip(1.0 - np.asarray(diameter_m) / self.opening_m, 0.0, None)
-        return np.asarray(np.where(free > 0.0, -np.expm1(-self.rate * free**self.exponent), 0.0))
+        chance = self.open_share * free**self.exponent
+        return np.asarray(np.where(free > 0.0, -np.expm1(self.attempts * np.log1p(-chance)), 0.0))
 
 
-def fit_partition(diameter_m: Array, under: Array, over: Array, opening_m: float) -> PartitionCurve | None:
+def fit_partition(
+    diameter_m: Array, under: Array, over: Array, opening_m: float, open_share: float
+) -> PartitionCurve | None:
     """Return the curve that most likely gives the numbers of particles (sizes,) that passed and stayed above.
 
     Return None if they do not determine it: all or none of them passed, or all are of one size.
@@ -69,14 +78,16 @@ def fit_partition(diameter_m: Array, under: Array, over: Array, opening_m: float
         return None
 
     def unlikelihood(coefficients: Array) -> tuple[float, Array]:
-        hazard = np.exp(coefficients[0] + coefficients[1] * log_free)
+        attempts, chance = np.exp(coefficients[0]), open_share * np.exp(coefficients[1] * log_free)
+        hazard = -attempts * np.log1p(-chance)
         share_passed = np.maximum(-np.expm1(-hazard), 1e-300)
-        slope = hazard * (kept - passed * np.exp(-hazard) / share_passed)
+        slope = kept - passed * np.exp(-hazard) / share_passed
         value = float(kept @ hazard - passed @ np.log(share_passed))
-        return value, np.array([slope.sum(), slope @ log_free])
+        return value, np.array([slope @ hazard, slope @ (attempts * chance / (1 - chance) * log_free)])
 
-    best = minimize(unlikelihood, (0.0, 1.0), jac=True, method="L-BFGS-B", bounds=LIMITS, tol=1e-14)
-    return PartitionCurve(float(np.exp(best.x[0])), float(best.x[1]), opening_m)
+    start = -np.log(open_share), 1.0
+    best = minimize(unlikelihood, start, jac=True, method="L-BFGS-B", bounds=LIMITS, tol=1e-14)
+    return PartitionCurve(float(np.exp(best.x[0])), float(best.x[1]), opening_m, open_share)
 
 
 @dataclass(frozen=True)
@@ -174,25 +185,36 @@ def _share_between(rows: Sequence[tuple[SizeClass, float]], low_m: float, high_m
     return sum(part * share_between(row, low_m, high_m) for row, part in rows)
 
 
-def whole_feed(events: Events, fines: FeedFines, opening_m: float) -> dict[str, Any]:
+def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: float) -> dict[str, Any] | str:
     """Return the separation of the whole feed, and the curve by which its fines are completed.
 
-    ``opening_m`` is the smaller side of the openings, which are all alike.  A figure is an estimate without a
-    value where the particles that left do not determine the curve.
+    ``opening_m`` is the smaller side of the openings, which are all alike, and ``open_share`` their share of
+    the panels.  The half widths have the error of continuing the curve, too.  Return the reason instead if
+    the particles that left do not test it, or if the error is too large.
     """
     undersize = events.exits.of(UNDERSIZE)
     mean_m, sums = _numbers_and_masses(events, fines)
+    last, finer = len(undersize), slice(0, BINS // 2)
+    all_left = sums[events.window].sum(axis=0)
 
-    def up_to(count: int, left: Array) -> tuple[PartitionCurve | None, float]:
-        """Return the curve of the first sections, and the share of the computed fines that pass there."""
-        fine = left[:BINS]
-        under, whole = fine[:, undersize[:count]].sum(axis=1), fine.sum(axis=1)
-        curve = fit_partition(mean_m, under[:, NUMBER], (whole - under)[:, NUMBER], opening_m)
-        return curve, share(under[:, MASS].sum(), whole[:, MASS].sum())
+    def fit(left: Array, count: int, classes: slice) -> PartitionCurve | None:
+        under = left[classes, undersize[:count], NUMBER].sum(axis=1)
+        over = left[classes, :, NUMBER].sum(axis=1) - under
+        return fit_partition(mean_m[classes], under, over, opening_m, open_share)
 
     def placement(count: int, left: Array) -> float:
-        curve, computed = up_to(count, left)
+        """Return the share of all fines that pass in the first ``count`` sections."""
+        curve, mass_kg = fit(left, count, slice(0, BINS)), left[:BINS, :, MASS]
+        computed = share(mass_kg[:, undersize[:count]].sum(), mass_kg.sum())
         return float("nan") if curve is None else 100.0 * fines.passed(computed, curve)
+
+    def tested_error(count: int) -> float:
+        """Return by how much of the finer half the curve of the coarser half lets too much pass."""
+        curve, mass_kg = fit(all_left, count, slice(BINS // 2, BINS)), all_left[finer, :, MASS]
+        if curve is None:
+            return float("nan")
+        too_much = mass_kg.sum(axis=1) @ curve.passed(mean_m[finer]) - mass_kg[:, undersize[:count]].sum()
+        return share(too_much, mass_kg.sum())
 
     def efficiency(left: Array) -> float:
         coarse_kg = left[BINS, :, MASS]
@@ -203,23 +225,51 @@ def whole_feed(events: Events, fines: FeedFines, opening_m: float) -> dict[str, 
         before = placement(place, left) if place else 0.0
         return fines.total * (placement(place + 1, left) - before)
 
-    last = len(undersize)
+    tested = np.array([0.0, *(tested_error(count) for count in range(1, last + 1))])
+    if not np.isfinite(tested[last]):
+        return NO_TEST
+    reach = math.log(fines.smallest_computed_m / fines.smallest_m)
+    tested_reach = math.log(fines.cut_m / fines.smallest_computed_m) / 2
+    error = 100.0 * fines.left_out / fines.total * tested * (reach / tested_reach) ** 2
+    if abs(error[last]) > LARGEST_ERROR:
+        computed_mm, listed_mm = 1e3 * fines.smallest_computed_m, 1e3 * fines.smallest_m
+        return (
+            f"its curve, continued from {computed_mm:.3g} to {listed_mm:.3g} mm, may be wrong by "
+            f"{abs(error[last]):.0f} points of the fines, as its own finer half tells; "
+            "compute more of them (smallest_fed_m)"
+        )
+
+    def figure(statistic: Callable[[Array], float], error: float) -> Estimate:
+        """Return an estimate whose interval has the error of the continuation, too."""
+        found = events.figure(statistic, sums)
+        width = found.half_width
+        wider = None if width is None or not np.isfinite(error) else width + abs(error)
+        return replace(found, half_width=wider)
+
     sections = [
         {
             "exit": events.exits.names[number],
-            "cumulative_efficiency_percent": events.figure(partial(placement, place + 1), sums),
-            "yield_percent": events.figure(partial(section_yield, place), sums),
+            "cumulative_efficiency_percent": figure(partial(placement, place + 1), error[place + 1]),
+            "yield_percent": figure(
+                partial(section_yield, place), fines.total * (error[place + 1] - error[place])
+            ),
         }
         for place, number in enumerate(undersize)
     ]
-    curve, _ = up_to(last, sums[events.window].sum(axis=0))
+    curve = fit(all_left, last, slice(0, BINS))
     return {
         "left_out_percent": 100.0 * fines.left_out,
         "smallest_m": fines.smallest_m,
         "smallest_computed_m": fines.smallest_computed_m,
         "fines_percent": 100.0 * fines.total,
-        "fine_placement_percent": events.figure(partial(placement, last), sums),
-        "efficiency_percent": events.figure(efficiency, sums),
+        "fine_placement_percent": figure(partial(placement, last), error[last]),
+        "efficiency_percent": figure(efficiency, error[last]),
+        "continuation": {
+            "factor": math.exp(reach),
+            "tested_factor": math.exp(tested_reach),
+            "tested_error_percent": 100.0 * tested[last],
+            "error_percent": error[last],
+        },
         "sections": sections,
         "curve": None if curve is None else _course(curve, min(*fines.diameter_m, *mean_m)),
     }
@@ -229,9 +279,10 @@ def _course(curve: PartitionCurve, smallest_m: float) -> dict[str, Any]:
     """Return the curve's numbers, and its course from a diameter to the openings' width."""
     diameter_m = np.linspace(smallest_m, curve.opening_m, 41)
     return {
-        "rate": curve.rate,
+        "attempts": curve.attempts,
         "exponent": curve.exponent,
         "opening_m": curve.opening_m,
+        "open_share": curve.open_share,
         "diameter_m": diameter_m,
         "oversize_percent": 100.0 * (1.0 - curve.passed(diameter_m)),
     }

@@ -38,7 +38,7 @@ from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens
 
 NAME = "accuracy.json"
-FORMAT = 2
+FORMAT = 3
 """Version of this file, which holds for its keys and for what its numbers mean."""
 
 
