@@ -48,8 +48,8 @@ def series(case: Path, level: str, study: StoredStudy) -> Iterator[tuple[str, fl
 
 def candidates(study: StoredStudy) -> list[Candidate]:
     """Return the unchanged case and the cheapest settings for each tolerance, without repetition."""
-    wanted = [one for one in study.measured_candidates() if not one.sets]
-    wanted += [one for each in TOLERANCES if (one := study.cheapest(each)) is not None]
+    wanted = [one for one in study.measured_candidates if not one.sets]
+    wanted += [one for each in TOLERANCES if (one := study.recommend(each)) is not None]
     return list({one.sets: one for one in wanted}.values())
 
 

@@ -4,9 +4,9 @@
 
 A scene is a case drawn with its number as the seed: a panel, taut or slack, of polyurethane or steel,
 between still or shaken frames or on bushings, under a heavy lump, a lump among fines of up to 1 : 50, a
-falling bed or a bed at rest.  Each scheme runs it at shares of the interval that its stability report promises, while the
-monitor only warns.  A run is sound if it comes to its end and nothing speaks against its coupling.  OUT gets
-runs.csv, and the case of each run that is not sound.
+falling bed or a bed at rest.  Each scheme runs it at shares of the interval that its stability report
+promises, while the monitor only warns.  A run is sound if it comes to its end and nothing speaks against its
+coupling.  OUT gets runs.csv, and the case of each run that is not sound.
 
 Exit code 0: of every scheme at every share, at least 99 % of the runs are sound.
 """

@@ -460,7 +460,7 @@ def plan(
         from orchestrator.preflight.cost import in_words
         from orchestrator.preflight.level_file import write_level
 
-        about = f"planned: {100 * plan.choice.error:.2g} % in {in_words(plan.wall_s)}"
+        about = f"planned: {100 * plan.choice.error.at_most:.2g} % in {in_words(plan.wall_s)}"
         with reported_errors():
             file = write_level(loaded, write, [*sets, *plan.choice.sets], about)
         CONSOLE.print(f"written: {file}")

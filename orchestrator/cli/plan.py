@@ -51,12 +51,16 @@ def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCas
         CONSOLE.print(f"warning: {OTHER_CASE.format(', '.join(changes))}")
     chosen = plan.choice
     if chosen is None:
-        least = min((settings.error for settings in plan.study.measured_candidates()), default=None)
+        least = min((each.error.at_most for each in plan.study.measured_candidates), default=None)
         best = "" if least is None else f"; the best has {100 * least:.3g} %"
         CONSOLE.print(f"no settings of the study are within {100 * plan.tolerance:g} %{best}")
     else:
         how = "measured" if chosen.measured else "predicted, not measured"
-        CONSOLE.print(f"{chosen.label}: error {100 * chosen.error:.3g} % ({how}), {in_words(plan.wall_s)}")
+        error, width = chosen.error, chosen.error.half_width
+        size = f"{100 * error.value:.3g}" + (f" ± {100 * width:.2g}" if width else "")
+        CONSOLE.print(f"{chosen.label}: error {size} % ({how}), {in_words(plan.wall_s)}")
+        for line in plan.study.table["warnings"]:
+            CONSOLE.print(f"warning: {line}")
         if plan.study.table["chance"] is None:
             CONSOLE.print("warning: the study has one seed, so that chance may add to the error: --seeds 3")
         sets = [word for setting in (*overrides, *chosen.sets) for word in ("--set", setting)]

@@ -145,12 +145,19 @@ class MeteredFrames(FramesWrapper):
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             motion = super().advance(interval, reaction)
         self.received.add(reaction, self._now, motion, interval.length_s)
-        if self.seizes and not self._has_seized and not np.array_equal(reaction.force_N, self._at_rest_N):
-            impulse_N_s = interval.length_s * (reaction.force_N - self._at_rest_N)
-            self.blow_J = -float(np.vdot(impulse_N_s, self._seizing_m_per_s[: len(impulse_N_s)])) / 2
-            self._has_seized = True
+        if self.seizes and not self._has_seized:
+            self._seize(interval, reaction)
         self.last, self._now = (reaction, motion), motion
         return motion
+
+    def _seize(self, interval: Interval, reaction: Load) -> None:
+        """Book the blow in the first interval in which the panels pull otherwise than at rest."""
+        assert self._at_rest_N is not None
+        pull_N = reaction.force_N - self._at_rest_N
+        if pull_N.any():
+            jump_m_per_s = self._seizing_m_per_s[: len(pull_N)]
+            self.blow_J = -interval.length_s * float(np.vdot(pull_N, jump_m_per_s)) / 2
+            self._has_seized = True
 
     @property
     def through_N_s(self) -> float:

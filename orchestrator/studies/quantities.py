@@ -25,6 +25,7 @@ from orchestrator.output.cycles import cycle_numbers, cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import deck_area_m2
+from orchestrator.output.results.compute import interval_of
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import acceleration_m_per_s2
 from orchestrator.output.results.run_reader import RunReader
@@ -93,7 +94,8 @@ def half_width_of(question: Question, run: Path) -> float | None:
         return None if value.counting is None else NORMAL_95 * value.counting * unit
     if question.measure == "amplitude":
         widths_m = _orbit(question, run)["half_width_m"]
-        return None if widths_m is None else float(widths_m[AXES.get(question.axis, 0)])
+        width_m = widths_m and widths_m[AXES.get(question.axis, 0)]
+        return None if width_m is None else float(width_m)
     return None
 
 
@@ -147,7 +149,9 @@ def _orbit(question: Question, run: Path) -> Mapping[str, Any]:
     if question.between_s is not None:
         try:
             with RunReader(run) as reader:
-                orbits = find_orbits({"motion": machine.orbits(reader, *question.between_s)[0]})
+                orbits = find_orbits(
+                    {"motion": machine.orbits(reader, *question.between_s, interval_of(reader, None))[0]}
+                )
         except ValueError as error:
             raise Unknown(f"{run.name}: {error}") from None
     if question.of not in orbits:

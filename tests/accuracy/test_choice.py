@@ -23,9 +23,11 @@ from orchestrator.studies.accuracy.combinations import (
     scatter,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
+from orchestrator.studies.accuracy.plan import StoredStudy
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
 from orchestrator.studies.accuracy.report import (
     advice,
+    as_json,
     cost_table,
     draw_convergence,
     draw_models,
@@ -124,6 +126,68 @@ def test_every_error_that_decides_is_within_the_tolerance_of_a_recommendation(tm
     assert made.recommend(0.15).row is not None
 
 
+def by_seed(frame_m: float, velocity_m_per_s: float, by: float) -> list[dict[str, float]]:
+    """Three seeds, whose velocities differ from point to point."""
+    return [flow(frame_m, velocity_m_per_s + by * x) for x in (-1.0, 0.0, 1.0)]
+
+
+def test_a_point_that_takes_longer_than_its_reference_is_not_recommended(tmp_path: Path) -> None:
+    """The longer intervals are off by 4 %, and took longer than the better short ones."""
+    points = (
+        point(tmp_path, "base", {}, [flow(1.2, 1.0)], panel=10.0),
+        point(tmp_path, "coupling-long", {"coupling": LONG}, [flow(1.04, 1.0)], panel=25.0),
+        point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=20.0),
+    )
+    made = study(tmp_path, *points)
+    assert made.recommend(0.1).row is None
+    assert "no dearer than the reference" in [*advice(made)][1]
+    cheaper = replace(points[1], metrics=point(tmp_path, "", {}, [flow(1.04, 1.0)], panel=15.0).metrics)
+    found = study(tmp_path, points[0], cheaper, points[2]).recommend(0.1).row
+    assert found is not None
+    assert found.point.name == "coupling-long"
+
+
+def test_the_front_has_no_point_that_is_better_by_chance(tmp_path: Path) -> None:
+    """Own intervals are off by 10 %, dearer ones by 9.5 %: chance is 3 or 0.03 %, and one seed
+    does not tell."""
+    for by, names in ((0.01, ["base"]), (0.0001, ["base", "coupling-long"])):
+        made = study(
+            tmp_path,
+            point(tmp_path, "base", {}, by_seed(1.0, 1.1, by), panel=10.0),
+            point(tmp_path, "coupling-long", {"coupling": LONG}, by_seed(1.0, 1.095, -by), panel=15.0),
+            point(tmp_path, "coupling-short", {"coupling": SHORT}, by_seed(1.0, 1.0, by), panel=20.0),
+        )
+        assert [row.point.name for row in made.front()] == names
+    one = replace(made, points=tuple(replace(each, metrics=each.metrics[:1]) for each in made.points))
+    assert not one.front()
+
+
+@pytest.mark.parametrize("by", [0.0001, 0.003])
+def test_a_plan_recommends_what_its_study_recommends(tmp_path: Path, by: float) -> None:
+    """Although the finest setting is itself off by an estimated 6 %: console and page of both say so."""
+    series = (replace(SERIES[0], expected=1.0), *SERIES[1:])
+    points = (
+        point(tmp_path, "base", {}, by_seed(1.06, 1.0, by), panel=10.0),
+        point(tmp_path, "coupling-long", {"coupling": LONG}, by_seed(1.12, 1.0, -by), panel=5.0),
+        point(tmp_path, "coupling-short", {"coupling": SHORT}, by_seed(1.0, 1.0, by), panel=20.0),
+    )
+    for each in points:
+        each.metrics[0].summary.update({"simulated_s": 1.0})
+        (tmp_path / each.name).mkdir()
+        write_summary(tmp_path / each.name, {"status": "done"})
+    made = replace(study(tmp_path, *points), offer=Offer(series, {}))
+    assert made.reference_error == pytest.approx(0.06)
+    assert next(warnings(made)).startswith("The reference is itself off by an estimated 6 %")
+    stored = StoredStudy(tmp_path, as_json(made))
+    assert stored.table["warnings"] == [*warnings(made)]
+    recommended = []
+    for tolerance in (0.01, 0.03, 0.05, 0.07, 0.15):
+        row, planned = made.recommend(tolerance).row, stored.recommend(tolerance)
+        assert (row and row.point.sets) == (planned and planned.sets)
+        recommended.append(row and row.point.name)
+    assert recommended == [None, None, None, "base", "coupling-long"]
+
+
 def test_the_best_point_is_the_reference_where_its_run_is_lost(tmp_path: Path) -> None:
     """The best proposal comes first, and none beyond the budget; where none was measured, the finest setting
     is better than the case as it is."""
@@ -140,7 +204,7 @@ def test_the_best_point_is_the_reference_where_its_run_is_lost(tmp_path: Path) -
     finest, own = best_measured(whole, ["lost"]), best_measured(study(tmp_path, *points[1:2], points[0]), [])
     assert finest
     assert own
-    assert (finest[0], finest[1].error) == ("coupling-short", max(whole.remaining_errors.values()))
+    assert (finest[0], finest[1].error) == ("coupling-short", 0.0)
     assert (own[0], own[1].error) == ("base", 0.0)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.history import write_accelerations
+from orchestrator.output.results.estimate import chance
 from orchestrator.output.results.machine import (
     acceleration_m_per_s2,
     acceleration_series,
@@ -66,7 +67,7 @@ def test_the_series_of_a_run_are_those_of_the_report(tmp_path: Path) -> None:
     folder = folder_of(tmp_path / "run", particles=False, cycles=12)
     with RunReader(folder) as run:
         series = acceleration_series(run)
-        reported = panel_points(run, *run.second_half_s)
+        reported = panel_points(run, *run.second_half_s, chance)
         time_s, span_s = run.series_s(), run.second_half_s
     write_accelerations(folder / "history.h5", series, band_hz(float(time_s[1] - time_s[0])))
     with h5py.File(folder / "history.h5") as history:

@@ -15,6 +15,7 @@ from orchestrator.case.deck.panels import axes
 from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
 from orchestrator.output.results import bed
 from orchestrator.output.results.bed import deck_area_m2, retained_metrics
+from orchestrator.output.results.estimate import chance
 from orchestrator.output.results.run_reader import cut_size_m
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
@@ -229,7 +230,7 @@ def test_the_first_cycles_in_which_nothing_can_be_held_are_in_no_mean() -> None:
             read=lambda name: table[name.removeprefix("held/")],
             output_rows=lambda _, start_s, until_s: (time_s > start_s) & (time_s <= until_s),
         )
-        return retained_metrics(run, 0.0, end_s, False)
+        return retained_metrics(run, 0.0, end_s, False, chance)
 
     assert held_until(10 * CYCLE_S)["stickers"].value == pytest.approx(7.0)
     assert held_until(4 * CYCLE_S)["stickers"].value is None

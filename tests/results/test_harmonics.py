@@ -14,6 +14,7 @@ from orchestrator.output.cycles import (
     is_driven,
     within,
 )
+from orchestrator.output.results.estimate import TOO_FEW, remaining_drift
 from orchestrator.output.results.harmonics import drift, ellipse, first_harmonic
 from orchestrator.output.results.machine import mostly_other
 from orchestrator.output.results.run_reader import cut_size_m
@@ -64,7 +65,7 @@ def test_a_slow_swing_hardly_leaks_into_it() -> None:
     are below 1e-3; without a window it would be 2 %."""
     time_s = times(10)
     swing = np.outer(2e-3 * np.exp(-time_s) * np.cos(29 * time_s), [1.0, 0.0, 0.0])
-    found = first_harmonic(time_s, wave(time_s) + swing, CYCLE_S)
+    found = first_harmonic(time_s, wave(time_s) + swing, CYCLE_S, interval_of=remaining_drift)
     assert found.amplitude[0] == pytest.approx(5.6e-3, rel=2e-3)
     assert found.half_width is not None
     assert found.half_width[0] > abs(found.amplitude[0] - 5.6e-3)
@@ -89,6 +90,7 @@ def test_few_cycles_have_no_interval() -> None:
     found = first_harmonic(time_s, wave(time_s), CYCLE_S)
     assert (found.half_width, found.batches) == (None, 4)
     assert found.estimate(0).half_width is None
+    assert found.estimate(0).reason == TOO_FEW
 
 
 def test_drift_is_the_change_between_the_halves() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,13 @@ def test_a_steady_run_says_from_how_much_its_figures_are(steady: dict[str, Any])
     assert load.over == "100 particles at 500 output times, 50 cycles, 4.00 s"
     assert load.line == f"load per area of the deck: 12.539 ± 0.000 kg/m² (over {load.over})"
     assert not [tile.name for tile in tiles.values() if tile.unsteady]
+
+
+def test_a_figure_of_too_few_cycles_says_why_it_has_no_interval(steady: dict[str, Any]) -> None:
+    table = copy.deepcopy(steady)
+    table["bed"]["velocity_m_per_s"] |= {"half_width": None, "reason": "too few cycles for an interval"}
+    tile = tiles_of(table)["material velocity"]
+    assert (tile.interval, tile.over.endswith("4.00 s; too few cycles for an interval")) == ("", True)
 
 
 def test_the_bed_is_told_by_its_load_and_by_the_mean_of_its_height(steady: dict[str, Any]) -> None:

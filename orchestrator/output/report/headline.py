@@ -152,4 +152,6 @@ def _tile(
     name: str, estimate: dict[str, Any], unit: str, over: str, unsteady: bool, scale: float = 1.0
 ) -> Tile:
     value, _, width = interval(estimate, scale).partition(" ± ")
+    if why := estimate.get("reason"):
+        over += f"; {why}"
     return Tile(name, value, width, unit, over, unsteady)

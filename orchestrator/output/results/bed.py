@@ -10,13 +10,15 @@ from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.cycles import ROUNDING, cycle_numbers
 from orchestrator.output.records.deck_record import HELD_CYCLES, bins_m
-from orchestrator.output.results.estimate import Estimate, mean_by_cycles, ratio_by_cycles, share
+from orchestrator.output.results.estimate import Estimate, IntervalOf, mean_by_cycles, ratio_by_cycles, share
 from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, EventTable, per_cycle
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
 
-def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
+def bed_metrics(
+    run: RunReader, start_s: float, end_s: float, is_steady: bool, interval_of: IntervalOf
+) -> dict[str, Any]:
     """Return the bed's metrics over the output times from ``start_s`` to ``end_s`` (at least one).
 
     All metrics are means over time.  A bin or a deck without particles counts with no mass and a depth of
@@ -37,11 +39,11 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
     return {
         "output_times": int(window.sum()),
         "particles": float(run.read("bed/particles")[run.output_rows("bed", start_s, end_s)].mean()),
-        "on_deck_kg": mean_by_cycles(on_deck_kg, cycle, is_steady),
-        "load_kg_per_m2": mean_by_cycles(on_deck_kg / deck_area_m2(run), cycle, is_steady),
-        "velocity_m_per_s": ratio_by_cycles(momentum.sum(axis=1), on_deck_kg, cycle, is_steady),
-        "mean_depth_m": mean_by_cycles(depth_m.mean(axis=1), cycle, is_steady),
-        "largest_depth_m": mean_by_cycles(depth_m.max(axis=1), cycle, is_steady),
+        "on_deck_kg": mean_by_cycles(on_deck_kg, cycle, is_steady, interval_of),
+        "load_kg_per_m2": mean_by_cycles(on_deck_kg / deck_area_m2(run), cycle, is_steady, interval_of),
+        "velocity_m_per_s": ratio_by_cycles(momentum.sum(axis=1), on_deck_kg, cycle, is_steady, interval_of),
+        "mean_depth_m": mean_by_cycles(depth_m.mean(axis=1), cycle, is_steady, interval_of),
+        "largest_depth_m": mean_by_cycles(depth_m.max(axis=1), cycle, is_steady, interval_of),
         "profile": {
             "along_m": along_m,
             "mass_kg_per_m": mass_kg.mean(axis=0) / (along_m[1] - along_m[0]),
@@ -64,7 +66,9 @@ def deck_area_m2(run: RunReader) -> float:
     return float(length_m * width_m)
 
 
-def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
+def retained_metrics(
+    run: RunReader, start_s: float, end_s: float, is_steady: bool, interval_of: IntervalOf
+) -> dict[str, Any]:
     """Return the means of stickers and blinded openings over the output times in a window.
 
     Those of the run's first cycles, in which no particle can have lain for long enough, do not count.
@@ -77,7 +81,7 @@ def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bo
     cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     return {
-        name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady)
+        name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady, interval_of)
         for name, series in names.items()
     }
 

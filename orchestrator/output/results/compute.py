@@ -17,7 +17,7 @@ from orchestrator.case.tables.frames import Bushing
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
 from orchestrator.output.results.course import course
-from orchestrator.output.results.estimate import Estimate
+from orchestrator.output.results.estimate import Estimate, IntervalOf, chance, remaining_drift, unknown
 from orchestrator.output.results.events import Events, read_events
 from orchestrator.output.results.power import power_metrics
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
@@ -166,7 +166,7 @@ def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> No
     if why := phases_missed(time_s, run.cycle_s if run.is_driven else None):
         table["missing"] |= {"bed": why, "held": why}
         return
-    times = (start_s, end_s, steady["is_steady"])
+    times = (start_s, end_s, steady["is_steady"], interval_of(run, events))
     table["bed"] = bed_metrics(run, *times)
     table["held"] = {"openings": len(openings_m(run.case)), **retained_metrics(run, *times)}
 
@@ -193,10 +193,10 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
     elif why := NO_CYCLE if not run.is_driven else seldom:
         missing["orbits"] = why
     else:
-        table_of_orbits, other = machine.orbits(run, start_s, end_s)
+        table_of_orbits, other = machine.orbits(run, start_s, end_s, interval_of(run, events))
         motion |= table_of_orbits
-        motion["ground"] = machine.force_on_ground(run, start_s, end_s)
-        if (whole := course(run)) is not None:
+        motion["ground"] = machine.force_on_ground(run, start_s, end_s, interval_of(run, events))
+        if (whole := course(run, interval_of(run, None))) is not None:
             table["course"] = whole
     motion["reason"] = machine.why_not_settled(run, start_s, end_s, motion["drift"], other)
     motion["is_settled"] = not motion["reason"]
@@ -205,9 +205,18 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
     elif why := (seldom if run.is_driven else "") or machine.why_no_band(run):
         missing["panel acceleration"] = why
     else:
-        motion["panel_points"] = machine.panel_points(run, start_s, end_s)
+        motion["panel_points"] = machine.panel_points(run, start_s, end_s, interval_of(run, events))
     if not motion["panels"]:
         missing["panels"] = "the case has no panels"
+
+
+def interval_of(run: RunReader, events: Events | None) -> IntervalOf:
+    """Return the interval of motions, powers and the bed: of chance with particles, else of the remaining
+    drift."""
+    if not has_particles(run.case):
+        return remaining_drift
+    short = events is not None and not events.steady.reason and not events.has_interval
+    return unknown if short else chance
 
 
 def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
@@ -232,7 +241,7 @@ def _add_power(run: RunReader, events: Events | None, table: dict[str, Any]) -> 
         return
     has_bed = has_particles(run.case)
     is_steady = table["motion"]["is_settled"] and (not has_bed or _has_steady_bed(table))
-    metrics = power_metrics(run, *motion_window(run, events), events, is_steady)
+    metrics = power_metrics(run, *motion_window(run, events), events, is_steady, interval_of(run, events))
     if metrics is None:
         table["missing"]["power"] = "no whole cycle in the part that is averaged over"
         return

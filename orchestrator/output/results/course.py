@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 
 from orchestrator.output.cycles import within
+from orchestrator.output.results.estimate import IntervalOf
 from orchestrator.output.results.harmonics import first_harmonic
 from orchestrator.output.results.machine import relative_motions_m
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
-WINDOW_CYCLES = 6  # five batches are the fewest that give an interval
+WINDOW_CYCLES = 10  # the fewest that give an interval
 FEWEST_WINDOWS = 3
 
 
-def course(run: RunReader) -> dict[str, Any] | None:
-    """Return the amplitude of each pair of frames along the deck, and the load, in windows of six whole
+def course(run: RunReader, interval_of: IntervalOf) -> dict[str, Any] | None:
+    """Return the amplitude of each pair of frames along the deck, and the load, in windows of ten whole
     cycles.
 
     The windows end at the run's last whole cycle; cycles that are left over are the first ones.  ``end_s``
@@ -35,7 +36,9 @@ def course(run: RunReader) -> dict[str, Any] | None:
     relative: dict[str, dict[str, list[float]]] = {}
     for name, place_m in pairs_m.items():
         along_m = place_m @ run.deck_axes[:, :1]
-        fits = [first_harmonic(time_s, along_m, run.turn_s(*window), *window) for window in windows]
+        fits = [
+            first_harmonic(time_s, along_m, run.turn_s(*window), *window, interval_of) for window in windows
+        ]
         relative[name] = {
             "along_m": [float(fit.amplitude[0]) for fit in fits],
             "half_width_m": [np.nan if fit.half_width is None else float(fit.half_width[0]) for fit in fits],

@@ -19,7 +19,13 @@ from typing import Any
 import numpy as np
 
 from orchestrator.output.cycles import cycle_numbers, within
-from orchestrator.output.results.estimate import Estimate, batch_sums, estimate
+from orchestrator.output.results.estimate import (
+    FEWEST_INDEPENDENT,
+    Estimate,
+    IntervalOf,
+    batch_sums,
+    estimate,
+)
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_mass_kg
 
@@ -246,7 +252,19 @@ class Events:
         inside = within(self.removed.time_s, *self.window_s, float(self.edges_s[1]))
         return inside & (self.removed.exit != LOST)
 
-    def figure(self, statistic: Callable[[Array], float], cycles: Array) -> Estimate:
+    @property
+    def has_interval(self) -> bool:
+        """Whether the cycles over which to average are long enough for intervals of what depends on the bed.
+
+        The bed forgets within the mean stay of its mass (Little's law), so that each stay counts as one
+        independent value.
+        """
+        held_kg, fed_kg = (mass[self.window] for mass in (self.balance.mean_held_kg, self.balance.fed_kg))
+        return bool(FEWEST_INDEPENDENT * held_kg.mean() <= fed_kg.sum() * (1 + ROUNDING))
+
+    def figure(
+        self, statistic: Callable[[Array], float], cycles: Array, interval_of: IntervalOf | None = None
+    ) -> Estimate:
         """Return the estimate of a statistic of the sum of ``cycles`` (cycles, ...).
 
         The estimate has an interval in a steady state.
@@ -254,12 +272,13 @@ class Events:
         if self.steady.reason:
             value = statistic(cycles[self.window].sum(axis=0))
             return Estimate(float(value) if np.isfinite(value) else None)
-        return estimate(statistic, batch_sums(cycles[self.window]))
+        return estimate(statistic, batch_sums(cycles[self.window]), interval_of)
 
-    def ratio(self, part: Array, whole: Array) -> Estimate:
+    def ratio(self, part: Array, whole: Array, interval_of: IntervalOf | None = None) -> Estimate:
         """Return the sum of ``part`` over the sum of ``whole``, (cycles,) each."""
-        return self.figure(lambda sums: sums[0] / sums[1], np.column_stack([part, whole]))
+        return self.figure(lambda sums: sums[0] / sums[1], np.column_stack([part, whole]), interval_of)
 
-    def rate(self, per_cycle: Array) -> Estimate:
+    def rate(self, per_cycle: Array, interval_of: IntervalOf | None = None) -> Estimate:
         """Return the rate per second of a quantity (cycles,) that is summed over each cycle."""
-        return self.ratio(per_cycle, np.full(len(per_cycle), float(self.edges_s[1] - self.edges_s[0])))
+        cycle_s = float(self.edges_s[1] - self.edges_s[0])
+        return self.ratio(per_cycle, np.full(len(per_cycle), cycle_s), interval_of)

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.output.cycles import count_whole_cycles, within
-from orchestrator.output.results.estimate import FEWEST_BATCHES, Estimate, batch_count, standard_error
+from orchestrator.output.results.estimate import Estimate, Interval, IntervalOf, batch_count, chance
 from orchestrator.ports import Array
 
 Phasors = npt.NDArray[Any]  # complex
@@ -35,16 +35,14 @@ class Harmonic:
     """The first harmonic of a motion over whole cycles, by component.
 
     The motion is Re(``phasor`` exp(i w t)): its amplitude is the size of the phasor, and its phase is the
-    angle in cos(w t + phase), where t is the time of the run.  ``half_width`` is the half width of the
-    amplitude's 95 % confidence interval, and ``standard_error`` the amplitude's standard deviation; both are
-    None with fewer than five ``batches``.  ``other`` is half the
-    range of the motion without mean place, drift and first harmonic.  ``change`` is the change of the
-    phasor from the first half of the cycles to the second, or None with fewer than four cycles.
+    angle in cos(w t + phase), where t is the time of the run.  ``intervals`` are those of the amplitudes,
+    from ``batches``.  ``other`` is half the range of the motion without mean place, drift and first
+    harmonic.  ``change`` is the change of the phasor from the first half of the cycles to the second, or None
+    with fewer than four cycles.
     """
 
     phasor: Phasors
-    half_width: Array | None
-    standard_error: Array | None
+    intervals: tuple[Interval, ...]
     batches: int
     other: Array
     change: Phasors | None
@@ -54,13 +52,22 @@ class Harmonic:
         """The amplitudes by component."""
         return np.abs(self.phasor)
 
+    @property
+    def half_width(self) -> Array | None:
+        """The half widths of the intervals by component, NaN where one is unknown; None if all are."""
+        widths = np.array([one.half_width for one in self.intervals], dtype=float)
+        return None if np.isnan(widths).all() else widths
+
     def estimate(self, component: int) -> Estimate:
         """Return the amplitude of one component with its interval."""
-        width, error = (
-            None if sizes is None else float(sizes[component])
-            for sizes in (self.half_width, self.standard_error)
+        one = self.intervals[component]
+        return Estimate(
+            float(self.amplitude[component]),
+            one.half_width,
+            self.batches,
+            standard_error=one.standard_error,
+            reason=one.reason,
         )
-        return Estimate(float(self.amplitude[component]), width, self.batches, standard_error=error)
 
     def orbit(self) -> dict[str, Any]:
         """Return the table of a point's motion in m along x, y and z, with its ellipse in the x-z plane.
@@ -80,7 +87,12 @@ class Harmonic:
 
 
 def first_harmonic(
-    time_s: Array, values: Array, cycle_s: float, start_s: float = 0.0, end_s: float | None = None
+    time_s: Array,
+    values: Array,
+    cycle_s: float,
+    start_s: float = 0.0,
+    end_s: float | None = None,
+    interval_of: IntervalOf = chance,
 ) -> Harmonic:
     """Return the first harmonic of ``values`` (rows, components) at ``time_s`` (rows,).
 
@@ -101,10 +113,10 @@ def first_harmonic(
     wave = np.real(phasor * np.exp(1j * speed_rad_per_s * time_s)[:, None])
     other = np.ptp(values - slow - wave, axis=0) / 2
     batches = batch_count(cycles)
-    width = error = None
-    if batches >= FEWEST_BATCHES:
-        moved, length = values - slow, cycles // batches
-        width, error = _half_width(time_s, moved, phasor, end_s, cycle_s, length, batches)
+    along = _along(time_s, values - slow, phasor, end_s, cycle_s, cycles // batches, batches)
+    intervals = tuple(map(interval_of, along.T))
+    if interval_of is chance:
+        intervals = tuple(one.times(HANN_WIDENS) for one in intervals)
     change = None
     if cycles >= FEWEST_CYCLES_FOR_CHANGE:
         half_s = cycles // 2 * cycle_s
@@ -113,7 +125,7 @@ def first_harmonic(
             for begin_s in (start_s, end_s - half_s)
         )
         change = late - early
-    return Harmonic(phasor, width, error, batches, other, change)
+    return Harmonic(phasor, intervals, batches, other, change)
 
 
 def drift(harmonics: list[Harmonic]) -> float | None:
@@ -174,11 +186,13 @@ def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: fl
     return fitted[0] + 1j * fitted[1], slow @ fitted[2:]
 
 
-def _half_width(
+def _along(
     time_s: Array, moved: Array, phasor: Phasors, end_s: float, cycle_s: float, length: int, batches: int
-) -> tuple[Array, Array]:
-    """Return the half widths of the amplitudes and their standard errors, from the last ``batches`` batches
-    of ``length`` cycles."""
+) -> Array:
+    """Return the phasors' components along ``phasor`` (batches, components) of batches of ``length`` cycles.
+
+    The last batch ends at ``end_s``.
+    """
     phase = 2 * np.pi / cycle_s * time_s
     terms = np.column_stack([np.cos(phase), -np.sin(phase), np.ones_like(phase)])
     lasting_s = length * cycle_s
@@ -190,6 +204,4 @@ def _half_width(
         each.append(fitted[0] + 1j * fitted[1])
     size = np.abs(phasor)
     direction = np.divide(phasor, size, out=np.ones_like(phasor), where=size > 0)
-    along = np.real(np.array(each) * np.conj(direction))
-    error, quantile = np.array([standard_error(column) for column in along.T]).T
-    return HANN_WIDENS * quantile * error, HANN_WIDENS * error
+    return np.real(np.array(each) * np.conj(direction))

@@ -13,7 +13,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import bushings
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.output.cycles import cycle_numbers, named_speeds_rad_per_s, within
-from orchestrator.output.results.estimate import Estimate, mean
+from orchestrator.output.results.estimate import Estimate, IntervalOf, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
@@ -34,7 +34,9 @@ RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
 UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
 
 
-def orbits(run: RunReader, start_s: float, end_s: float) -> tuple[dict[str, Any], str]:
+def orbits(
+    run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf
+) -> tuple[dict[str, Any], str]:
     """Return the first harmonics in deck axes, their ``drift`` and speed, and the mean speeds of motors'
     ``shafts_rad_per_s`` in a table, and the name of a motion that is ``mostly_other``.
 
@@ -50,7 +52,7 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> tuple[dict[str, Any]
 
     def harmonics(motions: dict[str, Array]) -> dict[str, Harmonic]:
         return {
-            name: first_harmonic(time_s, place_m @ run.deck_axes, turn_s, start_s, end_s)
+            name: first_harmonic(time_s, place_m @ run.deck_axes, turn_s, start_s, end_s, interval_of)
             for name, place_m in motions.items()
         }
 
@@ -67,7 +69,9 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> tuple[dict[str, Any]
     return table, mostly_other(single | relative)
 
 
-def force_on_ground(run: RunReader, start_s: float, end_s: float) -> dict[str, Any] | None:
+def force_on_ground(
+    run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf
+) -> dict[str, Any] | None:
     """Return the force of all bushings on the ground, in N along x, y, z of the world, z upwards.
 
     ``amplitude_N`` has the first harmonic, ``mean_N`` the mean of the cycles from ``start_s`` to ``end_s``,
@@ -87,7 +91,8 @@ def force_on_ground(run: RunReader, start_s: float, end_s: float) -> dict[str, A
         return None
     time_s = run.series_s()
     force_N = np.sum([_on_ground_N(run, bushing) for bushing in standing], axis=0)
-    harmonic = first_harmonic(time_s, force_N, run.turn_s(start_s, end_s), start_s, end_s)
+    turn_s = run.turn_s(start_s, end_s)
+    harmonic = first_harmonic(time_s, force_N, turn_s, start_s, end_s, interval_of)
     inside_N = force_N[within(time_s, start_s, end_s, run.cycle_s)]
     mean_N = inside_N.mean(axis=0)
     return {
@@ -245,7 +250,7 @@ def acceleration_series(run: RunReader) -> dict[str, tuple[Array, Array]]:
     return table
 
 
-def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
+def panel_points(run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf) -> dict[str, Any]:
     """Return the accelerations, in g, of the probes on panels; ``band_Hz`` is their highest frequency."""
     normals = {panel.name: panel.rectangle.normal for panel in single_panels(run.case)}
     table = {}
@@ -260,16 +265,16 @@ def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]
         normal_g = acceleration @ normals[probe.panel] / STANDARD_GRAVITY_M_PER_S2
         cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
         parts = [size_g[cycle == number] for number in np.unique(cycle)]
-        square = mean(np.array([float(np.mean(part**2)) for part in parts]))
+        squares = np.array([float(np.mean(part**2)) for part in parts])
         table[name] = {
             "panel": probe.panel,
             "at": list(probe.at or ()),
             "band_Hz": band_hz(step_s),
             "peak_g": float(size_g.max()),
-            "rms_g": root(rms(size_g), square),
+            "rms_g": root(rms(size_g), mean(squares, interval_of)),
             "peak_normal_g": float(np.abs(normal_g).max()),
             "rms_normal_g": rms(normal_g),
-            "cycle_peak_g": mean(np.array([float(part.max()) for part in parts])),
+            "cycle_peak_g": mean(np.array([float(part.max()) for part in parts]), interval_of),
         }
     return table
 
@@ -284,7 +289,7 @@ def root(value: float, square: Estimate) -> Estimate:
     if not value:
         return Estimate(value, None, square.batches)
     half_width, error = (size and size / (2 * value) for size in (square.half_width, square.standard_error))
-    return Estimate(value, half_width, square.batches, standard_error=error)
+    return Estimate(value, half_width, square.batches, standard_error=error, reason=square.reason)
 
 
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:

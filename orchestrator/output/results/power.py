@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.output.results.estimate import Estimate, ratio_by_cycles
+from orchestrator.output.results.estimate import Estimate, IntervalOf, ratio_by_cycles
 from orchestrator.output.results.events import Events
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
@@ -16,12 +16,17 @@ DRIVES = ("exciter", "drive", "motor")
 
 
 def power_metrics(
-    run: RunReader, start_s: float, end_s: float, events: Events | None, is_steady: bool
+    run: RunReader,
+    start_s: float,
+    end_s: float,
+    events: Events | None,
+    is_steady: bool,
+    interval_of: IntervalOf,
 ) -> dict[str, Any] | None:
     """Return the mean powers from ``start_s`` to ``end_s``, both ends of cycles.
 
     They are differences of the energy ledger between the last sync points of cycles.  Only a steady motion
-    has confidence intervals.  Return None if the window has no whole cycle in the record.
+    has intervals.  Return None if the window has no whole cycle in the record.
     """
     time_s = run.read("energy_cycles/time_s")
     number = np.rint(time_s / run.cycle_s).astype(int)  # a cycle's last sync point is near to its end
@@ -32,7 +37,7 @@ def power_metrics(
     cycle = np.arange(len(lasting_s))
 
     def mean_W(work_J: Array) -> Estimate:
-        return ratio_by_cycles(work_J, lasting_s, cycle, is_steady)
+        return ratio_by_cycles(work_J, lasting_s, cycle, is_steady, interval_of)
 
     work_J = {
         name.removesuffix("_J"): np.diff(run.read(f"energy_cycles/{name}")[wanted])
@@ -53,7 +58,7 @@ def power_metrics(
     }
     if events is not None:
         fed_kg = _fed_kg(events, number[wanted])
-        table["drives_J_per_kg"] = ratio_by_cycles(drives_J, fed_kg, cycle, is_steady)
+        table["drives_J_per_kg"] = ratio_by_cycles(drives_J, fed_kg, cycle, is_steady, interval_of)
     return table
 
 

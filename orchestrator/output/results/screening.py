@@ -14,7 +14,14 @@ from typing import Any
 import numpy as np
 
 from orchestrator.output.cycles import within
-from orchestrator.output.results.estimate import Estimate, counting_deviation, share
+from orchestrator.output.results.estimate import (
+    Estimate,
+    chance,
+    controlled,
+    counting_deviation,
+    share,
+    unknown,
+)
 from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, per_cycle
 from orchestrator.ports import Array, Indices
 
@@ -197,8 +204,13 @@ def _flows(events: Events, out_kg: Array) -> dict[str, Any]:
     flows = {"feed": balance.fed_kg}
     flows |= {p: out_kg[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
     return {
-        **{f"{name}_kg_per_s": events.rate(kg) for name, kg in flows.items()},
-        "hold_up_kg": events.ratio(balance.mean_held_kg, np.ones(len(length_s))),
+        **{
+            f"{name}_kg_per_s": events.rate(kg, controlled if name == "feed" else None)
+            for name, kg in flows.items()
+        },
+        "hold_up_kg": events.ratio(
+            balance.mean_held_kg, np.ones(len(length_s)), chance if events.has_interval else unknown
+        ),
         "in_time": {
             "time_s": events.edges_s[1:],
             **{f"{name}_kg_per_s": kg / length_s for name, kg in flows.items()},

@@ -223,23 +223,18 @@ class Proposal:
 class Model:
     """A model of the error and cost of joint settings.
 
-    ``axes`` are the options by axis.  ``parts_s`` is the processor time of the unchanged case by part.
-    ``remaining`` are the errors by quantity that remain with the best options, and ``judged_by`` the
-    quantities that decide.
+    ``axes`` are the options by axis.  ``parts_s`` is the processor time of the unchanged case by part, and
+    ``judged_by`` are the quantities that decide.  Errors are against the best options of all axes.
     """
 
     def __init__(
-        self,
-        axes: Mapping[str, list[Option]],
-        parts_s: Mapping[str, float],
-        remaining: Mapping[str, float],
-        judged_by: Sequence[str],
+        self, axes: Mapping[str, list[Option]], parts_s: Mapping[str, float], judged_by: Sequence[str]
     ) -> None:
         self._axes = list(axes.values())
         errors = [[_row(one.error, judged_by) for one in axis] for axis in self._axes]
         ratios = [[_row(one.ratio, parts_s, 1.0) for one in axis] for axis in self._axes]
         lengths = [[np.log([one.setting.h or 1.0]) for one in axis] for axis in self._axes]
-        error = _combined(np.add, errors, len(judged_by)) + _row(remaining, judged_by)
+        error = _combined(np.add, errors, len(judged_by))
         self._worst = error.max(axis=-1, initial=0.0)
         self._length = _combined(np.add, lengths, 1)[..., 0]
         self._cost_s = _combined(np.multiply, ratios, len(parts_s)) @ _row(parts_s, parts_s)

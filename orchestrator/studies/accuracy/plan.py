@@ -31,8 +31,9 @@ from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s, particles_at_start
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
-from orchestrator.studies.accuracy.combinations import ALONE, BASE, part_s
+from orchestrator.studies.accuracy.combinations import ALONE, BASE, Error, part_s
 from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
+from orchestrator.studies.accuracy.recommendation import recommend
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens
@@ -44,17 +45,22 @@ FORMAT = 3
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate for a plan: joint settings with their error and their processor time.
+    """A candidate for a plan: joint settings with their errors and their processor time.
 
-    ``processor_s`` is the time of a run as long as the study's, on the study's machine.  ``measured`` says
-    whether error and time were measured or predicted.
+    ``errors`` are those that decide.  ``processor_s`` is the time of a run as long as the study's, on the
+    study's machine.  ``measured`` says whether errors and time were measured or predicted.
     """
 
     label: str
     sets: tuple[str, ...]
-    error: float
+    errors: tuple[Error, ...]
     processor_s: float
     measured: bool
+
+    @property
+    def error(self) -> Error:
+        """The error whose confidence interval reaches highest."""
+        return max(self.errors, key=lambda error: error.at_most)
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,7 @@ class StoredStudy:
             settings = (Setting(one["label"], tuple(one["sets"])) for one in every)
             pairs = zip(every, settings, strict=True)
             axes[axis] = [Option(axis, setting, one["error"], one["ratio"]) for one, setting in pairs]
-        return Model(axes, table["base"]["processor_by_part_s"], table["remaining"], table["judged_by"])
+        return Model(axes, table["base"]["processor_by_part_s"], table["judged_by"])
 
     @property
     def is_empty(self) -> bool:
@@ -99,54 +105,71 @@ class StoredStudy:
             *(word for word in sorted(overrides) if not word.startswith("duration_s=")),
         ]
 
+    @property
     def measured_candidates(self) -> list[Candidate]:
-        """Return the measured points, with their errors at the upper end of their confidence intervals.
+        """The measured points with their errors against the study's reference.
 
-        An error is against the study's reference, so that the reference's own error is added: what remains in
-        the finest settings, or more if their run was lost.  There are none where that error is unknown.
         Settings that are no choice, such as a machine without its particles, are no candidates.
         """
         choices = {shlex.join(one["sets"]) for every in self.table["options"].values() for one in every}
-        every, points = self.table["remaining"], self.table["points"]
-        left = [every.get(name, 0.0) for name in self.table["judged_by"]]
-        left += [one["predicted_error"] for one in points if one["point"] == self.table["reference"]]
-        if None in left:
-            return []
-        remaining = max(left, default=0.0)
         return [
             Candidate(
                 one["settings"],
                 tuple(shlex.split(one["sets"])),
-                one["error"] + (one["error_half_width"] or 0.0) + remaining,
+                tuple(
+                    Error(one[f"{name}_error"], one[f"{name}_error_half_width"])
+                    for name in self.table["judged_by"]
+                    if one.get(f"{name}_error") is not None
+                ),
                 one["processor_s"],
                 True,
             )
-            for one in points
+            for one in self.table["points"]
             if one["error"] is not None and (one["kind"] != ALONE or one["sets"] in choices)
         ]
 
-    def cheapest(self, tolerance: float) -> Candidate | None:
-        """Return the cheapest candidate within a tolerance, measured or predicted, or None."""
-        within = [each for each in self.measured_candidates() if each.error <= tolerance]
-        within += self._predicted_candidates(self.model.cheapest(tolerance - self._chance))
-        return min(within, key=lambda each: each.processor_s, default=None)
+    def recommend(self, tolerance: float) -> Candidate | None:
+        """Return the candidate that the study recommends for a tolerance, or else the cheapest settings that
+        were not measured and are predicted to be within it; None where there are none."""
+        own_error = self.table["reference_error"]
+        best = next(one for one in self.table["points"] if one["point"] == self.table["reference"])
+        reference = Candidate(
+            best["settings"],
+            tuple(shlex.split(best["sets"])),
+            (Error(own_error or 0.0),),
+            best["processor_s"],
+            False,
+        )
+        candidates = ((one, one.errors, one.processor_s) for one in self.measured_candidates)
+        measured, _ = recommend(candidates, (reference, own_error, reference.processor_s), tolerance)
+        return measured or self._predicted(self.model.cheapest(tolerance - self._unseen))
 
     def best(self, budget_s: float) -> Candidate | None:
         """Return the candidate with the least error within a processor time; None where there is none."""
-        within = [each for each in self.measured_candidates() if each.processor_s <= budget_s]
-        within += self._predicted_candidates(self.model.best(budget_s, "cheapest"))
-        return min(within, key=lambda each: each.error, default=None)
+        within = [each for each in self.measured_candidates if each.processor_s <= budget_s]
+        if predicted := self._predicted(self.model.best(budget_s, "cheapest")):
+            within.append(predicted)
+        return min(within, key=lambda each: each.error.at_most, default=None)
 
     @property
-    def _chance(self) -> float:
-        """The largest half width of a deciding error in the study, which is added to predicted errors."""
-        return float(self.table["chance"] or 0.0)
+    def _unseen(self) -> float:
+        """The error that is added to predicted ones: the largest half width of a deciding error in the study,
+        and the largest error that remains in the finest settings."""
+        remaining = max(
+            (self.table["remaining"].get(name, 0.0) for name in self.table["judged_by"]), default=0.0
+        )
+        return float(self.table["chance"] or 0.0) + float(remaining)
 
-    def _predicted_candidates(self, proposal: Proposal | None) -> list[Candidate]:
-        if proposal is None:
-            return []
-        label, error = joint_label(proposal.settings) or "the case as it is", proposal.error + self._chance
-        return [Candidate(label, joint_sets(proposal.settings), error, proposal.processor_s, False)]
+    def _predicted(self, proposal: Proposal | None) -> Candidate | None:
+        """Return the candidate of a proposal; None where there is none, or where it was measured."""
+        if proposal is None or shlex.join(joint_sets(proposal.settings)) in self._measured_sets:
+            return None
+        label, error = joint_label(proposal.settings) or "the case as it is", proposal.error + self._unseen
+        return Candidate(label, joint_sets(proposal.settings), (Error(error),), proposal.processor_s, False)
+
+    @property
+    def _measured_sets(self) -> set[str]:
+        return {one["sets"] for one in self.table["points"] if one["status"] == "done"}
 
 
 def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
@@ -361,8 +384,8 @@ class Plan:
 
     @cached_property
     def choice(self) -> Candidate | None:
-        """The cheapest settings within the tolerance, whether or not they fit the budget."""
-        return self.study.cheapest(self.tolerance)
+        """The settings that are recommended for the tolerance, whether or not they fit the budget."""
+        return self.study.recommend(self.tolerance)
 
     @property
     def wall_s(self) -> float:
@@ -385,7 +408,7 @@ class Plan:
         if coarser is not None:
             sets = " ".join(f"--set {each}" for each in coarser.sets) or "the case as it is"
             takes = in_words(self._wall_s(coarser))
-            yield f"coarser: {sets} is off by {100 * coarser.error:.3g} % and takes {takes}"
+            yield f"coarser: {sets} is off by {100 * coarser.error.at_most:.3g} % and takes {takes}"
         if self.choice is not None:
             yield from self._more_ranks_or_narrower()
 

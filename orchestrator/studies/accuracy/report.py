@@ -17,7 +17,6 @@ from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
     CALIBRATION,
-    EXACT,
     REFERENCE,
     TOGETHER,
     Combination,
@@ -146,6 +145,8 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
             if one.kind == CALIBRATION
         },
         "remaining": study.remaining_errors,
+        "reference_error": study.reference_error,
+        "warnings": [*warnings(study)],
         "options": {
             axis: [
                 {
@@ -197,9 +198,12 @@ def advice(study: AccuracyStudy) -> Iterator[str]:
     """Yield the recommendation for each tolerance as a line for the console."""
     for each in map(study.recommend, RECOMMENDED):
         if each.row is None:
-            yield f"{100 * each.tolerance:g} %: no point of this study is so good"
+            why = "no point of this study is so good and no dearer than the reference"
+            yield f"{100 * each.tolerance:g} %: {why}"
             continue
         sure = "" if each.is_proven else f" (as far as chance lets one see: {study.would_tell} would tell)"
+        if each.row.error is None:
+            sure = f" (the reference, by the estimate of its own error, {percent(study.reference_error)})"
         words = " ".join(f"--set {one}" for one in each.row.point.sets) or "the case as it is"
         yield f"{100 * each.tolerance:g} %: {words}, {each.row.point.processor_s:.1f} s{sure}"
 
@@ -208,11 +212,10 @@ def warnings(study: AccuracyStudy) -> Iterator[str]:
     """Yield what the reference lacks, as sentences without a full stop."""
     if lost := [row for row in study.rows if row.point.kind == REFERENCE and row.why]:
         yield f"The proposed reference gave no result, and another point serves as reference ({lost[0].why})"
-    prediction = study.model(EXACT).predict(study.measured[study.reference].settings)
-    if prediction is None:
+    if study.reference_error is None:
         yield "How far the reference is itself off is unknown: the parameters do not compare all its settings"
-    elif prediction.error:
-        left = percent(prediction.error)
+    elif study.reference_error:
+        left = percent(study.reference_error)
         yield f"The reference is itself off by an estimated {left}, which is in none of the errors"
     for row in study.rows:
         for name, error in row.answers.items() if row.point.name == study.reference else ():
@@ -346,7 +349,8 @@ def draw_costs(study: AccuracyStudy, file: Path) -> Path:
     """Draw the error of all points over their cost, with a line through the points that no other beats."""
     drawn, ((axis,),) = figure(width=9.6, height=5.6)
     front, shown = study.front(), [row for row in study.rows if row.error is not None]
-    axis.plot(*_places(front), color=GREY, lw=1.2, zorder=1, label="nothing is better in both")
+    if front:
+        axis.plot(*_places(front), color=GREY, lw=1.2, zorder=1, label="nothing is better in both")
     groups = [
         (
             [r for r in shown if r.point.kind == ALONE and name in r.point.settings],

@@ -47,6 +47,7 @@ from orchestrator.studies.accuracy.convergence import (
     cost_ratio,
     measure_series,
 )
+from orchestrator.studies.accuracy.recommendation import recommend
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
 from orchestrator.studies.points import Point, is_random, run_points, seed_sets
@@ -251,10 +252,24 @@ class AccuracyStudy:
         return {name: sum(one.remaining_error(name) for one in best) for name in self.judged_by}
 
     def model(self, spread: Scatter | None = None) -> Model:
-        """Return the model that predicts error and cost of joint settings."""
-        return Model(
-            self.options(spread), self.base.processor_by_part_s, self.remaining_errors, self.judged_by
+        """Return the model that predicts error, against the best settings, and cost of joint settings."""
+        return Model(self.options(spread), self.base.processor_by_part_s, self.judged_by)
+
+    @cached_property
+    def reference_error(self) -> float | None:
+        """The largest error by which the reference is estimated to be off itself.
+
+        It is the error against the best settings and what remains in these.  None where it is unknown, since
+        the parameters do not compare all settings of the reference.
+        """
+        options = self.model(EXACT).predict(self.measured[self.reference].settings)
+        if options is None:
+            return None
+        every = (
+            self.remaining_errors[name] + sum(one.error.get(name, 0.0) for one in options.options)
+            for name in self.judged_by
         )
+        return max(every, default=0.0)
 
     @cached_property
     def rows(self) -> list[Row]:
@@ -276,34 +291,35 @@ class AccuracyStudy:
         return sorted((r for r in self.rows if r.point.metrics), key=lambda row: row.point.processor_s)
 
     def front(self) -> list[Row]:
-        """Return the rows that no other row beats in both error and processor time, cheap rows first."""
+        """Return the rows with a smaller error than all cheaper rows by more than chance, cheap rows first.
+
+        The difference of two errors has the confidence interval of an error.  Where chance is unknown, there
+        is no front.
+        """
         front: list[Row] = []
         least = inf
         for row in self.by_cost:
-            if row.error is not None and row.error.value < least:
+            if row.error is None or row.error.half_width is None:
+                continue
+            if least - row.error.value > row.error.half_width:
                 front.append(row)
                 least = row.error.value
         return front
 
     def recommend(self, tolerance: float) -> Recommendation:
-        """Recommend the cheapest measured point that is proven to be within a tolerance.
+        """Recommend a measured point for a tolerance, against the reference.
 
-        Where no point is proven, recommend the point within the tolerance whose confidence interval has the
-        lowest upper end.  The reference is no candidate, since its error is unknown, and neither are settings
-        that are no choice, such as a machine without its particles.
+        Settings that are no choice, such as a machine without its particles, are no candidates.
         """
         choices = {one.setting for every in self.options().values() for one in every}
-        within = [
-            (row, row.error)
+        candidates = (
+            (row, [row.errors[name] for name in self.judged_by if name in row.errors], row.point.processor_s)
             for row in self.by_cost
             if row.error and choices.issuperset(row.point.settings.values())
-            if all(row.errors[name].value <= tolerance for name in self.judged_by if name in row.errors)
-        ]
-        for row, error in within:
-            if error.half_width is not None and error.at_most <= tolerance:
-                return Recommendation(tolerance, row, True)
-        surest = min(within, key=lambda pair: pair[1].at_most, default=None)
-        return Recommendation(tolerance, surest[0] if surest else None)
+        )
+        best = next(row for row in self.rows if row.point.name == self.reference)
+        reference = best, self.reference_error, best.point.processor_s
+        return Recommendation(tolerance, *recommend(candidates, reference, tolerance))
 
 
 def plan_study(request: StudyRequest) -> AccuracyStudy:

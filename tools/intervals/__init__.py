@@ -1,0 +1,1 @@
+"""The intervals of single runs beside the scatter between runs."""
