@@ -104,7 +104,7 @@ class Coupling(Table):
     scheme: Literal["particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"] = "auto"
     """Order of the solvers within a sync interval (docs/theory/coupling.md).  robin predicts the motion of
     the panels from the contacts.  aitken and quasi-newton repeat the interval until particles and panels
-    agree.  auto is particles-first within its safe interval, and robin otherwise
+    agree.  auto is the first of particles-first, robin and aitken for which the interval is safe
     (docs/theory/stability.md)."""
     sync_interval_s: Positive = 5e-5
     """Time between two exchanges."""
