@@ -94,7 +94,7 @@ def test_repeated_intervals_must_resolve_impacts(tmp_path: Path, scheme: str, in
     found = stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
     plain = by_name(stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case))
     assert set(by_name(found)) == {"whole impacts", *plain}
-    assert by_name(found)["light points"].interval_s == pytest.approx(20 * plain["light points"].interval_s)
+    assert by_name(found)["light points"].interval_s == pytest.approx(10 * plain["light points"].interval_s)
     impact_s = 10 * by_name(found)["shortest impact"].interval_s
     assert by_name(found)["whole impacts"].interval_s == pytest.approx(impact_s / intervals)
 

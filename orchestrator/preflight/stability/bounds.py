@@ -177,7 +177,7 @@ fields of the seat that the function takes besides the contact's stiffness and d
 
 CONTACT_LIMITS |= dict.fromkeys(("aitken", "quasi-newton"), CONTACT_LIMITS["particles-first"])
 
-SURE = {"robin": 0.25, "serial-staggered": 0.125, "aitken": 20.0, "quasi-newton": 20.0}
+SURE = {"robin": 0.25, "serial-staggered": 0.125, "aitken": 10.0, "quasi-newton": 10.0}
 """Shares of these limits up to which a scheme is sure to be sound (docs/measured/stability.md).
 
 A contact that begins within an interval is not foreseen, and a load that comes late adds energy in every
