@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +14,7 @@ from orchestrator.cli.launch import run
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records import trust
+from orchestrator.output.records.summary import closing_lines
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability.bounds import Bound
@@ -122,6 +125,20 @@ def test_auto_takes_the_cheapest_scheme_that_is_safe(tmp_path: Path) -> None:
     assert at(1e-2, "panel.solver=rigid").scheme == "particles-first"
 
 
+def test_a_result_carries_that_it_is_stable_and_not_accurate(tmp_path: Path) -> None:
+    sets = [*STRIP, "coupling.scheme=particles-first"]
+    found = stability_report(loaded(tmp_path, [*sets, "coupling.sync_interval_s=1e-6"]).case)
+    assert found.accuracy_bound is not None
+    limit_s = found.accuracy_bound.interval_s
+    assert found.as_json()["accurate_interval_s"] == limit_s
+    assert found.as_json()["inaccurate"] is None
+    coarse = replace(found, interval_s=1.1 * limit_s).as_json()
+    assert coarse["inaccurate"].startswith(f"accurate by the usual rules is at most {at_most(limit_s)} s: ")
+    summary: dict[str, Any] = {"simulated_s": 1.0, "sync_intervals": 1, "particles": 0, "stability": coarse}
+    summary |= {"energy_ledger_J": {}, "energy_exchanged_J": {}, "momentum_residual_relative": 0.0}
+    assert any(coarse["inaccurate"] in line for line in closing_lines(summary))
+
+
 def test_what_is_sure_is_rounded_down() -> None:
     assert [at_most(value_s) for value_s in (5.766e-05, 1e-4, 0.0)] == ["5.7e-05", "0.0001", "0"]
     assert at_most(5.766e-05, 3) == "5.76e-05"
@@ -171,6 +188,8 @@ def test_in_words_and_in_numbers() -> None:
         "taken_because": None,
         "safe_interval_s": 1e-4,
         "limited_by": "b",
+        "accurate_interval_s": 5e-5,
+        "inaccurate": "accurate by the usual rules is at most 5e-05 s: d (four)",
         "advice": "At most coupling.sync_interval_s = 0.0001 s is sure to be stable: b (two).",
         "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},
     }

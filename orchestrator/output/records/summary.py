@@ -67,6 +67,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"energy created by the coupling {created_J:+.3g} J "
         f"({share_created(summary):+.1e} of the energy exchanged and lost, at the worse interface)",
     ]
+    if inaccurate := summary.get("stability", {}).get("inaccurate"):
+        lines.append(f"not as accurate as it could be: of sync intervals, {inaccurate}")
     if iterations := summary.get("iterations"):
         lines += iteration_lines(iterations)
     if material := summary.get("material"):

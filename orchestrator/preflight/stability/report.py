@@ -147,7 +147,7 @@ class StabilityReport:
     def warnings(self) -> Iterator[str]:
         """Yield a warning if the sync interval is beyond the safe one, and one if it is not accurate."""
         begin = f"coupling.sync_interval_s = {self.interval_s:.3g} s"
-        stability, accuracy = self.stability_bound, self.accuracy_bound
+        stability = self.stability_bound
         if stability is not None and self.is_unsafe:
             why = because(stability)
             if self.safe_s == 0:
@@ -155,9 +155,16 @@ class StabilityReport:
             else:
                 times = self.interval_s / self.safe_s
                 yield f"{begin}: {times:.2g} times what is sure to be stable, {at_most(self.safe_s)} s: {why}"
-        if accuracy is not None and self.interval_s > accuracy.interval_s:
-            limit_s = accuracy.interval_s
-            yield f"{begin}: accurate by the usual rules is at most {at_most(limit_s)} s: {because(accuracy)}"
+        if inaccuracy := self.inaccuracy():
+            yield f"{begin}: {inaccuracy}"
+
+    def inaccuracy(self) -> str:
+        """Return a clause on the interval beyond which the answer is not accurate by the usual rules, if the
+        case's interval is longer; else an empty text."""
+        accuracy = self.accuracy_bound
+        if accuracy is None or self.interval_s <= accuracy.interval_s:
+            return ""
+        return f"accurate by the usual rules is at most {at_most(accuracy.interval_s)} s: {because(accuracy)}"
 
     def advice(self) -> str:
         """Return a sentence of advice for a run that became unstable."""
@@ -171,12 +178,14 @@ class StabilityReport:
 
     def as_json(self) -> dict[str, Any]:
         """Return the report as a table of ``summary.json``; a bound of None means no limit."""
-        bound = self.stability_bound
+        bound, accuracy = self.stability_bound, self.accuracy_bound
         return {
             "scheme": self.scheme,
             "taken_because": self.why or None,
             "safe_interval_s": self.safe_s if math.isfinite(self.safe_s) else None,
             "limited_by": bound.name if bound else None,
+            "accurate_interval_s": accuracy.interval_s if accuracy else None,
+            "inaccurate": self.inaccuracy() or None,
             "advice": self.advice() if self.is_unsafe else None,
             "bounds_s": {
                 bound.name: bound.interval_s if math.isfinite(bound.interval_s) else None
