@@ -79,7 +79,7 @@ def _open_machine(
         opened.callback(particles.close)
     opened_frames = _frames(case, plan_of_frames, world)
     members = MeteredSolvers(
-        MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch, plan_of_frames.reaction_N),
+        MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(surface_panel, "panels", "mapping", stopwatch),
         particles,
     )

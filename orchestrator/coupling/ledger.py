@@ -116,6 +116,13 @@ class Ledger:
             terms["created.particles-panel"] = received["particles"]["surface"] + received["panel"]["load"]
         return terms
 
+    def book_blow(self) -> None:
+        """Book the blow of frames that seize the panels: what is missing at the interface after the interval
+        in which the frames first felt it.  Collective."""
+        frames = self._members.frames
+        if frames.seizes:
+            frames.blow_J = max(0.0, frames.blow_J - self.energy_J()["created.panel-frames"])
+
     def momentum_residual(self, pending: Pending) -> dict[str, float]:
         """Return the relative residual by member and interface.
 

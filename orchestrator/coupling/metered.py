@@ -120,44 +120,29 @@ class MeteredFrames(FramesWrapper):
     ``received`` meters the panels' load on the frames; ``last`` has the last load, and the motion to which it
     led.  A drive that moves its frame with a velocity v from t = 0 on ``seizes`` the panels there: it gives
     each mass m at rest the momentum m v at once, for which it does the work m v^2.  Half of it becomes
-    kinetic energy; the other half is lost, as in a plastic impact, and is ``blow_J``.
+    kinetic energy; the other half is lost, as in a plastic impact, and is ``blow_J`` (``Ledger.book_blow``).
     """
 
-    BOOKS = ("received", "_now", "blow_J", "_has_seized")
+    BOOKS = ("received", "_now", "blow_J")
     last: tuple[Load, Motion]
 
-    def __init__(
-        self, frames: Frames, name: str, stopwatch: Stopwatch, at_rest_N: Array | None = None
-    ) -> None:
-        """Meter ``frames``; ``at_rest_N`` (points, 3) is the panels' force on them while all is at rest."""
+    def __init__(self, frames: Frames, name: str, stopwatch: Stopwatch) -> None:
         super().__init__(frames)
-        self._name, self._stopwatch, self._at_rest_N = name, stopwatch, at_rest_N
-        self.received, self.seizes, self.blow_J, self._has_seized = Meter(), False, 0.0, False
+        self._name, self._stopwatch = name, stopwatch
+        self.received, self.seizes, self.blow_J = Meter(), False, 0.0
 
     def initial(self) -> Motion:
         with solver_failure_context(self._name, None):
             self._now = super().initial()
-        self._seizing_m_per_s = self._now.velocity_m_per_s
-        self.seizes = self._at_rest_N is not None and bool(self._seizing_m_per_s.any())
+        self.seizes = bool(self._now.velocity_m_per_s.any())
         return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             motion = super().advance(interval, reaction)
         self.received.add(reaction, self._now, motion, interval.length_s)
-        if self.seizes and not self._has_seized:
-            self._seize(interval, reaction)
         self.last, self._now = (reaction, motion), motion
         return motion
-
-    def _seize(self, interval: Interval, reaction: Load) -> None:
-        """Book the blow in the first interval in which the panels pull otherwise than at rest."""
-        assert self._at_rest_N is not None
-        pull_N = reaction.force_N - self._at_rest_N
-        if pull_N.any():
-            jump_m_per_s = self._seizing_m_per_s[: len(pull_N)]
-            self.blow_J = -interval.length_s * float(np.vdot(pull_N, jump_m_per_s)) / 2
-            self._has_seized = True
 
     @property
     def through_N_s(self) -> float:

@@ -93,7 +93,7 @@ class Run:
         interrupted: Interrupted | Stopped | None = None
         try:
             state = self._start(checkpointer, recorder, monitor, state)
-            state = self._loop(machine, recorder, checkpointer, monitor, state, stop)
+            state = self._loop(machine, ledger, recorder, checkpointer, monitor, state, stop)
         except (Interrupted, Stopped) as stopped:
             interrupted, state = stopped, stopped.state
             self._save(checkpointer, state)
@@ -125,18 +125,21 @@ class Run:
     def _loop(
         self,
         machine: Machine,
+        ledger: Ledger,
         recorder: Recorder,
         checkpointer: Checkpointer,
         monitor: Monitor,
         state: State,
         stop: StopRequest,
     ) -> State:
-        first = self._progress.done
+        first, felt = self._progress.done, int(machine.scheme.late)  # late loads come an interval later
         with ProgressBar(first, self._intervals, self._interval_s, self._console) as bar:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
                 runs, before = machine.particle_runs, state
                 with self._add_advice(), solver_failure_context("the coupling", interval):
                     state, observed = monitor.advance(interval, state)
+                    if interval.index == felt:
+                        ledger.book_blow()
                 check_speeds(observed, interval.end_s, self._stability.advice)
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, monitor, before, observed, interval.index + 1, steps)

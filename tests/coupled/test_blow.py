@@ -45,15 +45,18 @@ def test_a_rigid_panel_takes_half_of_the_work(tmp_path: Path, interval_s: float,
     """0.276 kg at 0.4 m/s: the drive does m v^2, of which half is lost, as in a plastic impact."""
     sets = ["panel.solver=rigid", f"coupling.sync_interval_s={interval_s}", f"coupling.scheme={scheme}"]
     with opened(load_case(tmp_path, SHAKEN, sets)) as run:
+        run.advance(2 if scheme == "serial-staggered" else 1)
+        run.ledger.book_blow()
         run.advance(2)
         terms_J = run.energy_J("")
     mass_kg = 1150.0 * 0.3 * 0.2 * 0.004
     # the panel slows down within the interval by (w H)^2 / 2, at most 0.3 %, or 1.3 % an interval later
     assert terms_J["lost.frames.blow"] == pytest.approx(mass_kg * SPEED_M_PER_S**2 / 2, rel=0.02)
-    assert abs(terms_J["created.panel-frames"]) < 0.02 * terms_J["lost.frames.blow"]
+    left = 0.4 * 80.0 * interval_s  # of late loads afterwards, of first order in w H
+    assert abs(terms_J["created.panel-frames"]) < left * terms_J["lost.frames.blow"]
 
 
-@pytest.mark.parametrize("interval_s", ["1e-4", "2.5e-5"])
+@pytest.mark.parametrize("interval_s", ["2e-4", "1e-4", "2.5e-5"])
 def test_a_run_is_not_doubtful_for_it(tmp_path: Path, interval_s: str) -> None:
     """The first cycle's eighth: the panel is as good as all that is exchanged."""
     sets = ["screen.frames.moving.drive.run_up_s=0", f"coupling.sync_interval_s={interval_s}"]
