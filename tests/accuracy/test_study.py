@@ -64,7 +64,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def study(out: Path) -> AccuracyStudy:
-    return made(asked(out, ("sync", "panel-mesh")))
+    return made(asked(out, ("sync", "panel-mesh"), "coupling.scheme=particles-first"))
 
 
 def family(study: AccuracyStudy, parameter: str) -> MeasuredSeries:
@@ -138,7 +138,7 @@ def test_serial_staggered_is_of_first_order(out: Path) -> None:
     [
         (("panel.solver=rigid", "coupling.sync_interval_s=2e-4"), "clamp_rms_N", 2.0),
         (("coupling.scheme=robin",), "shape", 2.0),
-        ((), "shape", 1.0),
+        (("coupling.scheme=particles-first",), "shape", 1.0),
     ],
     ids=["rigid", "robin", "particles-first"],
 )

@@ -24,6 +24,8 @@ class Member:
 
     momentum: float = 0.0
     outside: float = 0.0
+    seizes: bool = False
+    blow_J: float = 0.0
     stored_J: float = 0.0
     lost_J: float = 0.0
     supplied_J: float = 0.0
@@ -32,6 +34,8 @@ class Member:
     given: Meter = field(default_factory=Meter)
     through_N_s: float = 0.0
     moved_N_s: float = 0.0
+    seizes: bool = False
+    blow_J: float = 0.0
 
     def account(self) -> Account:
         return Account(

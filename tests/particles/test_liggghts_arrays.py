@@ -37,6 +37,8 @@ EXITS: dict[str, Any] = {
     "axes": np.zeros((1, 3, 3)),
     "half_m": np.zeros((1, 3)),
     "domain_m": np.zeros((2, 3)),
+    "below_deck": np.zeros(1, dtype=np.int32),
+    "deck": np.zeros(0, dtype=np.int32),
 }
 CALLS = {"begin_path": PATH, "create": NEW, "set_exits": EXITS}
 

@@ -55,7 +55,7 @@ def test_a_run_that_contradicts_what_was_left_out_before_it_is_doubtful(tmp_path
     ends: "auto" leaves it out, and the run, its summary and its exit code say that it should not
     have."""
     sticky = [
-        "contacts.0.work_of_adhesion_J_per_m2=0.8",
+        "contacts.0.work_of_adhesion_J_per_m2=4.0",
         'effects="auto"',
         "screen.exciters.shaft.run_up_s=20",
         "bed.blocks.coal.count=100",

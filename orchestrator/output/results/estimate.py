@@ -119,6 +119,8 @@ def estimate(
     whole, n = statistic(total), len(batches)
     if not np.isfinite(whole):
         return Estimate(None)
+    if n < 2:  # nothing is left without the only one
+        return Estimate(float(whole), None, n, reason=TOO_FEW)
     without = np.array([statistic(total - batch) for batch in batches])
     if not np.isfinite(without).all():
         return Estimate(float(whole), None, n, reason=TOO_FEW)
