@@ -24,8 +24,6 @@ class Member:
 
     momentum: float = 0.0
     outside: float = 0.0
-    seizes: bool = False
-    blow_J: float = 0.0
     stored_J: float = 0.0
     lost_J: float = 0.0
     supplied_J: float = 0.0
