@@ -33,18 +33,21 @@ import tomli_w
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.cli.console import find_all_problems
+from orchestrator.cli.launch import run
 from orchestrator.coupling.ledger import share_created
+from orchestrator.output.records.run_folder import SUMMARY
 from orchestrator.output.records.trust import LARGEST_SHARE_CREATED
-from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.stability.report import stability_report
 
 SCHEMES = ("particles-first", "serial-staggered", "robin", "aitken", "quasi-newton")
 WARNING = {"created_energy": "warn", "growing_modes": "warn", "deep_overlaps": "warn"}
+SOUND, TRIED = ("done", "other doubts"), ("doubtful", "failed", "error", "incomplete")
 LEAST_SOUND = 0.99
 MOST_INTERVALS, FEWEST_INTERVALS = 8000, 20
 MOST_PARTICLE_STEPS = 3e6
 LEVEL = 'about = "strips"\nwithout = ["variation-across"]\n[panel]\nsolver = "strip"\n'
-LIMIT_S = 120  # of a run
+SHORTEST_S, DURATION_S = 0.008, 0.04
 
 
 def random_case(seed: int) -> dict[str, Any]:
@@ -133,7 +136,8 @@ def _polyurethane(draw: random.Random) -> dict[str, Any]:
     }
 
 
-def _particles(draw: random.Random, length_m: float, width_m: float):
+def _particles(draw: random.Random, length_m: float, width_m: float) -> tuple[dict[str, Any], float, float]:
+    """Return the table of the bed, the speed of its fall, and its height."""
     kind = draw.choice(("lump", "lump", "lump among fines", "lump among fines", "falling bed", "bed at rest"))
     speed = math.exp(draw.uniform(math.log(0.2), math.log(5.0)))
     middle_m = [length_m * draw.uniform(0.2, 0.8), width_m * draw.uniform(0.2, 0.8)]
@@ -241,84 +245,78 @@ def with_interval(case: dict[str, Any], scheme: str, interval_s: float, duration
 
 
 def run_case(folder: Path) -> dict[str, Any]:
-    """Run the case in a folder, and return its figures."""
-    from orchestrator.cli.launch import run
-    from orchestrator.output.records.run_folder import SUMMARY
+    """Run the case in a folder, and return its figures.
 
+    "idle" is a run in which no particle met a surface, and "other doubts" are about the scene, such as its
+    overlaps, and not about its coupling.
+    """
     with contextlib.redirect_stderr(io.StringIO()):
         code = run(folder, None, folder / "run", [])
-    if not (folder / "run" / SUMMARY).exists():
+    summary = folder / "run" / SUMMARY
+    if not summary.exists():
         return {"status": "error", "why": f"exit code {code}"}
-    figures = json.loads((folder / "run" / SUMMARY).read_text())
-    counts, created = (
-        figures.get("iterations") or {},
-        share_created(figures) if "energy_ledger_J" in figures else math.nan,
-    )
-    status = figures["status"]
-    if (
-        status == "doubtful"
-        and abs(created) <= LARGEST_SHARE_CREATED
-        and "not solved" not in " ".join(figures["doubts"])
-    ):
-        status = "other doubts"  # about the scene, such as overlaps, and not about its coupling
+    figures = json.loads(summary.read_text())
+    created = share_created(figures) if "energy_ledger_J" in figures else math.nan
+    status, doubts = figures["status"], figures["doubts"]
+    if status in ("done", "doubtful") and not figures["material"]["deepest_overlaps"]["surface_m"]:
+        status = "idle"
+    elif status == "doubtful" and abs(created) <= LARGEST_SHARE_CREATED and "not solved" not in str(doubts):
+        status = "other doubts"
+    counts = figures.get("iterations") or {"mean": 1.0, "unsolved": 0}
     return {
         "status": status,
         "created": created,
-        "runs": counts.get("mean", 1.0),
-        "unsolved": counts.get("unsolved", 0),
-        "why": "; ".join([figures["reason"], *figures["doubts"]])[:200],
+        "runs": counts["mean"],
+        "unsolved": counts["unsolved"],
+        "why": "; ".join([figures["reason"], *doubts])[:200],
     }
+
+
+def lasting_s(case: dict[str, Any], loaded: JudgedCase, interval_s: float) -> float:
+    """Return how long a scene may be run, so that neither intervals nor particles' steps are too many."""
+    bed = case["bed"]
+    particles = len(bed.get("particles", {})) + sum(
+        block["count"] for block in bed.get("blocks", {}).values()
+    )
+    steps_per_s = (particles + 20) / particle_step_s(loaded.case)
+    return min(DURATION_S, MOST_INTERVALS * interval_s, MOST_PARTICLE_STEPS / steps_per_s)
 
 
 def trial(seed: int, scheme: str, share: float, out: Path | None) -> dict[str, Any]:
     """Run a scene under a scheme at a share of the promised interval, and return the row of the table."""
     row: dict[str, Any] = {"seed": seed, "scheme": scheme, "share": share}
-    begun = time.monotonic()
+    case = random_case(seed)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        case = random_case(seed)
-
         (folder / "levels").mkdir()
         (folder / "levels" / "strip.toml").write_text(LEVEL)
 
-        def write(table: dict[str, Any]) -> None:
+        def load(interval_s: float, duration_s: float) -> JudgedCase:
+            table = with_interval(case, scheme, interval_s, duration_s)
             (folder / "case.toml").write_text(tomli_w.dumps(table))
+            loaded = load_judged(folder, None, [])
+            if problems := find_all_problems(loaded):
+                raise CaseError(problems)
+            return loaded
 
-        write(with_interval(case, scheme, 1e-5, 0.02))
         try:
-            loaded = load_judged(folder, None, [])
-            if problems := find_all_problems(loaded):
-                return row | {"status": "refused", "why": str(problems[0])[:200]}
+            loaded = load(1e-5, 0.02)
             report = stability_report(loaded.case)
-        except (CaseError, Exception) as error:
-            return row | {"status": "refused", "why": f"{type(error).__name__}: {error}"[:200]}
-        safe_s = report.safe_s
-        row["safe_s"], row["bound"] = safe_s, report.stability_bound.name if report.stability_bound else ""
-        if safe_s == 0:
-            return row | {"status": "no promise"}
-        duration_s = 0.04
-        if math.isinf(safe_s):
-            return row | {"status": "no limit"}
-        interval_s = min(share * safe_s, duration_s / FEWEST_INTERVALS)
-        duration_s = min(duration_s, MOST_INTERVALS * interval_s)
-        steps = duration_s / particle_step_s(loaded.case)
-        count = len(case["bed"].get("particles", {})) + sum(
-            b["count"] for b in case["bed"].get("blocks", {}).values()
-        )
-        duration_s = min(duration_s, MOST_PARTICLE_STEPS / (steps / duration_s * (count + 20)))
-        if duration_s < 0.008:
-            return row | {"status": "costly"}
-        write(with_interval(case, scheme, interval_s, duration_s))
-        row |= {"interval_s": interval_s, "duration_s": duration_s}
-        try:
-            loaded = load_judged(folder, None, [])
-            if problems := find_all_problems(loaded):
-                return row | {"status": "refused", "why": str(problems[0])[:200]}
-            row |= run_case(folder)
-        except Exception as error:
-            row |= {"status": "error", "why": f"{type(error).__name__}: {error}"[:200]}
-        row["took_s"] = time.monotonic() - begun
-        if row["status"] not in ("done",) and out is not None:
+            bound, safe_s = report.stability_bound, report.safe_s
+            row |= {"safe_s": safe_s, "bound": bound.name if bound else ""}
+            if bound is None or safe_s == 0:
+                return row | {"status": "no promise"}
+            interval_s = min(share * safe_s, DURATION_S / FEWEST_INTERVALS)
+            duration_s = lasting_s(case, loaded, interval_s)
+            row |= {"interval_s": interval_s, "duration_s": duration_s}
+            if duration_s < SHORTEST_S:
+                return row | {"status": "costly"}
+            load(interval_s, duration_s)
+        except CaseError as error:
+            return row | {"status": "refused", "why": str(error)[:200]}
+        begun = time.monotonic()
+        row |= run_case(folder) | {"took_s": time.monotonic() - begun}
+        if out is not None and row["status"] not in SOUND:
             shutil.copyfile(folder / "case.toml", out / f"{seed}-{scheme}-{share}.toml")
     return row
 
@@ -385,8 +383,8 @@ def tell(rows: list[dict[str, Any]]) -> bool:
         counts: dict[str, int] = {}
         for row in those:
             counts[row["status"]] = counts.get(row["status"], 0) + 1
-        sound = counts.get("done", 0) + counts.get("other doubts", 0)
-        tried = sound + sum(counts.get(state, 0) for state in ("doubtful", "failed", "error", "incomplete"))
+        sound = sum(counts.get(state, 0) for state in SOUND)
+        tried = sound + sum(counts.get(state, 0) for state in TRIED)
         enough &= tried == 0 or sound >= LEAST_SOUND * tried
         print(f"{scheme:18} {share:4g} of the promise: {sound} of {tried} sound; {counts}")
     return enough

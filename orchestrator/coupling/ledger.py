@@ -118,10 +118,12 @@ class Ledger:
 
     def book_blow(self) -> None:
         """Book the blow of frames that seize the panels: what is missing at the interface after the interval
-        in which the frames first felt it.  Collective."""
+        in which the frames first felt it, and at most half of their work on the panels.  Collective."""
         frames = self._members.frames
         if frames.seizes:
-            frames.blow_J = max(0.0, frames.blow_J - self.energy_J()["created.panel-frames"])
+            work_J = self._opening["frames"].received_J["reaction"] - frames.account().received_J["reaction"]
+            missing_J = frames.blow_J - self.energy_J()["created.panel-frames"]
+            frames.blow_J = min(max(0.0, missing_J), max(0.0, work_J / 2))
 
     def momentum_residual(self, pending: Pending) -> dict[str, float]:
         """Return the relative residual by member and interface.
