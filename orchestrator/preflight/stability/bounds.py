@@ -42,8 +42,8 @@ SECTIONS = {
 class Bound:
     """The longest sync interval that one effect allows.
 
-    Within a bound on "stability" a run is sure to be sound: at least 99 of 100 random scenes create less than
-    1 % of the energy exchanged (``tools.promise_bank``).  Beyond a bound on "accuracy" the answer is worse
+    Within a bound on "stability" 98 to 99 of 100 random scenes create less than 1 % of the energy exchanged
+    (``tools.promise_bank``, docs/measured/stability.md).  Beyond a bound on "accuracy" the answer is worse
     than the project's own rule, but bounded.  ``interval_s`` is infinite if the effect sets no limit, and 0
     if no interval is short enough.  ``why`` has the case's own numbers, and ``where`` names the particles and
     the surface that set the bound.  ``interval_s`` is the share ``sure`` of the interval beyond which
