@@ -237,11 +237,25 @@ def test_the_former_name_of_the_option_is_refused_with_the_new_one(stopped: Path
     assert (former.returncode, "--checkpoint 77" in former.stderr) == (launch.WRONG, True)
 
 
+# the run waits after an output, so that the signal meets it before its end
+WAITING = """
+import time
+import meshio
+write = meshio.write
+def wait(file, *others, **options):
+    write(file, *others, **options)
+    if file.name == "particles_00001.vtu":
+        time.sleep(2)
+meshio.write = wait
+"""
+
+
 @pytest.mark.process
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_told_to_stop_it_saves_and_says_how_to_go_on(whole: Path, tmp_path: Path, name: str) -> None:
     folder, number = tmp_path / "run", getattr(signal, name)
-    stopping = started(*run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *UNSAVED]))
+    words = run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *UNSAVED])
+    stopping = started(*words, before=WAITING)
     wait_until(lambda: (folder / "particles" / "particles_00001.vtu").exists())
     stopping.send_signal(number)
     said = stopping.communicate(timeout=HANG_S)[1]
