@@ -16,6 +16,7 @@ from orchestrator.preflight.stability.limits import (
     carried_share,
     extrapolated_clamps_s,
     late_reaction_s,
+    vibrating_panels_s,
 )
 from orchestrator.preflight.stability.modes import frame_matrices
 from tests.cases import case_folder
@@ -40,6 +41,29 @@ def test_extrapolated_clamps_on_a_spring() -> None:
     line = spring_to_the_ground(0.0)
     found_s = limit_s(lambda h: line.radius("particles-first", h, FRAME), predicted_s)
     assert found_s == pytest.approx(predicted_s, rel=0.01)
+
+
+LIGHT_KG = 1e-3 * FRAME_KG
+BUT_THE_SPHERE = slice(2, 12)
+
+
+def test_a_panel_that_vibrates_along_itself() -> None:
+    """One undamped vibration of a light panel, exact to first order in the masses."""
+    panel_rad_per_s, swing_rad_per_s = (STIFFNESS_N_per_m / np.array([LIGHT_KG, FRAME_KG])) ** 0.5
+    predicted_s = vibrating_panels_s(swing_rad_per_s, panel_rad_per_s, lambda _: 0.0)
+    line = Line(NO_SPHERE, HungPlate(LIGHT_KG, STIFFNESS_N_per_m, steps=400), FreeFrame(FRAME_KG))
+    found_s = limit_s(lambda h: line.radius("particles-first", h, BUT_THE_SPHERE), predicted_s, neutral=1e-7)
+    assert found_s == pytest.approx(predicted_s, rel=0.02)
+
+
+@pytest.mark.parametrize("loss", [1e-3, 0.03])
+def test_damping_outweighs_the_growth(loss: float) -> None:
+    """Where the growth, half of the loss factor in a radian, is largest: at 2.49 radians in an interval."""
+    found_s = vibrating_panels_s(1.0, np.inf, lambda _: loss)
+    assert 0.480 * found_s**2 == pytest.approx(loss / 2, rel=0.1)
+    assert vibrating_panels_s(1.0, np.inf, lambda _: 0.0) == 0.0  # nothing helps
+    assert vibrating_panels_s(1.0, 1e3, lambda _: 0.0) == pytest.approx(1.373e-3)  # resolved
+    assert vibrating_panels_s(1.0, np.inf, lambda _: 2.0) == pytest.approx(1.0)  # extrapolated clamps
 
 
 @pytest.mark.parametrize("damping", [0.02, 0.2])

@@ -39,6 +39,7 @@ LANDING = ["bed.particles.ball.position_m=[0.152, 0.1, 0.014]", "duration_s=0.02
 LANDING += ["bed.particles.ball.velocity_m_per_s=[0, 0, -1.221]"]
 LANDING += ["output.pictures=false", "output.interval_s=0.01"]
 STRIP = ["panel.solver=strip", "panel.cells=[22,1]", "panel.surface_cells=[22,4]"]
+DAMPED = [*STRIP, "materials.PU.hyperelastic.maxwell=[{ratio=0.2, relaxation_s=2e-3}]"]
 
 
 def by_name(found: StabilityReport) -> dict[str, Bound]:
@@ -97,7 +98,8 @@ def test_repeated_intervals_must_resolve_impacts(tmp_path: Path, scheme: str, in
     found = stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
     plain = by_name(stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case))
     assert set(by_name(found)) == {"whole impacts", *plain}
-    assert by_name(found)["light points"].interval_s == pytest.approx(10 * plain["light points"].interval_s)
+    farther = by_name(found)["light points"].interval_s / plain["light points"].interval_s
+    assert farther == pytest.approx(5 / 0.8)  # of the same limit
     impact_s = 10 * by_name(found)["shortest impact"].interval_s
     assert by_name(found)["whole impacts"].interval_s == pytest.approx(impact_s / intervals)
 
@@ -107,13 +109,13 @@ def test_auto_takes_the_cheapest_scheme_that_is_safe(tmp_path: Path) -> None:
 
     def at(interval_s: float, *sets: str) -> StabilityReport:
         interval = f"coupling.sync_interval_s={interval_s!r}"
-        return stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case)
+        return stability_report(loaded(tmp_path, [*DAMPED, "coupling.scheme=auto", interval, *sets]).case)
 
     plain, robin, aitken = (
-        stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case)
+        stability_report(loaded(tmp_path, [*DAMPED, f"coupling.scheme={name}"]).case)
         for name in ("particles-first", "robin", "aitken")
     )
-    assert robin.grows_s == pytest.approx(4 * robin.safe_s)  # a quarter of the limit of growth is sure
+    assert robin.grows_s == pytest.approx(5 * robin.safe_s)  # a fifth of the limit of growth is sure
     assert at(0.9 * plain.safe_s).scheme == "particles-first"
     assert aitken.safe_s > max(plain.safe_s, robin.safe_s)
     long = at(0.9 * aitken.safe_s)
@@ -168,7 +170,7 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load_case(tmp_path, BARE, STRIP)
-    assert set(by_name(stability_report(bare.case))) == {"carried mass", "extrapolated clamps"}
+    assert set(by_name(stability_report(bare.case))) == {"carried mass", "extrapolated clamps", "vibrating panels"}
     assert not list(stability_report(bare.case).warnings())
 
 
@@ -260,13 +262,13 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
 
 def test_in_a_designers_words(tmp_path: Path) -> None:
     """Without the theory's terms; the numbers behind it are in the detail."""
-    found = stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case)
+    found = stability_report(loaded(tmp_path, [*DAMPED, "coupling.scheme=particles-first"]).case)
     short, long = "\n".join(found.short_lines()), "\n".join(found.detail_lines())
     for term in ("light points", "lasting contacts", "extrapolated clamps", "N s/m"):
         assert term not in short
         assert term in long
     assert f"every {found.interval_s:.3g} s (coupling.sync_interval_s; scheme particles-" in short
-    assert f"sure to be stable up to {found.safe_s:.3g} s: " in short
+    assert f"sure to be stable up to {at_most(found.safe_s)} s: " in short
     assert "coal of 20 mm on deck" in short
     assert set(REMEDIES) < set(BECAUSE)
 

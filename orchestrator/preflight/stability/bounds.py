@@ -25,6 +25,7 @@ from orchestrator.case.bed.contact_times import (
 )
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.preflight.scene.moved_panel import loss_factor
 from orchestrator.preflight.scene.scene import Scene, bed_kg, deck_m2
 from orchestrator.preflight.stability import limits
 from orchestrator.preflight.stability.modes import FrameMatrices, areal_kg_per_m2, lightest_point_kg
@@ -177,7 +178,7 @@ fields of the seat that the function takes besides the contact's stiffness and d
 
 CONTACT_LIMITS |= dict.fromkeys(("aitken", "quasi-newton"), CONTACT_LIMITS["particles-first"])
 
-SURE = {"robin": 0.25, "serial-staggered": 0.125, "aitken": 10.0, "quasi-newton": 10.0}
+SURE = {"particles-first": 0.8, "robin": 0.2, "serial-staggered": 0.125, "aitken": 5.0, "quasi-newton": 5.0}
 """Shares of these limits up to which a scheme is sure to be sound (docs/measured/stability.md).
 
 A contact that begins within an interval is not foreseen, and a load that comes late adds energy in every
@@ -238,8 +239,10 @@ def _seats(
             yield Seat(name, touch, touch.mass_kg, mass_kg, modes_rad_per_s.get(name, 0.0))
 
 
-def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
-    """Yield the bounds that panels, as springs and as masses, set on frames that they push."""
+def frame_bounds(
+    scene: Scene, modes_rad_per_s: Mapping[str, float], frames: FrameMatrices
+) -> Iterator[Bound]:
+    """Yield the bounds that panels, as springs, as masses and as bars, set on frames that they push."""
     scheme, exchange = scene.case.coupling.scheme, scene.case.exchange
     if not (exchange.panel_reaction and exchange.frame_motion):
         return
@@ -251,11 +254,27 @@ def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
         limit_s = limits.extrapolated_clamps_s(frames.mass, frames.panels_N_per_m)
         why = "frames alone on the panels as springs"
         yield Bound("extrapolated clamps", SURE_OF_CLAMPS * limit_s, why, sure=SURE_OF_CLAMPS)
+        if math.isfinite(limit_s):
+            yield _vibrating_panels(scene, modes_rad_per_s, 1 / limit_s)
     if scheme == "serial-staggered":
         _, shapes = frames.modes()
         limit_s = limits.late_reaction_s(shapes, frames.panels_N_per_m, frames.damping_N_s_per_m)
         why = "bushings' damping over panels' stiffness, in the mode where it is least"
         yield Bound("late reaction", limit_s, why)
+
+
+def _vibrating_panels(scene: Scene, modes_rad_per_s: Mapping[str, float], swing_rad_per_s: float) -> Bound:
+    """Return the bound for the vibrations of panels along themselves, which frames answer late."""
+    highest_rad_per_s = max(modes_rad_per_s.values(), default=math.inf)
+
+    def least_loss(speed_rad_per_s: float) -> float:
+        return min(loss_factor(panel.material, speed_rad_per_s) for panel in scene.panels)
+
+    limit_s = limits.vibrating_panels_s(swing_rad_per_s, highest_rad_per_s, least_loss)
+    least = least_loss(limits.GROWING[0] / limit_s) if limit_s > 0 else 0.0
+    highest_Hz = highest_rad_per_s / (2 * math.pi)
+    why = f"panels' highest frequency, {highest_Hz:.3g} Hz; loss factor {least:.2g} at the limit"
+    return Bound("vibrating panels", limit_s, why)
 
 
 INTERVALS_PER_CONTACT = 10

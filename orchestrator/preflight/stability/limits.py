@@ -217,8 +217,44 @@ def extrapolated_clamps_s(mass: Array, panels_N_per_m: Array) -> float:
     They are stable, and damped, for w H < 1, where w is the highest frequency of the frames on the
     panels' springs alone.
     """
+    highest_rad_per_s = swing_on_panels_rad_per_s(mass, panels_N_per_m)
+    return 1 / highest_rad_per_s if highest_rad_per_s > 0 else math.inf
+
+
+def swing_on_panels_rad_per_s(mass: Array, panels_N_per_m: Array) -> float:
+    """Return the highest angular frequency of the frames on the panels' springs alone."""
     highest = float(eigh(panels_N_per_m, mass, eigvals_only=True)[-1])
-    return 1 / math.sqrt(highest) if highest > 0 else math.inf
+    return math.sqrt(max(highest, 0.0))
+
+
+GROWING = 1.373, 4.017
+"""The radians in an interval between which a panel's vibration along itself grows."""
+GROWTH = 0.480
+"""The most that such a vibration grows in a radian, over the square of the frames' radians in an interval.
+
+Both numbers follow from one vibration of a bar on a frame with extrapolated clamps, to first order in the
+bar's mass over the frame's (docs/theory/stability.md, vibrating panels)."""
+
+
+def vibrating_panels_s(
+    frames_rad_per_s: float, panels_rad_per_s: float, loss_factor: Callable[[float], float]
+) -> float:
+    """Return the limit of ``EXTRAPOLATING`` schemes for the panels' vibrations along themselves.
+
+    A frame returns the force of a vibration late.  An interval is short enough if it resolves the panels'
+    highest frequency, ``panels_rad_per_s``, or if their damping outweighs the growth.  ``loss_factor`` gives
+    it at an angular frequency, and ``frames_rad_per_s`` is the highest of the frames on the panels' springs
+    alone.  The limit is 0 if the frequency is infinite and nothing damps it.
+    """
+
+    def is_damped(interval_s: float) -> bool:
+        least = min(loss_factor(radians / interval_s) for radians in GROWING)
+        return GROWTH * (frames_rad_per_s * interval_s) ** 2 < least / 2
+
+    resolved_s = GROWING[0] / panels_rad_per_s
+    longest_s = 1 / frames_rad_per_s
+    damped = filter(is_damped, np.geomspace(longest_s, max(resolved_s, 1e-6 * longest_s), 300))
+    return max(resolved_s, next(damped, 0.0)) if resolved_s < longest_s else longest_s
 
 
 def late_reaction_s(shapes: Array, panels_N_per_m: Array, damping_N_s_per_m: Array) -> float:

@@ -34,6 +34,7 @@ BECAUSE = {
     "late contacts": "the load of {where} comes an exchange late and feeds the panel's vibration",
     "late contacts, light points": "the load of {where} on a light spot of the panel comes an exchange late",
     "extrapolated clamps": "the frames swing on their panels faster than exchanges can follow",
+    "vibrating panels": "the frames answer undamped vibrations along the panels late",
     "late reaction": "the panels' pull on the frames comes an exchange late and feeds their swing",
     "carried mass": "the panels are too heavy for a frame that carries them",
     "shortest impact": "an impact of {where} should last ten exchanges",
@@ -46,6 +47,7 @@ BECAUSE = {
 
 REMEDIES = {
     "carried mass": "make that frame heavier or its panels lighter",
+    "vibrating panels": "give the panels' material maxwell branches or a loss_curve",
     "late reaction": 'give the bushings damping, or set coupling.scheme = "auto"',
     "late contacts": 'set a restitution below 1, or coupling.scheme = "auto"',
     "late contacts, light points": 'set a restitution below 1, or coupling.scheme = "auto"',
@@ -275,7 +277,7 @@ class _Behind:
             if numbers.panels:
                 bounds += contact_bounds(numbers, self.modes_rad_per_s, frames)
         if frames is not None and numbers.panels:
-            bounds += frame_bounds(numbers, frames)
+            bounds += frame_bounds(numbers, self.modes_rad_per_s, frames)
         facts = dict(_facts(numbers, self.modes_rad_per_s, self.unknown, frames))
         return StabilityReport(scheme, case.coupling.sync_interval_s, tuple(bounds), facts)
 
