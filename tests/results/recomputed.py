@@ -23,6 +23,7 @@ import numpy.typing as npt
 from scipy.fft import dct, dst
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
+from scipy.stats import norm as normal
 from scipy.stats import t as student
 
 Array = npt.NDArray[Any]
@@ -44,10 +45,10 @@ def number(value: float) -> float | None:
 
 
 def batch_number(cycles: int) -> int:
-    """10 to 20 batches, which leave the fewest cycles over; each of a few cycles is a batch."""
-    if cycles <= 20:
+    """20 to 40 batches, which leave the fewest cycles over; each of a few cycles is a batch."""
+    if cycles <= 40:
         return cycles
-    return max(range(10, 21), key=lambda count: (-(cycles % count), count))
+    return max(range(20, 41), key=lambda count: (-(cycles % count), count))
 
 
 def batches_of(table: Array) -> Array:
@@ -59,32 +60,76 @@ def batches_of(table: Array) -> Array:
     return np.array([table[a:b].sum(axis=0) for a, b in zip(starts, ends, strict=True)])
 
 
-def deviation(values: Array) -> tuple[float, float]:
-    """The standard deviation of the mean of batches, and Student's quantile, with correlated neighbours."""
+Width = tuple[float | None, float | None]
+TOO_FEW: Width = None, None
+
+
+def by_chance(values: Array) -> Width:
+    """The half width of the interval of the mean of batches, and its standard error.
+
+    The six slowest terms of the cosine transform have the variance, so that the interval is Student's with
+    six degrees of freedom.  There is none of fewer than ten batches, or of fewer than five independent ones.
+    """
     n, away = len(values), values - values.mean()
+    if n < 10:
+        return TOO_FEW
     square = float(np.sum(away**2))
-    if square == 0.0:
+    if square <= n * (1e-12 * np.abs(values).max()) ** 2:
         return 0.0, 0.0
-    r = float(np.sum(away[1:] * away[:-1])) / square
-    r = float(np.clip((n * r + 1) / (n - 3), 0.0, 0.8))
-    worth = max(n * (1 - r) / (1 + r), 2.0)
-    return float(np.sqrt(square / (n - 1) / worth)), float(student.ppf(0.975, worth - 1))
+    r = (n * float(np.sum(away[1:] * away[:-1])) / square + 1) / (n - 3)
+    if n * (1 - r) / (1 + r) < 5:
+        return TOO_FEW
+    error = float(np.linalg.norm(dct(away, type=2, norm="ortho")[1:7]) / np.sqrt(6 * n))
+    return float(student.ppf(0.975, 6)) * error, error
+
+
+def of_a_feed(values: Array) -> Width:
+    """The same where the sum of what came follows a line: its scatter about the line, at both ends."""
+    n = len(values)
+    if n < 10:
+        return TOO_FEW
+    came = np.concatenate([[0.0], np.cumsum(values)])
+    line = np.polynomial.Polynomial.fit(np.arange(n + 1), came, 1)
+    error = float(np.sqrt(2 * np.sum((came - line(np.arange(n + 1))) ** 2) / (n - 1)) / n)
+    return float(normal.ppf(0.975)) * error, error
+
+
+def too_short(values: Array) -> Width:
+    """No interval, of a bed that has not changed often enough."""
+    return TOO_FEW
+
+
+def times(factor: float, width: Width) -> Width:
+    """A width that is so many times as wide."""
+    half_width, error = width
+    return half_width and factor * half_width, error and factor * error
+
+
+def with_width(value: float, batches: int, width: Width) -> dict[str, Any]:
+    """An estimate with its interval, or with a reason where there is none."""
+    half_width, error = width
+    rest = {"reason": "too few"} if error is None else {"standard_error": error}
+    return {"value": value, "half_width": half_width, "batches": batches} | rest
 
 
 def estimate(
-    of: Statistic, per_cycle: Array, counting: float | None = None, steady: bool = True
+    of: Statistic,
+    per_cycle: Array,
+    counting: float | None = None,
+    steady: bool = True,
+    width: Callable[[Array], Width] = by_chance,
 ) -> dict[str, Any]:
     """The estimate of a figure of sums over the cycles (cycles, ...) of a window, by the jackknife where it
     is steady."""
     batches = batches_of(per_cycle)
     n, total = len(batches), batches.sum(axis=0)
     whole, without = of(total), np.array([of(total - batch) for batch in batches])
-    table: dict[str, Any] = {"value": number(whole), "half_width": None, "batches": n}
-    if table["value"] is None or not steady:
-        table["batches"] = 0
-    elif n >= 5 and np.isfinite(without).all():
-        error, quantile = deviation(n * whole - (n - 1) * without)
-        table |= {"half_width": error * quantile, "standard_error": error}
+    if number(whole) is None or not steady:
+        table = {"value": number(whole), "half_width": None, "batches": 0}
+    elif n < 2 or not np.isfinite(without).all():
+        table = with_width(whole, n, TOO_FEW)
+    else:
+        table = with_width(whole, n, width(n * whole - (n - 1) * without))
     return table if counting is None or not np.isfinite(counting) else table | {"counting": counting}
 
 
@@ -101,6 +146,7 @@ class Motion:
     values: Array
     turn_s: float
     window_s: tuple[float, float]
+    width: Callable[[Array], Width] = by_chance
 
     def __post_init__(self) -> None:
         self.turns = int((self.window_s[1] - self.window_s[0]) / self.turn_s + NEAR)
@@ -122,8 +168,9 @@ class Motion:
         return c[0] - 1j * c[1], terms[:, 2:] @ c[2:], rows
 
     @cached_property
-    def widths(self) -> tuple[Array, Array]:
-        """Half widths and standard errors: each batch has a phasor, whose part along the mean one counts."""
+    def widths(self) -> list[Width]:
+        """Of each component: each batch has a phasor, whose part along the mean one counts.  Hann's weight
+        makes the interval wider."""
         count = batch_number(self.turns)
         long, rest = self.turns // count, self.values[self.inside] - self.slow
         t, w = self.time_s[self.inside], 2 * np.pi / self.turn_s
@@ -134,8 +181,13 @@ class Motion:
             terms = np.stack([np.cos(w * t[rows]), np.sin(w * t[rows]), np.ones(rows.sum())], axis=1)
             c = np.linalg.pinv(terms) @ rest[rows]
             along.append(np.real((c[0] - 1j * c[1]) * np.conj(self.phasor) / np.abs(self.phasor)))
-        error, quantile = np.array([deviation(column) for column in np.array(along).T]).T
-        return np.sqrt(1.5) * error * quantile, np.sqrt(1.5) * error
+        return [times(1.5**0.5, self.width(column)) for column in np.array(along).T]
+
+    @property
+    def half_width(self) -> list[float | None] | None:
+        """The half widths by component, or None if none is known."""
+        half_widths = [half_width for half_width, _ in self.widths]
+        return None if half_widths == [None] * len(half_widths) else half_widths
 
     @property
     def change(self) -> float:
@@ -146,9 +198,7 @@ class Motion:
 
     def estimate(self, component: int) -> dict[str, Any]:
         """The amplitude of a component as an estimate."""
-        size, (width, error) = np.abs(self.phasor), self.widths
-        table = {"value": size, "half_width": width, "standard_error": error}
-        return {key: v[component] for key, v in table.items()} | {"batches": batch_number(self.turns)}
+        return with_width(np.abs(self.phasor[component]), batch_number(self.turns), self.widths[component])
 
     def table(self) -> dict[str, Any]:
         """The entry of a frame."""
@@ -161,7 +211,7 @@ class Motion:
         tilt = np.degrees(np.arctan2(left[1, 0], left[0, 0]))
         return {
             "amplitude_m": np.abs(self.phasor),
-            "half_width_m": self.widths[0],
+            "half_width_m": self.half_width,
             "phase_rad": np.arctan2(self.phasor.imag, self.phasor.real),
             "major_m": sizes[0],
             "minor_m": np.sign(np.linalg.det(m)) * sizes[1],
@@ -273,9 +323,21 @@ class Recomputed:
         is_steady = bool(balances and abs(self.drift) <= 0.02 and held[-1] <= gone_kg)
         return first if is_steady else 0, self.cycles, is_steady
 
-    def estimate(self, of: Statistic, per_cycle: Array, counting: float | None = None) -> dict[str, Any]:
+    def estimate(
+        self,
+        of: Statistic,
+        per_cycle: Array,
+        counting: float | None = None,
+        width: Callable[[Array], Width] = by_chance,
+    ) -> dict[str, Any]:
         """The estimate of a figure of the bed, which has an interval where the bed is steady."""
-        return estimate(of, per_cycle, counting, self.is_steady)
+        return estimate(of, per_cycle, counting, self.is_steady, width)
+
+    @cached_property
+    def width(self) -> Callable[[Array], Width]:
+        """The interval of what hangs on the bed: a steady window needs five mean stays, by Little's law."""
+        fed, _, _, mean = (kg[self.first : self.last] for kg in self.balance)
+        return too_short if self.is_steady and 5 * np.mean(mean) > np.sum(fed) else by_chance
 
     def steady(self) -> dict[str, Any]:
         return {
@@ -308,10 +370,10 @@ class Recomputed:
         def sums(mask: Array) -> Array:
             return self.by_cycle(time_s, kg, mask)
 
-        def rate(per_cycle: Array) -> dict[str, Any]:
-            return self.estimate(
-                lambda s: s[0] / s[1], self.of_window(per_cycle, np.full(self.cycles, self.cycle_s))
-            )
+        def rate(name: str, per_cycle: Array) -> dict[str, Any]:
+            columns = self.of_window(per_cycle, np.full(self.cycles, self.cycle_s))
+            width = of_a_feed if name == "feed" else by_chance
+            return self.estimate(lambda s: s[0] / s[1], columns, width=width)
 
         columns = self.of_window(
             sums(under & fine), sums(under & ~fine), sums(over & fine), sums(over & ~fine)
@@ -344,8 +406,10 @@ class Recomputed:
             "lost_particles": int((left["exit"] == LOST).sum()),
             "particles": int(counts.sum()),
             "fine_particles": int((counts & fine).sum()),
-            **{f"{name}_kg_per_s": rate(kg) for name, kg in flows.items()},
-            "hold_up_kg": self.estimate(lambda s: s[0] / s[1], self.of_window(mean, np.ones(self.cycles))),
+            **{f"{name}_kg_per_s": rate(name, kg) for name, kg in flows.items()},
+            "hold_up_kg": self.estimate(
+                lambda s: s[0] / s[1], self.of_window(mean, np.ones(self.cycles)), width=self.width
+            ),
             "in_time": {
                 "time_s": self.edges_s[1:],
                 **{f"{name}_kg_per_s": kg / self.cycle_s for name, kg in flows.items()},
@@ -605,7 +669,7 @@ class Recomputed:
         """A mean over output times, or a sum over another."""
         cycle = self.cycle(time_s) - self.first
         columns = [np.bincount(cycle, v) for v in (part, np.ones(len(part)) if whole is None else whole)]
-        return self.estimate(lambda s: divide(s[0], s[1]), np.stack(columns, axis=1))
+        return self.estimate(lambda s: divide(s[0], s[1]), np.stack(columns, axis=1), width=self.width)
 
     @cached_property
     def snapshots(self) -> dict[int, dict[str, Array]]:
@@ -629,11 +693,13 @@ class Recomputed:
         tangent /= np.linalg.norm(tangent, axis=1)[:, None]
         cosine, sine = tangent[piece].T
         rise = np.interp(at, u, speed[:, 2]) * cosine - np.interp(at, u, speed @ along) * sine
+        own = grains["velocity_m_per_s"][:, 2] * cosine - grains["velocity_m_per_s"] @ along * sine
         return grains, {
             "height_m": (grains["place_m"][:, 2] - np.interp(at, u, z)) * cosine,
             "station_m": np.interp(at, u, self.station_m),
             "inside": (at >= u[0]) & (at <= u[-1]),
             "rise_m_per_s": rise,
+            "against_m_per_s": own - rise,
         }
 
     def middle_line(self, panel: str, what: str) -> Array:
@@ -681,9 +747,10 @@ class Recomputed:
         }
 
     def held_in_time(self) -> dict[str, Array]:
-        """The group ``held``, from the snapshots: who lay at one place for five cycles on a quick panel."""
+        """The group ``held``, from the snapshots: who lay at one place for five cycles on a quick panel, and
+        went with it."""
         lying: dict[int, tuple[float, float, float, float]] = {}  # since, station, across, fastest
-        openings = self.openings()
+        openings, slow = self.openings(), G * self.cycle_s / (2 * np.pi)  # of a panel at one g
         table: dict[str, list[float]] = {"stickers": [], "mass_kg": [], "openings": []}
         for number in self.snapshots:
             time_s, (grains, at) = self.data["held/time_s"][number], self.located(number)
@@ -695,10 +762,12 @@ class Recomputed:
                 now[i] = time_s, *place, rise
                 if at["inside"][k] and height < 0.75 * d and i in lying:
                     since, station, across, fastest = lying[i]
-                    if max(abs(place[0] - station), abs(place[1] - across)) < d / 2:
-                        now[i] = since, station, across, max(rise, fastest)
+                    fastest = max(rise, fastest)
+                    hops = abs(at["against_m_per_s"][k]) > 0.1 * max(fastest, slow)
+                    if not hops and max(abs(place[0] - station), abs(place[1] - across)) < d / 2:
+                        now[i] = since, station, across, fastest
                 since, _, _, fastest = now[i]
-                if time_s - since >= 5 * self.cycle_s and fastest * 2 * np.pi / self.cycle_s > G:
+                if time_s - since >= 5 * self.cycle_s and fastest > 1.25 * slow:
                     held_kg.append(np.pi / 6 * d**3 * float(grains["density_kg_per_m3"][k]))
                     if height < 0.75 * d / 2:
                         seats.add(int(np.argmin(np.hypot(*(openings - place).T))))
@@ -815,9 +884,8 @@ class Recomputed:
             speeds |= shafts
         return 2 * np.pi / min(speeds.values())
 
-    def harmonic(self, values: Array, window_s: tuple[float, float] | None = None) -> Motion:
-        window_s = window_s or self.moves_s
-        return Motion(self.time_s, values, self.turn_s(window_s), window_s)
+    def harmonic(self, values: Array) -> Motion:
+        return Motion(self.time_s, values, self.turn_s(self.moves_s), self.moves_s, self.width)
 
     @cached_property
     def pairs(self) -> dict[str, Array]:
@@ -933,21 +1001,22 @@ class Recomputed:
         size = np.sqrt(np.sum(all_g**2, axis=1))
         normal = np.abs(all_g[rows] @ self.deck[:, 2])
         cycles = [size[rows & (self.cycle(self.time_s) == k)] for k in range(self.begin, self.last)]
-        ones = np.ones(len(cycles))
-        square = estimate(lambda s: s[0] / s[1], np.stack([[np.mean(c**2) for c in cycles], ones], axis=1))
-        rms = float(np.sqrt(np.mean(size[rows] ** 2)))
-        widths = {key: square[key] / (2 * rms) for key in ("half_width", "standard_error")}
+
+        def mean(values: list[float]) -> dict[str, Any]:
+            columns = np.stack([values, np.ones(len(values))], axis=1)
+            return estimate(lambda s: s[0] / s[1], columns, width=self.width)
+
+        rms, square = float(np.sqrt(np.mean(size[rows] ** 2))), mean([np.mean(c**2) for c in cycles])
+        width = times(0.5 / rms, (square["half_width"], square.get("standard_error")))
         return {
             "panel": row["panel"],
             "at": row["at"],
             "band_Hz": min(500.0, 0.5 / step_s),
             "peak_g": size[rows].max(),
-            "rms_g": {"value": rms, "batches": square["batches"], **widths},
+            "rms_g": with_width(rms, square["batches"], width),
             "peak_normal_g": normal.max(),
             "rms_normal_g": np.sqrt(np.mean(normal**2)),
-            "cycle_peak_g": estimate(
-                lambda s: s[0] / s[1], np.stack([[c.max() for c in cycles], ones], axis=1)
-            ),
+            "cycle_peak_g": mean([c.max() for c in cycles]),
         }
 
     def in_cycles(self, values: Array, of: Callable[[Array], Any]) -> Array:
@@ -1040,7 +1109,8 @@ class Recomputed:
 
         def over(work: Array, whole: Sequence[float] | Array) -> dict[str, Any]:
             steady = self.is_steady and self.is_settled
-            return estimate(lambda s: divide(s[0], s[1]), np.stack([work, whole], axis=1), None, steady)
+            columns = np.stack([work, whole], axis=1)
+            return estimate(lambda s: divide(s[0], s[1]), columns, None, steady, self.width)
 
         return {
             "start_s": time_s[0],
@@ -1055,15 +1125,15 @@ class Recomputed:
         }
 
     def course(self) -> dict[str, Any]:
-        """Windows of six cycles, the last of which ends at the run's last whole cycle."""
-        ends = self.edges_s[self.cycles % 6 :: 6]
+        """Windows of ten cycles, the last of which ends at the run's last whole cycle."""
+        ends = self.edges_s[self.cycles % 10 :: 10]
         windows = [*pairwise(ends.tolist())]
         relative = {}
         for name, place in self.pairs.items():
-            fits = [self.harmonic(place[:, :1], window) for window in windows]
+            fits = [Motion(self.time_s, place[:, :1], self.turn_s(each), each) for each in windows]
             relative[name] = {
                 "along_m": [abs(fit.phasor[0]) for fit in fits],
-                "half_width_m": [fit.widths[0][0] if fit.turns >= 5 else None for fit in fits],
+                "half_width_m": [fit.widths[0][0] for fit in fits],
             }
         time_s, close = self.data["profile/time_s"], NEAR * self.cycle_s
         mass, velocity = (np.nan_to_num(self.data[f"profile/{n}"]) for n in ("mass_kg", "velocity_m_per_s"))

@@ -2,13 +2,12 @@
 
 The run has unequal cycles, since neither a sync interval nor an output interval divides a cycle: a motor
 turns the shaft.  Its frames turn about three axes, its bushings are turned about three, and lumps pass, blind
-and miss the openings of its panels.
+and miss the openings of its panels, to which clay sticks.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -18,7 +17,7 @@ from orchestrator.case.scalars import SCALARS, value_at
 from orchestrator.output.results.tidy import single_numbers
 from orchestrator.studies.quantities import MEASURES, measure
 from tests.cases import case_folder
-from tests.results.recomputed import Recomputed, differences
+from tests.results.recomputed import Recomputed, by_chance, differences
 from tests.runs.outside import flipflow, run_words, summary
 
 CASE = (Path(__file__).parent / "unequal_cycles.toml").read_text()
@@ -38,18 +37,6 @@ def again(folder: Path) -> Recomputed:
     return Recomputed(folder)
 
 
-INTERVALS = ("half_width", "standard_error", "reason", "batches", "course")
-
-
-def without_intervals(table: Any) -> Any:
-    """The table without its intervals, whose method tests/results/test_estimate.py tries, and the course."""
-    if isinstance(table, list):
-        return [without_intervals(each) for each in table]
-    if not isinstance(table, dict):
-        return table
-    return {name: without_intervals(each) for name, each in table.items() if not name.startswith(INTERVALS)}
-
-
 @pytest.mark.process
 @pytest.mark.slow
 @pytest.mark.parametrize("table", ["results", "probes"])
@@ -57,10 +44,17 @@ def test_every_figure_is_found_again(folder: Path, again: Recomputed, table: str
     """Tolerance: rounding; partition curves are fitted by another method, which stops at 1e-5."""
     theirs = summary(folder)[table]
     ours = again.results() if table == "results" else again.probes()
-    ours, theirs = (without_intervals(each) for each in (ours, theirs))
     fits = [each.get("screening", {}).pop("whole_feed", {}) for each in (ours, theirs)]
     assert differences(*fits, tolerance=1e-4) == []
     assert differences(ours, theirs, tolerance=1e-9) == []
+
+
+@pytest.mark.process
+@pytest.mark.slow
+def test_the_figures_have_intervals(again: Recomputed) -> None:
+    """Else no half width would have been compared.  The window has some 97 cycles, and five stays are 75."""
+    assert again.is_steady
+    assert again.width is by_chance
 
 
 @pytest.mark.process
@@ -89,6 +83,11 @@ def test_what_lies_on_the_deck_is_in_the_snapshots(again: Recomputed) -> None:
         for name, ours in again.profile(number).items():
             theirs = again.data[f"profile/{name}"][number]
             odd += not np.allclose(ours, theirs, rtol=1e-4, atol=1e-6, equal_nan=True)
+    there = list(again.snapshots)
+    for name, held in again.held_in_time().items():
+        theirs = again.data[f"held/{name}"][there]
+        assert theirs.any(), name
+        odd += int(np.sum(~np.isclose(held, theirs, rtol=1e-5)))
     assert odd <= 3
 
 
