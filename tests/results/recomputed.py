@@ -1125,8 +1125,8 @@ class Recomputed:
         }
 
     def course(self) -> dict[str, Any]:
-        """Windows of ten cycles, the last of which ends at the run's last whole cycle."""
-        ends = self.edges_s[self.cycles % 10 :: 10]
+        """Windows of twelve cycles, the last of which ends at the run's last whole cycle."""
+        ends = self.edges_s[self.cycles % 12 :: 12]
         windows = [*pairwise(ends.tolist())]
         relative = {}
         for name, place in self.pairs.items():

@@ -312,7 +312,7 @@ def draw_course(course: dict[str, Any], share_of_width: float) -> Any:
     ax.set(
         xlabel="time / s",
         ylabel="amplitude along / mm",
-        title="frames against each other, windows of ten cycles",
+        title="frames against each other, windows of twelve cycles",
     )
     ax.set_ylim(0, 1.25 * highest_mm)  # where the machine runs up, intervals are far wider
     ax.legend(loc="lower left")

@@ -14,12 +14,12 @@ from orchestrator.output.results.machine import relative_motions_m
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
-WINDOW_CYCLES = 10  # the fewest that give an interval
+WINDOW_CYCLES = 12  # ten turns, the fewest that give an interval, of a shaft that lags by up to a sixth
 FEWEST_WINDOWS = 3
 
 
 def course(run: RunReader, interval_of: IntervalOf) -> dict[str, Any] | None:
-    """Return the amplitude of each pair of frames along the deck, and the load, in windows of ten whole
+    """Return the amplitude of each pair of frames along the deck, and the load, in windows of twelve whole
     cycles.
 
     The windows end at the run's last whole cycle; cycles that are left over are the first ones.  ``end_s``
