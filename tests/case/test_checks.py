@@ -47,10 +47,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("materials.slag.density_kg_per_m3=2900", "materials.slag.poisson_ratio: missing"),
         ("materials.PU.hyperelastic={c10_Pa=0, c01_Pa=0}", "no stiffness"),
         # mounting
-        (
-            "screen.panels.deck.clamp_angel_deg=5",
-            'unknown key (its value: 5); did you mean "clamp_angle',
-        ),
+        ("screen.panels.deck.clamp_angel_deg=5", 'unknown key (its value: 5); did you mean "clamp_angle'),
         ("screen.panels.deck.moulded_sag_m=0.08", "too deep for a free length of 0.3 m; at most 0.06 m"),
         # machine
         ("screen.frames.driven={inertia_kg_m2=[1, 1, 1]}", "mass_kg: missing: frames.solver exudyn"),

@@ -18,11 +18,11 @@ from orchestrator.output.results.harmonics import Harmonic, drift, first_harmoni
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
+from orchestrator.ports.acceleration import BAND_HZ, acceleration_m_per_s2, band_hz
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.plans import BushingPlan
 from orchestrator.preflight.checks.motion import BEATING
 
-BAND_HZ = 500.0
 FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
 SMALL_MOTION = 0.05  # of the largest motion of a frame
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
@@ -206,28 +206,6 @@ def why_no_band(run: RunReader) -> str:
         f"the series have a row every {step_s:.2g} s: too seldom for accelerations up to "
         f"{BAND_HZ:g} Hz (output.series_s of at most {0.5 / BAND_HZ:.2g} s)"
     )
-
-
-def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
-    """Return the accelerations (n, 3) up to ``BAND_HZ`` from velocities (n, 3) at equal steps.
-
-    What velocities exceed the straight line from the first to the last is a sum of sines, whose derivatives
-    are exact whatever the step.  Each counts by the gain of a Butterworth filter of fourth order that runs
-    forward and backward and so shifts no phase, 1 / (1 + (f / ``BAND_HZ``)^8).
-    """
-    steps = len(velocity_m_per_s) - 1
-    slope_m_per_s2 = (velocity_m_per_s[-1] - velocity_m_per_s[0]) / (steps * step_s)
-    line_m_per_s = velocity_m_per_s[0] + slope_m_per_s2 * step_s * np.arange(steps + 1)[:, None]
-    over_m_per_s = velocity_m_per_s - line_m_per_s
-    waves = np.fft.rfft(np.concatenate([over_m_per_s, -over_m_per_s[-2:0:-1]]), axis=0)
-    hz = np.fft.rfftfreq(2 * steps, step_s)[:, None]
-    derived = np.fft.irfft(2j * np.pi * hz / (1.0 + (hz / BAND_HZ) ** 8) * waves, 2 * steps, axis=0)
-    return np.asarray(slope_m_per_s2 + derived[: steps + 1])
-
-
-def band_hz(step_s: float) -> float:
-    """Return the highest frequency that ``acceleration_m_per_s2`` shows at steps of ``step_s``."""
-    return min(BAND_HZ, 0.5 / step_s)
 
 
 def acceleration_series(run: RunReader) -> dict[str, tuple[Array, Array]]:
