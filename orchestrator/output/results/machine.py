@@ -13,12 +13,13 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import bushings
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.output.cycles import cycle_numbers, named_speeds_rad_per_s, within
+from orchestrator.output.results import mats
 from orchestrator.output.results.estimate import Estimate, IntervalOf, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
-from orchestrator.ports.acceleration import BAND_HZ, acceleration_m_per_s2, band_hz
+from orchestrator.ports.acceleration import BAND_HZ, QUOTED_HZ, acceleration_m_per_s2, band_hz
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.plans import BushingPlan
 from orchestrator.preflight.checks.motion import BEATING
@@ -181,7 +182,7 @@ def why_not_settled(
         )
     if drift_share is not None and drift_share > LARGEST_DRIFT:
         return _describe_change("the first harmonic", drift_share, round((end_s - start_s) / run.cycle_s))
-    return ""
+    return mats.why_not_settled(run, start_s, end_s)
 
 
 def _describe_change(what: str, share: float, cycles: int) -> str:
@@ -238,7 +239,10 @@ def panel_points(run: RunReader, start_s: float, end_s: float, interval_of: Inte
         time_s = run.read(f"probes/{name}/time_s")
         step_s = float(time_s[1] - time_s[0])
         window = within(time_s, start_s, end_s, run.cycle_s)
-        acceleration = acceleration_m_per_s2(run.read(f"probes/{name}/velocity_m_per_s"), step_s)[window]
+        velocity_m_per_s = run.read(f"probes/{name}/velocity_m_per_s")
+        acceleration = acceleration_m_per_s2(velocity_m_per_s, step_s)[window]
+        quoted = acceleration_m_per_s2(velocity_m_per_s, step_s, QUOTED_HZ)[window]
+        quoted_g = np.linalg.norm(quoted, axis=1) / STANDARD_GRAVITY_M_PER_S2
         size_g = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_PER_S2
         normal_g = acceleration @ normals[probe.panel] / STANDARD_GRAVITY_M_PER_S2
         cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
@@ -253,6 +257,9 @@ def panel_points(run: RunReader, start_s: float, end_s: float, interval_of: Inte
             "peak_normal_g": float(np.abs(normal_g).max()),
             "rms_normal_g": rms(normal_g),
             "cycle_peak_g": mean(np.array([float(part.max()) for part in parts]), interval_of),
+            "cycle_peak_100_Hz_g": mean(
+                np.array([float(quoted_g[cycle == number].max()) for number in np.unique(cycle)]), interval_of
+            ),
         }
     return table
 
@@ -271,7 +278,7 @@ def root(value: float, square: Estimate) -> Estimate:
 
 
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Return the pull on the clamps, the load of the bed and the stretch of the middle line of every panel.
+    """Return pull on the clamps, load of the bed, stretch of the middle line and turns up of every panel.
 
     They come from every sync point of the cycles from ``start_s`` to ``end_s``.
     """
@@ -287,6 +294,7 @@ def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
             "stretch_largest_percent": 100 * float(rows["stretch_most"].max()),
             "stretch_smallest_percent": 100 * float(rows["stretch_least"].min()),
             "load_N": weight @ rows["load_mean_N"] @ run.deck_axes,
+            **mats.mat_turns(run, name, start_s, end_s),
         }
     return table
 

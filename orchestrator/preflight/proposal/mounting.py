@@ -23,6 +23,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 THICKNESSES_M, ANGLES_DEG, SLACKS = (0.004, 0.005, 0.006), (15.0, 20.0, 25.0), (0.0, 0.005, 0.01, 0.015, 0.02)
 """What is tried; slacks over the distance of the clamps."""
+MOST_SLACK = 0.5  # of the stroke, so that a mat is taut for a third of each turn
 LEAST_G, MOST_G = 30.0, 50.0
 SOFT = (1.0, 1.0, 1 / HINDERED)
 NEIGHBOURS = (SOFT, (0.9, 1.0, 1.0), (1.1, 1.0, 1.0), (1.0, 0.95, 1.0), (1.0, 1.05, 1.0))
@@ -103,12 +104,10 @@ def _trial(moved: Scene) -> Trial:
 
 
 def _mountings(trial: Trial) -> Sequence[Mounting]:
-    """Return the mountings that are tried, with round slacks."""
-    span_m = trial.plan.rectangle.span_m
-    return [
-        Mounting(thickness_m, angle_deg, round(slack * span_m, 4))
-        for thickness_m, angle_deg, slack in product(THICKNESSES_M, ANGLES_DEG, SLACKS)
-    ]
+    """Return the mountings that are tried, with round slacks with which the stroke stretches the mat."""
+    slacks_m = [round(slack * trial.plan.rectangle.span_m, 4) for slack in SLACKS]
+    slacks_m = [slack_m for slack_m in slacks_m if slack_m <= MOST_SLACK * trial.stroke_m]
+    return [Mounting(*row) for row in product(THICKNESSES_M, ANGLES_DEG, slacks_m)]
 
 
 def _with(trial: Trial, mounting: Mounting) -> Trial:

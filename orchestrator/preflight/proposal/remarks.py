@@ -70,7 +70,7 @@ def _mats(chosen: Choice) -> Iterator[str]:
     )
     if not chosen.has_room:
         yield "doubtful: at a stroke 10 % or a speed 5 % beside the wanted one, mats arch up in some turns"
-    if not LEAST_G <= regime.mean_peak_g <= MOST_G:
+    if not 0.8 * LEAST_G <= regime.mean_peak_g <= 1.2 * MOST_G:
         usual = f"{LEAST_G:g} to {MOST_G:g} g are usual"
         yield f"doubtful: the mats flip with {regime.mean_peak_g:.3g} g; {usual}, and another stroke may help"
 
