@@ -3,7 +3,8 @@
 Trials of one mat (``preflight/mats``) decide.  A mounting is wanted with which the empty mat hangs down in
 every turn, with a mean peak of 30 to 50 g (the intensity of such mats in C. Yu, R. Geng and X. Wang, Minerals
 11, 2021, 631, doi:10.3390/min11060631), also at strokes and speeds somewhat above and below, and if it is as
-soft as a strip with free sides, which the edges of a mat are and the strips of a draft.
+soft as a strip with free sides, which the edges of a mat are and the strips of a draft, and with half and
+twice the loss factor, the range of polyurethane in the material library.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import NamedTuple
 
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.preflight.mats.mats import remembered_regimes, trials_of
@@ -25,12 +27,31 @@ THICKNESSES_M, ANGLES_DEG, SLACKS = (0.004, 0.005, 0.006), (15.0, 20.0, 25.0), (
 """What is tried; slacks over the distance of the clamps."""
 MOST_SLACK = 0.5  # of the stroke, so that a mat is taut for a third of each turn
 LEAST_G, MOST_G = 30.0, 50.0
-SOFT = (1.0, 1.0, 1 / HINDERED)
-NEIGHBOURS = (SOFT, (0.9, 1.0, 1.0), (1.1, 1.0, 1.0), (1.0, 0.95, 1.0), (1.0, 1.05, 1.0))
-"""Strokes, speeds and stiffnesses, over the wanted ones, at which the mats are to hang, too."""
-SHORT_LIST = 5
+SHORT_LIST = 4
 FIRST_CELLS, FIRST_TURNS, CELLS, TURNS = 16, 8, 24, 12
 SMALLER_STROKES = (0.85, 0.7, 0.55, 0.4)
+
+
+class Shares(NamedTuple):
+    """Stroke, speed, stiffness and loss factor of a trial, over those that are wanted."""
+
+    stroke: float = 1.0
+    speed: float = 1.0
+    stiffness: float = 1.0
+    loss: float = 1.0
+
+
+WANTED, SOFT = Shares(), Shares(stiffness=1 / HINDERED)
+NEIGHBOURS = (
+    SOFT,
+    Shares(stroke=0.9),
+    Shares(stroke=1.1),
+    Shares(speed=0.95),
+    Shares(speed=1.05),
+    Shares(loss=0.5),
+    Shares(loss=2.0),
+)
+"""What is beside the wanted stroke, speed and mat, at which the mats are to hang, too."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +67,10 @@ def choose_mounting(moved: Scene) -> Choice | None:
     """Return the best mounting for the machine of a scene, or None if no mat hangs down in every turn."""
     trial = _trial(moved)
     tried = _mountings(trial)
-    both = [(1.0, 1.0, 1.0), SOFT]
-    first = _try([_with(trial, row) for row in tried], both, FIRST_CELLS, FIRST_TURNS)
+    first = _try([_with(trial, row) for row in tried], [WANTED, SOFT], FIRST_CELLS, FIRST_TURNS)
     hanging = [number for number, found in enumerate(first) if _all_hang(found)]
     short = [tried[number] for number in sorted(hanging, key=lambda n: _off_g(first[n]))[:SHORT_LIST]]
-    around = [(1.0, 1.0, 1.0), *NEIGHBOURS]
+    around = [WANTED, *NEIGHBOURS]
     found = _try([_with(trial, row) for row in short], around, CELLS, TURNS) if short else []
     choices = [
         (not _all_hang(regimes), _off_g(regimes[:2]), number)
@@ -64,10 +84,10 @@ def choose_mounting(moved: Scene) -> Choice | None:
 
 
 def _try(
-    trials: Sequence[Trial], around: Sequence[tuple[float, float, float]], cells: int, turns: int
+    trials: Sequence[Trial], around: Sequence[Shares], cells: int, turns: int
 ) -> list[tuple[Regime, ...]]:
-    """Return the regimes of each trial at shares of its stroke, speed and stiffness."""
-    beside = [_beside(trial, *shares) for trial in trials for shares in around]
+    """Return the regimes of each trial at and beside what is wanted."""
+    beside = [_beside(trial, shares) for trial in trials for shares in around]
     found = remembered_regimes(beside, cells, turns)
     return [found[n : n + len(around)] for n in range(0, len(found), len(around))]
 
@@ -82,9 +102,10 @@ def no_hanging_mats(wishes: Wishes, moved: Scene) -> Iterator[CaseProblem]:
     at = f"{1e3 * wishes.stroke_m:.3g} mm and {30 / math.pi * wishes.speed_rad_per_s:.0f} rpm"
     what = f"no mat that was tried hangs down in every turn at {at}"
     trial = _trial(moved)
+    rows = [_with(trial, row) for row in _mountings(trial)]
     for share in SMALLER_STROKES:
-        rows = [_with(trial, row) for row in _mountings(trial)]
-        if any(map(_all_hang, _try(rows, [(share, 1.0, 1.0), (share, *SOFT[1:])], FIRST_CELLS, FIRST_TURNS))):
+        both = [Shares(stroke=share), SOFT._replace(stroke=share)]
+        if any(map(_all_hang, _try(rows, both, FIRST_CELLS, FIRST_TURNS))):
             hint = f"some do up to {down(1e3 * share * wishes.stroke_m):g} mm, or take a lower --speed"
             yield problem("stroke", what, hint)
             return
@@ -117,8 +138,10 @@ def _with(trial: Trial, mounting: Mounting) -> Trial:
     return replace(trial, plan=replace(trial.plan, rectangle=mounted, thickness_m=mounting.thickness_m))
 
 
-def _beside(trial: Trial, stroke: float, speed: float, stiffness: float) -> Trial:
-    """Return a trial at shares of its stroke, speed and stiffness."""
-    span_m = trial.plan.rectangle.span_m
-    beside = trial.at(stroke * trial.stroke_m, speed * trial.speed_rad_per_s, span_m)
-    return replace(beside, stiffer=stiffness * trial.stiffer)
+def _beside(trial: Trial, shares: Shares) -> Trial:
+    """Return a trial at shares of its stroke, speed, stiffness and loss factor."""
+    span_m, material = trial.plan.rectangle.span_m, trial.plan.material
+    beside = trial.at(shares.stroke * trial.stroke_m, shares.speed * trial.speed_rad_per_s, span_m)
+    branches = tuple((shares.loss * ratio, time_s) for ratio, time_s in material.branches)
+    plan = replace(beside.plan, material=replace(material, branches=branches))
+    return replace(beside, plan=plan, stiffer=shares.stiffness * trial.stiffer)

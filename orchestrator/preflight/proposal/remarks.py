@@ -69,7 +69,10 @@ def _mats(chosen: Choice) -> Iterator[str]:
         f"{regime.in_words}"
     )
     if not chosen.has_room:
-        yield "doubtful: at a stroke 10 % or a speed 5 % beside the wanted one, mats arch up in some turns"
+        yield (
+            "doubtful: with a stroke 10 % or a speed 5 % beside the wanted one, softer mats or another loss "
+            "factor, the mats arch up in some turns"
+        )
     if not 0.8 * LEAST_G <= regime.mean_peak_g <= 1.2 * MOST_G:
         usual = f"{LEAST_G:g} to {MOST_G:g} g are usual"
         yield f"doubtful: the mats flip with {regime.mean_peak_g:.3g} g; {usual}, and another stroke may help"
