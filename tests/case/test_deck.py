@@ -124,6 +124,18 @@ def test_each_panel_has_its_tension_about_its_middle(tmp_path: Path) -> None:
         assert np.mean(ends_m(panel), axis=0) == pytest.approx(np.mean(ends_m(slack), axis=0))
 
 
+def test_a_pitch_that_is_not_given_follows_the_panels_pre_stretch(tmp_path: Path) -> None:
+    """240 mm, the largest pre-stretch, two clamps of 14 mm turned by 30 degrees, and 2 mm."""
+    tension = [0.002, -0.004, 0, 0.001, 0, 0, 0, 0, 0, 0]
+    without = BEFORE + DECK.replace("pitch_m = 0.27\n", "")
+    for given, largest_m in (("-0.003", -0.003), (tension, 0.002)):
+        sets = [f"screen.decks.deck.tension_m={given}", "screen.decks.deck.clamp_angle_deg=30"]
+        case = load_case(tmp_path / f"at {largest_m}", without, [ROOM, INCLINED, *sets]).case
+        middles_m = [np.mean(ends_m(panel), axis=0) for panel in single_panels(case)]
+        pitch_m = 0.24 + largest_m + 2 * 0.014 * np.cos(np.radians(30.0)) + 0.002
+        assert np.linalg.norm(middles_m[1] - middles_m[0]) == pytest.approx(pitch_m, abs=1e-12)
+
+
 @pytest.mark.parametrize("angle_deg", [0.0, 20.0])
 def test_surfaces_close_the_deck(tmp_path: Path, angle_deg: float) -> None:
     """Side plates touch each other along shared edges; beams' tops begin and end at clamps, also where these

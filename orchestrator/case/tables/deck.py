@@ -148,8 +148,10 @@ class Deck(PanelSheet):
     """Middle of the first cross beam's top, at the side from which y points into the deck."""
     panels: Few
     """Number of panels."""
-    pitch_m: Positive
-    """Distance between the middles of neighbouring cross beams."""
+    pitch_m: Positive | None = None
+    """Distance between the middles of neighbouring cross beams.  By default, it is what panels need:
+    ``length_m``, the largest ``tension_m`` and two clamps, and 2 mm between neighbours' clamps.  It then
+    follows ``tension_m``."""
     tension_m: Annotated[tuple[Number, ...], BeforeValidator(_as_list)] = (0.0,)
     """Distance between a panel's clamps minus ``length_m``: one number for all panels, or a list with a
     number for each panel.  It is positive for taut panels and negative for slack panels."""

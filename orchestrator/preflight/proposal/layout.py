@@ -266,7 +266,7 @@ def lay_out(wishes: Wishes) -> Layout:
         slopes_deg=slopes_deg,
         panels_per_slope=panels_per_slope,
         panel_m=panel_m,
-        pitch_m=deck.pitch_m,
+        pitch_m=panel_m + AROUND_M,
         corner_m=corner_m,
         beams_m=beams_m + corner_m,
         openings=openings_of(wishes),
