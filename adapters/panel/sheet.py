@@ -32,6 +32,8 @@ def build(plan: PanelPlan) -> MeshedPanel:
 
     rest = at_rest(plan, sheet)
     structure, grid, nodes = sheet(plan)
+    if plan.moulded_sag_m:  # which the compiled loop does not know
+        return open_panel(plan, rest, structure, grid, nodes)
     make_explicit = partial(open_sheet, plan, grid)
     return open_panel(plan, rest, structure, grid, nodes, make_explicit, SheetPanel)
 

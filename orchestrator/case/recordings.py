@@ -28,6 +28,7 @@ from orchestrator.ports.recording import Playback, RecordedGrid, Recording
 FORMAT = 3
 """Version of the file in its attribute ``format_version``; files of older versions have no such attribute."""
 ALIKE = 1e-6  # Lengths with a smaller relative difference count as equal.
+RECTANGLE = ("length_m", "span_m", "width_m", "clamp_m", "clamp_angle_deg")
 SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
 
 
@@ -41,7 +42,10 @@ class NoMatch(Exception):
 
 @dataclass(frozen=True)
 class RecordedShape:
-    """The recording of one panel, and the panel's lengths in m by name (``shape``)."""
+    """The recording of one panel, and the panel's lengths in m and angle in degrees by name (``shape``).
+
+    A recording without the clamps' angle or the moulded sag is one of a panel that has none.
+    """
 
     recording: Recording
     shape: dict[str, float]
@@ -104,7 +108,7 @@ def read(path: Path) -> File:
 
 def _panel(group: Any) -> RecordedShape:
     """Read the recording of one panel from its group in the file."""
-    shape = {name: float(value) for name, value in group.attrs.items() if name.endswith("_m")}
+    shape = {name: float(value) for name, value in group.attrs.items() if name.endswith(("_m", "_deg"))}
     grid = RecordedGrid(group["rows_m"][:], group["columns_m"][:])
     series = {name: np.asarray(group[name][:]) for name in SERIES}
     return RecordedShape(Recording(grid, int(group.attrs["cycles"]), **series), shape)
@@ -200,15 +204,15 @@ def _find_recording(panel: SinglePanel, recorded: Mapping[str, RecordedShape]) -
     if shape is None:
         raise NoMatch(f'panel "{panel.name}" is not recorded; recorded are {", ".join(recorded)}')
     for name, value in shape_of(panel).items():
-        if not np.isclose(shape.shape[name], value, rtol=ALIKE, atol=0):
-            raise NoMatch(
-                f'panel "{panel.name}" has {name} = {value:g}, the recorded one {shape.shape[name]:g}'
-            )
+        recorded_value = shape.shape.get(name, 0.0)
+        if not np.isclose(recorded_value, value, rtol=ALIKE, atol=0):
+            what = f'panel "{panel.name}" has {name} = {value:g}, the recorded one {recorded_value:g}'
+            raise NoMatch(what)
     return shape.recording
 
 
 def shape_of(panel: SinglePanel) -> dict[str, float]:
-    """Return the lengths that a panel must share with its recording."""
-    lengths = ("length_m", "span_m", "width_m", "clamp_m")
-    of_rectangle = {name: getattr(panel.rectangle, name) for name in lengths}
-    return of_rectangle | {"thickness_m": panel.table.thickness_m}
+    """Return the lengths and the angle that a panel must share with its recording."""
+    of_rectangle = {name: getattr(panel.rectangle, name) for name in RECTANGLE}
+    sheet = {"thickness_m": panel.table.thickness_m, "moulded_sag_m": panel.table.moulded_sag_m}
+    return of_rectangle | sheet

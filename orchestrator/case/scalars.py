@@ -176,6 +176,16 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             1e-2,
             _mean(_POINTS, "cycle_peak_g"),
         ),
+        "cycle_peak_100_Hz_g": (
+            "acceleration below 100 Hz, mean of the probes on panels, peak in a cycle / g",
+            1e-2,
+            _mean(_POINTS, "cycle_peak_100_Hz_g"),
+        ),
+        "turns_up": (
+            "largest share of turns in which a panel arches up",
+            1e-2,
+            _largest(_PANELS, "turns_up_share"),
+        ),
         "tension": (
             "mean pull of the panels on their clamps, of the whole width / N",
             1e-2,

@@ -237,6 +237,7 @@ def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> 
             stops=planned_stops(case, panel),
             point_masses=sensors(case, panel),
             joined_sides=joins_sides(case, panel.rectangle.length_m),
+            moulded_sag_m=panel.table.moulded_sag_m,
         )
         for panel in single_panels(case)
     )

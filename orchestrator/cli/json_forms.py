@@ -51,6 +51,7 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
     from orchestrator.preflight.check import warnings
     from orchestrator.preflight.checks.steps import missing_solvers
     from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
+    from orchestrator.preflight.mats.mats import mat_tables
     from orchestrator.preflight.scene.frame_motion import frame_motions
     from orchestrator.preflight.scene.scene import scene
     from orchestrator.preflight.stability.report import stability_report, with_scheme
@@ -66,6 +67,7 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
         "frames": [*case.screen.frames],
         "motion": [asdict(motion) for motion in frame_motions(scene(case))],
         "panels": [panel.name for panel in single_panels(case)],
+        "mats": mat_tables(scene(case)),
         "particles_at_start": at_start,
         "feeds_kg_per_s": {name: feed.rate_kg_per_s for name, feed in case.bed.feeds.items()},
         "duration_s": case.duration_s,

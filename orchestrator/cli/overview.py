@@ -26,6 +26,7 @@ from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, lines_at_start
+from orchestrator.preflight.mats.mats import mat_lines
 from orchestrator.preflight.scene.frame_motion import motion_lines
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability.report import stability_report, with_scheme
@@ -86,6 +87,8 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
     described = f"{len(panels)} ({case.panel.solver}), {cells} cells each" if panels else "none"
     yield f"  panels     {described}"
     yield from meshes(case)
+    for line in mat_lines(scene(case)):
+        yield f"             {line}"
     yield from _curves(case)
     yield from _damping(case)
     yield from openings(case)

@@ -22,7 +22,8 @@ class Rectangle:
     ``corner_m`` is the world position of (s, y) = (0, 0); ``along`` and ``across`` are unit
     vectors; ``along x across`` is the normal that points up, to the bed.  ``length_m`` is the
     stress-free length; the clamps' inner edges are mounted ``span_m`` apart: longer is
-    stretched, shorter is slack.
+    stretched, shorter is slack.  ``clamp_angle_deg`` is the angle by which both clamps are turned about
+    their inner edges: positive clamps point down into the panel's sag.
     """
 
     corner_m: Array
@@ -32,6 +33,7 @@ class Rectangle:
     span_m: float
     width_m: float
     clamp_m: float
+    clamp_angle_deg: float = 0.0
 
     @property
     def normal(self) -> Array:
@@ -43,8 +45,23 @@ class Rectangle:
         its clamps.  A slack panel is compressed to ``span_m`` here; solvers find its sag."""
         s, y = coordinates_m[:, 0], coordinates_m[:, 1]
         free = np.clip(s, 0.0, self.length_m)
-        x = free * (self.span_m / self.length_m) + (s - free)
-        return np.asarray(self.corner_m + np.outer(x, self.along) + np.outer(y, self.across))
+        beyond = s - free
+        cosine, sine = self._clamp_turn
+        x = free * (self.span_m / self.length_m) + cosine * beyond
+        places_m = self.corner_m + np.outer(x, self.along) + np.outer(y, self.across)
+        return np.asarray(places_m + np.outer(sine * np.abs(beyond), self.normal) if sine else places_m)
+
+    @property
+    def clamp_tangents(self) -> Array:
+        """The unit vectors (2, 3) along the panel in both clamps, in the direction of s."""
+        cosine, sine = self._clamp_turn
+        return np.stack([cosine * self.along - sine * self.normal, cosine * self.along + sine * self.normal])
+
+    @property
+    def _clamp_turn(self) -> tuple[float, float]:
+        """The cosine and the sine of the clamps' angle."""
+        angle_rad = math.radians(self.clamp_angle_deg)
+        return math.cos(angle_rad), math.sin(angle_rad)
 
     def end(self, coordinates_m: Array) -> Array:
         """Tell which clamp holds points of material coordinates (n, 2): 0 the first, 1 the second, NaN none.

@@ -26,6 +26,7 @@ from orchestrator.preflight.checks import (
     steps,
     surfaces,
 )
+from orchestrator.preflight.mats.mats import mat_warnings
 from orchestrator.preflight.scene.scene import scene
 
 if TYPE_CHECKING:
@@ -163,5 +164,6 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *panels.other_speed(case, loaded.folder),
         *bed.doubtful_slice(case, loaded.folder),
         *panels.machine_memory(case),
+        *mat_warnings(shaken),
         *loaded.choice.lacking,
     ]

@@ -19,10 +19,11 @@ from orchestrator.output.records import summary, trust
 from orchestrator.output.records.history import write_accelerations, write_results
 from orchestrator.output.records.run_folder import HISTORY, LOG
 from orchestrator.output.results.compute import compute_results, record_error, to_json
-from orchestrator.output.results.machine import acceleration_series, band_hz, point_ranges
+from orchestrator.output.results.machine import acceleration_series, point_ranges
 from orchestrator.output.results.observed import check_effects_by_run
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
+from orchestrator.ports.acceleration import band_hz
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry, lines_at_end
 from orchestrator.preflight.judgement.catalogue import why_left_out

@@ -27,9 +27,9 @@ from orchestrator.output.results import machine
 from orchestrator.output.results.bed import deck_area_m2
 from orchestrator.output.results.compute import interval_of
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
-from orchestrator.output.results.machine import acceleration_m_per_s2
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
+from orchestrator.ports.acceleration import acceleration_m_per_s2
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.recording import RecordedGrid
 from orchestrator.studies.points import summary_of

@@ -46,6 +46,9 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("screen.panels.deck.material=coal", "hyperelastic: missing: panel deck is made of it"),
         ("materials.slag.density_kg_per_m3=2900", "materials.slag.poisson_ratio: missing"),
         ("materials.PU.hyperelastic={c10_Pa=0, c01_Pa=0}", "no stiffness"),
+        # mounting
+        ("screen.panels.deck.clamp_angel_deg=5", 'unknown key (its value: 5); did you mean "clamp_angle'),
+        ("screen.panels.deck.moulded_sag_m=0.08", "too deep for a free length of 0.3 m; at most 0.06 m"),
         # machine
         ("screen.frames.driven={inertia_kg_m2=[1, 1, 1]}", "mass_kg: missing: frames.solver exudyn"),
         ("screen.frames.driven.mass_kg=1", "inertia_kg_m2: missing: frames.solver exudyn"),
@@ -137,6 +140,11 @@ def test_a_share_of_the_rayleigh_time_above_the_limit_is_refused(tmp_path: Path)
     said = only_complaint(tmp_path, "particles.rayleigh_fraction=0.3", "coupling.sync_interval_s=1e-3")
     assert "particles.rayleigh_fraction: a step of" in said
     assert "the limit is" in said
+
+
+def test_a_hinge_holds_no_angle(tmp_path: Path) -> None:
+    said = only_complaint(tmp_path, "screen.panels.deck.clamp_m=0.0", "screen.panels.deck.clamp_angle_deg=5")
+    assert "deck.clamp_angle_deg: is the angle of a clamp, and clamp_m = 0 is a hinge" in said
 
 
 def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:

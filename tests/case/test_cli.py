@@ -128,6 +128,7 @@ ACCEPTED = {
     "ffs0827-panelpair-twelve-springs": PAIR,
 }
 """Beginnings of the warnings that the READMEs of these cases explain, by case."""
+MATS = "mat deck"  # published machines do not say how their mats are mounted: flat ones arch up
 FINES = ("coal: ", MARGINS)  # accepted in all cases under coal
 
 
@@ -136,7 +137,7 @@ def test_every_case_is_without_mistakes_at_every_level(case: str, level: str) ->
     found = load_judged(CASES / case, level)
     assert find_problems(found) == []
     accepted = ACCEPTED.get(case, FINES if case in UNDER_COAL else ())
-    assert [said for said in warnings(found) if not said.startswith(accepted)] == []
+    assert [said for said in warnings(found) if not said.startswith((MATS, *accepted))] == []
     assert (CASES / case / "README.md").is_file()
 
 

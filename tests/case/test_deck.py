@@ -124,10 +124,23 @@ def test_each_panel_has_its_tension_about_its_middle(tmp_path: Path) -> None:
         assert np.mean(ends_m(panel), axis=0) == pytest.approx(np.mean(ends_m(slack), axis=0))
 
 
-def test_surfaces_close_the_deck(tmp_path: Path) -> None:
-    """Side plates touch each other along shared edges; beams' tops begin and end at clamps; the
-    chute ends above the first beam, sloping by 45 degrees."""
-    loaded = deck(tmp_path)
+def test_a_pitch_that_is_not_given_follows_the_panels_pre_stretch(tmp_path: Path) -> None:
+    """240 mm, the largest pre-stretch, two clamps of 14 mm turned by 30 degrees, and 2 mm."""
+    tension = [0.002, -0.004, 0, 0.001, 0, 0, 0, 0, 0, 0]
+    without = BEFORE + DECK.replace("pitch_m = 0.27\n", "")
+    for given, largest_m in (("-0.003", -0.003), (tension, 0.002)):
+        sets = [f"screen.decks.deck.tension_m={given}", "screen.decks.deck.clamp_angle_deg=30"]
+        case = load_case(tmp_path / f"at {largest_m}", without, [ROOM, INCLINED, *sets]).case
+        middles_m = [np.mean(ends_m(panel), axis=0) for panel in single_panels(case)]
+        pitch_m = 0.24 + largest_m + 2 * 0.014 * np.cos(np.radians(30.0)) + 0.002
+        assert np.linalg.norm(middles_m[1] - middles_m[0]) == pytest.approx(pitch_m, abs=1e-12)
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 20.0])
+def test_surfaces_close_the_deck(tmp_path: Path, angle_deg: float) -> None:
+    """Side plates touch each other along shared edges; beams' tops begin and end at clamps, also where these
+    are turned and their outer edges higher; the chute ends above the first beam, sloping by 45 degrees."""
+    loaded = deck(tmp_path, f"screen.decks.deck.clamp_angle_deg={angle_deg}")
     found = {wall.name: wall for wall in walls(loaded.case, loaded.folder)}
     panels = single_panels(loaded.case)
     for side, y_m in (("left", 0.0), ("right", 0.2)):
@@ -144,7 +157,8 @@ def test_surfaces_close_the_deck(tmp_path: Path) -> None:
     down = chute[1] - chute[0]
     assert np.degrees(np.arctan2(-down[2], down[0])) == pytest.approx(45.0)
     lifted = chute[1] - (0.0, 0.0, 0.5) @ axes(loaded.case).T
-    assert lifted @ axes(loaded.case) == pytest.approx([0.0, 0.0, 0.1], abs=1e-12)
+    lift_m = 0.014 * np.sin(np.radians(angle_deg))
+    assert lifted @ axes(loaded.case) == pytest.approx([0.0, 0.0, 0.1 + lift_m], abs=1e-12)
 
 
 def test_plates_face_the_bed(tmp_path: Path) -> None:
@@ -172,6 +186,7 @@ def test_the_resolved_case_has_the_deck_laid_out(tmp_path: Path) -> None:
         ),
         ("slopes_deg=[40, 30, 20, 12, 70]", "slopes_deg.4: 70 is wrong, less than or equal to 60"),
         ("tension_m=[0.001, 0.002]", "2 values for 10 panels"),
+        ("clamp_angle_deg=50.0", "clamp_angle_deg: 50.0 is wrong, less than or equal to 45"),
         ("tension_m=0.03", "strain of 0.125; at most 0.1, which is 0.024 m"),
         ("tension_m=-0.03", "strain of -0.125"),
         ("pitch_m=0.26", "0.26 m lets neighbours overlap; length, tension and two clamps need 0.268"),

@@ -113,10 +113,10 @@ UNDAMPED = tuple(f"screen.bushings.{name}.damping_N_s_per_m=[0, 0, 0]" for name 
 
 
 def said(folder: Path, *overrides: str, case: str = MACHINE) -> list[str]:
-    """Return the warnings about the machine with some keys changed."""
+    """Return the warnings about the machine with some keys changed, but for its mats (tests/mats)."""
     found = load_case(folder, case, overrides)
     assert find_problems(found) == []
-    return warnings(found)
+    return [line for line in warnings(found) if not line.startswith("mat ")]
 
 
 def test_a_good_machine_has_no_warning(tmp_path: Path) -> None:

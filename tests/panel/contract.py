@@ -62,6 +62,19 @@ def perforated(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
     return replace(small(integrator, cells), apertures=openings)
 
 
+def mounted(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
+    """Slack, with clamps that point down into the sag, and moulded with a sag."""
+    return plan(
+        length_m=0.12,
+        span_m=0.119,
+        cells=cells,
+        integrator=integrator,
+        branches=DAMPED,
+        clamp_angle_deg=15.0,
+        moulded_sag_m=0.004,
+    )
+
+
 def pierced() -> PanelPlan:
     """One opening of 40 x 20 mm, for a mesh that has it: few cells."""
     opening = AperturePattern("rectangle", 0.04, 0.02, 0.12, 0.05)
@@ -86,6 +99,12 @@ CASES = {
     "strip-hinged": Case("strip", hinged("explicit"), 1e-9),
     "sheet-hinged": Case("sheet", hinged("explicit", (6, 1)), 1e-4),
     "solid-hinged": Case("solid", hinged("implicit", (4, 1)), 1e-4),
+    "rigid-mounted": Case("rigid", mounted("explicit"), 1e-12),
+    "recorded-mounted": Case("recorded", still(mounted("explicit")), 1e-12),
+    "strip-mounted": Case("strip", mounted("explicit"), 1e-9),
+    "sheet-explicit-mounted": Case("sheet", mounted("explicit", (6, 1)), 1e-4),
+    "sheet-implicit-mounted": Case("sheet", mounted("implicit", (6, 1)), 1e-4),
+    "solid-mounted": Case("solid", mounted("implicit", (4, 1)), 1e-4),
     "sheet-openings": Case("sheet", perforated("explicit", (6, 3)), 1e-4),
 }
 NEEDS_SOLVER = {name for name, case in CASES.items() if case.solver in ("sheet", "solid")}

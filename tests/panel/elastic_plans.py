@@ -30,6 +30,8 @@ def plan(
     sync_interval_s: float = 1e-4,
     apertures: AperturePattern | None = None,
     joined_sides: bool = False,
+    clamp_angle_deg: float = 0.0,
+    moulded_sag_m: float = 0.0,
 ) -> PanelPlan:
     """A panel along x, its width along y, gravity down z."""
     rectangle = Rectangle(
@@ -40,6 +42,7 @@ def plan(
         span_m=length_m if span_m is None else span_m,
         width_m=width_m,
         clamp_m=clamp_m,
+        clamp_angle_deg=clamp_angle_deg,
     )
     return PanelPlan(
         name="panel 1",
@@ -54,6 +57,7 @@ def plan(
         sync_interval_s=sync_interval_s,
         apertures=apertures,
         joined_sides=joined_sides,
+        moulded_sag_m=moulded_sag_m,
     )
 
 

@@ -10,6 +10,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 from scipy.sparse.linalg import LinearOperator, eigsh
 
+from adapters.panel.common.moulding import side_of_sag
 from adapters.panel.finite_element import sheet_forms
 from adapters.panel.finite_element.compiled import function_space
 from adapters.panel.finite_element.resting_shape import first_guess_m, settle
@@ -69,7 +70,7 @@ class Found:
 
     def __init__(self, plan, structure):
         tangent = Tangent(structure)
-        start = first_guess_m(plan.rectangle, plan.gravity_m_per_s2, structure.material_m)
+        start = first_guess_m(plan.rectangle, side_of_sag(plan), structure.material_m)
         weight = structure.mass_kg[:, None] * plan.gravity_m_per_s2
         rest = settle(structure, tangent, start, weight)
         force = structure.force_N(rest)

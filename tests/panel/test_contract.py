@@ -86,8 +86,8 @@ def test_interpolation_sums_to_one_and_reproduces_linear_fields(case: Case) -> N
     assert H.sum(axis=1) == pytest.approx(np.ones(50), abs=1e-14)
     force = rng.normal(size=(50, 3))
     assert (H.T @ force).sum(axis=0) == pytest.approx(force.sum(axis=0), abs=1e-12)
-    unstretched = replace(rectangle, span_m=rectangle.length_m)
-    still = replace(case.plan, rectangle=unstretched, gravity_m_per_s2=np.zeros(3))
+    unstretched = replace(rectangle, span_m=rectangle.length_m, clamp_angle_deg=0.0)
+    still = replace(case.plan, rectangle=unstretched, gravity_m_per_s2=np.zeros(3), moulded_sag_m=0.0)
     straight_m = replace(case, plan=still).open().initial().surface.position_m
     off_m = H @ straight_m - unstretched.mounted(somewhere)
     assert np.ptp(off_m, axis=0).max() < 1e-11

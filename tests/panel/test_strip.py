@@ -57,9 +57,15 @@ def test_uniaxial_law(material: HyperelasticPlan, stretch: float, stress_MPa: st
     assert found / 1e6 == pytest.approx(float(stress_MPa), abs=0.51 * 10**-digits)
 
 
-def test_tangent_is_the_derivative_of_the_force() -> None:
+MOUNTINGS = pytest.mark.parametrize(
+    "mounting", [{}, {"clamp_angle_deg": 20.0, "moulded_sag_m": 0.03}], ids=["flat", "turned and moulded"]
+)
+
+
+@MOUNTINGS
+def test_tangent_is_the_derivative_of_the_force(mounting: dict[str, float]) -> None:
     """Central differences, 1e-6 relative, on a bent and stretched chain."""
-    links = build_chain(taut(6))
+    links = build_chain(taut(6, **mounting))
     rng = np.random.default_rng(9)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
@@ -74,9 +80,10 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
     assert change == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
-def test_compiled_force_is_the_chain_s() -> None:
+@MOUNTINGS
+def test_compiled_force_is_the_chain_s(mounting: dict[str, float]) -> None:
     """Of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
-    given = taut(6, branches=BRANCHES)
+    given = taut(6, branches=BRANCHES, **mounting)
     links = build_chain(given)
     rng = np.random.default_rng(11)
     rows = len(links.rows_m)
@@ -142,8 +149,9 @@ def test_strips_of_a_set_advance_together_as_they_do_alone() -> None:
         members.advance(Interval(3, 1e-4), shaken(members, 4e-4), load)
 
 
-def test_force_is_minus_the_derivative_of_the_energy() -> None:
-    links = build_chain(taut(6))
+@MOUNTINGS
+def test_force_is_minus_the_derivative_of_the_energy(mounting: dict[str, float]) -> None:
+    links = build_chain(taut(6, **mounting))
     rng = np.random.default_rng(10)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])

@@ -220,7 +220,7 @@ class Motion:
         }
 
 
-def acceleration(velocity: Array, step_s: float) -> Array:
+def acceleration(velocity: Array, step_s: float, band_Hz: float = 500.0) -> Array:
     """Sines of what exceeds the straight line, each derived exactly and weighed by its frequency's gain."""
     n = len(velocity) - 1
     slope = (velocity[-1] - velocity[0]) / (n * step_s)
@@ -228,7 +228,7 @@ def acceleration(velocity: Array, step_s: float) -> Array:
     sines = dst(over[1:-1], type=1, axis=0) / n
     w = np.pi * np.arange(1, n)[:, None] / (n * step_s)
     cosines = np.zeros_like(velocity)
-    cosines[1:-1] = w * sines / (1 + (w / (2 * np.pi * 500.0)) ** 8)
+    cosines[1:-1] = w * sines / (1 + (w / (2 * np.pi * band_Hz)) ** 8)
     return np.asarray(slope + dct(cosines, type=1, axis=0) / 2)
 
 
@@ -1001,6 +1001,9 @@ class Recomputed:
         size = np.sqrt(np.sum(all_g**2, axis=1))
         normal = np.abs(all_g[rows] @ self.deck[:, 2])
         cycles = [size[rows & (self.cycle(self.time_s) == k)] for k in range(self.begin, self.last)]
+        slow_g = acceleration(self.data[f"probes/{name}/velocity_m_per_s"], step_s, 100.0) / G
+        slow_size = np.sqrt(np.sum(slow_g**2, axis=1))
+        slow = [slow_size[rows & (self.cycle(self.time_s) == k)] for k in range(self.begin, self.last)]
 
         def mean(values: list[float]) -> dict[str, Any]:
             columns = np.stack([values, np.ones(len(values))], axis=1)
@@ -1017,6 +1020,7 @@ class Recomputed:
             "peak_normal_g": normal.max(),
             "rms_normal_g": np.sqrt(np.mean(normal**2)),
             "cycle_peak_g": mean([c.max() for c in cycles]),
+            "cycle_peak_100_Hz_g": mean([c.max() for c in slow]),
         }
 
     def in_cycles(self, values: Array, of: Callable[[Array], Any]) -> Array:
@@ -1091,7 +1095,22 @@ class Recomputed:
             "stretch_largest_percent": 100 * stretch[rows].max(),
             "stretch_smallest_percent": 100 * stretch[rows].min(),
             "load_N": load.mean(axis=0) @ self.deck,
+            **self.turns(name),
         }
+
+    def turns(self, name: str) -> dict[str, Any]:
+        """The share of turns up, and after how many turns lowest and highest middle are as they were."""
+        (row,) = self.case["screen"]["panels"].values()
+        cycles = self.panel_cycles(name)
+        least, most = (cycles[f"middle_{end}_m"][self.begin : self.last] for end in ("least", "most"))
+        up = (least + most > 0) & (most >= 0.02 * row["length_m"])
+        ends = np.stack([least, most])
+        after = [
+            n
+            for n in range(1, min(8, len(up) // 2) + 1)
+            if np.sum((ends[:, n:] - ends[:, :-n]) ** 2) / (len(up) - n) <= 0.01 * np.sum(ends**2) / len(up)
+        ]
+        return {"turns_up_share": np.mean(up), "repeats_after_turns": min(after, default=None)}
 
     def power(self) -> dict[str, Any]:
         """Differences of the ledger between the last sync points of cycles, and what was fed between them."""

@@ -10,14 +10,9 @@ import pytest
 
 from orchestrator.output.records.history import write_accelerations
 from orchestrator.output.results.estimate import chance
-from orchestrator.output.results.machine import (
-    acceleration_m_per_s2,
-    acceleration_series,
-    band_hz,
-    panel_points,
-    rms,
-)
+from orchestrator.output.results.machine import acceleration_series, panel_points, rms
 from orchestrator.output.results.run_reader import RunReader
+from orchestrator.ports.acceleration import acceleration_m_per_s2, band_hz
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from tests.results.synthetic import folder_of
 

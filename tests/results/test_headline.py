@@ -95,10 +95,13 @@ def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
         "one": {"peak_g": 900.0, "cycle_peak_g": calm, "rms_g": calm | {"value": 30.0}},
         "two": {"peak_g": 300.0, "cycle_peak_g": calm | {"value": 60.0}, "rms_g": calm | {"value": 20.0}},
     }
+    for point in points.values():
+        point["cycle_peak_100_Hz_g"] = calm | {"value": 40.0}
     tiles = tiles_of(steady | {"motion": steady["motion"] | {"panel_points": points}})
     told = {name: tile.line.split(" (")[0] for name, tile in tiles.items() if "acceleration" in name}
     assert list(told.values()) == [
         "panel acceleration at two, mean peak of a cycle: 60.0 ± 4.0 g",
+        "panel acceleration at two, mean peak of a cycle below 100 Hz: 40.0 ± 4.0 g",
         "panel acceleration at two, RMS: 20.0 ± 4.0 g",
     ]
 

@@ -170,7 +170,11 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load_case(tmp_path, BARE, STRIP)
-    assert set(by_name(stability_report(bare.case))) == {"carried mass", "extrapolated clamps", "vibrating panels"}
+    assert set(by_name(stability_report(bare.case))) == {
+        "carried mass",
+        "extrapolated clamps",
+        "vibrating panels",
+    }
     assert not list(stability_report(bare.case).warnings())
 
 

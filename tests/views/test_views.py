@@ -179,7 +179,8 @@ def test_modes_move_the_panels_between_the_frames() -> None:
     assert near.count("#c1443c") > modes_svg(machine("quickstart"), modes, [1e3]).count("#c1443c") == 0
 
 
-WRITTEN = ("side.png", "side.svg", "top.png", "top.svg", "modes.svg", "model.html", "machine.html")
+DRAWINGS = tuple(f"{name}.{kind}" for name in ("side", "top", "mats-deck-1") for kind in ("png", "svg"))
+WRITTEN = (*DRAWINGS, "modes.svg", "model.html", "machine.html")
 WITHOUT_SOLVERS = """
 import sys
 from orchestrator.cli.main import app
@@ -204,9 +205,11 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 
 @pytest.mark.process
-def test_show_names_its_files_and_starts_no_solver(shown: tuple[Path, str]) -> None:
+def test_show_names_its_files_and_opens_no_solver_of_others(shown: tuple[Path, str]) -> None:
     folder, said = shown
-    assert said.splitlines() == [*(f"written: {folder / name}" for name in WRITTEN), "loaded:"]
+    warned, *others = said.splitlines()
+    assert warned.startswith("warning: mat deck-1 and 1 more, empty: arches up in")
+    assert others == [*(f"written: {folder / name}" for name in WRITTEN), "loaded:"]
     assert sorted(WRITTEN) == sorted(file.name for file in folder.iterdir())
     for file in folder.glob("*.svg"):
         ElementTree.parse(file)

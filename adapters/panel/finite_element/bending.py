@@ -68,6 +68,32 @@ def _bilinear_form(trial: Any, test: Any, law: Moment) -> Any:
     return cells * ufl.dx + facets * ufl.dS
 
 
+def moulded_energy(position: Any, law: Moment, curvature_1_m: Any, across: Any) -> Any:
+    """Return the energy that a stress-free curvature (2 x 2) along the sheet adds to that of bending.
+
+    Half the square of the stress-free curvature by the moment law, less the work of its moments on the
+    curvature about ``across``, a fixed unit vector; the sheet's normal is the product of its slope along s
+    and ``across``.  Slopes that jump between cells count as in the sheet's own bending.
+    """
+    mesh = position.ufl_domain()
+    facet = ufl.FacetNormal(mesh)
+    gradient = ufl.grad(position)  # (3, 2)
+    normal = ufl.cross(gradient[:, 0], across)
+    second = ufl.grad(gradient)  # (3, 2, 2)
+    bent_1_m = ufl.as_matrix([[ufl.dot(second[:, i, j], normal) for j in range(2)] for i in range(2)])
+    moment = law(curvature_1_m)
+
+    def across_facet(side: str) -> Any:
+        return ufl.dot(facet(side), ufl.dot(moment(side), facet(side)))
+
+    jump = ufl.dot(gradient("+"), facet("+")) + ufl.dot(gradient("-"), facet("-"))
+    mean_moment = 0.5 * (across_facet("+") + across_facet("-"))
+    cells = ufl.inner(moment, 0.5 * curvature_1_m - bent_1_m)
+    facets = mean_moment * ufl.dot(jump, ufl.avg(normal))
+    points = {"quadrature_degree": 6}
+    return cells * ufl.dx(metadata=points) + facets * ufl.dS(metadata=points)
+
+
 def stiffness_matrix(scalar_space: Any, law: Moment) -> csr_matrix:
     """Return the matrix (nodes, nodes) in N/m for a plate whose moments, in N, follow ``law``."""
     trial, test = ufl.TrialFunction(scalar_space), ufl.TestFunction(scalar_space)

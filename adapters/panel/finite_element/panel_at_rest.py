@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from adapters.panel.common.moulding import side_of_sag
 from adapters.panel.finite_element.integrators import step_limits_s
 from adapters.panel.finite_element.resting_shape import first_guess_m, settle
 from adapters.panel.finite_element.structure import Structure
@@ -63,7 +64,7 @@ def _at_rest(pickled_plan: bytes, make_structure: MakeStructure) -> PanelAtRest:
     plan: PanelPlan = pickle.loads(pickled_plan)
     structure = make_structure(plan)[0]
     with closing(structure), closing(Tangent(structure)) as tangent:
-        start_m = first_guess_m(plan.rectangle, plan.gravity_m_per_s2, structure.material_m)
+        start_m = first_guess_m(plan.rectangle, side_of_sag(plan), structure.material_m)
         weight_N = structure.mass_kg[:, None] * plan.gravity_m_per_s2
         resting_m = settle(structure, tangent, start_m, weight_N)
         resting_m.setflags(write=False)  # all equal panels share it

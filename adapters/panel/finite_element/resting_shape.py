@@ -29,17 +29,19 @@ ITERATIONS = 400
 STEEPEST_RAD = 2.0
 
 
-def first_guess_m(rectangle: Rectangle, gravity_m_per_s2: Array, material_m: Array) -> Array:
+def first_guess_m(rectangle: Rectangle, side: float, material_m: Array) -> Array:
     """Return world positions (n, 3) of material points (n, 3): s, y, and height over the mid-surface.
 
     A taut panel is straight between its clamps.  A slack one is unstretched with the slope angle
-    of a lightly buckled clamped beam (a sine), bulging with gravity or, without it, downwards.
+    of a lightly buckled clamped beam (a sine), bulging up or down as ``side`` is 1 or -1.
     """
     s, height = material_m[:, 0], material_m[:, 2]
-    straight = rectangle.mounted(material_m[:, :2]) + np.outer(height, rectangle.normal)
+    end = rectangle.end(material_m[:, :2])
+    clamped = ~np.isnan(end)
+    straight = rectangle.mounted(material_m[:, :2])
+    straight += height[:, None] * _normals(rectangle, end)
     if rectangle.span_m >= rectangle.length_m:
         return np.asarray(straight)
-    side = 1.0 if gravity_m_per_s2 @ rectangle.normal > 0.0 else -1.0
     fine = np.linspace(0.0, rectangle.length_m, 4001)
     angle = side * _angle_rad(rectangle.length_m, rectangle.span_m, fine)
     turn = np.interp(s, fine, angle)
@@ -51,8 +53,19 @@ def first_guess_m(rectangle: Rectangle, gravity_m_per_s2: Array, material_m: Arr
         + np.outer(material_m[:, 1], rectangle.across)
         + np.outer(z + height * np.cos(turn), rectangle.normal)
     )
-    clamped = ~np.isnan(rectangle.end(material_m[:, :2]))
     return np.where(clamped[:, None], straight, bulging)
+
+
+def _normals(rectangle: Rectangle, end: Array) -> Array:
+    """Return the unit normals (n, 3) of a straight panel between its clamps, which may be turned.
+
+    ``end`` (n,) is the clamp of each point, 0 or 1, or NaN between them.
+    """
+    normals = np.tile(rectangle.normal, (len(end), 1))
+    if rectangle.clamp_angle_deg:
+        for number, tangent in enumerate(rectangle.clamp_tangents):
+            normals[end == number] = np.cross(tangent, rectangle.across)
+    return normals
 
 
 def _angle_rad(length_m: float, span_m: float, s_m: Array) -> Array:

@@ -7,6 +7,7 @@ Openings, if any: ``perforation``.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,8 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from adapters.panel.common.grid import ElementGrid
-from adapters.panel.finite_element.bending import Bending, plate, stiffness_matrix
+from adapters.panel.common.moulding import curvature_amplitude_1_m
+from adapters.panel.finite_element.bending import Bending, Moment, moulded_energy, plate, stiffness_matrix
 from adapters.panel.finite_element.branch_strain import SHEET_ENTRIES, sheet_entries
 from adapters.panel.finite_element.compiled import function_space
 from adapters.panel.finite_element.structure import Law, Structure, cell_constants
@@ -75,6 +77,9 @@ def sheet(plan: PanelPlan) -> tuple[Structure, ElementGrid, Indices]:
     if holes:
         areal_mass_kg_per_m2 = holes.areal_mass_kg_per_m2(areal_mass_kg_per_m2)
     membrane = law(plan, fem.Function(space), holes)
+    if plan.moulded_sag_m:
+        energy = {**membrane.energy, "moulding": moulding(plan, membrane.position, holes)}
+        membrane = replace(membrane, energy=energy)
     bent = bending(plan, scalars, material_m, holes)
     added_kg = point_masses_kg(plan, grid, nodes)
     joined = sides(plan, grid, nodes, held)
@@ -145,12 +150,27 @@ def membrane_shares(plan: PanelPlan, flat: Any, holes: Perforated | None) -> tup
 
 def bending(plan: PanelPlan, scalars: Any, material_m: Array, holes: Perforated | None = None) -> Bending:
     """Make the bending, with plate stiffness  E t^3 / (12 (1 - nu^2))  where there are no openings."""
-    rectangle, material = plan.rectangle, plan.material
-    beam_N_m = material.youngs_modulus_Pa * plan.thickness_m**3 / 12
-    moment = plate(beam_N_m / (1 - POISSON_RATIO**2), POISSON_RATIO)
-    if holes:
-        moment = holes.moment(beam_N_m)
+    rectangle = plan.rectangle
     sides = np.stack((rectangle.along, rectangle.across))
     flat_m = rectangle.corner_m + material_m[:, :2] @ sides
-    matrix = stiffness_matrix(scalars, moment)
-    return Bending(matrix, flat_m, material.branches)
+    matrix = stiffness_matrix(scalars, moment_law(plan, holes))
+    return Bending(matrix, flat_m, plan.material.branches)
+
+
+def moment_law(plan: PanelPlan, holes: Perforated | None) -> Moment:
+    """Return the law of the bending moments, with or without openings."""
+    beam_N_m = plan.material.youngs_modulus_Pa * plan.thickness_m**3 / 12
+    return holes.moment(beam_N_m) if holes else plate(beam_N_m / (1 - POISSON_RATIO**2), POISSON_RATIO)
+
+
+def moulding(plan: PanelPlan, position: Any, holes: Perforated | None) -> Any:
+    """Return the energy of the moments of the moulded, stress-free curvature of the free length."""
+    flat = position.function_space.mesh
+    free = cell_constants(flat, 1)
+    s_m = flat.geometry.x[flat.geometry.dofmap.array.reshape(len(free.x.array), -1), 0].mean(axis=1)
+    free.x.array[:] = (s_m > 0.0) & (s_m < plan.rectangle.length_m)
+    wave = ufl.cos(2 * ufl.pi * ufl.SpatialCoordinate(flat)[0] / plan.rectangle.length_m)
+    along_1_m = -curvature_amplitude_1_m(plan) * free[0] * wave
+    curvature_1_m = ufl.as_matrix([[along_1_m, 0.0], [0.0, 0.0]])
+    across = ufl.as_vector([float(value) for value in plan.rectangle.across])
+    return moulded_energy(position, moment_law(plan, holes), curvature_1_m, across)

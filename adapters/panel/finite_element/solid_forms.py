@@ -15,6 +15,7 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
+from adapters.panel.common.moulding import curvature_amplitude_1_m
 from adapters.panel.common.solid_grid import PiercedGrid, bearable_grid
 from adapters.panel.finite_element.branch_strain import SOLID_ENTRIES, solid_entries
 from adapters.panel.finite_element.compiled import function_space
@@ -45,15 +46,18 @@ def box_mesh(grid: PiercedGrid, thickness_m: float) -> Any:
 def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGREE) -> Law:
     """Return the law: isochoric invariants, and  K/2 (J - 1)^2  with its own quadrature degree."""
     material = plan.material
+    stretch = moulded_stretch(plan, position)
     gradient = ufl.grad(position)
+    if plan.moulded_sag_m:
+        gradient = gradient * ufl.diag(ufl.as_vector([1 / stretch, 1.0, 1.0]))
     C, J = ufl.transpose(gradient) * gradient, ufl.det(gradient)
     first = ufl.tr(C)
     second = 0.5 * (first**2 - ufl.inner(C, C))
     isochoric = material.c10_Pa * (J ** (-2 / 3) * first - 3) + material.c01_Pa * (J ** (-4 / 3) * second - 3)
     volumetric = 0.5 * material.bulk_modulus_Pa * (J - 1) ** 2
     energy = {
-        "isochoric": isochoric * ufl.dx(metadata={"quadrature_degree": ISOCHORIC_DEGREE}),
-        "volumetric": volumetric * ufl.dx(metadata={"quadrature_degree": volumetric_degree}),
+        "isochoric": stretch * isochoric * ufl.dx(metadata={"quadrature_degree": ISOCHORIC_DEGREE}),
+        "volumetric": stretch * volumetric * ufl.dx(metadata={"quadrature_degree": volumetric_degree}),
     }
     entries = cell_constants(position.function_space.mesh, len(SOLID_ENTRIES))
     return Law(
@@ -66,6 +70,20 @@ def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGR
         ISOCHORIC_DEGREE,
         material.branches,
     )
+
+
+def moulded_stretch(plan: PanelPlan, position: Any) -> Any:
+    """Return how long fibres along the panel are where it is free of stress, over those of a flat panel.
+
+    A curvature k turns the cross-sections of the stress-free shape, in which a fibre at the height z over the
+    mid-surface is 1 - k z times as long as that one.
+    """
+    if not plan.moulded_sag_m:
+        return 1.0
+    length_m = plan.rectangle.length_m
+    s, _, height = ufl.SpatialCoordinate(position.function_space.mesh)
+    free = ufl.conditional(ufl.And(ufl.gt(s, 0.0), ufl.lt(s, length_m)), 1.0, 0.0)
+    return 1.0 + curvature_amplitude_1_m(plan) * free * ufl.cos(2 * ufl.pi * s / length_m) * height
 
 
 def scaled_strain(entries: Any, C: Any) -> Any:

@@ -26,8 +26,10 @@ struct ChainParts {
   std::vector<double> branch_N_per_m;      // (springs): with which each branch answers, over its ratio
   std::vector<double> bending_N_m3;        // (bends)
   std::vector<double> curvature_1_m2;      // (bends, 3): of rows k, k + 1, k + 2 in bend k
-  std::vector<int> at_clamp;               // (bends): does the bend count across `along` only?
-  std::vector<double> along;               // (3) unit vector
+  std::vector<int> at_clamp;               // (bends): does the bend count across its `along` only?
+  std::vector<double> along;               // (bends, 3) unit vectors of bends at clamps
+  std::vector<double> gap_m;               // (rows - 1): lengths of the links between rows
+  std::vector<double> moulded_N_m;         // (bends): moments of the stress-free curvatures
 
   int rows() const { return static_cast<int>(mass_kg.size()); }
   int springs() const { return static_cast<int>(area_m2.size()); }
@@ -225,7 +227,30 @@ class Chain {
       for (int j = 0; j < 3; ++j)
         add(-parts_.curvature_1_m2[3 * k + j], moment, state.internal_N + 3 * (k + j));
     }
+    for (int k = 0; k < parts_.bends(); ++k)
+      if (parts_.moulded_N_m[k] != 0.0) add_moulded(k, state);
     return work;
+  }
+
+  // Adds the force of a stress-free curvature, whose energy is its moment times across . (d x d'), with
+  // the slopes d and d' of the links before and after the middle row.
+  void add_moulded(int k, const ChainState &state) const {
+    const double *across = parts_.across.data(), *row_m = state.position_m + 3 * k;
+    double *force_N = state.internal_N + 3 * k;
+    const double gap_m[2] = {parts_.gap_m[k], parts_.gap_m[k + 1]};
+    double slope[2][3];
+    for (int i = 0; i < 2; ++i)
+      for (int c = 0; c < 3; ++c) slope[i][c] = (row_m[3 * i + 3 + c] - row_m[3 * i + c]) / gap_m[i];
+    for (int c = 0; c < 3; ++c) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      const double by_first = slope[1][d] * across[e] - slope[1][e] * across[d];
+      const double by_second = across[d] * slope[0][e] - across[e] * slope[0][d];
+      const double first_N = parts_.moulded_N_m[k] * by_first / gap_m[0];
+      const double second_N = parts_.moulded_N_m[k] * by_second / gap_m[1];
+      force_N[c] += first_N;
+      force_N[3 + c] += second_N - first_N;
+      force_N[6 + c] -= second_N;
+    }
   }
 
   void find_strain(const double *position_m) {
@@ -236,8 +261,8 @@ class Chain {
       strain_[i] = std::sqrt(dot(direction, direction));
       for (int c = 0; c < 3; ++c) direction[c] /= strain_[i];
     }
-    const double *along = parts_.along.data();
     for (int k = 0; k < parts_.bends(); ++k) {
+      const double *along = &parts_.along[3 * k];
       double *curvature = &strain_[parts_.springs() + 3 * k];
       std::fill_n(curvature, 3, 0.0);
       for (int j = 0; j < 3; ++j)

@@ -139,7 +139,9 @@ BoundChain bind_chain(py::kwargs given) {
   parts.branch_N_per_m = from.copied("branch_N_per_m", parts.area_m2.size());
   parts.curvature_1_m2 = from.copied("curvature_1_m2", 3 * bends);
   parts.at_clamp = from.copied<int>("at_clamp");
-  parts.along = from.copied("along", 3);
+  parts.along = from.copied("along", 3 * bends);
+  parts.gap_m = from.copied("gap_m", rows - 1);
+  parts.moulded_N_m = from.copied("moulded_N_m", bends);
   if (parts.at_clamp.size() != bends || parts.first + parts.area_m2.size() >= rows)
     throw py::value_error("at_clamp, area_m2: springs, bends and rows do not fit together");
   const auto ratio = from.copied("ratio");

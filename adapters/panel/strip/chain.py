@@ -13,6 +13,14 @@ A bending spring acts at every row but the outermost, on the second difference o
 which does not change if the strip moves or rotates.  A clamp is rigid, so that kappa at its inner edge
 belongs to the free half cell only: (first free slope - clamp's slope) / (half a cell).  Its part along
 the clamp as mounted is left out, since it would resist stretching and not bending.
+
+A moulded strip is free of bending at the curvature k0 of its stress-free shape (``common.moulding``).  With
+the slopes d and d' of the rows' links before and after a row, and the unit vector a across, each bending
+spring has the energy
+
+    1/2 E I cell (|kappa|^2 + k0^2) + E I k0 a . (d x d'),
+
+whose last term is - E I cell k0 times the signed curvature; it does not change with a turn about a, either.
 """
 
 from __future__ import annotations
@@ -23,6 +31,7 @@ import numpy as np
 
 from adapters.panel.common import bilinear
 from adapters.panel.common.grid import clamped_rows_m, locate
+from adapters.panel.common.moulding import curvature_amplitude_1_m
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
@@ -36,7 +45,9 @@ class Chain:
     the rows that the axial springs join; each spring has the rest length ``rest_m``, and ``area_m2`` (c,)
     are their bearing cross-sections.  ``curvature_1_m2`` (b, r) maps positions to curvatures, and
     ``bending_N_m3`` (b,) is E I times the length of each bending spring.  The curvatures with the numbers
-    ``at_clamps`` count only across ``clamp_along`` (3,).
+    ``at_clamps`` (clamps,) count only across ``clamp_along`` (clamps, 3).  ``gap_m`` (r - 1,) are the lengths
+    of the links between rows, ``moulded_1_m`` (b,) the stress-free curvatures, and ``across`` (3,) is the
+    unit vector about which they turn.
     """
 
     rows_m: Array
@@ -50,6 +61,20 @@ class Chain:
     bending_N_m3: Array
     at_clamps: Indices
     clamp_along: Array
+    gap_m: Array
+    moulded_1_m: Array
+    across: Array
+
+    @property
+    def moulded_N_m(self) -> Array:
+        """The moments (b,) E I k0 of the stress-free curvatures."""
+        stands_for_m = (self.gap_m[:-1] + self.gap_m[1:]) / 2
+        stands_for_m[self.at_clamps] = self.rest_m / 2
+        return np.asarray(self.bending_N_m3 / stands_for_m * self.moulded_1_m)
+
+    def links(self, position_m: Array) -> Array:
+        """Return the slopes (r - 1, 3) of the links between rows."""
+        return np.asarray(np.diff(position_m, axis=0) / self.gap_m[:, None])
 
     def spring_directions(self, position_m: Array) -> tuple[Array, Array]:
         """Return the unit vectors (c, 3) along the axial springs, and their lengths (c,) in m."""
@@ -60,8 +85,10 @@ class Chain:
     def curvature_1_m(self, position_m: Array) -> Array:
         """Return the curvatures (b, 3) of the bending springs, with rows at ``position_m`` (r, 3)."""
         curvature_1_m: Array = self.curvature_1_m2 @ position_m
-        along = curvature_1_m[self.at_clamps] @ self.clamp_along
-        curvature_1_m[self.at_clamps] -= np.outer(along, self.clamp_along)
+        at_clamps = curvature_1_m[self.at_clamps]
+        for bend, number in enumerate(self.at_clamps):
+            along = self.clamp_along[bend]
+            curvature_1_m[number] -= (at_clamps @ along)[bend] * along
         return curvature_1_m
 
     def tension_N(self, length_m: Array) -> Array:
@@ -81,7 +108,21 @@ class Chain:
         inner = force_N[self.springs]
         inner[:-1] += pull_N
         inner[1:] -= pull_N
+        if self.moulded_1_m.any():
+            force_N += self._moulded_force_N(position_m)
         return np.asarray(force_N)
+
+    def _moulded_force_N(self, position_m: Array) -> Array:
+        """Return the force (r, 3) of the moments of the stress-free curvatures."""
+        link, moment_N_m = self.links(position_m), self.moulded_N_m[:, None]
+        by_link_N_m = np.zeros_like(link)  # derivatives of the energy with respect to the slopes
+        by_link_N_m[:-1] += moment_N_m * np.cross(link[1:], self.across)
+        by_link_N_m[1:] += moment_N_m * np.cross(self.across, link[:-1])
+        by_link_N = by_link_N_m / self.gap_m[:, None]
+        force_N = np.zeros_like(position_m)
+        force_N[:-1] += by_link_N
+        force_N[1:] -= by_link_N
+        return force_N
 
     def membrane_J(self, position_m: Array) -> float:
         """Return the energy of the axial springs in J."""
@@ -92,7 +133,12 @@ class Chain:
 
     def bending_J(self, position_m: Array) -> float:
         """Return the energy of the bending springs in J."""
-        return float(self.bending_N_m3 @ (self.curvature_1_m(position_m) ** 2).sum(axis=1)) / 2
+        bent_J = float(self.bending_N_m3 @ (self.curvature_1_m(position_m) ** 2).sum(axis=1)) / 2
+        if not self.moulded_1_m.any():
+            return bent_J
+        link = self.links(position_m)
+        turned = np.cross(link[:-1], link[1:]) @ self.across
+        return bent_J + float(self.bending_N_m3 @ self.moulded_1_m**2 / 2 + self.moulded_N_m @ turned)
 
     def tangent_N_per_m(self, position_m: Array) -> Array:
         """Return the second derivative of the elastic energy, (3 r, 3 r)."""
@@ -103,7 +149,7 @@ class Chain:
         blocks = blocks + turning_N_per_m[:, None, None] * np.eye(3)
         rows = len(self.rows_m)
         across = np.tile(np.eye(3), (len(self.bending_N_m3), 1, 1))
-        across[self.at_clamps] -= np.outer(self.clamp_along, self.clamp_along)
+        across[self.at_clamps] -= np.einsum("ci,cj->cij", self.clamp_along, self.clamp_along)
         bent = self.curvature_1_m2
         tangent = np.einsum("b,bi,bj,bkl->ikjl", self.bending_N_m3, bent, bent, across)
         for row, block in enumerate(blocks, start=self.springs.start):
@@ -111,6 +157,11 @@ class Chain:
             tangent[row + 1, :, row + 1] += block
             tangent[row, :, row + 1] -= block
             tangent[row + 1, :, row] -= block
+        if self.moulded_1_m.any():
+            slope_1_m = np.diff(np.eye(rows), axis=0) / self.gap_m[:, None]
+            turning = np.cross(np.eye(3), self.across).T  # turning @ v is v x across
+            mixed = np.einsum("b,bi,bj,kl->ikjl", self.moulded_N_m, slope_1_m[:-1], slope_1_m[1:], turning)
+            tangent += mixed + mixed.transpose(2, 3, 0, 1)
         return np.asarray(tangent.reshape(3 * rows, 3 * rows))
 
 
@@ -144,6 +195,8 @@ def build_chain(plan: PanelPlan) -> Chain:
     mass_share, _, _ = remaining_shares(plan, rows_m[:-1], rows_m[1:])
     per_length = plan.material.density_kg_per_m3 * area_m2 * mass_share
     mass_kg = 2 * bilinear.half_row_mass_kg(rows_m, per_length)[::2]
+    at_clamps = np.flatnonzero(clamp_of_row[1:-1] >= 0)
+    wave = np.cos(2 * np.pi * rows_m[1:-1] / rectangle.length_m)
     return Chain(
         rows_m=rows_m,
         mass_kg=mass_kg + point_masses_kg(plan, rows_m),
@@ -154,8 +207,11 @@ def build_chain(plan: PanelPlan) -> Chain:
         material=plan.material,
         curvature_1_m2=curvature,
         bending_N_m3=bending_N_m2 * bending_share * stands_for,
-        at_clamps=np.flatnonzero(clamp_of_row[1:-1] >= 0),
-        clamp_along=rectangle.along,
+        at_clamps=at_clamps,
+        clamp_along=rectangle.clamp_tangents[: len(at_clamps)],
+        gap_m=gap,
+        moulded_1_m=-curvature_amplitude_1_m(plan) * wave,
+        across=rectangle.across,
     )
 
 

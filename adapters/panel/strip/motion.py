@@ -96,6 +96,8 @@ def _links(chain: Chain) -> dict[str, Any]:
     bends = np.arange(len(chain.bending_N_m3))
     at_clamp = np.zeros(len(bends), dtype=np.int32)
     at_clamp[chain.at_clamps] = 1
+    along = np.zeros((len(bends), 3))
+    along[chain.at_clamps] = chain.clamp_along
     return {
         "first": chain.springs.start,
         "rest_m": chain.rest_m,
@@ -105,5 +107,7 @@ def _links(chain: Chain) -> dict[str, Any]:
         "bending_N_m3": chain.bending_N_m3,
         "curvature_1_m2": chain.curvature_1_m2[bends[:, None], bends[:, None] + np.arange(3)],
         "at_clamp": at_clamp,
-        "along": chain.clamp_along,
+        "along": along,
+        "gap_m": chain.gap_m,
+        "moulded_N_m": chain.moulded_N_m,
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize
 
+from adapters.panel.common.moulding import side_of_sag
 from adapters.panel.strip.chain import Chain
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import Rectangle
@@ -22,7 +23,7 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
     iterations the bottom.  Raises SolverFailed if there is none.
     """
     rectangle = plan.rectangle
-    start_m = first_guess_m(chain, rectangle, plan.gravity_m_per_s2)
+    start_m = first_guess_m(chain, rectangle, side_of_sag(plan))
     weight_N = np.outer(chain.mass_kg, plan.gravity_m_per_s2)
     # the unknowns are displacements of the free rows in the plane
     plane = np.stack([rectangle.along, rectangle.normal])
@@ -59,17 +60,16 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
     )
 
 
-def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_per_s2: Array) -> Array:
+def first_guess_m(chain: Chain, rectangle: Rectangle, side: float) -> Array:
     """Return a first guess of positions (r, 3).
 
-    A taut chain is straight; a slack chain is a cosine wave of the right length to second order, bulging with
-    gravity or, without it, downwards.
+    A taut chain is straight; a slack chain is a cosine wave of the right length to second order, bulging up
+    or down as ``side`` is 1 or -1.
     """
     middle = np.full_like(chain.rows_m, rectangle.width_m / 2)
     position_m = rectangle.mounted(np.column_stack([chain.rows_m, middle]))
     slack_m = max(rectangle.length_m - rectangle.span_m, 0.0)
     height_m = 2 / np.pi * np.sqrt(slack_m * rectangle.length_m)
     wave = (1 - np.cos(2 * np.pi * chain.rows_m / rectangle.length_m)) / 2
-    side = 1.0 if gravity_m_per_s2 @ rectangle.normal > 0 else -1.0
     bulge_m = np.where(chain.clamp_of_row < 0, side * height_m * wave, 0.0)
     return np.asarray(position_m + np.outer(bulge_m, rectangle.normal))

@@ -104,6 +104,7 @@ def _rectangle(case: Case, row: PanelTable, number: int) -> Rectangle:
         span_m=span_m(row),
         width_m=row.width_m,
         clamp_m=row.clamp_m,
+        clamp_angle_deg=row.clamp_angle_deg,
     )
 
 

@@ -21,6 +21,7 @@ from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array
 
 LARGEST_STRAIN = 0.1  # This limits tension_m / length_m; panels at work are stretched by some 0.025.
+BETWEEN_CLAMPS_M = 0.002  # of neighbours, where no pitch is given
 ACROSS, UP = np.eye(3)[1:]
 
 
@@ -76,9 +77,9 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
             limit_m = LARGEST_STRAIN * deck.length_m
             hint = f"at most {LARGEST_STRAIN:g}, which is {limit_m:.3g} m, taut or slack"
             yield CaseProblem((*key, "tension_m"), what, hint)
-    needed_m = deck.length_m + max(tensions(deck)) + 2 * deck.clamp_m
-    if deck.pitch_m < needed_m - 1e-12:
-        what = f"{deck.pitch_m:g} m lets neighbours overlap"
+    needed_m = mounted_m(deck)
+    if pitch_m(deck) < needed_m - 1e-12:
+        what = f"{pitch_m(deck):g} m lets neighbours overlap"
         hint = f"length, tension and two clamps need {needed_m:g} m"
         yield CaseProblem((*key, "pitch_m"), what, hint)
 
@@ -103,6 +104,22 @@ def tensions(deck: Deck) -> tuple[float, ...]:
     return deck.tension_m if len(deck.tension_m) == deck.panels else deck.tension_m * deck.panels
 
 
+def clamp_reach_m(deck: Deck) -> tuple[float, float]:
+    """Return how far a clamp reaches along the deck, and how high its outer edge stands over the inner."""
+    angle_rad = math.radians(deck.clamp_angle_deg)
+    return deck.clamp_m * math.cos(angle_rad), deck.clamp_m * math.sin(angle_rad)
+
+
+def mounted_m(deck: Deck) -> float:
+    """Return the length that the longest panel takes with its clamps."""
+    return deck.length_m + max(tensions(deck)) + 2 * clamp_reach_m(deck)[0]
+
+
+def pitch_m(deck: Deck) -> float:
+    """Return the distance between cross beams, as given or as the longest panel needs it."""
+    return mounted_m(deck) + BETWEEN_CLAMPS_M if deck.pitch_m is None else deck.pitch_m
+
+
 def panels_per_slope(deck: Deck) -> tuple[int, ...]:
     """Return the number of panels of each segment; a deck without slopes is one segment."""
     segments = max(len(deck.slopes_deg), 1)
@@ -119,7 +136,7 @@ def directions(deck: Deck, inclination_deg: float) -> Array:
 
 def beams(deck: Deck, inclination_deg: float) -> Array:
     """Return the middle of each cross beam's top, at the side of ``corner_m``, (panels + 1, 3)."""
-    steps_m = deck.pitch_m * directions(deck, inclination_deg)
+    steps_m = pitch_m(deck) * directions(deck, inclination_deg)
     return np.vstack([np.zeros(3), np.cumsum(steps_m, axis=0)]) + deck.corner_m
 
 
@@ -128,8 +145,8 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
     sheet = {key: getattr(deck, key) for key in PanelSheet.model_fields}
     for number, (start_m, end_m) in enumerate(pairwise(beams_m)):
         tension_m = tensions(deck)[number]
-        along = (end_m - start_m) / deck.pitch_m
-        corner_m = start_m + (deck.pitch_m - deck.length_m - tension_m) / 2 * along
+        along = (end_m - start_m) / pitch_m(deck)
+        corner_m = start_m + (pitch_m(deck) - deck.length_m - tension_m) / 2 * along
         yield (
             f"{name}-{number + 1}",
             PanelTable(
@@ -175,18 +192,22 @@ def _side_plates(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, S
 def _cross_beams(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Surface]]:
     """Yield the visible top of each cross beam, from the clamp above to the clamp below.
 
-    At the deck's two ends the top begins or ends in the beam's middle.  Beams that the clamps cover
-    completely are left out.
+    It joins the clamps' outer edges, which are higher than the panels where clamps are turned.  At the deck's
+    two ends the top begins or ends in the beam's middle.  Beams that the clamps cover completely are left
+    out.
     """
     assert deck.cross_beams is not None
     along = np.diff(beams_m, axis=0)
-    mounted_m = np.array(tensions(deck)) + deck.length_m + 2 * deck.clamp_m
-    gaps_m = (deck.pitch_m - mounted_m)[:, None] / 2 * along / deck.pitch_m
+    reach_m, lift_m = clamp_reach_m(deck)
+    whole_m = np.array(tensions(deck)) + deck.length_m + 2 * reach_m
+    gaps_m = (pitch_m(deck) - whole_m)[:, None] / 2 * along / pitch_m(deck)
     none = np.zeros((1, 3))
-    from_m = beams_m - np.vstack([none, gaps_m])
-    to_m = beams_m + np.vstack([gaps_m, none])
+    along_1 = along / pitch_m(deck)
+    lifts_m = lift_m * np.column_stack([-along_1[:, 2], along_1[:, 1], along_1[:, 0]])
+    from_m = beams_m - np.vstack([none, gaps_m]) + np.vstack([lifts_m[:1], lifts_m])
+    to_m = beams_m + np.vstack([gaps_m, none]) + np.vstack([lifts_m, lifts_m[-1:]])
     for number, (start_m, end_m) in enumerate(zip(from_m, to_m, strict=True)):
-        if np.linalg.norm(end_m - start_m) > 1e-9 * deck.pitch_m:
+        if np.linalg.norm(end_m - start_m) > 1e-9 * pitch_m(deck):
             edges_m = (end_m - start_m, deck.width_m * ACROSS)
             frame = deck.frames[number % 2]
             top = _plate(start_m, edges_m, frame, deck.cross_beams.material)
@@ -194,12 +215,13 @@ def _cross_beams(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, S
 
 
 def _chute(deck: Deck, beam_m: Array, inclination_deg: float) -> Surface:
-    """Return the feed chute, which ends above the first cross beam at ``beam_m`` (3,)."""
+    """Return the feed chute, which ends above the first cross beam, whose panels meet at ``beam_m`` (3,)."""
     chute = deck.feed_chute
     assert chute is not None
     down = math.radians(chute.slope_deg - inclination_deg)
     uphill_m = chute.length_m * np.array([-math.cos(down), 0.0, math.sin(down)])
-    corner_m = beam_m + chute.drop_m * UP + uphill_m
+    _, lift_m = clamp_reach_m(deck)
+    corner_m = beam_m + (chute.drop_m + lift_m) * UP + uphill_m
     return _plate(corner_m, (-uphill_m, deck.width_m * ACROSS), chute.frame, chute.material)
 
 

@@ -61,6 +61,10 @@ class Stop(Table):
     """Damping of the panel's mass on the layer, as a share of the critical damping."""
 
 
+Slope = Annotated[float, Strict(), Ge(0), Le(60)]
+ClampAngle = Annotated[float, Strict(), Ge(-45), Le(45)]
+
+
 class PanelSheet(Table):
     """The common part of panels and decks: the sheet of a panel with its openings and stops."""
 
@@ -75,13 +79,17 @@ class PanelSheet(Table):
     clamp_m: NotNegative = 0.0
     """Length of the panel under each clamp, where it is built in.  For every solver 0 means a hinge: the
     panel's end cannot move but can turn."""
+    clamp_angle_deg: ClampAngle = 0.0
+    """Angle by which both clamps hold the panel turned about their inner edges.  With a positive angle, both
+    ends point down into the sag, and the clamps' outer edges are higher than the inner ones."""
+    moulded_sag_m: NotNegative = 0.0
+    """Depth to which the middle of the free length hangs below its ends where the panel is free of stress.
+    The stress-free shape is a full wave along ``length_m``, and leaves the ends along the line between
+    them (docs/theory/mats.md)."""
     apertures: Apertures | None = None
     """Openings of a panel."""
     stops: dict[Name, Stop] = Field(default_factory=dict)
     """Beams below a panel that it may come to lie on, by name."""
-
-
-Slope = Annotated[float, Strict(), Ge(0), Le(60)]
 
 
 class SidePlates(Table):
@@ -140,8 +148,10 @@ class Deck(PanelSheet):
     """Middle of the first cross beam's top, at the side from which y points into the deck."""
     panels: Few
     """Number of panels."""
-    pitch_m: Positive
-    """Distance between the middles of neighbouring cross beams."""
+    pitch_m: Positive | None = None
+    """Distance between the middles of neighbouring cross beams.  By default, it is what panels need:
+    ``length_m``, the largest ``tension_m`` and two clamps, and 2 mm between neighbours' clamps.  It then
+    follows ``tension_m``."""
     tension_m: Annotated[tuple[Number, ...], BeforeValidator(_as_list)] = (0.0,)
     """Distance between a panel's clamps minus ``length_m``: one number for all panels, or a list with a
     number for each panel.  It is positive for taut panels and negative for slack panels."""

@@ -6,6 +6,7 @@ edge of its second clamp.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -31,6 +32,8 @@ class PanelLines:
         self._along = np.array([at.along for at in rectangles])
         self._normal = np.array([at.normal for at in rectangles])
         self._free_m = np.array([at.length_m for at in rectangles])
+        outer_m = [at.clamp_m * math.sin(math.radians(at.clamp_angle_deg)) for at in rectangles]
+        self._lift_m = np.array(outer_m) if any(outer_m) else None  # of the ends over the inner edges
         pairs = zip(rectangles, lines_m, strict=True)
         self._clamped_m = np.array([clamped_length_m(rectangle, line_m) for rectangle, line_m in pairs])
 
@@ -50,7 +53,7 @@ class PanelLines:
         """Return each line's largest distance from the chord between its ends, and the height of its middle.
 
         Both are (..., panels) in m, of lines (..., points, 3).  The height over the chord is positive towards
-        the bed.
+        the bed.  Ends in turned clamps count as being as high as the clamps' inner edges.
         """
         first_m = line_m[..., self._first, :]
         chord_m = line_m[..., self._last, :] - first_m
@@ -60,6 +63,8 @@ class PanelLines:
         upright = (run_m[..., None] * self._normal - climb_m[..., None] * self._along) / over_m[..., None]
         from_end_m = line_m - first_m[..., self._panel, :]
         height_m = sum_of_products(from_end_m, upright[..., self._panel, :])
+        if self._lift_m is not None:
+            height_m = height_m + self._lift_m[self._panel]
         largest_m = np.maximum.reduceat(np.abs(height_m), self._first, axis=-1)
         return largest_m, height_m[..., self._middle]
 

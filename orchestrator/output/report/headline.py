@@ -129,8 +129,16 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     if points := motion["panel_points"]:
         name = max(points, key=lambda name: points[name]["cycle_peak_g"]["value"] or 0.0)
         part = "cycle" if motion["cycles"] else "fiftieth of the run"
-        for what, key in ((f"mean peak of a {part}", "cycle_peak_g"), ("RMS", "rms_g")):
+        for what, key in (
+            (f"mean peak of a {part}", "cycle_peak_g"),
+            (f"mean peak of a {part} below 100 Hz", "cycle_peak_100_Hz_g"),
+            ("RMS", "rms_g"),
+        ):
             yield _tile(f"panel acceleration at {name}, {what}", points[name][key], "g", over, unsteady)
+    arched = [panel["turns_up_share"] for panel in motion["panels"].values()]
+    if any(arched):
+        share = number(max(up for up in arched if up is not None), 100)
+        yield Tile("turns in which a mat arches up, at most", share, "", "%", over, unsteady)
     stretched = [panel["stretch_largest_percent"] for panel in motion["panels"].values()]
     yield Tile("largest panel stretch", number(max(stretched, default=None)), "", "%", over, unsteady)
     power = results.get("power")

@@ -13,16 +13,17 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import bushings
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.output.cycles import cycle_numbers, named_speeds_rad_per_s, within
+from orchestrator.output.results import mats
 from orchestrator.output.results.estimate import Estimate, IntervalOf, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
+from orchestrator.ports.acceleration import BAND_HZ, QUOTED_HZ, acceleration_m_per_s2, band_hz
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.plans import BushingPlan
 from orchestrator.preflight.checks.motion import BEATING
 
-BAND_HZ = 500.0
 FEWEST_FILTERED = 20  # rows: fewer show hardly any motion
 SMALL_MOTION = 0.05  # of the largest motion of a frame
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
@@ -181,7 +182,7 @@ def why_not_settled(
         )
     if drift_share is not None and drift_share > LARGEST_DRIFT:
         return _describe_change("the first harmonic", drift_share, round((end_s - start_s) / run.cycle_s))
-    return ""
+    return mats.why_not_settled(run, start_s, end_s)
 
 
 def _describe_change(what: str, share: float, cycles: int) -> str:
@@ -206,28 +207,6 @@ def why_no_band(run: RunReader) -> str:
         f"the series have a row every {step_s:.2g} s: too seldom for accelerations up to "
         f"{BAND_HZ:g} Hz (output.series_s of at most {0.5 / BAND_HZ:.2g} s)"
     )
-
-
-def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
-    """Return the accelerations (n, 3) up to ``BAND_HZ`` from velocities (n, 3) at equal steps.
-
-    What velocities exceed the straight line from the first to the last is a sum of sines, whose derivatives
-    are exact whatever the step.  Each counts by the gain of a Butterworth filter of fourth order that runs
-    forward and backward and so shifts no phase, 1 / (1 + (f / ``BAND_HZ``)^8).
-    """
-    steps = len(velocity_m_per_s) - 1
-    slope_m_per_s2 = (velocity_m_per_s[-1] - velocity_m_per_s[0]) / (steps * step_s)
-    line_m_per_s = velocity_m_per_s[0] + slope_m_per_s2 * step_s * np.arange(steps + 1)[:, None]
-    over_m_per_s = velocity_m_per_s - line_m_per_s
-    waves = np.fft.rfft(np.concatenate([over_m_per_s, -over_m_per_s[-2:0:-1]]), axis=0)
-    hz = np.fft.rfftfreq(2 * steps, step_s)[:, None]
-    derived = np.fft.irfft(2j * np.pi * hz / (1.0 + (hz / BAND_HZ) ** 8) * waves, 2 * steps, axis=0)
-    return np.asarray(slope_m_per_s2 + derived[: steps + 1])
-
-
-def band_hz(step_s: float) -> float:
-    """Return the highest frequency that ``acceleration_m_per_s2`` shows at steps of ``step_s``."""
-    return min(BAND_HZ, 0.5 / step_s)
 
 
 def acceleration_series(run: RunReader) -> dict[str, tuple[Array, Array]]:
@@ -260,7 +239,10 @@ def panel_points(run: RunReader, start_s: float, end_s: float, interval_of: Inte
         time_s = run.read(f"probes/{name}/time_s")
         step_s = float(time_s[1] - time_s[0])
         window = within(time_s, start_s, end_s, run.cycle_s)
-        acceleration = acceleration_m_per_s2(run.read(f"probes/{name}/velocity_m_per_s"), step_s)[window]
+        velocity_m_per_s = run.read(f"probes/{name}/velocity_m_per_s")
+        acceleration = acceleration_m_per_s2(velocity_m_per_s, step_s)[window]
+        quoted = acceleration_m_per_s2(velocity_m_per_s, step_s, QUOTED_HZ)[window]
+        quoted_g = np.linalg.norm(quoted, axis=1) / STANDARD_GRAVITY_M_PER_S2
         size_g = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_PER_S2
         normal_g = acceleration @ normals[probe.panel] / STANDARD_GRAVITY_M_PER_S2
         cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
@@ -275,6 +257,9 @@ def panel_points(run: RunReader, start_s: float, end_s: float, interval_of: Inte
             "peak_normal_g": float(np.abs(normal_g).max()),
             "rms_normal_g": rms(normal_g),
             "cycle_peak_g": mean(np.array([float(part.max()) for part in parts]), interval_of),
+            "cycle_peak_100_Hz_g": mean(
+                np.array([float(quoted_g[cycle == number].max()) for number in np.unique(cycle)]), interval_of
+            ),
         }
     return table
 
@@ -293,7 +278,7 @@ def root(value: float, square: Estimate) -> Estimate:
 
 
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Return the pull on the clamps, the load of the bed and the stretch of the middle line of every panel.
+    """Return pull on the clamps, load of the bed, stretch of the middle line and turns up of every panel.
 
     They come from every sync point of the cycles from ``start_s`` to ``end_s``.
     """
@@ -309,6 +294,7 @@ def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
             "stretch_largest_percent": 100 * float(rows["stretch_most"].max()),
             "stretch_smallest_percent": 100 * float(rows["stretch_least"].min()),
             "load_N": weight @ rows["load_mean_N"] @ run.deck_axes,
+            **mats.mat_turns(run, name, start_s, end_s),
         }
     return table
 

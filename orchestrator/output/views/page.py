@@ -18,6 +18,7 @@ from orchestrator.output.drawing import data_uri, draw_svg, embed, fill_template
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.output.subprocesses import end_with_parent
 from orchestrator.output.views.drawings import SIDE, TOP, draw_view
+from orchestrator.output.views.mats import draw_mats
 from orchestrator.output.views.modes import modes_svg
 from orchestrator.output.views.openings import draw_openings
 from orchestrator.output.views.outline import MachineOutline, outline
@@ -48,11 +49,13 @@ class Views:
         self.machine: MachineOutline = outline(self._case, loaded.folder)
 
     def figures(self) -> Iterator[tuple[str, Any]]:
-        """Yield the name and the figure of each drawing: side view, top view, and kinds of openings."""
+        """Yield the name and the figure of each drawing: side and top view, kinds of openings and of mats."""
         for view in (SIDE, TOP):
             yield view.name, draw_view(self.machine, view)
         for name, figure in draw_openings(self._case):
             yield f"openings-{name}", figure
+        for name, figure in draw_mats(scene(self._case)):
+            yield f"mats-{name}", figure
 
     def modes(self) -> str:
         """Return the animated SVG of the frames' modes; "" if no frame is free."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ from orchestrator.ports.plans import LARGEST_MESHES_GIB, SolverMissing
 from orchestrator.preflight.checks.machine import right_angle
 from orchestrator.preflight.checks.names import rows
 
+DEEPEST_SAG = 0.2  # moulded, over the free length: its slope is 40 degrees
 THINNEST_LAND = 0.02  # over the longer pitch: no unit cell's mesh resolves thinner lands
 PLATE = 3.0  # ratio of thickness to the openings' longer pitch above which a panel is a block, no plate
 RECORDING = ("panel", "recording")
@@ -52,14 +54,26 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
     if panel.tension_m is None and panel.span_m is None:
         yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m")
     span = panel.span_m or panel.length_m + (panel.tension_m or 0.0)
+    yield from _mounting(key, panel)
     if not 0.5 * panel.length_m <= span <= 1.5 * panel.length_m:
         given = "span_m" if panel.span_m is not None else "tension_m"
         what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
         yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted")
-    needed_m = span + 2 * panel.clamp_m
+    needed_m = span + 2 * panel.clamp_m * math.cos(math.radians(panel.clamp_angle_deg))
     if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < needed_m:
         what = f"{panel.pitch_m:g} m lets neighbours overlap"
         yield CaseProblem((*key, "pitch_m"), what, f"span and two clamps need {needed_m:g} m")
+
+
+def _mounting(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
+    """Check that only clamps with a depth hold an angle, and that a moulded sag is not too deep."""
+    if panel.clamp_angle_deg and not panel.clamp_m:
+        what = "is the angle of a clamp, and clamp_m = 0 is a hinge, which holds none"
+        yield CaseProblem((*key, "clamp_angle_deg"), what, "give clamp_m, the length under each clamp")
+    deepest_m = DEEPEST_SAG * panel.length_m
+    if panel.moulded_sag_m > deepest_m:
+        what = f"{panel.moulded_sag_m:g} m is too deep for a free length of {panel.length_m:g} m"
+        yield CaseProblem((*key, "moulded_sag_m"), what, f"at most {deepest_m:.3g} m is allowed")
 
 
 def panel_integrator(case: Case) -> Iterator[CaseProblem]:

@@ -8,7 +8,7 @@ and of the largest particles.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +23,7 @@ from orchestrator.preflight.scene.moved_panel import sine_arch_m
 
 USUAL_STRAIN = 0.02  # of a panel at full stroke; published screens stretch theirs by 0.02 to 0.025
 USUAL_PANELS_M = (0.30, 0.45)  # of panels whose length is not given; FFS0827 has the first
-CLAMP_M, BEAM_GAP_M, THICKNESS_M = 0.018, 0.002, 0.005
+CLAMP_M, BEAM_GAP_M = 0.018, 0.002
 AROUND_M = 2 * CLAMP_M + BEAM_GAP_M  # from panel to panel
 LAND = 0.4  # of an opening's width, between neighbouring openings
 THINNEST_LAND_M = 0.003
@@ -33,6 +33,21 @@ There is fine, near-mesh and coarse material, and two fifths of the mass can pas
 CHUTE_SLOPE_DEG = 45.0
 FALL_M, FLIGHT_M, THROW_M = 0.5, 3.5, 2.5
 """What is so far beyond the deck's end has left it at any height; the box ends so far behind and above it."""
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """How the mats are mounted between cross beams; ``slack_m`` is their free length less the clamps'
+    distance."""
+
+    thickness_m: float = 0.005
+    clamp_angle_deg: float = 0.0
+    slack_m: float = 0.0
+
+    @property
+    def lift_m(self) -> float:
+        """The height of the clamps' outer edges over their inner ones."""
+        return CLAMP_M * math.sin(math.radians(self.clamp_angle_deg))
 
 
 @dataclass(frozen=True)
@@ -54,7 +69,10 @@ class Exit:
 
 @dataclass(frozen=True)
 class Layout:
-    """The places of all parts.  ``beams_m`` (panels + 1, 3) has the middles of the cross beams' tops."""
+    """The places of all parts.  ``beams_m`` (panels + 1, 3) has the middles of the cross beams' tops.
+
+    The clamps of a panel are ``panel_m`` apart.
+    """
 
     wishes: Wishes
     inclination_deg: float
@@ -66,6 +84,17 @@ class Layout:
     beams_m: Array
     openings: AperturePattern
     sizes_m: tuple[tuple[float, float, float], ...]
+    mounting: Mounting = field(default_factory=Mounting)
+
+    @property
+    def free_m(self) -> float:
+        """The free length of a panel, unstretched."""
+        return round(self.panel_m + self.mounting.slack_m, 6)
+
+    @property
+    def stretch(self) -> float:
+        """The strain of a panel when its clamps are farthest apart."""
+        return (self.wishes.stroke_m - self.mounting.slack_m) / self.free_m
 
     @property
     def length_m(self) -> float:
@@ -80,7 +109,7 @@ class Layout:
     @property
     def sag_m(self) -> float:
         """The height of a panel's arch at the end of the stroke at which it is slack."""
-        return sine_arch_m(self.panel_m, self.wishes.stroke_m)
+        return sine_arch_m(self.free_m, self.wishes.stroke_m + self.mounting.slack_m)
 
     @property
     def finest_m(self) -> float:
@@ -127,7 +156,8 @@ class Layout:
         down = math.radians(CHUTE_SLOPE_DEG - self.inclination_deg)
         x_m, _, z_m = self.corner_m
         up_m = share * self.chute_length_m
-        return x_m - up_m * math.cos(down), z_m + self.chute_drop_m + up_m * math.sin(down)
+        end_m = z_m + self.mounting.lift_m + self.chute_drop_m
+        return x_m - up_m * math.cos(down), end_m + up_m * math.sin(down)
 
     @property
     def feed_box_m(self) -> Box:
@@ -143,7 +173,7 @@ class Layout:
     def back(self) -> Plate:
         """The plate that closes the gap between the first cross beam and the chute's end."""
         x_m, y_m, z_m = self.corner_m
-        height_m = self.side_depth_m + self.chute_drop_m
+        height_m = self.side_depth_m + self.chute_drop_m + self.mounting.lift_m
         return Plate((x_m + 5e-4, y_m, z_m - self.side_depth_m), (self._across, (0.0, 0.0, height_m)))
 
     @property
@@ -224,7 +254,7 @@ def lay_out(wishes: Wishes) -> Layout:
         pitch_m=panel_m + AROUND_M,
         length_m=panel_m,
         width_m=wishes.width_m,
-        thickness_m=THICKNESS_M,
+        thickness_m=Mounting().thickness_m,
         slopes_deg=slopes_deg,
         panels_per_slope=panels_per_slope,
     )
@@ -236,7 +266,7 @@ def lay_out(wishes: Wishes) -> Layout:
         slopes_deg=slopes_deg,
         panels_per_slope=panels_per_slope,
         panel_m=panel_m,
-        pitch_m=deck.pitch_m,
+        pitch_m=panel_m + AROUND_M,
         corner_m=corner_m,
         beams_m=beams_m + corner_m,
         openings=openings_of(wishes),

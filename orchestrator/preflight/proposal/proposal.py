@@ -10,6 +10,7 @@ from orchestrator.case.deck.panels import axes
 from orchestrator.preflight.proposal.layout import Layout
 from orchestrator.preflight.proposal.levels import Level
 from orchestrator.preflight.proposal.machine import Machine
+from orchestrator.preflight.proposal.mounting import Choice
 from orchestrator.preflight.proposal.wishes import Wishes
 from orchestrator.preflight.scene.scene import Scene
 
@@ -18,8 +19,9 @@ from orchestrator.preflight.scene.scene import Scene
 class Proposal:
     """A proposed case: the texts of its files by their paths, and the scene of its machine.
 
-    ``machine`` is None where drives prescribe the motion.  ``run_s`` has the predicted processor time of a
-    run at each level, and ``remarks`` has sentences about what is proposed and what is doubtful in it.
+    ``machine`` is None where drives prescribe the motion, and ``mounting`` where none could be tried.
+    ``run_s`` has the predicted processor time of a run at each level, and ``remarks`` has sentences about
+    what is proposed and what is doubtful in it.
     """
 
     wishes: Wishes
@@ -28,6 +30,7 @@ class Proposal:
     scene: Scene
     draft: Level
     run_s: Mapping[str, float]
+    mounting: Choice | None = None
     remarks: tuple[str, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
 

@@ -18,13 +18,15 @@ from typing import Any
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.materials.library import slug
+from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.cost import THIN, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.proposal import levels, limits
 from orchestrator.preflight.proposal.case_files import fill_templates, toml_answer
-from orchestrator.preflight.proposal.layout import CHUTE_SLOPE_DEG, CLAMP_M, THICKNESS_M, Layout, lay_out
+from orchestrator.preflight.proposal.layout import CHUTE_SLOPE_DEG, CLAMP_M, Layout, lay_out
 from orchestrator.preflight.proposal.machine import ISOLATION, RATIO, RUN_UP_CYCLES, Machine, propose_machine
+from orchestrator.preflight.proposal.mounting import Choice, choose_mounting, no_hanging_mats
 from orchestrator.preflight.proposal.proposal import Proposal, mean_stroke_m, panels_N_per_m
 from orchestrator.preflight.proposal.remarks import remarks
 from orchestrator.preflight.proposal.wishes import TEMPLATES, ImpossibleWishes, Wishes, read_wishes
@@ -84,6 +86,8 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
     with TemporaryDirectory() as temporary:
         name = Path(folder).name
         case = _Draft(Path(temporary) / name, layout, _first_values(layout, name))
+        chosen = _mount(case)
+        layout = case.layout
         machine = _tune(case) if wishes.is_free else None
         draft = _choose_draft(case)
         _with_safe_interval(case, "study", levels.study(layout))
@@ -92,7 +96,7 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
             raise CaseError(problems)
         run_s = {level: levels.predicted_s(row.case) for level, row in judged.items()}
         moved = scene(judged["draft"].case.whole_machine)
-        proposal = Proposal(wishes, layout, machine, moved, draft, run_s)
+        proposal = Proposal(wishes, layout, machine, moved, draft, run_s, chosen)
         stability = stability_report(judged["draft"].case)
         warned = [*warnings(judged["draft"]), *stability.warnings()]
         proposal = replace(proposal, remarks=tuple(remarks(proposal, warned)))
@@ -129,7 +133,6 @@ def _first_values(layout: Layout, name: str) -> dict[str, Any]:
         "ratio": RATIO,
         "run_up_s": round(RUN_UP_CYCLES * cycle_s, 3),
         "center_m": (layout.length_m / 2, wishes.width_m / 2, 0.0),
-        "thickness_m": THICKNESS_M,
         "clamp_m": CLAMP_M,
         "chute_slope_deg": CHUTE_SLOPE_DEG,
         "speeds_m_per_s": speeds_m_per_s,
@@ -138,6 +141,31 @@ def _first_values(layout: Layout, name: str) -> dict[str, Any]:
         "rig_cycles": RIG_CYCLES,
         "rig_domain_m": ((-0.2, -0.2, -0.4), (layout.panel_m + 0.2, wishes.width_m + 0.2, 0.4)),
     }
+
+
+def _mount(case: _Draft) -> Choice | None:
+    """Mount the mats so that they hang down in every turn, and return what was chosen.
+
+    Return None where that cannot be tried, and for a rig, which is there to try others.  Raises
+    ImpossibleWishes if no mat hangs at the wanted stroke and speed.
+    """
+    wishes = case.layout.wishes
+    if wishes.is_free:
+        _tune(case)
+    else:
+        case.values["draft"] = next(levels.drafts(case.layout))
+        case.write("case.toml", "levels/draft.toml")
+    moved = scene(case.judge("draft").case.whole_machine)
+    try:
+        chosen = choose_mounting(moved)
+        if chosen is None and wishes.has_material:
+            raise ImpossibleWishes([*no_hanging_mats(wishes, moved)])
+    except (SolverFailed, SolverMissing):
+        return None
+    if chosen is not None:
+        case.layout = replace(case.layout, mounting=chosen.mounting)
+        case.values |= _first_values(case.layout, case.folder.name)
+    return chosen
 
 
 def _tune(case: _Draft) -> Machine:

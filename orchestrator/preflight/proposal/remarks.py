@@ -13,6 +13,7 @@ from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.proposal.levels import DRAFT_S
 from orchestrator.preflight.proposal.limits import PACKED
 from orchestrator.preflight.proposal.machine import round_to
+from orchestrator.preflight.proposal.mounting import LEAST_G, MOST_G, Choice
 from orchestrator.preflight.proposal.proposal import Proposal, panels_N_per_m
 from orchestrator.preflight.scene.frame_modes import NEAR, frame_modes
 
@@ -40,7 +41,7 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
     wishes, layout = proposal.wishes, proposal.layout
     panels = "panels" if wishes.panels > 1 else "one panel"
     yield (
-        f"deck: {layout.length_m:.3g} m long, {panels} of {1e3 * layout.panel_m:.4g} mm free length, "
+        f"deck: {layout.length_m:.3g} m long, {panels} of {1e3 * layout.free_m:.4g} mm free length, "
         f"openings of {1e3 * wishes.opening_m:.4g} x {1e3 * wishes.opening_length_m:.4g} mm"
     )
     if layout.slopes_deg:
@@ -48,8 +49,10 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
         yield "slopes: " + ", ".join(f"{slope_deg:g} degrees on {count} panels" for slope_deg, count in parts)
     yield (
         f"stroke: {1e3 * wishes.stroke_m:.3g} mm (half of the whole travel), which stretches the panels by "
-        f"{wishes.stroke_m / layout.panel_m:.1%}"
+        f"{layout.stretch:.1%}"
     )
+    if proposal.mounting is not None:
+        yield from _mats(proposal.mounting)
     if proposal.machine is not None:
         yield from _machine(proposal)
     if wishes.has_material:
@@ -57,10 +60,28 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
     yield from _doubts_about_the_deck(wishes, layout)
 
 
+def _mats(chosen: Choice) -> Iterator[str]:
+    """Yield sentences about the mats' mounting and how they flip."""
+    mounting, regime = chosen.mounting, chosen.regime
+    yield (
+        f"mats: {1e3 * mounting.thickness_m:.3g} mm thick, clamps that point down by "
+        f"{mounting.clamp_angle_deg:g} degrees, {1e3 * mounting.slack_m:.3g} mm of slack; empty, a mat "
+        f"{regime.in_words}"
+    )
+    if not chosen.has_room:
+        yield (
+            "doubtful: with a stroke 10 % or a speed 5 % beside the wanted one, softer mats or another loss "
+            "factor, the mats arch up in some turns"
+        )
+    if not 0.8 * LEAST_G <= regime.mean_peak_g <= 1.2 * MOST_G:
+        usual = f"{LEAST_G:g} to {MOST_G:g} g are usual"
+        yield f"doubtful: the mats flip with {regime.mean_peak_g:.3g} g; {usual}, and another stroke may help"
+
+
 def _doubts_about_the_deck(wishes: Wishes, layout: Layout) -> Iterator[str]:
     """Yield doubts about the panels' stretch and length and about the slopes."""
     least, most = USUAL_STRAINS
-    if wishes.stroke_m > most * layout.panel_m:
+    if layout.stretch > most:
         yield f"doubtful: panels are seldom stretched by more than {most:.0%}; longer panels help (--length)"
     if wishes.stroke_m < least * layout.panel_m:
         yield f"doubtful: panels stretched by less than {least:.1%} hardly throw; a larger stroke helps"

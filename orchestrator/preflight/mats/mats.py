@@ -1,0 +1,159 @@
+"""The mats of a machine: which are alike, how they flip, empty and with a load, and what to doubt."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case.solver_plans import panel_plans
+from orchestrator.ports import Array
+from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
+from orchestrator.preflight.mats.regime import Regime
+from orchestrator.preflight.mats.trial import CELLS, WATCHED_TURNS, Trial, is_costly, regimes, stiffer
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.shaking import Shaking, free_frames
+
+MOST_KINDS = 4  # of mats that are tried, those of the largest strokes
+REMEMBERED = 64  # machines whose mats are known
+REMEDY = (
+    "a shorter stroke, clamps that point into the sag (clamp_angle_deg), a thicker mat or another "
+    "tension_m may keep it down; flipflow show has a map"
+)
+
+
+@dataclass(frozen=True)
+class Mats:
+    """Panels of one kind, and the regime of the one with the largest stroke.
+
+    ``loaded`` is its regime with the mass of the bed on it, None without particles.
+    """
+
+    panels: tuple[str, ...]
+    trial: Trial
+    empty: Regime
+    loaded: Regime | None
+
+    @property
+    def name(self) -> str:
+        """The name of the panel that is tried, and how many more there are."""
+        return f"{self.panels[0]} and {len(self.panels) - 1} more" if self.panels[1:] else self.panels[0]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the mats as a table (docs/json-output.md)."""
+        loaded = None if self.loaded is None else _table(self.loaded)
+        return {"panels": list(self.panels), "empty": _table(self.empty), "loaded": loaded}
+
+
+def _table(regime: Regime) -> dict[str, Any]:
+    return {
+        "side": regime.side,
+        "turns": regime.turns,
+        "turns_up": regime.turns_up,
+        "repeats_after_turns": regime.repeats_after,
+        "peak_g": regime.mean_peak_g,
+        "peak_100_Hz_g": regime.mean_quoted_peak_g,
+    }
+
+
+def find_mats(scene: Scene) -> tuple[Mats, ...]:
+    """Return the kinds of mats of a scene, in which frames shake, with their regimes.
+
+    Mats that come to lie on stops are left out, since only a run has those, and so are mats whose trial would
+    take long.  Raises SolverFailed and SolverMissing.
+    """
+    kinds = [kind for kind in trials_of(scene) if not is_costly(kind[1])]
+    kinds = sorted(kinds, key=lambda kind: -kind[1].stroke_m)[:MOST_KINDS]
+    load_kg_per_m2 = scene.bed_kg_per_m2
+    trials = [trial for _, trial in kinds]
+    if load_kg_per_m2:
+        trials += [replace(trial, added_kg_per_m2=load_kg_per_m2) for trial in trials]
+    found = remembered_regimes(trials) if trials else ()
+    count = len(kinds)
+    loaded: Sequence[Regime | None] = found[count:] or [None] * count
+    return tuple(
+        Mats(panels, trial, found[number], loaded[number]) for number, (panels, trial) in enumerate(kinds)
+    )
+
+
+def remembered_regimes(
+    trials: Sequence[Trial], cells: int = CELLS, watched_turns: int = WATCHED_TURNS
+) -> tuple[Regime, ...]:
+    """Return the regimes of trials, which several parts of a command ask for."""
+    return _remembered(pickle.dumps(trials), cells, watched_turns)
+
+
+@lru_cache(REMEMBERED)
+def _remembered(pickled_trials: bytes, cells: int, watched_turns: int) -> tuple[Regime, ...]:
+    return tuple(regimes(pickle.loads(pickled_trials), cells, watched_turns))
+
+
+def trials_of(scene: Scene) -> Iterator[tuple[tuple[str, ...], Trial]]:
+    """Yield the names of equal panels, that of the largest stroke first, and the trial of this one."""
+    if not scene.shaken:
+        return
+    trials: dict[bytes, list[Trial]] = {}
+    for plan in panel_plans(scene.case):
+        shaking = max(scene.shaken, key=lambda shaking: _stroke_m(shaking, plan))
+        amplitude_m = _amplitudes_m(scene, shaking, plan)
+        trial = Trial(plan, amplitude_m, shaking.speed_rad_per_s, stiffer=stiffer(plan))
+        if trial.stroke_m > 0.0 and not plan.stops:
+            trials.setdefault(pickle.dumps(_sheet(plan)), []).append(trial)
+    for alike in trials.values():
+        alike.sort(key=lambda trial: -round(trial.stroke_m, 6))
+        yield tuple(trial.plan.name for trial in alike), alike[0]
+
+
+def _stroke_m(shaking: Shaking, plan: PanelPlan) -> float:
+    return float(abs(shaking.relative_m(plan.frames) @ plan.rectangle.along))
+
+
+def _amplitudes_m(scene: Scene, shaking: Shaking, plan: PanelPlan) -> Array:
+    """Return the amplitudes (2, 3) of both clamps; free frames stand still if no force moves them."""
+    still = () if scene.case.frames.adapter.moved_by_forces else free_frames(scene.plan)
+    return np.array([(name not in still) * shaking.amplitude_m[name] for name in plan.frames])
+
+
+def _sheet(plan: PanelPlan) -> PanelPlan:
+    """Return the plan of a mat without its name and place."""
+    unplaced = replace(
+        plan.rectangle, corner_m=np.zeros(3), along=np.eye(3)[0].copy(), across=np.eye(3)[1].copy()
+    )
+    weightless = replace(plan, gravity_m_per_s2=np.zeros(3))
+    return replace(weightless, name="", rectangle=unplaced, frames=("", ""), playback=None)
+
+
+def mat_lines(scene: Scene) -> Iterator[str]:
+    """Yield a line for each kind of mats, empty and loaded."""
+    try:
+        for mats in find_mats(scene):
+            yield f"mat {mats.name}, empty: {mats.empty.in_words}"
+            if mats.loaded is not None:
+                yield f"  with {scene.bed_kg_per_m2:.3g} kg/m2 that move with it: {mats.loaded.in_words}"
+    except (SolverFailed, SolverMissing) as unknown:
+        yield f"mats: how they flip is not known: {unknown}"
+
+
+def mat_warnings(scene: Scene) -> Iterator[str]:
+    """Yield a warning for each kind of mats that arch up when the machine is empty."""
+    if not scene.case.panel.adapter.yields:
+        return
+    try:
+        found = find_mats(scene)
+    except (SolverFailed, SolverMissing):
+        return
+    for mats in found:
+        if mats.empty.turns_up:
+            yield f"mat {mats.name}, empty: {mats.empty.in_words}; {REMEDY}"
+
+
+def mat_tables(scene: Scene) -> list[dict[str, Any]] | None:
+    """Return a table for each kind of mats (docs/json-output.md), or None if they are not known."""
+    try:
+        return [mats.as_json() for mats in find_mats(scene)]
+    except (SolverFailed, SolverMissing):
+        return None

@@ -1,0 +1,147 @@
+"""The mounting of the proposed mats: thickness, clamps' angle and slack with which they hang in every turn.
+
+Trials of one mat (``preflight/mats``) decide.  A mounting is wanted with which the empty mat hangs down in
+every turn, with a mean peak of 30 to 50 g (the intensity of such mats in C. Yu, R. Geng and X. Wang, Minerals
+11, 2021, 631, doi:10.3390/min11060631), also at strokes and speeds somewhat above and below, and if it is as
+soft as a strip with free sides, which the edges of a mat are and the strips of a draft, and with half and
+twice the loss factor, the range of polyurethane in the material library.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import NamedTuple
+
+from orchestrator.case.file.errors import CaseProblem
+from orchestrator.preflight.mats.mats import remembered_regimes, trials_of
+from orchestrator.preflight.mats.regime import Regime
+from orchestrator.preflight.mats.trial import HINDERED, Trial
+from orchestrator.preflight.proposal.layout import Mounting
+from orchestrator.preflight.proposal.wishes import Wishes, down, problem
+from orchestrator.preflight.scene.scene import Scene
+
+THICKNESSES_M, ANGLES_DEG, SLACKS = (0.004, 0.005, 0.006), (15.0, 20.0, 25.0), (0.0, 0.005, 0.01, 0.015, 0.02)
+"""What is tried; slacks over the distance of the clamps."""
+MOST_SLACK = 0.5  # of the stroke, so that a mat is taut for a third of each turn
+LEAST_G, MOST_G = 30.0, 50.0
+SHORT_LIST = 4
+FIRST_CELLS, FIRST_TURNS, CELLS, TURNS = 16, 8, 24, 12
+SMALLER_STROKES = (0.85, 0.7, 0.55, 0.4)
+
+
+class Shares(NamedTuple):
+    """Stroke, speed, stiffness and loss factor of a trial, over those that are wanted."""
+
+    stroke: float = 1.0
+    speed: float = 1.0
+    stiffness: float = 1.0
+    loss: float = 1.0
+
+
+WANTED, SOFT = Shares(), Shares(stiffness=1 / HINDERED)
+NEIGHBOURS = (
+    SOFT,
+    Shares(stroke=0.9),
+    Shares(stroke=1.1),
+    Shares(speed=0.95),
+    Shares(speed=1.05),
+    Shares(loss=0.5),
+    Shares(loss=2.0),
+)
+"""What is beside the wanted stroke, speed and mat, at which the mats are to hang, too."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A mounting and the regime of its mats, empty; ``has_room`` if they hang at ``NEIGHBOURS``."""
+
+    mounting: Mounting
+    regime: Regime
+    has_room: bool
+
+
+def choose_mounting(moved: Scene) -> Choice | None:
+    """Return the best mounting for the machine of a scene, or None if no mat hangs down in every turn."""
+    trial = _trial(moved)
+    tried = _mountings(trial)
+    first = _try([_with(trial, row) for row in tried], [WANTED, SOFT], FIRST_CELLS, FIRST_TURNS)
+    hanging = [number for number, found in enumerate(first) if _all_hang(found)]
+    short = [tried[number] for number in sorted(hanging, key=lambda n: _off_g(first[n]))[:SHORT_LIST]]
+    around = [WANTED, *NEIGHBOURS]
+    found = _try([_with(trial, row) for row in short], around, CELLS, TURNS) if short else []
+    choices = [
+        (not _all_hang(regimes), _off_g(regimes[:2]), number)
+        for number, regimes in enumerate(found)
+        if not regimes[0].turns_up
+    ]
+    if not choices:
+        return None
+    lacks_room, _, number = min(choices)
+    return Choice(short[number], found[number][0], not lacks_room)
+
+
+def _try(
+    trials: Sequence[Trial], around: Sequence[Shares], cells: int, turns: int
+) -> list[tuple[Regime, ...]]:
+    """Return the regimes of each trial at and beside what is wanted."""
+    beside = [_beside(trial, shares) for trial in trials for shares in around]
+    found = remembered_regimes(beside, cells, turns)
+    return [found[n : n + len(around)] for n in range(0, len(found), len(around))]
+
+
+def _all_hang(regimes: Sequence[Regime]) -> bool:
+    """Return whether no mat arches up in any turn."""
+    return not any(regime.turns_up for regime in regimes)
+
+
+def no_hanging_mats(wishes: Wishes, moved: Scene) -> Iterator[CaseProblem]:
+    """Yield the problem of a stroke and a speed at which no mat hangs, with a stroke at which one does."""
+    at = f"{1e3 * wishes.stroke_m:.3g} mm and {30 / math.pi * wishes.speed_rad_per_s:.0f} rpm"
+    what = f"no mat that was tried hangs down in every turn at {at}"
+    trial = _trial(moved)
+    rows = [_with(trial, row) for row in _mountings(trial)]
+    for share in SMALLER_STROKES:
+        both = [Shares(stroke=share), SOFT._replace(stroke=share)]
+        if any(map(_all_hang, _try(rows, both, FIRST_CELLS, FIRST_TURNS))):
+            hint = f"some do up to {down(1e3 * share * wishes.stroke_m):g} mm, or take a lower --speed"
+            yield problem("stroke", what, hint)
+            return
+    yield problem("stroke", what, "take a smaller stroke or a lower --speed")
+
+
+def _off_g(regimes: Sequence[Regime]) -> float:
+    """Return how far the peaks of regimes are from the wanted range, first, and from its middle."""
+    middle_g, half_g = (LEAST_G + MOST_G) / 2, (MOST_G - LEAST_G) / 2
+    off_g = [abs(regime.mean_peak_g - middle_g) for regime in regimes]
+    return sum(max(0.0, off - half_g) + 0.1 * off for off in off_g)
+
+
+def _trial(moved: Scene) -> Trial:
+    """Return the trial of the panel with the largest stroke."""
+    return max((trial for _, trial in trials_of(moved)), key=lambda trial: trial.stroke_m)
+
+
+def _mountings(trial: Trial) -> Sequence[Mounting]:
+    """Return the mountings that are tried, with round slacks with which the stroke stretches the mat."""
+    slacks_m = [round(slack * trial.plan.rectangle.span_m, 4) for slack in SLACKS]
+    slacks_m = [slack_m for slack_m in slacks_m if slack_m <= MOST_SLACK * trial.stroke_m]
+    return [Mounting(*row) for row in product(THICKNESSES_M, ANGLES_DEG, slacks_m)]
+
+
+def _with(trial: Trial, mounting: Mounting) -> Trial:
+    """Return a trial of the same mat, mounted otherwise between the same places."""
+    at = trial.plan.rectangle
+    mounted = replace(at, length_m=at.span_m + mounting.slack_m, clamp_angle_deg=mounting.clamp_angle_deg)
+    return replace(trial, plan=replace(trial.plan, rectangle=mounted, thickness_m=mounting.thickness_m))
+
+
+def _beside(trial: Trial, shares: Shares) -> Trial:
+    """Return a trial at shares of its stroke, speed, stiffness and loss factor."""
+    span_m, material = trial.plan.rectangle.span_m, trial.plan.material
+    beside = trial.at(shares.stroke * trial.stroke_m, shares.speed * trial.speed_rad_per_s, span_m)
+    branches = tuple((shares.loss * ratio, time_s) for ratio, time_s in material.branches)
+    plan = replace(beside.plan, material=replace(material, branches=branches))
+    return replace(beside, plan=plan, stiffer=shares.stiffness * trial.stiffer)

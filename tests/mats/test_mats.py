@@ -1,0 +1,63 @@
+"""What ``flipflow check`` says of a machine's mats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from orchestrator.cli.overview import overview
+from orchestrator.preflight.check import warnings
+from orchestrator.preflight.mats.mats import find_mats, mat_lines, mat_tables
+from orchestrator.preflight.scene.scene import scene
+from tests.cases import CASE, load_case
+
+DRIVEN = (
+    CASE.split("[screen.frames.driving]")[0]
+    + """
+[screen.frames.driving.drive]
+speed_rad_per_s = 78.54
+amplitude_m = [0.006, 0.0, 0.0]
+run_up_s = 0.3
+
+[screen.panels.deck]
+material = "PU"
+frames = ["driving", "ground"]
+corner_m = [0.0, 0.0, 0.0]
+length_m = 0.3
+width_m = 0.2
+thickness_m = 0.006
+clamp_m = 0.019
+tension_m = 0.0
+count = 2
+pitch_m = 0.36
+"""
+)
+HANGING = ("screen.panels.deck.clamp_angle_deg=20.0", "screen.panels.deck.tension_m=-0.003")
+DAMPED = "materials.PU.hyperelastic.maxwell=[{ratio=0.2, relaxation_s=2e-3}, {ratio=0.2, relaxation_s=4e-4}]"
+
+
+def test_a_mat_that_arches_up_is_a_warning_with_its_turns_and_what_helps(tmp_path: Path) -> None:
+    loaded = load_case(tmp_path, DRIVEN, [DAMPED])
+    (said,) = [line for line in warnings(loaded) if line.startswith("mat ")]
+    assert said.startswith("mat deck-1 and 1 more, empty: arches up in")
+    assert "a shorter stroke, clamps that point into the sag (clamp_angle_deg)" in said
+    assert any(line.strip().startswith("mat deck-1 and 1 more, empty") for line in overview(loaded))
+
+
+def test_a_mat_that_hangs_is_none(tmp_path: Path) -> None:
+    loaded = load_case(tmp_path, DRIVEN, [DAMPED, *HANGING])
+    assert not [line for line in warnings(loaded) if line.startswith("mat ")]
+    (line,) = mat_lines(scene(loaded.case))
+    assert "hangs down in all of 24 turns" in line
+    (table,) = mat_tables(scene(loaded.case)) or []
+    assert table["panels"] == ["deck-1", "deck-2"]
+    assert table["empty"]["side"] == "down"
+    assert table["empty"]["turns_up"] == 0
+    assert 0 < table["empty"]["peak_100_Hz_g"] < table["empty"]["peak_g"]
+
+
+def test_mats_that_nothing_moves_or_whose_trial_is_long_are_not_tried(tmp_path: Path) -> None:
+    still = load_case(tmp_path / "still", DRIVEN, ["screen.frames.driving.drive.amplitude_m=[0, 0, 0]"])
+    assert find_mats(scene(still.case)) == ()
+    steel = "materials.PU.hyperelastic={c10_Pa=2e10, c01_Pa=1e10, bulk_modulus_Pa=1e12}"
+    stiff = load_case(tmp_path / "stiff", DRIVEN, [steel])
+    assert find_mats(scene(stiff.case)) == ()

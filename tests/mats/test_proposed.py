@@ -1,0 +1,101 @@
+"""The mats that ``flipflow new`` proposes hang down in every turn, whoever computes them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from orchestrator.ports.adapters import PanelAdapter
+from orchestrator.ports.panel import MeshedPanel
+from orchestrator.preflight.mats.mats import trials_of
+from orchestrator.preflight.mats.regime import PHASES, Regime
+from orchestrator.preflight.mats.trial import INTERVAL_S, Trial, regimes
+from orchestrator.preflight.proposal import mounting
+from orchestrator.preflight.proposal.proposal import Proposal
+from orchestrator.preflight.proposal.propose import propose
+from orchestrator.preflight.proposal.wishes import ImpossibleWishes, read_wishes
+
+pytestmark = pytest.mark.solver
+
+
+@cache
+def proposed() -> Proposal:
+    return propose(read_wishes("flip-flow", {}), "mine")
+
+
+def own_trial() -> Trial:
+    ((_, trial),) = trials_of(proposed().scene)
+    return trial
+
+
+class Sheets(Trial):
+    """Trials with sheets of two cells across."""
+
+    def open(self, adapter: PanelAdapter, cells: int) -> MeshedPanel:
+        plan = replace(self.plan, cells=(cells, 2), integrator="explicit", step_s=0.0)
+        return adapter.build(replace(plan, sync_interval_s=INTERVAL_S))
+
+
+def joined(trial: Trial) -> Trial:
+    """The same mat as a slice of four rows of openings from its middle, with joined sides."""
+    plan, pattern = trial.plan, trial.plan.apertures
+    assert pattern is not None
+    at = replace(plan.rectangle, width_m=4 * pattern.pitch_across_m)
+    plan = replace(plan, rectangle=at, apertures=replace(pattern, margin_across_m=0.0), joined_sides=True)
+    return Sheets(plan, trial.amplitude_m, trial.speed_rad_per_s)
+
+
+def test_the_default_hangs_at_30_to_50_g_with_room_to_either_side() -> None:
+    chosen = proposed().mounting
+    assert chosen is not None
+    assert chosen.has_room
+    assert chosen.regime.side == "down"
+    assert 30.0 <= chosen.regime.mean_peak_g <= 50.0
+    (said,) = [remark for remark in proposed().remarks if remark.startswith("mats: ")]
+    assert "hangs down in all of" in said
+
+
+def test_strips_and_sheets_agree_about_the_default() -> None:
+    """Mean peaks of strips of 24, 32 and 48 cells and of a sheet with joined sides: within 15 %; with 16
+    cells a strip is 16 % above one of 32."""
+    trial = own_trial()
+    strips = {cells: regimes([trial], cells)[0] for cells in (16, 24, 32, 48)}
+    (sheet,) = regimes([joined(trial)], 22, 16, "sheet")
+    assert {regime.side for regime in (*strips.values(), sheet)} == {"down"}
+    for cells in (24, 32, 48):
+        assert strips[cells].mean_peak_g == pytest.approx(sheet.mean_peak_g, rel=0.15)
+    assert strips[16].mean_peak_g == pytest.approx(strips[32].mean_peak_g, rel=0.2)
+
+
+def test_as_soft_as_a_draft_s_strips_the_default_hangs_too() -> None:
+    """Strips with free sides of 16, 32 and 48 cells: within 15 %."""
+    soft = replace(own_trial(), stiffer=1.0)
+    found = [regimes([soft], cells)[0] for cells in (16, 32, 48)]
+    assert {regime.side for regime in found} == {"down"}
+    peaks_g = [regime.mean_peak_g for regime in found]
+    assert max(peaks_g) / min(peaks_g) < 1.15
+
+
+def flat(peak_g: float, side: float) -> Regime:
+    heights_m = np.full((12, PHASES), 0.03 * side)
+    return Regime(0.3, heights_m, np.full(12, peak_g), np.full(12, peak_g))
+
+
+def test_a_stroke_at_which_no_mat_hangs_is_refused_with_one_at_which_some_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As if all mats arched up above a stroke of 4.5 mm: the largest share that is tried below is 0.7."""
+
+    def regimes_of(trials: Sequence[Trial], cells: int, turns: int) -> tuple[Regime, ...]:
+        return tuple(flat(40.0, 1.0 if trial.stroke_m > 0.0045 else -1.0) for trial in trials)
+
+    monkeypatch.setattr(mounting, "remembered_regimes", regimes_of)
+    with pytest.raises(ImpossibleWishes) as refused:
+        propose(read_wishes("flip-flow", {}), "mine")
+    (problem,) = refused.value.problems
+    assert "no mat that was tried hangs down in every turn at 6 mm and 750 rpm" in str(problem)
+    assert "some do up to 4.2 mm, or take a lower --speed" in str(problem)
