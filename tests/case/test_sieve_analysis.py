@@ -55,7 +55,7 @@ def test_the_openings_are_those_of_astm_e11() -> None:
 
 
 def test_an_open_lower_end_is_spread_evenly_below_the_finest_sieve() -> None:
-    """4 % pass 63 µm: the curve goes on to a tenth of that, and ends at the first sieve that all pass."""
+    """4 % pass 63 µm: the curve goes on to half of that, and ends at the first sieve that all pass."""
     found = points("sieve / mm;passing / %\n31,5;100\n63 µm;4\n16;100\n4;50\n")
     expected = [(0.063 * OPEN_END, 0.0), (0.063, 0.04), (4.0, 0.5), (16.0, 1.0)]
     assert found == [pytest.approx(point) for point in expected]

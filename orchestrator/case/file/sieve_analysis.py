@@ -27,7 +27,7 @@ from orchestrator.case.file.data_file import read_data_file
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, show_value
 from orchestrator.case.file.units import parse_quantity
 
-OPEN_END = 0.1
+OPEN_END = 0.5
 """Smallest diameter of what passes the finest sieve, over that sieve's opening."""
 ROUNDING = 0.01
 """Largest distance of a sum of rounded shares from 1."""

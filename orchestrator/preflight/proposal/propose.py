@@ -84,6 +84,9 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
     with TemporaryDirectory() as temporary:
         name = Path(folder).name
         case = _Draft(Path(temporary) / name, layout, _first_values(layout, name))
+        if wishes.feed_file:
+            case.folder.mkdir(parents=True)
+            (case.folder / "feed.csv").write_text(wishes.feed_file, encoding="utf-8")
         machine = _tune(case) if wishes.is_free else None
         draft = _choose_draft(case)
         _with_safe_interval(case, "study", levels.study(layout))
