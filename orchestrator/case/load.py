@@ -16,8 +16,15 @@ from pydantic import ValidationError
 
 from orchestrator.case.bed.carry import carry_bed, leave_out_outside
 from orchestrator.case.bed.work_of_adhesion import resolve_works_of_adhesion, typical_diameters_m
-from orchestrator.case.file.base import CASE_FILE, lay_chain, level_names, read_chain, read_level
-from orchestrator.case.file.bushing_curve import fit_bushing_curves, read_curve_files
+from orchestrator.case.file.base import (
+    CASE_FILE,
+    lay_chain,
+    level_names,
+    read_chain,
+    read_data_files,
+    read_level,
+)
+from orchestrator.case.file.bushing_curve import fit_bushing_curves
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import (
@@ -104,7 +111,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     at_level = _lay_level(layers, folder, level_name) if level_name else None
     for override in overrides:
         layers.lay(parse_override(override), "--set")
-    layers.merged = read_curve_files(layers.merged, folder, "--set")
+    layers.merged = read_data_files(layers.merged, folder, "--set")
     effects, results = (layers.merged.get(key) for key in EFFECTS)
     asked = AskedEffects(effects, results or (), layers.source(EFFECTS[:1]))
     layers.lay(dict.fromkeys(EFFECTS), asked.file)

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from orchestrator.case.tables.case import Case
 
 Summary = Mapping[str, Any]
+WHOLE_FEED = "whole feed"
+"""The entry of ``results.missing`` that says why the sizes that a feed leaves out could not be completed."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,15 @@ def _stroke(summary: Summary) -> Value | None:
     return relative or _largest("results.motion.frames", "amplitude_m.0")(summary)
 
 
+def _efficiency(summary: Summary) -> Value | None:
+    """Return the efficiency of the whole feed; None where sizes are left out that no curve completes."""
+    if _inner(summary, "results.screening.whole_feed") is not None:
+        return _at("results.screening.whole_feed.efficiency_percent")(summary)
+    if WHOLE_FEED in (_inner(summary, "results.missing") or {}):
+        return None
+    return _at("results.screening.efficiency_percent")(summary)
+
+
 def _middle(summary: Summary) -> Value | None:
     """Return the half range of the probe that moves most of all probes on panels."""
     names = _inner(summary, "results.motion.panel_points") or {}
@@ -204,7 +215,12 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
         "stretch": ("largest stretch of a panel / %", 1e-3, _largest(_PANELS, "stretch_largest_percent")),
     },
     "particles": {
-        "efficiency": ("screening efficiency / %", 0.1, _at("results.screening.efficiency_percent")),
+        "efficiency": ("screening efficiency of the whole feed / %", 0.1, _efficiency),
+        "computed_efficiency": (
+            "screening efficiency of the sizes that are computed / %",
+            0.1,
+            _at("results.screening.efficiency_percent"),
+        ),
         "recovery": (
             "fines that passed, of those that came / %",
             0.1,

@@ -42,7 +42,18 @@ def new(
         str | None, typer.Option(help="length of the openings [default: square]")
     ] = None,
     material: Annotated[str | None, typer.Option(help="material that is screened")] = None,
+    moisture: Annotated[str | None, typer.Option(help="dry, moist, wet or sticky")] = None,
     throughput: Annotated[str | None, typer.Option(help='mass rate of the feed, such as "50 t/h"')] = None,
+    feed: Annotated[
+        str | None,
+        typer.Option(
+            help='sizes of the feed, such as "0-30 mm", or the file of a sieve analysis '
+            "[default: 0 to 2.5 openings]"
+        ),
+    ] = None,
+    cut: Annotated[
+        str | None, typer.Option(help="size from which on a grain is coarse [default: that of the openings]")
+    ] = None,
     speed: Annotated[str | None, typer.Option(help='speed of the shaft, such as "750 rpm"')] = None,
     stroke: Annotated[
         str | None,

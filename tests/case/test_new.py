@@ -13,6 +13,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.cli import new
 from orchestrator.cli.main import app
 from orchestrator.preflight.check import find_problems, warnings
@@ -176,6 +177,67 @@ def test_the_limit_that_a_refusal_offers_is_accepted(
 def test_an_answer_of_blanks_is_left_to_the_template() -> None:
     wishes = read_wishes("flip-flow", {"width": " ", "slope": "", "opening-length": "  "})
     assert (wishes.width_m, wishes.slopes_deg, wishes.opening_length_m) == (2.0, (20.0,), 0.012)
+
+
+ANALYSIS = "sieve;passing / %\n31,5 mm;100\n16 mm;72\nNo. 4;31\n63 µm;4\n"
+
+
+def test_a_typical_feed_is_the_curve_of_its_material() -> None:
+    """Fuller and Thompson: half of the mass below a quarter of the largest size; coal has an exponent of 0.8.
+
+    Half an opening and less are there: 45 % of the default feed of 0 to 30 mm is finer than 6 mm.
+    """
+    for material, exponent in (("gravel", 0.5), ("coal", 0.8)):
+        wishes = read_wishes("flip-flow", {"feed": "0-40 mm", "material": material})
+        for size_m in (0.01, 0.02):
+            assert finer_share(wishes.feed_m, size_m) == pytest.approx((size_m / 0.04) ** exponent, abs=0.02)
+    assert finer_share(read_wishes("flip-flow", {}).feed_m, 0.006) == pytest.approx(0.45, abs=0.02)
+    scalped = read_wishes("flip-flow", {"feed": "5 to 30 mm", "material": "gravel"}).feed_m
+    assert (scalped[0], scalped[-1]) == ((0.005, 0.0), (0.03, 1.0))
+    removed = math.sqrt(5 / 30)
+    expected = (math.sqrt(0.5) - removed) / (1 - removed)
+    assert finer_share(scalped, 0.015) == pytest.approx(expected, abs=0.01)
+
+
+@pytest.mark.solver
+def test_feed_cut_and_moisture_reach_the_case(tmp_path: Path) -> None:
+    """The sieve analysis goes into the case's folder as it is; both levels can be run."""
+    (tmp_path / "lab.csv").write_text(ANALYSIS, encoding="utf-8")
+    answers = {"feed": str(tmp_path / "lab.csv"), "cut": "6 mm", "moisture": "moist"}
+    proposal = propose(read_wishes("flip-flow", answers), "mine")
+    new.write_files(proposal.files, tmp_path / "mine")
+    for level in ("draft", "study"):
+        judged = load_judged(tmp_path / "mine", level)
+        assert find_problems(judged) == []
+        feed = judged.case.bed.feeds["moist-limestone"]
+        assert [point.passing for point in feed.curve] == [0.0, 0.04, 0.31, 0.72, 1.0]
+        assert judged.case.output.cut_size_m == 0.006
+        assert feed.smallest_fed_m is not None
+        assert feed.smallest_fed_m < 0.012
+    assert (tmp_path / "mine" / "feed.csv").read_text(encoding="utf-8") == ANALYSIS
+    (said,) = (line for line in proposal.remarks if line.startswith("feed: "))
+    assert "as its sieve analysis says; 36% of it is finer than the cut of 6 mm" in said
+
+
+def test_a_wrong_feed_cut_or_moisture_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "bad.csv").write_text("sieve / mm,passing\n16,1\n8,0.2\n4,0.3\n")
+    for answers, said in (
+        ({"feed": str(tmp_path / "bad.csv")}, "the curve falls: 20 % pass 8"),
+        ({"feed": str(tmp_path / "none.csv")}, "cannot be read: No such file"),
+        ({"feed": "30 mm"}, "is no range of sizes; give two"),
+        ({"feed": "30-5 mm"}, "is no range of sizes"),
+        ({"feed": "0-30"}, "has no unit; is '30 mm' meant?"),
+        ({"feed": "0-10 mm"}, "--feed: the cut of 12 mm is above the coarsest grain"),
+        ({"feed": "20-30 mm"}, "--feed: the cut of 12 mm is below the finest grain"),
+        ({"cut": "40 mm"}, "--cut: the cut of 40 mm is above the coarsest grain"),
+        ({"cut": "15 mm"}, "--cut: no grain between 12 and 15 mm passes the openings"),
+        ({"moisture": "damp"}, "--moisture: 'damp' is no class of moisture"),
+        (
+            {"moisture": "wet", "material": "moist coal"},
+            "--moisture: wet contradicts --material 'moist coal'",
+        ),
+    ):
+        assert any(said in str(refusal) for refusal in find_refusals("flip-flow", answers)), said
 
 
 def test_the_feed_of_short_openings_can_pass_them() -> None:

@@ -307,6 +307,26 @@ def test_runs_of_different_programs_are_told_apart(runs: list[str]) -> None:
     assert "commit aa, unknown" in CALL.invoke(app, ["compare", runs[0], runs[2]]).stderr
 
 
+def test_efficiencies_of_different_cuts_are_not_compared(tmp_path: Path) -> None:
+    """At another cut, other grains are fine: a change of the efficiency would say nothing of the machine."""
+    folders = []
+    for place, cut_m, efficiency in (("a", 0.012, 60.0), ("b", 0.012, 70.0), ("c", 0.006, 80.0)):
+        screening = {"cut_size_m": cut_m, "efficiency_percent": estimate(efficiency, 2.0)}
+        screening |= {"feed_kg_per_s": estimate(5.0, 0.1), "recovered_percent": estimate(efficiency, 2.0)}
+        tables = {"screening": screening, "missing": {}, "failed": {}}
+        folders.append(str(run_folder(tmp_path / place, {}, results=tables)))
+    done = CALL.invoke(app, ["compare", *folders, "--json"])
+    told = json.loads(done.stdout)["results"]
+    cut_names = ("efficiency", "recovery", "screening.efficiency_percent", "screening.recovered_percent")
+    for name in cut_names:
+        assert told[name]["values"] == [60.0, 70.0, None]
+        assert told[name]["verdicts"] == [None, "more than chance", None]
+    assert told["screening.feed_kg_per_s"]["values"] == [5.0, 5.0, 5.0]
+    said = " ".join(done.stderr.split())
+    assert "different cuts (12 mm, 12 mm, 6 mm): their efficiencies are not compared" in said
+    assert "different cuts" not in CALL.invoke(app, ["compare", *folders[:2]]).stderr
+
+
 def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
     """Results are compared as those of the whole width: a slice and the whole machine have the same power."""
     whole, sliced = tmp_path / "whole", tmp_path / "sliced"

@@ -10,8 +10,9 @@ from typing import Any
 import h5py
 import pytest
 
+from orchestrator.case.scalars import SCALARS
 from orchestrator.output.report.formatting import number
-from orchestrator.output.report.headline import HEIGHT, NOT_STEADY, Tile, headline
+from orchestrator.output.report.headline import COMPUTED, EFFICIENCY, HEIGHT, NOT_STEADY, Tile, headline
 from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
 from tests.results.synthetic import BIN_KG, CYCLE_S, DEPTH_M, LEAVES, MASS_KG, POWER_W, folder_of
@@ -69,9 +70,30 @@ def test_the_whole_feed_says_how_far_its_curve_is_continued(steady: dict[str, An
     added = {"left_out_percent": 12.5, "smallest_computed_m": 0.0015, "smallest_m": 0.0005}
     added |= {"continuation": {"error_percent": -1.23}}
     screening = steady["screening"] | {"whole_feed": added | {"efficiency_percent": efficiency}}
-    tile = tiles_of(steady | {"screening": screening})["efficiency of the whole feed"]
+    told = headline(steady | {"screening": screening})
+    tile = told[0]
+    assert [each.name for each in told[:2]] == [EFFICIENCY, f"{EFFICIENCY}{COMPUTED}"]
     assert tile.over.startswith("12.5 % of the feed by the partition curve, continued from 1.5 to 0.5 mm; ")
     assert "; the interval has the error of that, some 1.2 points" in tile.over
+
+
+def test_an_efficiency_that_is_not_known_has_its_reason(steady: dict[str, Any]) -> None:
+    """Where no curve completes what is left out, the figure of the computed sizes is not the answer."""
+    missing = steady["missing"] | {"whole feed": "12 fine particles left; its curve needs 100"}
+    told = headline(steady | {"missing": missing})
+    assert told[0].line == f"{EFFICIENCY}: unknown (12 fine particles left; its curve needs 100)"
+    assert told[1].name == f"{EFFICIENCY}{COMPUTED}"
+    short = SCALARS["efficiency"].of, SCALARS["computed_efficiency"].of
+    computed = steady["screening"]["efficiency_percent"]["value"]
+    assert [of({"results": steady | {"missing": missing}}) for of in short[:1]] == [None]
+    for of in short:
+        number = of({"results": steady})
+        assert number is not None
+        assert number.value == computed
+    whole = {"efficiency_percent": {"value": 12.0, "half_width": 3.0}}
+    completed = steady | {"screening": steady["screening"] | {"whole_feed": whole}}
+    values = [of({"results": completed}) for of in short]
+    assert [value and value.value for value in values] == [12.0, computed]
 
 
 @pytest.mark.parametrize(("points", "shown"), [(0.0, False), (0.04, False), (0.06, True), (None, True)])

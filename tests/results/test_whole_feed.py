@@ -15,6 +15,7 @@ from orchestrator.output.results import compute
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.events import Events, EventTable, Exits
 from orchestrator.output.results.whole_feed import (
+    TESTED_FACTOR,
     FeedFines,
     PartitionCurve,
     feed_fines,
@@ -216,12 +217,33 @@ def test_a_curve_that_cannot_be_tested_is_not_continued(monkeypatch: pytest.Monk
     assert "the coarser half of the fines" in table["missing"]["whole feed"]
 
 
-def test_a_curve_that_is_continued_too_far_is_refused() -> None:
-    """Computed from 2 to 3 mm and listed from 0.5 mm: over a factor of 4, whose logarithm is seven times that
-    of the test, the chance alone in the computed fines says that nothing is known of the finest."""
-    found = whole_feed(events(LAW, 0.002), feed_fines([feed(0.002)], OPENING_M), OPENING_M, OPEN_SHARE)
+@pytest.mark.parametrize("alike_m", [0.0, 0.95])
+def test_sizes_beyond_the_tested_factor_pass_between_the_last_tested_one_and_all(alike_m: float) -> None:
+    """Computed from 2 to 3 mm and listed from 0.5 mm: below 1 mm, nothing but a bound is known.
+
+    The interval holds for grains that follow the curve, and for those that pass no more easily than the
+    finest within reach, where the curve is wrong.
+    """
+    alike_m *= 0.001
+    fines = feed_fines([feed(0.002)], OPENING_M)
+    table = completed(events(LAW, 0.002), fines)
+    placement, told = table["fine_placement_percent"], table["continuation"]
+    assert abs(placement.value - 100 * mean_passed(LAW, alike_m)) < placement.half_width
+    reach_of_test = np.log(OPENING_M / 0.002) / 2
+    tested = 0.6 * told["tested_error_percent"] * (np.log(TESTED_FACTOR) / reach_of_test) ** 2
+    least, sizes_m = float(LAW.passed(np.array(0.001))), np.linspace(0.0005, 0.001, 20_001)
+    passed = LAW.passed(sizes_m)
+    doubt = 100 * 0.2 * float(np.maximum(passed - least, 1 - passed).mean())
+    assert abs(told["error_percent"]) == pytest.approx(abs(tested) + doubt, abs=0.3)
+
+
+def test_a_curve_of_which_too_little_is_known_is_refused() -> None:
+    """A third of the fines is finer than half of what is computed, of which one in eight passes."""
+    few = PartitionCurve(0.5, 0.45, OPENING_M, OPEN_SHARE)
+    fines = feed_fines([feed(0.002, finest_m=5e-5)], OPENING_M)
+    found = whole_feed(events(few, 0.002, 200_000), fines, OPENING_M, OPEN_SHARE)
     assert isinstance(found, str)
-    assert "continued from 2 to 0.5 mm, may be wrong by" in found
+    assert "continued from 2 to 0.05 mm, may be wrong by" in found
 
 
 def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:

@@ -16,6 +16,7 @@ from typing import Any
 from orchestrator.case.file.bushing_curve import read_curve_files
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
 from orchestrator.case.file.layers import Layers, read_toml
+from orchestrator.case.file.sieve_analysis import read_sieve_analyses
 
 CASE_FILE = "case.toml"
 BASE = "base"
@@ -48,7 +49,7 @@ def read_chain(file: Path) -> tuple[CaseFile, ...]:
     source = file.name
     while True:
         table = read_toml(here / CASE_FILE, here) if chain else read_toml(file)
-        table = read_curve_files(table, here, source)
+        table = read_data_files(table, here, source)
         base = table.pop(BASE, "")
         chain.append(CaseFile(here, source, base, with_files_at(table, here, folder)))
         if base == "":
@@ -58,6 +59,14 @@ def read_chain(file: Path) -> tuple[CaseFile, ...]:
             circle = " -> ".join([*(each.folder.name for each in chain), here.name])
             raise CaseError([CaseProblem((BASE,), f"the bases form a circle: {circle}", file=source)])
         source = str(Path(os.path.relpath(here, folder)) / CASE_FILE)
+
+
+def read_data_files(table: dict[str, Any], folder: Path, source: str) -> dict[str, Any]:
+    """Return a case's table with what stands in the files of data that it names in a folder.
+
+    Raises CaseError with all mistakes in the files of the first kind that has any.
+    """
+    return read_sieve_analyses(read_curve_files(table, folder, source), folder, source)
 
 
 def case_folders(folder: Path) -> tuple[Path, ...]:
@@ -94,9 +103,9 @@ def read_level(folder: Path, name: str) -> tuple[dict[str, Any], str]:
     """
     file = find_level(folder, name)
     if file == Path(name):
-        return read_curve_files(read_toml(file), folder, name), name
+        return read_data_files(read_toml(file), folder, name), name
     written, source = file.parents[1], os.path.relpath(file, folder)
-    table = read_curve_files(read_toml(file, written), written, source)
+    table = read_data_files(read_toml(file, written), written, source)
     return with_files_at(table, written.resolve(), folder.resolve()), source
 
 

@@ -27,11 +27,13 @@ from collections.abc import Iterator, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from orchestrator.case.file.data_file import read_data_file
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, show_value
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Bushing, BushingCurve, CurvePoint, FrictionElement, MaxwellElement
@@ -53,7 +55,6 @@ LEAST_LOSS = 0.01
 """Loss factor to which errors of smaller loss factors are related."""
 FAR = 1.5
 """Factor by which the linear stiffness may leave the range of the measured ones."""
-LARGEST_BYTES = 1_000_000
 
 Point = tuple[float, float, float, float]
 """Amplitude in m, frequency in Hz, k' in N/m and loss factor."""
@@ -310,21 +311,11 @@ def _misfits(
 
 def _read_points(folder: Path, name: str, key: Key, source: str) -> list[dict[str, float]]:
     """Return the rows of a CSV file in the case's folder.  Raises CaseError with all that is wrong in it."""
-    file = (folder / name).resolve()
-    if not file.is_relative_to(folder.resolve()):
-        raise CaseError(
-            [CaseProblem(key, f"{show_value(name)} is outside of the case's folder", file=source)]
-        )
+    text = read_data_file(folder, name, key, source)
     try:
-        if file.exists() and not file.is_file():  # a pipe would be waited for
-            raise CaseError([CaseProblem(key, "is no file", file=name)])
-        if file.stat().st_size > LARGEST_BYTES:
-            raise CaseError([CaseProblem(key, f"is larger than {LARGEST_BYTES} bytes", file=name)])
-        with file.open(encoding="utf-8-sig", newline="") as opened:
-            rows = [row for row in csv.reader(opened) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        why = error.strerror if isinstance(error, OSError) else error
-        raise CaseError([CaseProblem(key, f"cannot be read: {why}", file=name)]) from error
+        rows = [row for row in csv.reader(StringIO(text)) if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise CaseError([CaseProblem(key, f"cannot be read: {error}", file=name)]) from error
     head = [cell.strip() for cell in rows[0]] if rows else []
     known = [*CurvePoint.model_fields]
     problems = [

@@ -67,11 +67,15 @@ def is_outside(file: Path, folder: Path) -> bool:
     return not file.resolve().is_relative_to(folder.resolve())
 
 
+NAMES_FILE = "file"
+"""The key of a table that stands for a list and names the file with its elements."""
 REPLACED_BY = {
     "work_of_adhesion_J_per_m2": ("bond_number", "bond_diameter_m", "moisture"),
     "bond_number": ("work_of_adhesion_J_per_m2", "moisture"),
     "moisture": ("work_of_adhesion_J_per_m2", "bond_number", "bond_diameter_m"),
     "loss_curve": ("maxwell",),
+    "sizes": ("curve",),
+    "curve": ("sizes",),
     "points": ("file", "elastic_N_per_m", "friction", "maxwell"),
     "file": ("points", "elastic_N_per_m", "friction", "maxwell"),
 }
@@ -143,7 +147,7 @@ class Layers:
         if not isinstance(overlay, Mapping):
             self._give_whole(below, key, source)
             return overlay
-        if isinstance(below, list):
+        if isinstance(below, list) and NAMES_FILE not in overlay:
             below = list(below)
             for word, value in overlay.items():
                 number = _number(word, below, key, source)

@@ -22,6 +22,8 @@ Kind = Literal["grains", "surface", "elastomer"]
 MOISTURES = ("dry", "moist", "wet", "sticky")  # from the driest to the stickiest
 NAME = re.compile(r"(?:(dry|moist|wet|sticky) )?(.+?)(?: (\d+(?:\.\d+)?) ?shore ?([ad]))?")
 COEFFICIENTS = ("restitution", "sliding_friction", "rolling_friction")
+SIZE_EXPONENT = "size_exponent"
+"""The quantity of grains that describes a typical feed (``typical_feed.py``), and no key of a case."""
 LOSS_FROM_HZ, LOSS_TO_HZ = 5.0, 500.0
 """The frequencies between which an elastomer's loss factor is taken as constant."""
 
@@ -80,7 +82,9 @@ class NamedMaterial:
 
     def keys(self) -> dict[str, Any]:
         """Return the keys of the material's table in a case."""
-        values = {key: quantity.value for key, quantity in self.material.quantities.items()}
+        values = {
+            key: quantity.value for key, quantity in self.material.quantities.items() if key != SIZE_EXPONENT
+        }
         if self.hardness is None:
             return values
         modulus_Pa = values["modulus_over_that_of_hardness"] * youngs_modulus_Pa(*self.hardness)

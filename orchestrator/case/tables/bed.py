@@ -73,7 +73,8 @@ class Filling(Table):
     """Size classes.  Give either these or ``curve``."""
     curve: tuple[PassingPoint, ...] = ()
     """Cumulative size distribution, from fine to coarse, straight between its points.  Give either
-    this or ``sizes``."""
+    this or ``sizes``.  ``curve.file = "lab.csv"`` takes it from a sieve analysis in the case's folder
+    (how-to/use-a-sieve-analysis.md)."""
     smallest_fed_m: Positive | None = None
     """Smallest diameter that is computed; finer particles would be too many."""
     finer: Literal["leave-out", "next-class"] = "leave-out"

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from orchestrator.case.scalars import WHOLE_FEED
 from orchestrator.output.report.formatting import NONE, interval, number
 
 NOT_STEADY = "not steady yet"
@@ -13,8 +14,13 @@ HEIGHT = "height below which 95 % of the material lies, mean along the deck"
 RECOVERY = "fine_placement_percent"
 SAME_POINTS = 0.05  # of per cent: a recovery of undersize this near to the efficiency is the same figure
 T_PER_H = 3.6  # in 1 kg/s
+EFFICIENCY = "screening efficiency η"
+COMPUTED = " of the computed sizes"
+"""The end of the names of figures without the sizes that a feed leaves out."""
+UNKNOWN = "unknown"
+"""The value of a figure that a run cannot give; its reason is told in its place."""
 SCREENING = {  # name, unit, and the kind of particles that are counted
-    "efficiency_percent": ("screening efficiency η", "%", "particles"),
+    "efficiency_percent": (EFFICIENCY, "%", "particles"),
     "fine_placement_percent": ("undersize recovery", "%", "fine particles"),
     "recovered_percent": ("fines recovered, of what came in", "%", "fine particles"),
     "oversize_yield_percent": ("oversize yield", "%", "particles"),
@@ -27,7 +33,7 @@ class Tile:
 
     ``interval`` is the half width of its confidence interval, or empty.  ``over`` names the particles, cycles
     and seconds behind the figure; ``unsteady`` is True if it comes from a transient.  ``also`` is the value
-    in another unit, or empty.
+    in another unit, or empty.  Where the value is ``UNKNOWN``, ``over`` says why.
     """
 
     name: str
@@ -42,6 +48,8 @@ class Tile:
     def line(self) -> str:
         """The figure in one line, for a terminal."""
         width = f" ± {self.interval}" if self.interval else ""
+        if self.value == UNKNOWN:
+            return f"{self.name}: {UNKNOWN} ({self.over})"
         basis = f"over {self.over}" + (f"; {NOT_STEADY}" if self.unsteady else "")
         also = f" = {self.also}" if self.also else ""
         return f"{self.name}: {self.value}{width} {self.unit}{also} ({basis})"
@@ -68,16 +76,21 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     lasting = _describe_window(state) if state else "the whole run"
     unsteady = not (state and state["is_steady"])
     screening, bed = results.get("screening", {}), results.get("bed")
-    for key, (name, unit, kind) in SCREENING.items():
+    whole_feed, why_not = screening.get("whole_feed"), results["missing"].get(WHOLE_FEED, "")
+    if whole_feed:
+        over = f"{_describe_continuation(whole_feed)}, {lasting}"
+        yield _tile(EFFICIENCY, whole_feed["efficiency_percent"], "%", over, unsteady)
+    elif why_not:
+        yield Tile(EFFICIENCY, UNKNOWN, "", "", why_not, unsteady)
+    computed = COMPUTED if whole_feed or why_not else ""
+    for key, (title, unit, kind) in SCREENING.items():
         if key in screening and not (key == RECOVERY and _is_efficiency(screening)):
+            name = title + computed
             left = f"{screening[kind.replace(' ', '_')]} {kind} that left, "
             yield _tile(name, screening[key], unit, left + lasting, unsteady)
     if feed := screening.get("feed_kg_per_s"):
         tile = _tile(f"feed{of_width}", feed, "t/h", lasting, unsteady, T_PER_H * whole)
         yield replace(tile, also=f"{number(feed['value'], whole)} kg/s")
-    if whole_feed := screening.get("whole_feed"):
-        over = f"{_describe_continuation(whole_feed)}, {lasting}"
-        yield _tile("efficiency of the whole feed", whole_feed["efficiency_percent"], "%", over, unsteady)
     if bed:
         over = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, {lasting}"
         yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", over, unsteady)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,12 @@ SAME, BY_CHANCE, MORE, UNKNOWN = "same", "within chance", "more than chance", "n
 UNIMPORTANT = {"title", "description", "default_level"}
 EQUAL = 1e-12  # results with a smaller relative difference are the same
 MISSING = "–"
+CUT = "screening.cut_size_m"
+OF_THE_CUT = re.compile(
+    r"(computed_)?efficiency|recovery"
+    r"|screening\.(fine_particles|whole_feed\..*|.*(efficiency|placement|misplaced|fines_in_oversize|recovered)_percent)"
+)
+"""Names of results that count what is finer or coarser than the cut."""
 ANGLES = {"rad", "degree"}
 SCALED = "masses, rates, numbers, forces and powers are compared as those of the whole width"
 
@@ -98,8 +105,9 @@ class Comparison:
 
     @property
     def doubts(self) -> list[str]:
-        """The lines about runs that are not to be trusted, slices of different widths, and other programs."""
-        return [*doubtful(self.runs, SCALED), *_differing_programs(self.runs)]
+        """The lines about runs that are not to be trusted, slices of different widths, different cuts,
+        and other programs."""
+        return [*doubtful(self.runs, SCALED), *_differing_cuts(self.runs), *_differing_programs(self.runs)]
 
     @property
     def compared(self) -> int:
@@ -164,12 +172,27 @@ def compare(folders: Sequence[Path]) -> Comparison:
 
 
 def _compare_results(runs: Sequence[RunResults]) -> list[ComparedResult]:
-    first, *others = runs
+    first, *others = (_comparable(run, runs[0]) for run in runs)
     return [
-        ComparedResult(name, result.unit, tuple(run.results.get(name) for run in runs))
-        for name, result in first.results.items()
-        if name not in OF_THE_WIDTH and any(name in other.results for other in others)
+        ComparedResult(name, result.unit, (result, *(other.get(name) for other in others)))
+        for name, result in first.items()
+        if name not in OF_THE_WIDTH and any(name in other for other in others)
     ]
+
+
+def _comparable(run: RunResults, first: RunResults) -> dict[str, Result]:
+    """Return the results of a run without those that depend on the cut, if the first run has another."""
+    cuts_m = [each.results[CUT].value if CUT in each.results else None for each in (run, first)]
+    if cuts_m[0] == cuts_m[1]:
+        return run.results
+    return {name: result for name, result in run.results.items() if not OF_THE_CUT.fullmatch(name)}
+
+
+def _differing_cuts(runs: Sequence[RunResults]) -> Iterator[str]:
+    """Yield a line if runs divide fine from coarse at different sizes."""
+    cuts = [f"{1e3 * run.results[CUT].value:.4g} mm" if CUT in run.results else "none" for run in runs]
+    if len(set(cuts)) > 1:
+        yield f"the runs have different cuts ({', '.join(cuts)}): their efficiencies are not compared"
 
 
 def _compare_keys(runs: Sequence[RunResults]) -> list[DifferingKey]:

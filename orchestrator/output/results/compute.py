@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.openings import open_share, openings_m, smaller_sides_m
+from orchestrator.case.scalars import WHOLE_FEED
 from orchestrator.case.tables.case import has_particles
 from orchestrator.case.tables.frames import Bushing
 from orchestrator.output.results import machine
@@ -139,14 +140,14 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
         return
     number = table["screening"]["fine_particles"]
     if number < FEWEST_FINES:
-        table["missing"]["whole feed"] = f"{number} fine particles left; its curve needs {FEWEST_FINES}"
+        table["missing"][WHOLE_FEED] = f"{number} fine particles left; its curve needs {FEWEST_FINES}"
         return
     if min(openings_m) < max(openings_m):
-        table["missing"]["whole feed"] = "the openings differ: one curve does not continue through them"
+        table["missing"][WHOLE_FEED] = "the openings differ: one curve does not continue through them"
         return
     completed = whole_feed(events, fines, openings_m[0], open_share(run.case))
     if isinstance(completed, str):
-        table["missing"]["whole feed"] = completed
+        table["missing"][WHOLE_FEED] = completed
     else:
         table["screening"]["whole_feed"] = completed
 

@@ -12,7 +12,8 @@ sigma = 2).  For many attempts this is exp(-p N (1 - d / a)^sigma), the form of 
 the numbers of particles that left (McCullagh and Nelder, Generalized Linear Models, 2nd ed., 1989, ch. 4).
 
 The error of the continuation is tested on the computed fines: the curve of their coarser half is continued to
-the finer half.  docs/theory/screening.md has the definitions.
+the finer half.  The test holds over a factor of ``TESTED_FACTOR`` in size.  Of finer ones it is only taken
+that they pass at least as well as those of that size.  docs/theory/screening.md has the definitions.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ BINS = 12
 NUMBER, MASS = 0, 1
 NODES = 16  # of the quadrature over the diameters of a class
 LIMITS = ((-7.0, 7.0), (0.0, 20.0))  # of log N and sigma
+TESTED_FACTOR = 2.0  # over which the error of continued curves was measured (docs/measured/screening.md)
 LARGEST_ERROR = 25.0  # points: an interval of so much to either side holds half of all answers
 NO_TEST = "the coarser half of the fines that left determines no curve: the error of continuing it is unknown"
 
@@ -137,6 +139,16 @@ class FeedFines:
         given, fed = np.array(pairs).T
         return np.divide(given, fed, out=np.ones(len(given)), where=fed > 0)
 
+    def in_doubt(self, curve: PartitionCurve) -> float:
+        """Return the share of all fines by which the curve may be wrong on sizes beyond its tested reach.
+
+        At least as many of them pass as of the finest size within reach, and at most all.
+        """
+        least_m = self.smallest_computed_m / TESTED_FACTOR
+        beyond = self.diameter_m < least_m
+        passed, least = curve.passed(self.diameter_m[beyond]), float(curve.passed(np.array(least_m)))
+        return float(self.share[beyond] @ np.maximum(passed - least, 1.0 - passed)) / self.total
+
     def passed(self, computed: float, curve: PartitionCurve) -> float:
         """Return the share of all fines that pass, if ``computed`` of those do whose sizes are computed."""
         finer = float(self.share @ curve.passed(self.diameter_m))
@@ -229,8 +241,12 @@ def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: f
     if not np.isfinite(tested[last]):
         return NO_TEST
     reach = math.log(fines.smallest_computed_m / fines.smallest_m)
+    told_reach = min(reach, math.log(TESTED_FACTOR))
     tested_reach = math.log(fines.cut_m / fines.smallest_computed_m) / 2
-    error = 100.0 * fines.left_out / fines.total * tested * (reach / tested_reach) ** 2
+    told = 100.0 * fines.left_out / fines.total * tested * (told_reach / tested_reach) ** 2
+    curves = [fit(all_left, count, slice(0, BINS)) for count in range(1, last + 1)]
+    doubt = 100.0 * np.array([0.0, *(np.nan if each is None else fines.in_doubt(each) for each in curves)])
+    error = told + np.copysign(doubt, told)
     if abs(error[last]) > LARGEST_ERROR:
         computed_mm, listed_mm = 1e3 * fines.smallest_computed_m, 1e3 * fines.smallest_m
         return (
@@ -251,12 +267,13 @@ def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: f
             "exit": events.exits.names[number],
             "cumulative_efficiency_percent": figure(partial(placement, place + 1), error[place + 1]),
             "yield_percent": figure(
-                partial(section_yield, place), fines.total * (error[place + 1] - error[place])
+                partial(section_yield, place),
+                fines.total * (abs(told[place + 1] - told[place]) + max(doubt[place : place + 2])),
             ),
         }
         for place, number in enumerate(undersize)
     ]
-    curve = fit(all_left, last, slice(0, BINS))
+    curve = curves[-1]
     return {
         "left_out_percent": 100.0 * fines.left_out,
         "smallest_m": fines.smallest_m,

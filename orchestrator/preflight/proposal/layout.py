@@ -27,9 +27,8 @@ CLAMP_M, BEAM_GAP_M = 0.018, 0.002
 AROUND_M = 2 * CLAMP_M + BEAM_GAP_M  # from panel to panel
 LAND = 0.4  # of an opening's width, between neighbouring openings
 THINNEST_LAND_M = 0.003
-SIZES = ((0.5, 0.8, 0.25), (0.8, 0.95, 0.15), (1.1, 1.5, 0.25), (1.5, 2.5, 0.35))
-"""The feed: smallest and largest diameter over the smaller side of the openings, and share of the mass.
-There is fine, near-mesh and coarse material, and two fifths of the mass can pass."""
+FINEST_COMPUTED = 0.4
+"""Finest diameter that any level computes, over the smaller side of the openings."""
 CHUTE_SLOPE_DEG = 45.0
 FALL_M, FLIGHT_M, THROW_M = 0.5, 3.5, 2.5
 """What is so far beyond the deck's end has left it at any height; the box ends so far behind and above it."""
@@ -83,7 +82,6 @@ class Layout:
     corner_m: Vector
     beams_m: Array
     openings: AperturePattern
-    sizes_m: tuple[tuple[float, float, float], ...]
     mounting: Mounting = field(default_factory=Mounting)
 
     @property
@@ -113,13 +111,13 @@ class Layout:
 
     @property
     def finest_m(self) -> float:
-        """The smallest diameter of the feed."""
-        return self.sizes_m[0][0]
+        """The smallest diameter of the feed that any level computes."""
+        return max(self.wishes.feed_m[0][0], FINEST_COMPUTED * self.wishes.smaller_m)
 
     @property
     def largest_m(self) -> float:
         """The largest diameter of the feed."""
-        return self.sizes_m[-1][1]
+        return self.wishes.feed_m[-1][0]
 
     @property
     def side_height_m(self) -> float:
@@ -240,7 +238,7 @@ def panel_length_m(wishes: Wishes) -> float:
 
 def lay_out(wishes: Wishes) -> Layout:
     """Return the layout of a deck for the wishes, whose panels must have a positive length."""
-    panel_m, smaller_m = panel_length_m(wishes), wishes.smaller_m
+    panel_m = panel_length_m(wishes)
     slopes_deg = wishes.slopes_deg
     panels_per_slope = tuple(len(part) for part in np.array_split(range(wishes.panels), len(slopes_deg)))
     inclination_deg = round(float(np.average(slopes_deg, weights=panels_per_slope)), 2)
@@ -270,7 +268,6 @@ def lay_out(wishes: Wishes) -> Layout:
         corner_m=corner_m,
         beams_m=beams_m + corner_m,
         openings=openings_of(wishes),
-        sizes_m=tuple((low * smaller_m, high * smaller_m, share) for low, high, share in SIZES),
     )
 
 

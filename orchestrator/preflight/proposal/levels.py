@@ -16,7 +16,7 @@ from orchestrator.case.file.slice import ENOUGH_DIAMETERS
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.clock import times_s
 from orchestrator.preflight.cost import particles_at_start, predicted_parts_s
-from orchestrator.preflight.proposal.layout import Layout
+from orchestrator.preflight.proposal.layout import FINEST_COMPUTED, Layout
 
 DRAFT_S = 300.0  # processor time that a draft may take as predicted
 CROSSING_M_PER_S = 0.8  # along the deck, for planned durations and times; thrown beds are faster
@@ -25,6 +25,9 @@ LONGEST_INTERVAL_S = 2e-4
 DRAFT_PA, STUDY_PA = 2e7, 5e7  # In softer contacts, stones press grains half way into each other.
 WITHIN = 0.97  # of the longest interval that is stable and accurate
 COARSER = (
+    (FINEST_COMPUTED, 1.0, 1.0),
+    (0.5, 1.0, 1.0),
+    (0.6, 1.0, 1.0),
     (0.7, 1.0, 1.0),
     (0.7, 1.0, 0.7),
     (0.8, 1.0, 0.7),
@@ -116,15 +119,18 @@ def drafts(layout: Layout) -> Iterator[Level]:
 
 
 def study(layout: Layout) -> Level:
-    """Return the level with finite elements, frames that turn and the whole feed."""
+    """Return the level with finite elements, frames that turn and as fine a feed as is computed."""
     turning = "frames that turn" if layout.wishes.is_free else "prescribed frames"
-    about = f"sheets of finite elements, {turning}, the whole feed on a slice of the width"
+    finest_m = round(FINEST_COMPUTED * layout.wishes.smaller_m, 9)
+    is_whole = layout.wishes.feed_m[0][0] >= finest_m
+    sizes = "the whole feed" if is_whole else f"particles from {FINEST_COMPUTED:g} of the openings up"
+    about = f"sheets of finite elements, {turning}, {sizes} on a slice of the width"
     return _level(
         layout,
         about=about,
         duration_s=3 * steady_s(layout),
         youngs_modulus_Pa=STUDY_PA,
-        smallest_fed_m=None,
+        smallest_fed_m=None if is_whole else finest_m,
         rate_share=1.0,
     )
 

@@ -38,6 +38,7 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
             yield problem("stroke", what, f"up to {largest_mm:g} mm, or take longer panels: --length")
     yield from _shaking(wishes)
     if wishes.has_material:
+        yield from _separation(wishes)
         largest_kg_per_s = (
             PACKED * wishes.density_kg_per_m3 * wishes.width_m * TRANSPORT_M_PER_S * DEEPEST_BED_M
         )
@@ -48,6 +49,21 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
             )
             hint = f"this width carries {down(3.6 * largest_kg_per_s):g} t/h, or take a wider deck"
             yield problem("throughput", what, hint)
+
+
+def _separation(wishes: Wishes) -> Iterator[CaseProblem]:
+    """Yield a problem for a cut that no grain is above or below, and for one above the openings."""
+    finest_m, largest_m = wishes.feed_m[0][0], wishes.feed_m[-1][0]
+    cut_mm = 1e3 * wishes.separation_m
+    where = "cut" if wishes.cut_m else "feed"
+    if not finest_m < wishes.separation_m < largest_m:
+        side = "above the coarsest" if wishes.separation_m >= largest_m else "below the finest"
+        sizes = f"{1e3 * finest_m:.3g} to {1e3 * largest_m:.4g} mm"
+        what = f"the cut of {cut_mm:.4g} mm is {side} grain, of sizes {sizes}"
+        yield problem(where, what, "take another --cut, --opening or --feed")
+    elif wishes.separation_m > wishes.smaller_m * (1 + 1e-9):
+        what = f"no grain between {1e3 * wishes.smaller_m:.4g} and {cut_mm:.4g} mm passes the openings"
+        yield problem(where, what, "take a smaller --cut or a larger --opening")
 
 
 def _openings(wishes: Wishes, panel_m: float) -> Iterator[CaseProblem]:

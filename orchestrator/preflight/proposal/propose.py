@@ -86,6 +86,9 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
     with TemporaryDirectory() as temporary:
         name = Path(folder).name
         case = _Draft(Path(temporary) / name, layout, _first_values(layout, name))
+        if wishes.feed_file:
+            case.folder.mkdir(parents=True)
+            (case.folder / "feed.csv").write_text(wishes.feed_file, encoding="utf-8")
         chosen = _mount(case)
         layout = case.layout
         machine = _tune(case) if wishes.is_free else None

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
+from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.proposal.levels import DRAFT_S
@@ -153,9 +154,22 @@ def resonances(proposal: Proposal) -> Iterator[str]:
 def _material(proposal: Proposal) -> Iterator[str]:
     """Yield sentences about the bed and the draft."""
     wishes, layout = proposal.wishes, proposal.layout
+    cut_m, finest_m = wishes.separation_m, wishes.feed_m[0][0]
+    fine, half = (finer_share(wishes.feed_m, size_m) for size_m in (cut_m, cut_m / 2))
+    sizes = (
+        f"up to {1e3 * layout.largest_m:.3g} mm"
+        if wishes.feed_m[0][0] < cut_m / 10
+        else (f"{1e3 * finest_m:.3g} to {1e3 * layout.largest_m:.3g} mm")
+    )
+    kind = (
+        "as its sieve analysis says"
+        if wishes.feed_file
+        else "by a typical curve, to be replaced by yours (--feed)"
+    )
     yield (
-        f"feed: {3.6 * wishes.throughput_kg_per_s:.4g} t/h of {wishes.material}, {1e3 * layout.finest_m:.3g} "
-        f"to {1e3 * layout.largest_m:.3g} mm, two fifths of it finer than the openings"
+        f"feed: {3.6 * wishes.throughput_kg_per_s:.4g} t/h of {wishes.material}, {sizes} {kind}; "
+        f"{fine:.0%} of it is finer than the cut of {1e3 * cut_m:.4g} mm, "
+        f"and {half:.0%} finer than half of that"
     )
     draft_s = proposal.run_s["draft"]
     yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"

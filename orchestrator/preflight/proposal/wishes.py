@@ -9,10 +9,20 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
+from orchestrator.case.file.sieve_analysis import curve_of
 from orchestrator.case.file.units import parse_quantity, split_quantity
-from orchestrator.case.materials.library import NamedMaterial, UnknownMaterial, find, materials
+from orchestrator.case.materials.library import (
+    MOISTURES,
+    SIZE_EXPONENT,
+    NamedMaterial,
+    UnknownMaterial,
+    find,
+    materials,
+)
+from orchestrator.case.materials.typical_feed import Points, typical_feed
 from orchestrator.case.tables.quantities import unit_of
 
 
@@ -37,9 +47,11 @@ class Template:
         return "material" in self.asks
 
 
-RANGE = " to "  # between the first and the last of several slopes
+RANGE = " to "  # between the first and the last of several slopes, and between two sizes
+USUAL_LARGEST = 2.5
+"""Largest size of a feed that is not given, over the smaller side of the openings."""
 _DECK = ("width", "panels", "length", "slope", "opening", "opening-length")
-_MATERIAL = ("material", "throughput")
+_MATERIAL = ("material", "moisture", "throughput", "feed", "cut")
 _MOTION = ("speed", "stroke")
 TEMPLATES = {
     "flip-flow": Template(
@@ -152,6 +164,26 @@ QUESTIONS = {
     "throughput": Question(
         "How much material is fed?", "50 t/h", "throughput_kg_per_s", (0.003, 2000.0), "t/h"
     ),
+    "moisture": Question(
+        "How moist is it: dry, moist, wet or sticky (nothing: as the material's name says, else dry)?",
+        "",
+        "moisture",
+    ),
+    "feed": Question(
+        'Which sizes are fed, such as "0-30 mm", or which file has the sieve analysis, such as lab.csv '
+        "(nothing: 0 to 2.5 openings)?",
+        "",
+        "feed_m",
+        (0.0, 0.5),
+        "mm",
+    ),
+    "cut": Question(
+        "From which size on is a grain coarse (nothing: from the openings' smaller side on)?",
+        "",
+        "cut_m",
+        (1e-4, 0.3),
+        "mm",
+    ),
     "speed": Question("How fast does the shaft turn?", "750 rpm", "speed_rad_per_s", (5.0, 200.0), "rpm"),
     "stroke": Question(
         "How large shall the stroke be, the amplitude of one frame against the other along the deck "
@@ -169,6 +201,8 @@ class Wishes:
     """The answers to the questions of a template, in SI units.
 
     None leaves the choice to the proposal.  A template that does not ask for something has its default.
+    ``feed_m`` are the points of the feed's curve, and ``feed_file`` is the text of the sieve analysis that
+    gave them; "" stands for a typical curve.
     ``answers`` has the answers as text, by the names of the template's questions.
     """
 
@@ -182,6 +216,9 @@ class Wishes:
     opening_length_m: float
     material: str
     throughput_kg_per_s: float
+    feed_m: Points
+    feed_file: str
+    cut_m: float | None
     speed_rad_per_s: float
     stroke_m: float
 
@@ -206,6 +243,11 @@ class Wishes:
     def smaller_m(self) -> float:
         """The smaller side of the openings, which decides what passes."""
         return min(self.opening_m, self.opening_length_m)
+
+    @property
+    def separation_m(self) -> float:
+        """The cut size: that which is wished for, or the smaller side of the openings."""
+        return self.cut_m or self.smaller_m
 
     @property
     def density_kg_per_m3(self) -> float:
@@ -250,9 +292,17 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
     if (slopes := len(numbers["slope"])) > panels:
         what, hint = f"{slopes} slopes want {slopes} panels or more", "take fewer, or more --panels"
         problems.append(problem("slope", what, hint))
+    material = " ".join(texts["material"].split())
+    if moisture := texts["moisture"].lower():
+        if (said := find_grains(material).moisture) and said != moisture:
+            hint = "leave one of them out"
+            problems.append(problem("moisture", f"{moisture} contradicts --material {material!r}", hint))
+        material = material if said else f"{moisture} {material}"
     if problems:
         raise ImpossibleWishes(problems)
     first = {name: row[0] if row else None for name, row in numbers.items()}
+    smaller_m = min(_given(first["opening"]), _given(first["opening-length"] or first["opening"]))
+    feed_m, feed_file = _read_feed(texts["feed"], numbers["feed"], material, smaller_m)
     return Wishes(
         template=template,
         answers={name: texts[name] for name in TEMPLATES[template].asks if texts[name]},
@@ -262,11 +312,41 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
         slopes_deg=numbers["slope"],
         opening_m=_given(first["opening"]),
         opening_length_m=_given(first["opening-length"] or first["opening"]),
-        material=" ".join(texts["material"].split()),
+        material=material,
         throughput_kg_per_s=_given(first["throughput"]),
+        feed_m=feed_m,
+        feed_file=feed_file,
+        cut_m=first["cut"],
         speed_rad_per_s=_given(first["speed"]),
         stroke_m=_given(first["stroke"]),
     )
+
+
+def _read_feed(text: str, ends_m: tuple[float, ...], material: str, smaller_m: float) -> tuple[Points, str]:
+    """Return the points of the feed's curve, and the text of its sieve analysis, "" for a typical curve."""
+    if is_file_name(text):
+        analysis = Path(text).read_text(encoding="utf-8-sig")
+        return tuple((row["diameter_m"], row["passing"]) for row in curve_of(analysis)), analysis
+    smallest_m, largest_m = ends_m or (0.0, USUAL_LARGEST * smaller_m)
+    exponent = find_grains(material).material.quantities[SIZE_EXPONENT].value
+    return typical_feed(smallest_m, largest_m, exponent), ""
+
+
+def is_file_name(feed: str) -> bool:
+    """Return whether an answer names the file of a sieve analysis, and not two sizes."""
+    return Path(feed).suffix.lower() in (".csv", ".txt", ".tsv")
+
+
+def _check_feed_file(name: str) -> None:
+    """Raise ImpossibleWishes if a file is no sieve analysis in UTF-8."""
+    try:
+        curve_of(Path(name).read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise ImpossibleWishes(
+            [problem("feed", f"{show_value(name)} cannot be read: {error.strerror}")]
+        ) from None
+    except ValueError as error:
+        raise ImpossibleWishes([problem("feed", f"{show_value(name)}: {error}")]) from None
 
 
 def find_wrong_answers(template: str | None, answers: Mapping[str, str]) -> list[CaseProblem]:
@@ -318,12 +398,23 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
     if name == "material":
         find_grains(text)
         return ()
+    if name == "moisture":
+        if text.strip().lower() not in ("", *MOISTURES):
+            hint = did_you_mean(text.strip().lower(), MOISTURES, say="classes")
+            raise ImpossibleWishes([problem(name, f"{show_value(text)} is no class of moisture", hint)])
+        return ()
+    if name == "feed" and is_file_name(text.strip()):
+        _check_feed_file(text.strip())
+        return ()
     numbers, problems = [], []
     for part in _parts(name, text):
         try:
             numbers.append(_read_number(part.strip(), question))
         except ValueError as error:
             problems.append(problem(name, str(error)))
+    if name == "feed" and not problems and numbers and not (len(numbers) == 2 and numbers[0] < numbers[1]):
+        what = f"{show_value(text)} is no range of sizes"
+        problems.append(problem(name, what, 'give two, such as "0-30 mm", or the file of a sieve analysis'))
     if problems:
         raise ImpossibleWishes(problems)
     return tuple(numbers)
@@ -332,6 +423,8 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
 def _parts(name: str, text: str) -> list[str]:
     """Return the texts of the numbers in an answer, each with its unit."""
     separator = {"slope": RANGE if RANGE in text else ",", "opening": " x "}.get(name)
+    if name == "feed":
+        separator = next((mark for mark in (RANGE, " - ", "-", "/") if mark in text.strip("-")), None)
     parts = text.split(separator) if separator and text.strip() else [text] if text.strip() else []
     unit = re.sub(r"^[\s0-9.eE+-]+", "", parts[-1]) if len(parts) > 1 else ""
     return [part if re.search(r"[A-Za-z]", part) else f"{part} {unit}" for part in parts] if unit else parts
