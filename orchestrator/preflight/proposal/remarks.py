@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
+from orchestrator.case.materials.library import shapes
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.proposal.levels import DRAFT_S
@@ -135,6 +136,12 @@ def _material(proposal: Proposal) -> Iterator[str]:
     yield (
         f"feed: {3.6 * wishes.throughput_kg_per_s:.4g} t/h of {wishes.material}, {1e3 * layout.finest_m:.3g} "
         f"to {1e3 * layout.largest_m:.3g} mm, two fifths of it finer than the openings"
+    )
+    shape = shapes()[wishes.shape]
+    friction = shape.rolling_friction
+    yield (
+        f"grains: {shape.name} ({shape.about}), computed as spheres; a rolling friction of "
+        f"{friction.value:g} ({friction.low:g} to {friction.high:g}) stands for their edges"
     )
     draft_s = proposal.run_s["draft"]
     yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"

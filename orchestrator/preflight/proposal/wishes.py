@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
 from orchestrator.case.file.units import parse_quantity, split_quantity
-from orchestrator.case.materials.library import NamedMaterial, UnknownMaterial, find, materials
+from orchestrator.case.materials.library import NamedMaterial, UnknownMaterial, find, materials, shapes
 from orchestrator.case.tables.quantities import unit_of
 
 
@@ -39,7 +39,7 @@ class Template:
 
 RANGE = " to "  # between the first and the last of several slopes
 _DECK = ("width", "panels", "length", "slope", "opening", "opening-length")
-_MATERIAL = ("material", "throughput")
+_MATERIAL = ("material", "shape", "throughput")
 _MOTION = ("speed", "stroke")
 TEMPLATES = {
     "flip-flow": Template(
@@ -149,6 +149,11 @@ QUESTIONS = {
         "mm",
     ),
     "material": Question("Which material is screened?", "limestone", "material"),
+    "shape": Question(
+        "Which shape have its grains: round, rounded, angular or flaky (nothing: as it usually has)?",
+        "",
+        "shape",
+    ),
     "throughput": Question(
         "How much material is fed?", "50 t/h", "throughput_kg_per_s", (0.003, 2000.0), "t/h"
     ),
@@ -181,6 +186,7 @@ class Wishes:
     opening_m: float
     opening_length_m: float
     material: str
+    shape: str
     throughput_kg_per_s: float
     speed_rad_per_s: float
     stroke_m: float
@@ -263,6 +269,7 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
         opening_m=_given(first["opening"]),
         opening_length_m=_given(first["opening-length"] or first["opening"]),
         material=" ".join(texts["material"].split()),
+        shape=texts["shape"].lower() or find_grains(texts["material"]).material.shape,
         throughput_kg_per_s=_given(first["throughput"]),
         speed_rad_per_s=_given(first["speed"]),
         stroke_m=_given(first["stroke"]),
@@ -309,7 +316,7 @@ def _given(number: float | None) -> float:
 
 
 def read_answer(name: str, text: str) -> tuple[float, ...]:
-    """Return the numbers of an answer in SI units; empty for a material, and for an answer that is left open.
+    """Return the numbers of an answer in SI units; empty for a name, and for an answer that is left open.
 
     A range of slopes has its two ends, and an opening may have its width and its length.  Raises
     ImpossibleWishes with every reason why the answer is wrong.
@@ -317,6 +324,11 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
     question = QUESTIONS[name]
     if name == "material":
         find_grains(text)
+        return ()
+    if name == "shape":
+        if (shape := text.strip().lower()) and shape not in shapes():
+            hint = did_you_mean(shape, shapes(), say="shapes")
+            raise ImpossibleWishes([problem("shape", f"no shape {show_value(text)}", hint)])
         return ()
     numbers, problems = [], []
     for part in _parts(name, text):
