@@ -22,7 +22,7 @@ from orchestrator.case.materials.library import find, materials, pairs, shapes, 
 from orchestrator.case.tables.case import Case
 from orchestrator.cli.main import app
 from orchestrator.output.records.run_folder import resolved_case
-from orchestrator.preflight.check import find_problems
+from orchestrator.preflight.check import find_problems, warnings
 from tests.cases import CASE, load_case
 from tools.material_reference.__main__ import material_reference
 
@@ -216,6 +216,15 @@ def test_a_material_of_the_users_own_may_have_a_shape(tmp_path: Path) -> None:
     assert [row.rolling_friction for row in case(tmp_path, without).contacts] == [flaky, flaky]
     missing = re.sub("rolling_friction = .*", "", CASE)
     assert "contacts.0.rolling_friction" in problems(tmp_path, missing)[0]
+
+
+def test_a_shape_that_no_contact_takes_is_said(tmp_path: Path) -> None:
+    """All contacts of the test case's coal give a rolling friction of their own, which counts."""
+    shaped = load_case(tmp_path, CASE, ["materials.coal.shape=angular"])
+    (said,) = [line for line in warnings(shaped) if "materials.coal.shape = angular changes nothing" in line]
+    assert "(0)" in said
+    one = load_case(tmp_path, NAMED, ["materials.limestone.shape=flaky"])
+    assert not [line for line in warnings(one) if "changes nothing" in line]
 
 
 @pytest.mark.parametrize("shape", ['"angluar"', '["angular"]', "3", '""'])

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.bed.contact_times import hertz_overlap_m
+from orchestrator.cli.overview import rolling_lines
 from orchestrator.preflight.check import warnings
 from tests.cases import BLOCK, CASE, FEED, load_case
 from tests.effects.verdicts import (
@@ -233,3 +234,11 @@ def test_spheres_without_their_law_of_rolling_run_ever_faster(tmp_path: Path) ->
     row = set_contact("sliding_friction=0.47, rolling_friction=0.5")
     given = [TILTED, row, "particles.rolling=none"]
     assert by_name(load_case(tmp_path, STILL_CASE, given))["grain-shape"].verdict.value == 0.0
+
+
+def test_check_tells_shapes_and_rolling_frictions(tmp_path: Path) -> None:
+    row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
+    plain = list(rolling_lines(load_case(tmp_path, STILL_CASE, [row]).case))
+    assert plain == ["  shape      coal: not given; rolling friction 0.09 on PU, 0 on coal"]
+    shaped = load_case(tmp_path, STILL_CASE, [row, "materials.coal.shape=angular"]).case
+    assert next(rolling_lines(shaped)).startswith("  shape      coal: angular; rolling friction 0.09")

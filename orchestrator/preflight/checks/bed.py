@@ -28,7 +28,7 @@ from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import LARGEST_BYTES, Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m, share
-from orchestrator.case.materials.library import no_grains
+from orchestrator.case.materials.library import no_grains, rolling_friction_of, slug
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.case import Case, has_particles
@@ -379,6 +379,21 @@ def endless_rolling(scene: Scene) -> Iterator[str]:
         f"{which} may never reach a steady speed: {rolling.in_words}; velocity and efficiency may then "
         f"depend on the length of the deck; {hint}"
     )
+
+
+def idle_shapes(case: Case, given: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a warning for each shape in the tables ``given`` from which no contact takes its friction."""
+    shaped = [name for name, row in given.get("materials", {}).items() if row.get("shape") is not None]
+    for name in (name if name in case.materials else slug(name) for name in shaped):
+        rows = [row for row in case.contacts if name in row.between]
+        by_shape = (rolling_friction_of(*(case.materials[end].shape for end in row.between)) for row in rows)
+        own = [row.rolling_friction for row in rows]
+        if rows and all(one != other for one, other in zip(own, by_shape, strict=True)):
+            frictions = ", ".join(f"{friction:g}" for friction in dict.fromkeys(own))
+            yield (
+                f"materials.{name}.shape = {case.materials[name].shape} changes nothing: all contacts of "
+                f"{name} give a rolling_friction of their own ({frictions}); leave it out there"
+            )
 
 
 def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
