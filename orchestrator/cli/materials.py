@@ -16,6 +16,7 @@ from orchestrator.case.materials.library import (
     find,
     materials,
     pairs,
+    shapes,
     suggest,
 )
 from orchestrator.case.tables.case import WORK_OF_ADHESION
@@ -55,6 +56,9 @@ def list_lines() -> Iterator[str]:
         yield f"{row.name:{width}}  {row.about}"
     yield ""
     yield 'Grains may be dry, moist, wet or sticky: material = "moist limestone".'
+    for shape in shapes().values():
+        friction = _in_words(shape.rolling_friction)
+        yield f"Grains may be {shape.name} ({shape.about}): rolling friction {friction}."
     yield 'Elastomers have a hardness: material = "polyurethane 85 Shore A".'
     yield "flipflow materials limestone has its numbers, with ranges and sources."
 
@@ -67,6 +71,7 @@ def material_form(named: NamedMaterial) -> dict[str, Any]:
         "material": material.name,
         "about": material.about,
         "kind": material.kind,
+        "shape": shape_form(material),
         "moisture": named.moisture or None,
         "adhesion": _as_row(adhesion) if (adhesion := adhesion_of(named.moisture)) else None,
         "hardness": f"{named.hardness[0]:g} Shore {named.hardness[1]}" if named.hardness else None,
@@ -77,6 +82,14 @@ def material_form(named: NamedMaterial) -> dict[str, Any]:
             for other, rows in contacts_of(material)
         ],
     }
+
+
+def shape_form(material: LibraryMaterial) -> dict[str, Any] | None:
+    """Return the shape class of grains for JSON; None for other materials."""
+    if not material.shape:
+        return None
+    shape = shapes()[material.shape]
+    return {"name": shape.name, "about": shape.about, "quantities": [_as_row(shape.rolling_friction)]}
 
 
 def explanation(named: NamedMaterial) -> Iterator[str | Table]:
@@ -94,6 +107,14 @@ def explanation(named: NamedMaterial) -> Iterator[str | Table]:
         yield (
             f"{named.moisture}: all its contacts have a work of adhesion of {adhesion.value:.3g} J/m2 "
             f"({limits}; {adhesion.note}; {adhesion.source})"
+        )
+    if material.shape:
+        shape = shapes()[material.shape]
+        friction = shape.rolling_friction
+        yield (
+            f"shape: {shape.name} ({shape.about}), which gives all its contacts a rolling friction of "
+            f"{_in_words(friction)} ({friction.note}; {friction.source}); another shape, or a contact's own "
+            "rolling_friction, replaces it"
         )
     if rows := [(f"with {other}", each) for other, every in contacts_of(material) for each in every]:
         yield _table("contact", rows)
@@ -125,6 +146,10 @@ def _as_row(quantity: Quantity) -> dict[str, Any]:
         "source": quantity.source,
         "note": quantity.note,
     }
+
+
+def _in_words(quantity: Quantity) -> str:
+    return f"{quantity.value:g} (range {quantity.low:g} to {quantity.high:g})"
 
 
 def _table(of: str, rows: list[tuple[str, Quantity]]) -> Table:

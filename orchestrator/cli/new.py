@@ -42,6 +42,12 @@ def new(
         str | None, typer.Option(help="length of the openings [default: square]")
     ] = None,
     material: Annotated[str | None, typer.Option(help="material that is screened")] = None,
+    shape: Annotated[
+        str | None,
+        typer.Option(
+            help="shape of its grains: round, rounded, angular or flaky [default: as it usually has]"
+        ),
+    ] = None,
     moisture: Annotated[str | None, typer.Option(help="dry, moist, wet or sticky")] = None,
     throughput: Annotated[str | None, typer.Option(help='mass rate of the feed, such as "50 t/h"')] = None,
     feed: Annotated[

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesion_law, pull_offs
-from orchestrator.case.bed.contact_times import shortest_rayleigh_s
+from orchestrator.case.bed.contact_times import shortest_rayleigh_s, smallest_diameters_m
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
@@ -149,6 +149,7 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
     yield f"  particles  {particles_at_start(case)} at the start{feeds} ({case.particles.solver})"
     for line in fines(case, "next-class"):
         yield f"  sizes      {line}"
+    yield from rolling_lines(case)
     yield from adhesion_lines(case)
     if (carried := case.bed.carried) is not None:
         at = "" if math.isnan(carried.time_s) else f", at t = {carried.time_s:g} s"
@@ -157,6 +158,19 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
         f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
         "smallest particle's Rayleigh time"
     )
+
+
+def rolling_lines(case: Case) -> Iterator[str]:
+    """Yield a line about each kind of grains: its shape, and the rolling friction of its contacts."""
+    for name in smallest_diameters_m(case):
+        frictions = {
+            other: row.rolling_friction
+            for row in case.contacts
+            for one, other in {row.between, row.between[::-1]}
+            if one == name
+        }
+        rolls = ", ".join(f"{friction:g} on {other}" for other, friction in frictions.items())
+        yield f"  shape      {name}: {case.materials[name].shape or 'not given'}; rolling friction {rolls}"
 
 
 def adhesion_lines(case: Case) -> Iterator[str]:

@@ -151,6 +151,8 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *motion.bushings_beyond_points(case, shaken),
         *motion.loss_curves_beyond_points(case, shaken),
         *machine.sudden_drives(case),
+        *bed.endless_rolling(shaken),
+        *bed.idle_shapes(case, loaded.layers.merged),
         *bed.feeds_that_hardly_feed(case),
         *bed.probes_without_particle(case),
         *bed.reduced_feeds(loaded.origin.given, loaded.layers),

@@ -138,4 +138,4 @@ def test_damping_left_out_takes_the_curve_away(tmp_path: Path) -> None:
     law = case.case.materials["PU"].hyperelastic
     assert law is not None
     assert (law.maxwell, law.loss_curve) == ((), ())
-    assert set(case.left_out) == {"panel-damping"}
+    assert set(case.left_out) == {"panel-damping", "grain-shape"}

@@ -18,11 +18,11 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.hardness import youngs_modulus_Pa
 from orchestrator.case.file.loss_curve import moduli
 from orchestrator.case.file.plausible import RANGES
-from orchestrator.case.materials.library import find, materials, pairs, slug, sources
+from orchestrator.case.materials.library import find, materials, pairs, shapes, slug, sources
 from orchestrator.case.tables.case import Case
 from orchestrator.cli.main import app
 from orchestrator.output.records.run_folder import resolved_case
-from orchestrator.preflight.check import find_problems
+from orchestrator.preflight.check import find_problems, warnings
 from tests.cases import CASE, load_case
 from tools.material_reference.__main__ import material_reference
 
@@ -53,6 +53,7 @@ def problems(folder: Path, text: str, *overrides: str) -> list[str]:
 def test_every_number_is_within_its_range_and_every_source_is_used() -> None:
     rows = [*materials().values(), *pairs().values()]
     quantities = [each for row in rows for each in row.quantities.values()]
+    quantities += [shape.rolling_friction for shape in shapes().values()]
     for each in quantities:
         assert each.low <= each.value <= each.high, each
         assert each.source, each
@@ -87,7 +88,7 @@ def test_a_case_takes_materials_and_contacts_by_name(tmp_path: Path) -> None:
     row = contacts["limestone", "steel"]
     assert row.restitution == wall["restitution"].value
     assert row.sliding_friction == wall["sliding_friction"].value
-    assert row.rolling_friction == wall["rolling_friction"].value
+    assert row.rolling_friction == shapes()["angular"].rolling_friction.value
     assert works(given) == {0.0}
 
 
@@ -175,8 +176,67 @@ def test_two_kinds_of_grains_have_the_means_of_their_own_contacts(tmp_path: Path
     sand = sand.replace("ball", "grain").replace('"coal"', '"sticky sand"').replace("0.15", "0.1")
     given = case(tmp_path, NAMED + sand)
     (row,) = [row for row in given.contacts if set(row.between) == {"limestone", "sticky-sand"}]
-    assert (row.restitution, row.sliding_friction, row.rolling_friction) == pytest.approx((0.45, 0.55, 0.15))
+    assert (row.restitution, row.sliding_friction) == pytest.approx((0.45, 0.55))
     assert row.work_of_adhesion_J_per_m2 == pytest.approx(1.92)  # the sand's
+
+
+def test_the_shape_of_grains_gives_the_rolling_friction_of_contacts_that_give_none(tmp_path: Path) -> None:
+    """By the case's own shape before the library's; a contact's own number counts before both."""
+    own = """
+[materials.limestone]
+shape = "rounded"
+[[contacts]]
+between = ["limestone", "limestone"]
+rolling_friction = 0.7
+"""
+    row = {contact.between: contact.rolling_friction for contact in case(tmp_path, NAMED + own).contacts}
+    rounded = shapes()["rounded"].rolling_friction.value
+    assert row == {("limestone", "limestone"): 0.7, ("limestone", "polyurethane-85-Shore-A"): rounded}
+    usual = case(tmp_path, NAMED).contacts
+    assert {contact.rolling_friction for contact in usual} == {shapes()["angular"].rolling_friction.value}
+    flaky = case(tmp_path, NAMED, "materials.limestone.shape=flaky").contacts
+    assert {contact.rolling_friction for contact in flaky} == {shapes()["flaky"].rolling_friction.value}
+
+
+def test_two_kinds_of_grains_have_the_mean_of_their_shapes(tmp_path: Path) -> None:
+    gravel = MACHINE[MACHINE.index("[bed.particles.ball]") : MACHINE.index("[probes")]
+    gravel = gravel.replace("ball", "grain").replace('"coal"', '"gravel"').replace("0.15", "0.1")
+    given = case(tmp_path, NAMED + gravel)
+    (row,) = [row for row in given.contacts if set(row.between) == {"limestone", "gravel"}]
+    angular, rounded = (shapes()[name].rolling_friction.value for name in ("angular", "rounded"))
+    assert row.rolling_friction == pytest.approx((angular + rounded) / 2)
+
+
+def test_a_material_of_the_users_own_may_have_a_shape(tmp_path: Path) -> None:
+    """The contacts of the test case's own coal then need no rolling friction, and keep what they give."""
+    shaped = CASE.replace("[materials.coal]", '[materials.coal]\nshape = "flaky"')
+    assert [row.rolling_friction for row in case(tmp_path, shaped).contacts] == [0.0, 0.0]
+    without = re.sub("rolling_friction = .*", "", shaped)
+    flaky = shapes()["flaky"].rolling_friction.value
+    assert [row.rolling_friction for row in case(tmp_path, without).contacts] == [flaky, flaky]
+    missing = re.sub("rolling_friction = .*", "", CASE)
+    assert "contacts.0.rolling_friction" in problems(tmp_path, missing)[0]
+
+
+def test_a_shape_that_no_contact_takes_is_said(tmp_path: Path) -> None:
+    """All contacts of the test case's coal give a rolling friction of their own, which counts."""
+    shaped = load_case(tmp_path, CASE, ["materials.coal.shape=angular"])
+    (said,) = [line for line in warnings(shaped) if "materials.coal.shape = angular changes nothing" in line]
+    assert "(0)" in said
+    one = load_case(tmp_path, NAMED, ["materials.limestone.shape=flaky"])
+    assert not [line for line in warnings(one) if "changes nothing" in line]
+
+
+@pytest.mark.parametrize("shape", ['"angluar"', '["angular"]', "3", '""'])
+def test_a_shape_that_does_not_exist_is_one_problem(tmp_path: Path, shape: str) -> None:
+    (said,) = problems(tmp_path, f"{NAMED}\n[materials.limestone]\nshape = {shape}\n")
+    assert "materials.limestone.shape" in said
+    assert "angular" in said
+
+
+def test_only_grains_have_a_shape(tmp_path: Path) -> None:
+    (said,) = problems(tmp_path, NAMED + PLATE, "materials.steel.shape=round")
+    assert "materials.steel.shape: a surface is made of it, and only grains have a shape" in said
 
 
 def test_a_complete_material_has_nothing_to_do_with_the_library(tmp_path: Path) -> None:
@@ -275,6 +335,8 @@ def test_the_command_lists_and_explains() -> None:
     assert all(name in listed.output for name in materials())
     explained = run("moist", "limestone").output
     assert re.search(r"density_kg_per_m3.*2650.*kg/m3.*2300 to 2750.*typical", explained)
+    assert "shape: angular (broken or crushed" in explained
+    assert "rolling friction of 0.25 (range 0.15 to 0.4)" in explained
     adhesion = "a work of adhesion of 0.192 J/m2 (range 0.064 to 0.576; theory of single bridges of water"
     assert adhesion in explained
     assert "Fisher, R. A., Journal of Agricultural Science 16, 1926" in explained

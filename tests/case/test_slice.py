@@ -126,7 +126,8 @@ def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
     from tests.cases import CASE, case_folder
 
     narrow = 'without = ["full-width"]\n[slice]\nwidth_m = 0.1\n'
-    assert load_judged(case_folder(tmp_path, CASE, narrow=narrow), "narrow").left_out.keys() == {"full-width"}
+    found = load_judged(case_folder(tmp_path, CASE, narrow=narrow), "narrow")
+    assert found.left_out.keys() == {"full-width", "grain-shape"}
 
 
 OPENINGS = (

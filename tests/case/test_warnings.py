@@ -22,7 +22,7 @@ domain_m = [[-1.0, -0.6, -2.0], [3.0, 1.0, 1.5]]
     + grains("gravel", 2650.0, 1e7)
     + grains("steel", 7850.0, 2.1e11)
     + contact("gravel", "gravel", 0.3, 0.5)
-    + contact("gravel", "PU", 0.3, 0.5)
+    + contact("gravel", "PU", 0.3, 0.5, 0.3)
     + contact("gravel", "steel", 0.3, 0.5)
     + """
 [screen]

@@ -74,7 +74,7 @@ def test_slip_that_is_not_named_takes_the_motor_away(tmp_path: Path) -> None:
     others = [name for name in EFFECTS if has_effect(before, name) and name != "motor-slip"]
     case = loaded(tmp_path, [MOTOR, PLANAR, f"effects={others}"])
     assert case.case.screen.exciters["shaft"].motor is None
-    assert set(case.left_out) == {"motor-slip", "sideways-motion"}
+    assert set(case.left_out) == {"motor-slip", "sideways-motion", "grain-shape"}
 
 
 def test_a_shaft_that_runs_up_has_turned_half_as_far() -> None:

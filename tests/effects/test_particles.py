@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.bed.contact_times import hertz_overlap_m
+from orchestrator.cli.overview import rolling_lines
+from orchestrator.preflight.check import warnings
 from tests.cases import BLOCK, CASE, FEED, load_case
 from tests.effects.verdicts import (
     APERTURES,
@@ -190,3 +192,53 @@ def test_wear_by_hand(tmp_path: Path, rate: float, matters: bool) -> None:
 def test_wear_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
     found = of_driven(tmp_path, "wear", "contacts.0.specific_wear_m3_per_N_m=1e-11", "particles.wear=none")
     assert found.is_lacking
+
+
+@pytest.mark.parametrize("friction", [0.09, 0.36, 0.37, 0.5])
+def test_a_lone_sphere_below_the_tangent_of_the_slope_runs_ever_faster(
+    tmp_path: Path, friction: float
+) -> None:
+    """tan 20 deg = 0.363970; a ball of 20 mm is one layer.  The run has spheres, whatever they stand for."""
+    row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
+    case = load_case(tmp_path, STILL_CASE, [TILTED, row])
+    found = by_name(case)["grain-shape"]
+    assert found.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
+    assert found.verdict.matters is (True if friction < 0.363970 else None)
+    assert found.is_lacking == (friction < 0.363970)
+    assert not found.present
+    assert "particles are spheres" in case.left_out["grain-shape"]
+    said = [line for line in warnings(case) if "may never reach a steady speed" in line]
+    assert len(said) == (friction < 0.363970)
+    assert all("give materials.coal a shape" in line for line in said)
+
+
+def test_spheres_on_the_level_and_in_a_thick_bed_hold_each_other(tmp_path: Path) -> None:
+    """20 s of the feed are 33 kg/m2 of grains of 20 mm, and a layer is 15.0."""
+    row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
+    level = by_name(load_case(tmp_path, STILL_CASE, [row]))["grain-shape"]
+    assert (level.verdict.value, level.verdict.matters) == (None, None)
+    given = [FEED, row, TILTED]
+    for seconds, matters in ((1, True), (20, None)):
+        bed = load_case(tmp_path, BARE, [*given, f"duration_s={seconds}"])
+        assert by_name(bed)["grain-shape"].verdict.matters is matters
+        assert any("may never reach a steady speed" in line for line in warnings(bed)) == bool(matters)
+
+
+def test_no_shape_without_particles_or_a_deck(tmp_path: Path) -> None:
+    bare = load_case(tmp_path, BARE, [TILTED])
+    assert "grain-shape" not in by_name(bare)
+    assert "grain-shape" not in bare.left_out
+
+
+def test_spheres_without_their_law_of_rolling_run_ever_faster(tmp_path: Path) -> None:
+    row = set_contact("sliding_friction=0.47, rolling_friction=0.5")
+    given = [TILTED, row, "particles.rolling=none"]
+    assert by_name(load_case(tmp_path, STILL_CASE, given))["grain-shape"].verdict.value == 0.0
+
+
+def test_check_tells_shapes_and_rolling_frictions(tmp_path: Path) -> None:
+    row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
+    plain = list(rolling_lines(load_case(tmp_path, STILL_CASE, [row]).case))
+    assert plain == ["  shape      coal: not given; rolling friction 0.09 on PU, 0 on coal"]
+    shaped = load_case(tmp_path, STILL_CASE, [row, "materials.coal.shape=angular"]).case
+    assert next(rolling_lines(shaped)).startswith("  shape      coal: angular; rolling friction 0.09")

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from orchestrator.case.materials.library import Quantity, materials, pairs, sources
+from orchestrator.case.materials.library import Quantity, materials, pairs, shapes, sources
 from orchestrator.case.tables.quantities import unit_of
 
 HEAD = "| key | value | unit | range | source | note |\n| --- | --- | --- | --- | --- | --- |"
@@ -19,6 +19,7 @@ def material_reference() -> str:
     """Return docs/materials.md."""
     lines = [
         Path(__file__).with_name("use.md").read_text(encoding="utf-8"),
+        *_shapes(),
         *_materials(),
         *_contacts(),
         *_sources(),
@@ -26,11 +27,26 @@ def material_reference() -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
+def _shapes() -> Iterator[str]:
+    """Yield a table of all shape classes."""
+    yield "## Shapes\n"
+    yield "| shape | grains | `rolling_friction` | range | source | note |"
+    yield "| --- | --- | --- | --- | --- | --- |"
+    for shape in shapes().values():
+        each = shape.rolling_friction
+        cells = [f"`{shape.name}`", shape.about, f"{each.value:g}", _range(each), each.source_id, each.note]
+        yield f"| {' | '.join(cells)} |"
+    yield ""
+
+
 def _materials() -> Iterator[str]:
     """Yield a section for each material."""
     yield "## Materials\n"
     for material in materials().values():
-        yield f"### {material.name}\n\n{material.about[0].upper()}{material.about[1:]}.\n\n{HEAD}"
+        yield f"### {material.name}\n\n{material.about[0].upper()}{material.about[1:]}.\n"
+        if material.shape:
+            yield f"Shape: `{material.shape}`.\n"
+        yield HEAD
         yield from _rows(material.quantities.values())
         yield ""
 

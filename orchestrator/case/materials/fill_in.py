@@ -12,7 +12,17 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.layers import REPLACED_BY
-from orchestrator.case.materials.library import NamedMaterial, contact_keys, look_up, slug, suggest
+from orchestrator.case.materials.library import (
+    NamedMaterial,
+    contact_keys,
+    look_up,
+    rolling_friction_of,
+    shapes,
+    slug,
+    suggest,
+)
+
+ROLLING = "rolling_friction"
 
 
 def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -21,7 +31,8 @@ def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     A material is completed if its own name or its key ``like`` names one of the library.  A material that
     is complete without the library has nothing to do with it, whatever its name.  Contacts are added for
     all pairs of completed materials that can meet.  Names of the library with blanks are replaced by their
-    slugs everywhere.  Raises CaseError for materials that are ``like`` one that the library does not have.
+    slugs everywhere.  Contacts that give no rolling friction have that of the shape of their grains.  Raises
+    CaseError for materials that are ``like`` one that the library does not have.
     """
     given: Mapping[str, Any] = table.get("materials", {})
     if not isinstance(given, Mapping) or not isinstance(table.get("contacts", []), list):
@@ -38,10 +49,13 @@ def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         row = materials.get(name, {})
         if isinstance(row, Mapping) and (library := look_up(str(row.get("like", original.get(name, name))))):
             own = {key: value for key, value in row.items() if key != "like"}
-            if (filled := _filled(library.keys(), own)) != row:  # else it is a material of the user's own
+            filled = _filled(library.keys(), own)
+            # A table that lacks nothing but the shape is a material of the user's own.
+            if {**filled, "shape": None} != {**row, "shape": None}:
                 materials[name], known[name] = filled, library
     contacts = [_filled_contact(row, known) for row in case.get("contacts", [])]
     contacts += _missing_contacts(case, contacts, known)
+    contacts = [_with_rolling_friction(row, materials) for row in contacts]
     return {**case, "materials": materials} | ({"contacts": contacts} if contacts else {})
 
 
@@ -104,6 +118,24 @@ def _filled_contact(row: Any, known: Mapping[str, NamedMaterial]) -> Any:
     if any(way in row for way in REPLACED_BY):
         library.pop("moisture", None)
     return _filled(library, row)
+
+
+def _with_rolling_friction(row: Any, materials: Mapping[str, Any]) -> Any:
+    """Return a row of ``contacts`` with the rolling friction of its grains' shapes, if it gives none.
+
+    A shape that does not exist is the matter of another check; the row has none then.
+    """
+    if not isinstance(row, Mapping) or row.get(ROLLING) is not None:
+        return row
+    between = row.get("between")
+    if not isinstance(between, list) or len(between) != 2:
+        return row
+    tables = [materials.get(name) if isinstance(name, str) else None for name in between]
+    classes = [table.get("shape") if isinstance(table, Mapping) else None for table in tables]
+    if any(shape is not None and shape not in [*shapes()] for shape in classes):
+        return {**row, ROLLING: 0.0}
+    friction = rolling_friction_of(*classes)
+    return row if friction is None else {**row, ROLLING: friction}
 
 
 def _missing_contacts(

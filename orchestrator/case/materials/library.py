@@ -21,7 +21,7 @@ FILE = Path(__file__).with_name("library.toml")
 Kind = Literal["grains", "surface", "elastomer"]
 MOISTURES = ("dry", "moist", "wet", "sticky")  # from the driest to the stickiest
 NAME = re.compile(r"(?:(dry|moist|wet|sticky) )?(.+?)(?: (\d+(?:\.\d+)?) ?shore ?([ad]))?")
-COEFFICIENTS = ("restitution", "sliding_friction", "rolling_friction")
+COEFFICIENTS = ("restitution", "sliding_friction")
 SIZE_EXPONENT = "size_exponent"
 """The quantity of grains that describes a typical feed (``typical_feed.py``), and no key of a case."""
 LOSS_FROM_HZ, LOSS_TO_HZ = 5.0, 500.0
@@ -53,12 +53,25 @@ class Quantity:
 
 @dataclass(frozen=True)
 class LibraryMaterial:
-    """A material of the library, with all its quantities by key."""
+    """A material of the library, with all its quantities by key.
+
+    ``shape`` is the usual shape class of grains, and "" of all other materials.
+    """
 
     name: str
     about: str
     kind: Kind
     quantities: Mapping[str, Quantity]
+    shape: str = ""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A shape class of grains, with the rolling friction of spheres that stand for them."""
+
+    name: str
+    about: str
+    rolling_friction: Quantity
 
 
 @dataclass(frozen=True)
@@ -86,7 +99,7 @@ class NamedMaterial:
             key: quantity.value for key, quantity in self.material.quantities.items() if key != SIZE_EXPONENT
         }
         if self.hardness is None:
-            return values
+            return values | ({"shape": self.material.shape} if self.material.shape else {})
         modulus_Pa = values["modulus_over_that_of_hardness"] * youngs_modulus_Pa(*self.hardness)
         c10_Pa = modulus_Pa / 6 / (1 + values["c01_over_c10"])
         curve = [
@@ -107,9 +120,28 @@ class NamedMaterial:
 def materials() -> dict[str, LibraryMaterial]:
     """Return all materials of the library by name."""
     return {
-        name: LibraryMaterial(name, row["about"], row["kind"], _quantities(row))
+        name: LibraryMaterial(name, row["about"], row["kind"], _quantities(row), row.get("shape", ""))
         for name, row in _table()["materials"].items()
     }
+
+
+@cache
+def shapes() -> dict[str, Shape]:
+    """Return all shape classes by name, from the roundest."""
+    return {
+        name: Shape(name, row["about"], _quantities(row)["rolling_friction"])
+        for name, row in _table()["shapes"].items()
+    }
+
+
+def rolling_friction_of(one: str | None, other: str | None) -> float | None:
+    """Return the rolling friction of the contact of two materials of these shape classes.
+
+    A material without a shape, such as that of a panel, has none of its own.  Two grains have the mean of
+    both classes, which is an assumption.  Return None where neither has a shape.
+    """
+    given = [shapes()[shape].rolling_friction.value for shape in (one, other) if shape is not None]
+    return sum(given) / len(given) if given else None
 
 
 @cache

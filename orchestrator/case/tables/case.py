@@ -103,6 +103,9 @@ class Material(Table):
     """Young's modulus in contacts.  For a hyperelastic material the default is some 6 (C10 + C01)."""
     poisson_ratio: Annotated[float, Strict(), Ge(0), Lt(0.5)] | None = None
     """Poisson's ratio in contacts.  For a hyperelastic material the default follows from its constants."""
+    shape: Literal["round", "rounded", "angular", "flaky"] | None = None
+    """Shape class of grains.  It gives the ``rolling_friction`` of all their contacts that give none
+    (docs/materials.md).  Grains of the library have one."""
     hyperelastic: Hyperelastic | None = None
     """Constants that the material of a panel needs in addition."""
 
@@ -120,7 +123,8 @@ class Contact(Table):
     sliding_friction: NotNegative
     """Coefficient of sliding friction."""
     rolling_friction: NotNegative
-    """Coefficient of rolling friction: largest couple / (normal force x reduced radius)."""
+    """Coefficient of rolling friction: largest couple / (normal force x reduced radius).  Where it is not
+    given, it is that of the ``shape`` of the grains; two kinds of grains have the mean of both."""
     work_of_adhesion_J_per_m2: NotNegative = 0.0
     """Energy per area to separate the two materials.  For equal materials it is twice the surface
     energy."""

@@ -28,7 +28,7 @@ from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import LARGEST_BYTES, Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m, share
-from orchestrator.case.materials.library import no_grains
+from orchestrator.case.materials.library import no_grains, rolling_friction_of, slug
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.case import Case, has_particles
@@ -36,8 +36,8 @@ from orchestrator.ports import Array
 from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_volume_m3
 from orchestrator.preflight.checks.names import rows
-from orchestrator.preflight.scene.contacts import compute_softness
-from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.scene.contacts import compute_softness, rolling_on_deck
+from orchestrator.preflight.scene.scene import Scene, scene
 
 STIFFEST_PA = 1e13  # beyond it units are wrong, which is said of the constants
 SOURCES, RATE = ("bed.blocks", "bed.feeds"), "rate_kg_per_s"
@@ -53,13 +53,16 @@ def written_size(case: Case) -> Iterator[CaseProblem]:
 
 
 def complete_materials(case: Case) -> Iterator[CaseProblem]:
-    """Check that panels have a material law, and all other materials elastic constants."""
+    """Check that panels have a material law, other materials elastic constants, and no surface a shape."""
     for name, panel in case.screen.panels.items():
         material = case.materials.get(panel.material)
         if material is not None and material.hyperelastic is None:
             key: Key = ("materials", panel.material, "hyperelastic")
             yield CaseProblem(key, f"missing: panel {name} is made of it")
+    surfaces = surface_materials(case) - _grains(case)
     for key, material in rows(case, "materials"):
+        if material.shape is not None and key[-1] in surfaces:
+            yield CaseProblem((*key, "shape"), "a surface is made of it, and only grains have a shape")
         if material.hyperelastic is None:
             for field in ("youngs_modulus_Pa", "poisson_ratio"):
                 if getattr(material, field) is None:
@@ -355,6 +358,42 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
 
 ENOUGH = 0.8  # share of the mass due by the end that must come
 ROUNDED = 0.01  # allowed change of the time between batches by rounding, as a share of that time
+
+
+def endless_rolling(scene: Scene) -> Iterator[str]:
+    """Yield a warning if only hits, and no rolling friction, hold back the spheres of a thin layer.
+
+    They may run ever faster down the deck, which grains with edges do not, and their results then depend on
+    how long it is.
+    """
+    rolling = rolling_on_deck(scene)
+    if rolling is None or not rolling.is_endless:
+        return
+    name = rolling.between[0]
+    shape = scene.case.materials[name].shape
+    hint = f"give materials.{name} a shape, and leave out rolling_friction"
+    if shape is not None:
+        hint = f"compare the speeds on the panels, and try the range of the shape {shape}"
+    which = "lone spheres" if adhesion_law(scene.case) == "none" else "lone spheres that do not stick"
+    yield (
+        f"{which} may never reach a steady speed: {rolling.in_words}; velocity and efficiency may then "
+        f"depend on the length of the deck; {hint}"
+    )
+
+
+def idle_shapes(case: Case, given: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a warning for each shape in the tables ``given`` from which no contact takes its friction."""
+    shaped = [name for name, row in given.get("materials", {}).items() if row.get("shape") is not None]
+    for name in (name if name in case.materials else slug(name) for name in shaped):
+        rows = [row for row in case.contacts if name in row.between]
+        by_shape = (rolling_friction_of(*(case.materials[end].shape for end in row.between)) for row in rows)
+        own = [row.rolling_friction for row in rows]
+        if rows and all(one != other for one, other in zip(own, by_shape, strict=True)):
+            frictions = ", ".join(f"{friction:g}" for friction in dict.fromkeys(own))
+            yield (
+                f"materials.{name}.shape = {case.materials[name].shape} changes nothing: all contacts of "
+                f"{name} give a rolling_friction of their own ({frictions}); leave it out there"
+            )
 
 
 def feeds_that_hardly_feed(case: Case) -> Iterator[str]:

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
+from orchestrator.case.materials.library import shapes
 from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.cost import in_words
@@ -170,6 +171,12 @@ def _material(proposal: Proposal) -> Iterator[str]:
         f"feed: {3.6 * wishes.throughput_kg_per_s:.4g} t/h of {wishes.material}, {sizes} {kind}; "
         f"{fine:.0%} of it is finer than the cut of {1e3 * cut_m:.4g} mm, "
         f"and {half:.0%} finer than half of that"
+    )
+    shape = shapes()[wishes.shape]
+    friction = shape.rolling_friction
+    yield (
+        f"grains: {shape.name} ({shape.about}), computed as spheres; a rolling friction of "
+        f"{friction.value:g} ({friction.low:g} to {friction.high:g}) stands for their edges"
     )
     draft_s = proposal.run_s["draft"]
     yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"

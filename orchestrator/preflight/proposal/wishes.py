@@ -21,6 +21,7 @@ from orchestrator.case.materials.library import (
     UnknownMaterial,
     find,
     materials,
+    shapes,
 )
 from orchestrator.case.materials.typical_feed import Points, typical_feed
 from orchestrator.case.tables.quantities import unit_of
@@ -51,7 +52,7 @@ RANGE = " to "  # between the first and the last of several slopes, and between 
 USUAL_LARGEST = 2.5
 """Largest size of a feed that is not given, over the smaller side of the openings."""
 _DECK = ("width", "panels", "length", "slope", "opening", "opening-length")
-_MATERIAL = ("material", "moisture", "throughput", "feed", "cut")
+_MATERIAL = ("material", "shape", "moisture", "throughput", "feed", "cut")
 _MOTION = ("speed", "stroke")
 TEMPLATES = {
     "flip-flow": Template(
@@ -161,6 +162,11 @@ QUESTIONS = {
         "mm",
     ),
     "material": Question("Which material is screened?", "limestone", "material"),
+    "shape": Question(
+        "Which shape have its grains: round, rounded, angular or flaky (nothing: as it usually has)?",
+        "",
+        "shape",
+    ),
     "throughput": Question(
         "How much material is fed?", "50 t/h", "throughput_kg_per_s", (0.003, 2000.0), "t/h"
     ),
@@ -215,6 +221,7 @@ class Wishes:
     opening_m: float
     opening_length_m: float
     material: str
+    shape: str
     throughput_kg_per_s: float
     feed_m: Points
     feed_file: str
@@ -313,6 +320,7 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
         opening_m=_given(first["opening"]),
         opening_length_m=_given(first["opening-length"] or first["opening"]),
         material=material,
+        shape=texts["shape"].lower() or find_grains(texts["material"]).material.shape,
         throughput_kg_per_s=_given(first["throughput"]),
         feed_m=feed_m,
         feed_file=feed_file,
@@ -389,7 +397,7 @@ def _given(number: float | None) -> float:
 
 
 def read_answer(name: str, text: str) -> tuple[float, ...]:
-    """Return the numbers of an answer in SI units; empty for a material, and for an answer that is left open.
+    """Return the numbers of an answer in SI units; empty for a name, and for an answer that is left open.
 
     A range of slopes has its two ends, and an opening may have its width and its length.  Raises
     ImpossibleWishes with every reason why the answer is wrong.
@@ -398,6 +406,9 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
     if name == "material":
         find_grains(text)
         return ()
+    if name == "shape" and (shape := text.strip().lower()) and shape not in shapes():
+        hint = did_you_mean(shape, shapes(), say="shapes")
+        raise ImpossibleWishes([problem("shape", f"no shape {show_value(text)}", hint)])
     if name == "moisture":
         if text.strip().lower() not in ("", *MOISTURES):
             hint = did_you_mean(text.strip().lower(), MOISTURES, say="classes")

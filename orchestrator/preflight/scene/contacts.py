@@ -17,7 +17,7 @@ from orchestrator.case.bed.contact_times import (
 from orchestrator.case.tables.case import Case, Contact, has_particles
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.effect import Effect, Judge
-from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.scene import Scene, layer_kg_per_m2
 
 
 def contact_law_effect(
@@ -51,6 +51,7 @@ def contact_law_effect(
 
 
 LEVEL = 1e-9  # slope of a deck that counts as level
+FEWEST_LAYERS = 2.0  # of a bed in which grains hold each other back; the project's own choice
 STEP_COST = "the particles' step goes with 1/sqrt(stiffness)"
 
 
@@ -148,6 +149,48 @@ def friction_over_pull(scene: Scene, friction: float) -> float:
         return math.inf if friction else 0.0
     bearing = scene.observed.bearing
     return friction / scene.slope * (1.0 if bearing is None else bearing.carried)
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """How lone spheres roll on the flattest panel.
+
+    ``friction`` is the smallest coefficient of rolling friction of particles on the deck, in the contact of
+    the two materials ``between``; ``slope`` is the tangent of the panel's angle, and ``layers`` the mass of
+    the bed over that of one layer of its largest particles.
+    """
+
+    friction: float
+    between: tuple[str, str]
+    slope: float
+    layers: float
+
+    @property
+    def is_endless(self) -> bool:
+        """Whether a sphere on the deck runs ever faster, and no bed holds it back."""
+        return self.slope >= LEVEL and self.friction < self.slope and self.layers < FEWEST_LAYERS
+
+    @property
+    def in_words(self) -> str:
+        """A text that compares friction with slope, and names the bed."""
+        what = "less" if self.friction < self.slope else "not less"
+        layers = f"{self.layers:.2g} layer{'s' * (round(self.layers, 2) != 1)}"
+        return (
+            f"rolling friction {self.friction:.3g} of {' on '.join(self.between)} is {what} than the tangent "
+            f"of the slope, {self.slope:.3g}, under a bed of {layers}"
+        )
+
+
+def rolling_on_deck(scene: Scene) -> Rolling | None:
+    """Return how lone spheres roll on the deck; None without panels or particles."""
+    rows = contacts_on_deck(scene.case) if scene.panels else []
+    if not rows:
+        return None
+    row = min(rows, key=lambda row: row.rolling_friction)
+    grains = smallest_diameters_m(scene.case)
+    between = row.between if row.between[0] in grains else row.between[::-1]
+    friction = 0.0 if scene.case.particles.rolling == "none" else row.rolling_friction
+    return Rolling(friction, between, scene.slope, scene.bed_kg_per_m2 / layer_kg_per_m2(scene.case))
 
 
 def describe_friction(ratio: float, how: str) -> str:

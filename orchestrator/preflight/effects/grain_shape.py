@@ -1,0 +1,51 @@
+"""The shape of grains, which are computed as spheres.
+
+A rolling friction stands for what shape does to rolling: a grain with edges is held back by the couple of
+its weight and of the distance between its contact and the plumb line of its centre.  Where that couple is
+smaller than that of the slope, a lone sphere runs ever faster, and a grain with edges does not.  How shape
+scatters rebounds, and how grains turn to pass an opening, spheres leave out altogether.
+Wensrich, C. M. and Katterfeld, A., Powder Technology 217, 2012, 409-417, doi 10.1016/j.powtec.2011.10.057.
+"""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.preflight.scene.contacts import FEWEST_LAYERS, LEVEL, rolling_on_deck
+from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.scene import Scene
+
+OPEN = "what edges change of rebounds and of passing, spheres do not tell"
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """Return the verdict by whether a lone sphere stops rolling on the flattest panel; None without a deck.
+
+    It matters where nothing stops it: the results then depend on the length of the deck.
+    """
+    rolling = rolling_on_deck(scene)
+    if rolling is None:
+        return None
+    level = rolling.slope < LEVEL
+    return Verdict(
+        number="mu_r / tan(slope)",
+        value=None if level else rolling.friction / rolling.slope,
+        threshold=f"1 (a lone sphere stops), or {FEWEST_LAYERS:g} layers (own choice)",
+        matters=True if rolling.is_endless else None,
+        why=f"a sphere that rolls runs ever faster: {rolling.in_words}" if rolling.is_endless else OPEN,
+    )
+
+
+def left_out(case: Case) -> str:
+    """Return how grains are computed; empty without particles."""
+    return "particles are spheres; rolling friction stands for their shape" if has_particles(case) else ""
+
+
+EFFECT = Effect(
+    part="particles",
+    judge=judge,
+    described=lambda case: False,
+    left_out=left_out,
+    key="materials: shape; contacts: rolling_friction",
+    checked_by="bed_kg_per_m2",
+    about=("particles",),
+)

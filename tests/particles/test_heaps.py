@@ -1,0 +1,42 @@
+"""Heaps of spheres that stand for grains of a shape, beside published angles of repose.
+
+Sliding friction and restitution are the library's of the material on itself, and the rolling friction is that
+of its shape class.  The class `angular` was chosen by the heap of coal, `rounded` by that of pebbles; that of
+crushed limestone, with other sliding friction, is a prediction.
+
+EN 1991-4:2006, Eurocode 1, Actions on structures, part 4, Table E.1 (coal); Conveyor Equipment Manufacturers
+Association, Belt Conveyors for Bulk Materials, chapter 3 (crushed limestone, gravel pebbles).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestrator.case.materials.library import materials, pairs, shapes
+from orchestrator.ports.adapters import ParticlesAdapter
+from tests.particles.contract import LIGGGHTS_ALONE
+from tests.particles.heap import poured_slopes_deg
+
+ASKED = LIGGGHTS_ALONE
+
+pytestmark = pytest.mark.slow
+
+PUBLISHED_DEG = {"coal": 36.0, "limestone": 38.0, "gravel": 30.0}
+TOLERANCE_DEG = 2.0
+"""Tables of repose give whole degrees, and those of different authors differ by two and more."""
+
+
+@pytest.mark.parametrize("name", PUBLISHED_DEG)
+def test_a_heap_has_the_published_slope_by_its_shape_class(module: ParticlesAdapter, name: str) -> None:
+    """The mean of six heaps, which is sure to half a degree (one standard error)."""
+    itself = pairs()[frozenset([name])].quantities
+    slopes_deg = poured_slopes_deg(
+        module,
+        sliding_friction=itself["sliding_friction"].value,
+        rolling_friction=shapes()[materials()[name].shape].rolling_friction.value,
+        restitution=itself["restitution"].value,
+        heaps=6,
+    )
+    assert np.mean(slopes_deg) == pytest.approx(PUBLISHED_DEG[name], abs=TOLERANCE_DEG)
+    assert np.std(slopes_deg) < TOLERANCE_DEG
