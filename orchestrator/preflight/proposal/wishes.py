@@ -406,9 +406,11 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
     if name == "material":
         find_grains(text)
         return ()
-    if name == "shape" and (shape := text.strip().lower()) and shape not in shapes():
-        hint = did_you_mean(shape, shapes(), say="shapes")
-        raise ImpossibleWishes([problem("shape", f"no shape {show_value(text)}", hint)])
+    if name == "shape":
+        if (shape := text.strip().lower()) and shape not in shapes():
+            hint = did_you_mean(shape, shapes(), say="shapes")
+            raise ImpossibleWishes([problem("shape", f"no shape {show_value(text)}", hint)])
+        return ()
     if name == "moisture":
         if text.strip().lower() not in ("", *MOISTURES):
             hint = did_you_mean(text.strip().lower(), MOISTURES, say="classes")
