@@ -8,7 +8,7 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.step_filling import step_filling, step_filling_lines
 from tests.runs.outside import ROOT
 
-CHEAP = ["panel.solver=strip"]
+CHEAP = ["panel.solver=strip", "coupling.sync_interval_s=3.125e-5"]
 
 
 def filled(*sets: str):

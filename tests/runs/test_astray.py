@@ -166,7 +166,13 @@ def test_a_jammed_feed_may_be_only_warned_of(tmp_path: Path) -> None:
 
 
 SOFT = ("particles.largest_youngs_modulus_Pa=1e4", "bed.particles.ball.velocity_m_per_s=[0,0,-2.3]")
-THROUGH = (*SOFT, "duration_s=0.08", "output.pictures=false", "panel.solver=rigid")
+THROUGH = (
+    "coupling.sync_interval_s=1e-4",
+    *SOFT,
+    "duration_s=0.08",
+    "output.pictures=false",
+    "panel.solver=rigid",
+)
 SOLVERS_OF_PARTICLES = ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
 
 

@@ -43,7 +43,7 @@ SECTIONS = {
 class Bound:
     """The longest sync interval that one effect allows.
 
-    Within a bound on "stability" 98 to 99 of 100 random scenes create less than 1 % of the energy exchanged
+    Within a bound on "stability" 99 of 100 random scenes create less than 1 % of the energy exchanged
     (``tools.promise_bank``, docs/measured/stability.md).  Beyond a bound on "accuracy" the answer is worse
     than the project's own rule, but bounded.  ``interval_s`` is infinite if the effect sets no limit, and 0
     if no interval is short enough.  ``why`` has the case's own numbers, and ``where`` names the particles and
@@ -178,7 +178,7 @@ fields of the seat that the function takes besides the contact's stiffness and d
 
 CONTACT_LIMITS |= dict.fromkeys(("aitken", "quasi-newton"), CONTACT_LIMITS["particles-first"])
 
-SURE = {"particles-first": 0.8, "robin": 0.2, "serial-staggered": 0.125, "aitken": 5.0, "quasi-newton": 5.0}
+SURE = {"particles-first": 0.8, "robin": 0.2, "serial-staggered": 1 / 16, "aitken": 5.0, "quasi-newton": 5.0}
 """Shares of these limits up to which a scheme is sure to be sound (docs/measured/stability.md).
 
 A contact that begins within an interval is not foreseen, and a load that comes late adds energy in every
@@ -186,7 +186,7 @@ impact, long before anything grows without end.  Repeated intervals are stable f
 particles-first, until a try throws a light point so far that its panel breaks down."""
 SURE_OF_CLAMPS = 0.5
 """The same for extrapolated clamps."""
-INTERVALS_PER_SURE_IMPACT = {"aitken": 10, "quasi-newton": 40, "serial-staggered": 400}
+INTERVALS_PER_SURE_IMPACT = {"aitken": 10, "quasi-newton": 40, "serial-staggered": 800}
 """The fewest intervals to the shortest impact with which a scheme is sure to be sound."""
 
 
