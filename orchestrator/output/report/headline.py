@@ -15,7 +15,7 @@ RECOVERY = "fine_placement_percent"
 SAME_POINTS = 0.05  # of per cent: a recovery of undersize this near to the efficiency is the same figure
 T_PER_H = 3.6  # in 1 kg/s
 EFFICIENCY = "screening efficiency η"
-COMPUTED = " of the computed sizes"
+COMPUTED = ", computed sizes alone"
 """The end of the names of figures without the sizes that a feed leaves out."""
 UNKNOWN = "unknown"
 """The value of a figure that a run cannot give; its reason is told in its place."""
