@@ -12,6 +12,7 @@ from orchestrator.output.results.screening import screening
 CUT_M = 0.006
 RATE_PER_S, STAY_S = 0.5, 1.5
 """Fines pass with this rate until they reach the deck's end; coarse grains stay as long."""
+BATCHES_S = 0.02  # between the times at which grains are fed
 PASSED = 1 - np.exp(-RATE_PER_S * STAY_S)
 
 
@@ -22,7 +23,7 @@ def transient(end_s: float, per_s: int = 4000, stuck: int = 0) -> Events:
     """
     generator = np.random.default_rng(3)
     number = int(per_s * (end_s - 0.2))
-    time_s = np.sort(generator.uniform(0.2, end_s, number))
+    time_s = np.ceil(np.sort(generator.uniform(0.2, end_s, number)) / BATCHES_S) * BATCHES_S
     is_fine = generator.uniform(size=number) < 0.5
     diameter_m = np.where(is_fine, 0.004, 0.008)
     waits_s = np.where(is_fine, generator.exponential(1 / RATE_PER_S, number), np.inf)

@@ -31,7 +31,9 @@ def last_fed_s(events: Events) -> float | None:
     remaining_kg = np.where(np.isin(fed.id[order], events.removed.id), 0.0, mass_kg)
     complete = np.cumsum(remaining_kg) <= MOST_REMAINING * np.cumsum(mass_kg)
     complete[: FEWEST - 1] = False
-    return float(fed.time_s[order][np.flatnonzero(complete)[-1]]) if complete.any() else None
+    time_s = fed.time_s[order]
+    complete[:-1] &= np.diff(time_s) > 0  # a batch of the feed is in the cohort as a whole
+    return float(time_s[np.flatnonzero(complete)[-1]]) if complete.any() else None
 
 
 @dataclass(frozen=True)
