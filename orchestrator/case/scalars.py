@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 Summary = Mapping[str, Any]
 WHOLE_FEED = "whole feed"
 """The entry of ``results.missing`` that says why the sizes that a feed leaves out could not be completed."""
+COHORT = "cohort"
+"""The entry of ``results.missing`` that says why a run that is not steady does not tell the separation."""
 
 
 @dataclass(frozen=True)
@@ -138,9 +140,18 @@ def _efficiency(summary: Summary) -> Value | None:
     """Return the efficiency of the whole feed; None where sizes are left out that no curve completes."""
     if _inner(summary, "results.screening.whole_feed") is not None:
         return _at("results.screening.whole_feed.efficiency_percent")(summary)
-    if WHOLE_FEED in (_inner(summary, "results.missing") or {}):
+    if {WHOLE_FEED, COHORT} & {*(_inner(summary, "results.missing") or {})}:
         return None
-    return _at("results.screening.efficiency_percent")(summary)
+    return _computed_efficiency(summary)
+
+
+def _computed_efficiency(summary: Summary) -> Value | None:
+    """Return the efficiency of the sizes that are computed: of a run that is not steady, that of the grains
+    that were fed so early that nearly all have left; None if there are none."""
+    if COHORT in (_inner(summary, "results.missing") or {}):
+        return None
+    cohort = _at("results.screening.cohort.efficiency_percent")(summary)
+    return cohort or _at("results.screening.efficiency_percent")(summary)
 
 
 def _middle(summary: Summary) -> Value | None:
@@ -219,7 +230,7 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
         "computed_efficiency": (
             "screening efficiency of the sizes that are computed / %",
             0.1,
-            _at("results.screening.efficiency_percent"),
+            _computed_efficiency,
         ),
         "recovery": (
             "fines that passed, of those that came / %",

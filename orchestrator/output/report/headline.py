@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from orchestrator.case.scalars import WHOLE_FEED
+from orchestrator.case.scalars import COHORT, WHOLE_FEED
 from orchestrator.output.report.formatting import NONE, interval, number
 
 NOT_STEADY = "not steady yet"
@@ -15,7 +15,7 @@ RECOVERY = "fine_placement_percent"
 SAME_POINTS = 0.05  # of per cent: a recovery of undersize this near to the efficiency is the same figure
 T_PER_H = 3.6  # in 1 kg/s
 EFFICIENCY = "screening efficiency η"
-COMPUTED = " of the computed sizes"
+COMPUTED = ", computed sizes alone"
 """The end of the names of figures without the sizes that a feed leaves out."""
 UNKNOWN = "unknown"
 """The value of a figure that a run cannot give; its reason is told in its place."""
@@ -76,14 +76,20 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     lasting = _describe_window(state) if state else "the whole run"
     unsteady = not (state and state["is_steady"])
     screening, bed = results.get("screening", {}), results.get("bed")
-    whole_feed, why_not = screening.get("whole_feed"), results["missing"].get(WHOLE_FEED, "")
+    whole_feed, missing = screening.get("whole_feed"), results.get("missing", {})
+    why_not = missing.get(COHORT) or missing.get(WHOLE_FEED, "")
     if whole_feed:
         over = f"{_describe_continuation(whole_feed)}, {lasting}"
         yield _tile(EFFICIENCY, whole_feed["efficiency_percent"], "%", over, unsteady)
     elif why_not:
-        yield Tile(EFFICIENCY, UNKNOWN, "", "", why_not, unsteady)
-    computed = COMPUTED if whole_feed or why_not else ""
-    for key, (title, unit, kind) in SCREENING.items():
+        yield Tile(EFFICIENCY, UNKNOWN, "", "", why_not, unsteady=False)
+    computed = COMPUTED if whole_feed or WHOLE_FEED in missing else ""
+    if cohort := screening.get("cohort"):
+        over = f"{cohort['particles']} particles that were fed until {number(cohort['fed_until_s'])} s"
+        for key in (key for key in SCREENING if key in cohort):
+            title, unit, _ = SCREENING[key]
+            yield _tile(title + computed, cohort[key], unit, over, unsteady)
+    for key, (title, unit, kind) in SCREENING.items() if not (cohort or COHORT in missing) else ():
         if key in screening and not (key == RECOVERY and _is_efficiency(screening)):
             name = title + computed
             left = f"{screening[kind.replace(' ', '_')]} {kind} that left, "

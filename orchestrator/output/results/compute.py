@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.openings import open_share, openings_m, smaller_sides_m
-from orchestrator.case.scalars import WHOLE_FEED
+from orchestrator.case.scalars import COHORT, WHOLE_FEED
 from orchestrator.case.tables.case import has_particles
 from orchestrator.case.tables.frames import Bushing
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
+from orchestrator.output.results.cohort import FEWEST, cohort
 from orchestrator.output.results.course import course
 from orchestrator.output.results.estimate import Estimate, IntervalOf, chance, remaining_drift, unknown
-from orchestrator.output.results.events import Events, read_events
+from orchestrator.output.results.events import BATCH, Events, read_events
 from orchestrator.output.results.power import power_metrics
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
@@ -28,6 +29,10 @@ from orchestrator.output.results.wear import wear_metrics
 from orchestrator.output.results.whole_feed import feed_fines, whole_feed
 
 FEWEST_FINES = 100
+TOO_EARLY = (
+    f"the run ends before {FEWEST} grains or more that were fed first have nearly all left: what has left is "
+    "mostly what leaves fast"
+)
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
 SEVERAL_CUTS = "the panels form no single deck: output.cut_size_m says which size counts as fine"
 NO_BUSHING_LOSS = "the frames move as told: what their bushings lose is in no account"
@@ -122,12 +127,36 @@ def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any])
         cut_m = cut_size_m(run.case) if one_cut else None
         table["screening"] = screening(events, cut_m)
         table["transport"] = transport(events, run.deck)
+        early = _add_cohort(events, cut_m, table)
         if cut_m is None:
             missing["efficiency"] = NO_CUT if one_cut else SEVERAL_CUTS
-        else:
-            _add_whole_feed(run, events, cut_m, table)
+        elif early is not None:
+            _add_whole_feed(run, early, cut_m, table)
         if not table["screening"]["particles"]:
             missing["products"] = "no particle left through an exit"
+
+
+def _add_cohort(events: Events, cut_m: float | None, table: dict[str, Any]) -> Events | None:
+    """Add the figures of the grains that were fed so early that nearly all have left, to a run that is fed
+    and not steady.
+
+    Return the events that tell the separation without bias: these, or all of them; None if there are none.
+    """
+    if not events.steady.reason or events.steady.reason == BATCH:
+        return events
+    early = cohort(events)
+    if early is None:
+        table["missing"][COHORT] = TOO_EARLY
+        return None
+    told = screening(early, cut_m)
+    shares = ("efficiency_percent", "fine_placement_percent", "oversize_yield_percent")
+    table["screening"]["cohort"] = {
+        "fed_until_s": early.until_s,
+        "remaining_percent": 100.0 * early.remaining,
+        "particles": told["particles"],
+        **{name: told[name] for name in shares if name in told},
+    }
+    return early
 
 
 def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[str, Any]) -> None:
@@ -138,7 +167,7 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
     fines = feed_fines(feeds, cut_m, events.window_s)
     if not fines.left_out:
         return
-    number = table["screening"]["fine_particles"]
+    number = int((events.left_in_window & (events.removed.diameter_m < cut_m)).sum())
     if number < FEWEST_FINES:
         table["missing"][WHOLE_FEED] = f"{number} fine particles left; its curve needs {FEWEST_FINES}"
         return
