@@ -58,6 +58,7 @@ from orchestrator.run.interruption import ImmediateStop, Interrupted, find_immed
 from orchestrator.run.origin import origin, refuse_another_run
 from orchestrator.run.origin import warnings as origin_warnings
 from orchestrator.run.run import Run
+from orchestrator.studies.half_interval import try_half
 from orchestrator.studies.pairs import try_before_run
 
 KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
@@ -68,8 +69,14 @@ RANK_0_FIRST_S = 3.0  # rank 0 closes its files within that time
 SUMMARY_WRITTEN_S = 3600.0  # the results of a long run take minutes
 
 
-def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
-    """Run a case on every rank, and return the exit code."""
+def run(
+    path: Path, level: str | None, out: Path | None, overrides: Sequence[str], trial_s: float = 0.0
+) -> int:
+    """Run a case on every rank, and return the exit code.
+
+    ``trial_s`` is the wall time that a single process may spend on half the interval after a run that advises
+    a shorter one.
+    """
     world = mpi.communicator()
     with ExitStack() as held:
         try:
@@ -80,7 +87,10 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
             _require_same_case(loaded, world)  # and no folder is made if another rank refuses the case
             folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
             _hold(folder, held, world)
-            return _execute(loaded, entries, folder, world)
+            code = _execute(loaded, entries, folder, world)
+            for line in try_half(folder, trial_s) if world is None and trial_s > 0 else ():
+                _console().print(line)
+            return code
         except Exception as error:
             return _report_refusal(world, error)
 

@@ -116,7 +116,18 @@ Out = Annotated[
 
 
 @app.command()
-def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrides = None) -> None:
+def run(
+    case: CasePath,
+    level: Level = None,
+    out: Out = None,
+    overrides: Overrides = None,
+    trial_s: Annotated[
+        float,
+        typer.Option(
+            min=0, help="time for a try of half the sync interval, where a run advises a shorter one; 0: none"
+        ),
+    ] = 60.0,
+) -> None:
     """Run a case.
 
     The case is checked first; nothing is written if it is wrong.  The folder of the run holds
@@ -128,7 +139,7 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
     """
     from orchestrator.cli.launch import run as launch
 
-    raise typer.Exit(launch(case, level, out, overrides or []))
+    raise typer.Exit(launch(case, level, out, overrides or [], trial_s))
 
 
 @app.command()

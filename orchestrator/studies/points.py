@@ -254,7 +254,7 @@ def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[s
     """Return the command that runs a case in a folder."""
     options = [word for each in sets for word in ("--set", each)]
     at_level = ["--level", level] if level else []
-    return ("run", str(case.resolve()), *at_level, *options, "--out", str(out.resolve()))
+    return ("run", str(case.resolve()), *at_level, *options, "--trial-s", "0", "--out", str(out.resolve()))
 
 
 class NoResult(Exception):
