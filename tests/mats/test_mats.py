@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from orchestrator.cli.overview import overview
 from orchestrator.preflight.check import warnings
+from orchestrator.preflight.mats import mats
 from orchestrator.preflight.mats.mats import find_mats, mat_lines, mat_tables
 from orchestrator.preflight.scene.scene import scene
 from tests.cases import CASE, load_case
@@ -61,3 +64,18 @@ def test_mats_that_nothing_moves_or_whose_trial_is_long_are_not_tried(tmp_path: 
     steel = "materials.PU.hyperelastic={c10_Pa=2e10, c01_Pa=1e10, bulk_modulus_Pa=1e12}"
     stiff = load_case(tmp_path / "stiff", DRIVEN, [steel])
     assert find_mats(scene(stiff.case)) == ()
+
+
+def test_a_trial_that_fails_stops_no_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever goes wrong in it is said where the regime would stand, and is no warning."""
+
+    def fail(found: object) -> None:
+        raise MemoryError("Unable to allocate 8.00 PiB")
+
+    monkeypatch.setattr(mats, "find_mats", fail)
+    loaded = load_case(tmp_path, DRIVEN, [DAMPED])
+    assert [*mat_lines(scene(loaded.case))] == [
+        "mats: how they flip is not known: Unable to allocate 8.00 PiB"
+    ]
+    assert mat_tables(scene(loaded.case)) is None
+    assert not [line for line in warnings(loaded) if line.startswith("mat")]

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from matplotlib.patches import Patch, Rectangle
 
 from orchestrator.output.drawing import WIDE, figure
-from orchestrator.ports.plans import SolverFailed, SolverMissing
+from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.mats.chart import Chart, make_chart
-from orchestrator.preflight.mats.mats import Mats, find_mats
+from orchestrator.preflight.mats.mats import Mats, mats_or_reason
 from orchestrator.preflight.scene.scene import Scene
 
 COLORS = {"down": "#bfe3dd", "both": "#f3c3bd", "up": "#f7dcb5", "taut": "#e3e6ea"}
@@ -26,11 +27,10 @@ WORDS = {
 
 def draw_mats(scene: Scene) -> Iterator[tuple[str, Any]]:
     """Yield the name and the figure of each kind of mats; none where it is not known how they flip."""
-    try:
-        for mats in find_mats(scene):
+    found = mats_or_reason(scene)
+    for mats in found if not isinstance(found, str) else ():
+        with suppress(SolverFailed):  # another stroke may be more than the solver can
             yield mats.panels[0], _draw(mats, make_chart(mats.trial))
-    except (SolverFailed, SolverMissing):
-        return
 
 
 def _draw(mats: Mats, chart: Chart) -> Any:

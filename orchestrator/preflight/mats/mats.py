@@ -12,7 +12,7 @@ import numpy as np
 
 from orchestrator.case.solver_plans import panel_plans
 from orchestrator.ports import Array
-from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
+from orchestrator.ports.plans import PanelPlan
 from orchestrator.preflight.mats.regime import Regime
 from orchestrator.preflight.mats.trial import CELLS, WATCHED_TURNS, Trial, is_costly, regimes, stiffer
 from orchestrator.preflight.scene.scene import Scene
@@ -127,33 +127,38 @@ def _sheet(plan: PanelPlan) -> PanelPlan:
     return replace(weightless, name="", rectangle=unplaced, frames=("", ""), playback=None)
 
 
+def mats_or_reason(scene: Scene) -> tuple[Mats, ...] | str:
+    """Return the kinds of mats of a scene, or why it is not known how they flip.
+
+    A trial is no run: whatever fails in it, a command goes on.
+    """
+    try:
+        return find_mats(scene)
+    except Exception as error:
+        return str(error) or type(error).__name__
+
+
 def mat_lines(scene: Scene) -> Iterator[str]:
     """Yield a line for each kind of mats, empty and loaded."""
-    try:
-        for mats in find_mats(scene):
-            yield f"mat {mats.name}, empty: {mats.empty.in_words}"
-            if mats.loaded is not None:
-                yield f"  with {scene.bed_kg_per_m2:.3g} kg/m2 that move with it: {mats.loaded.in_words}"
-    except (SolverFailed, SolverMissing) as unknown:
-        yield f"mats: how they flip is not known: {unknown}"
+    found = mats_or_reason(scene)
+    if isinstance(found, str):
+        yield f"mats: how they flip is not known: {found}"
+        return
+    for mats in found:
+        yield f"mat {mats.name}, empty: {mats.empty.in_words}"
+        if mats.loaded is not None:
+            yield f"  with {scene.bed_kg_per_m2:.3g} kg/m2 that move with it: {mats.loaded.in_words}"
 
 
 def mat_warnings(scene: Scene) -> Iterator[str]:
     """Yield a warning for each kind of mats that arch up when the machine is empty."""
-    if not scene.case.panel.adapter.yields:
-        return
-    try:
-        found = find_mats(scene)
-    except (SolverFailed, SolverMissing):
-        return
-    for mats in found:
+    found = mats_or_reason(scene) if scene.case.panel.adapter.yields else ()
+    for mats in found if not isinstance(found, str) else ():
         if mats.empty.turns_up:
             yield f"mat {mats.name}, empty: {mats.empty.in_words}; {REMEDY}"
 
 
 def mat_tables(scene: Scene) -> list[dict[str, Any]] | None:
     """Return a table for each kind of mats (docs/json-output.md), or None if they are not known."""
-    try:
-        return [mats.as_json() for mats in find_mats(scene)]
-    except (SolverFailed, SolverMissing):
-        return None
+    found = mats_or_reason(scene)
+    return None if isinstance(found, str) else [mats.as_json() for mats in found]
