@@ -226,7 +226,7 @@ def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Pat
     slow = loaded(tmp_path, ["coupling.sync_interval_s=5e-4"])
     (said,) = [line for line in stability_report(slow.case).warnings() if "accurate" in line]
     assert "should last ten exchanges" in said
-    fast = loaded(tmp_path, ["coupling.sync_interval_s=2e-5"])
+    fast = loaded(tmp_path, ["coupling.sync_interval_s=1.5e-5"])
     assert list(stability_report(fast.case).warnings()) == []
 
 

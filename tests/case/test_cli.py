@@ -85,7 +85,7 @@ def test_run_hands_everything_over_and_exits_with_its_code(
     monkeypatch.setattr(launch, "run", fake_run)
     words = ["run", "cases/x", "--level", "draft", "--out", "runs/y", "--set", "a=1", "--set", "b=2"]
     assert CALL.invoke(app, words).exit_code == 4
-    assert calls == [(Path("cases/x"), "draft", Path("runs/y"), ["a=1", "b=2"])]
+    assert calls == [(Path("cases/x"), "draft", Path("runs/y"), ["a=1", "b=2"], 60.0)]
 
 
 @pytest.mark.smoke
