@@ -31,8 +31,9 @@ def test_stopped_it_names_the_last_good_state_and_goes_on_from_there(tmp_path: P
     done = flipflow(*run_words(QUICKSTART[0], folder, sets))
     assert done.returncode == 4, done.stderr
     said_plainly(done)
-    stopped, _, good, command = done.stderr.strip().splitlines()[-4:]
+    stopped, _, good, command, tried = done.stderr.strip().splitlines()[-5:]
     assert stopped.startswith("stopped by the monitor at t = 0.005 s: particle ")
+    assert tried.startswith("tried: with coupling.sync_interval_s = 5e-05, half of the run's, ")
     assert left_usable(folder, "failed")["reason"] == stopped
     assert good == f"last good state: t = 0.0044 s, {checkpoint_folders(folder)[-2]}"
     assert checkpoint_folders(folder)[-1].name == f"{50:012d}"  # that of the stop is there, too
