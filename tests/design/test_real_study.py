@@ -24,6 +24,10 @@ pytestmark = [pytest.mark.slow, pytest.mark.process]
 DIFFERENT = {"costs.csv"}  # times are never the same
 KILLED_IN = (4, 10, 13)  # trials during which a study is killed: in each of its stages
 LONGEST_S = 300
+FITTED = ("fit.json", "front.csv")
+"""Files of what linear algebra fits.  Another process may round its last digit otherwise, and the half widths
+of a surrogate without noise are what cancellation leaves: 5e-7 of them was seen."""
+NUMBER = re.compile(rb"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def words(folder: Path, out: Path, name: str = "optimise") -> list[str]:
@@ -39,6 +43,15 @@ def files(out: Path) -> dict[str, bytes]:
         for file in out.iterdir()
         if file.is_file() and file.name not in DIFFERENT and not file.name.startswith(".")
     }
+
+
+def assert_same(mine: dict[str, bytes], wanted: dict[str, bytes]) -> None:
+    """Compare the files of two studies byte for byte, and the numbers that were fitted to 1e-5."""
+    assert {**mine, **dict.fromkeys(FITTED)} == {**wanted, **dict.fromkeys(FITTED)}
+    for name in FITTED:
+        assert NUMBER.sub(b"", mine[name]) == NUMBER.sub(b"", wanted[name])
+        numbers = [[float(each) for each in NUMBER.findall(found[name])] for found in (mine, wanted)]
+        assert numbers[0] == pytest.approx(numbers[1], rel=1e-5, abs=1e-12)
 
 
 @pytest.fixture(scope="module")
@@ -91,13 +104,13 @@ def test_the_recommended_level_runs_as_measured(undisturbed: Path, tmp_path: Pat
     assert speed == pytest.approx(float(best_row(undisturbed)["speed"]), rel=1e-12)
 
 
-def test_everything_but_the_runs_is_written_again_byte_for_byte(undisturbed: Path, folder: Path) -> None:
+def test_everything_but_the_runs_is_written_again(undisturbed: Path, folder: Path) -> None:
     before = files(undisturbed) | {"costs.csv": (undisturbed / "costs.csv").read_bytes()}
     for name in before:
         (undisturbed / name).unlink()
     done = flipflow(*words(folder, undisturbed, "fit"))
     assert done.returncode == 0, done.stderr
-    assert files(undisturbed) | {"costs.csv": (undisturbed / "costs.csv").read_bytes()} == before
+    assert_same(files(undisturbed) | {"costs.csv": (undisturbed / "costs.csv").read_bytes()}, before)
 
 
 def test_a_finished_study_runs_nothing_again(undisturbed: Path, folder: Path) -> None:
@@ -177,6 +190,6 @@ def test_a_study_that_is_killed_again_and_again_ends_with_the_same_files(
     assert mine["points.csv"].splitlines() == wanted["points.csv"].splitlines(), (
         "the first trial that differs"
     )
-    assert mine == wanted
+    assert_same(mine, wanted)
     again = [file.name for file in (out / "runs").iterdir() if "unfinished" in file.name]
     assert len(again) <= len(KILLED_IN)

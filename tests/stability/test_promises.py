@@ -1,7 +1,8 @@
 """A seeded part of the bank of promises: at the interval that a scheme promises, random scenes are sound.
 
 ``tools.promise_bank`` tries hundreds.  At their limits of growth, robin created 2 to 10 % in the scenes 1, 4
-and 80, and of the tries of aitken one broke the panel of 1078.
+and 80, and of the tries of aitken one broke the panel of 1078.  At twice its promise serial-staggered destroyed
+1.3 % in 3436.
 """
 
 from __future__ import annotations
@@ -17,7 +18,12 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.parametrize(
     ("scheme", "seeds"),
-    [("particles-first", (10, 80)), ("robin", (1, 4, 80)), ("aitken", (4, 1078)), ("serial-staggered", (4,))],
+    [
+        ("particles-first", (10, 80)),
+        ("robin", (1, 4, 80)),
+        ("aitken", (4, 1078)),
+        ("serial-staggered", (3436,)),
+    ],
 )
 def test_the_promise_holds(scheme: str, seeds: tuple[int, ...], tmp_path: Path) -> None:
     rows = [trial(seed, scheme, 1.0, tmp_path) for seed in seeds]
