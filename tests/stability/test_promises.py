@@ -1,8 +1,8 @@
 """A seeded part of the bank of promises: at the interval that a scheme promises, random scenes are sound.
 
 ``tools.promise_bank`` tries hundreds.  At their limits of growth, robin created 2 to 10 % in the scenes 1, 4
-and 80, and of the tries of aitken one broke the panel of 1078.  At twice its promise serial-staggered destroyed
-1.3 % in 3436.
+and 80, and of the tries of aitken one broke the panel of 1078.  serial-staggered created 1.3 % in 3436 at
+twice its promise.
 """
 
 from __future__ import annotations
