@@ -1108,7 +1108,8 @@ class Recomputed:
         after = [
             n
             for n in range(1, min(8, len(up) // 2) + 1)
-            if np.sum((ends[:, n:] - ends[:, :-n]) ** 2) / (len(up) - n) <= 0.01 * np.sum(ends**2) / len(up)
+            if np.sum((ends[:, n:] - ends[:, :-n]) ** 2) / (len(up) - n)
+            <= 0.01 * np.sum((ends - ends.mean()) ** 2) / len(up)
         ]
         return {"turns_up_share": np.mean(up), "repeats_after_turns": min(after, default=None)}
 

@@ -8,9 +8,10 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.output.results.mats import mat_turns, repeats_after, why_not_settled
+from orchestrator.output.results.mats import mat_turns, why_not_settled
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
+from orchestrator.preflight.mats.regime import repeats_after
 from tests.results.synthetic import folder_of
 
 CYCLES = 40

@@ -10,7 +10,7 @@ from scipy.stats import fisher_exact, ttest_ind
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
-from orchestrator.preflight.mats.regime import ALIKE, MOST_TURNS, TAUT
+from orchestrator.preflight.mats.regime import TAUT, repeats_after
 
 FEWEST_TURNS = 8  # whose halves are compared
 BY_CHANCE = 0.01  # probability of a difference between halves, shared by all panels, that is taken for chance
@@ -22,8 +22,8 @@ def mat_turns(run: RunReader, name: str, start_s: float, end_s: float) -> dict[s
 
     ``turns_up_share`` is the share of turns in which its middle is farther above the line between its clamps
     than below, and not within 2 % of its length of it.  ``repeats_after_turns`` is the smallest number of
-    turns after which lowest and highest middle are alike within a tenth of their root mean square; None above
-    8, and if there are not twice as many turns.  Both are None where nothing drives the machine.
+    turns after which lowest and highest middle are alike within a tenth of their root mean square about their
+    mean (``repeats_after``).  Both are None where nothing drives the machine.
     """
     if not run.is_driven:
         return {"turns_up_share": None, "repeats_after_turns": None}
@@ -32,16 +32,6 @@ def mat_turns(run: RunReader, name: str, start_s: float, end_s: float) -> dict[s
         "turns_up_share": float(_is_up(run, name, extremes_m).mean()),
         "repeats_after_turns": repeats_after(extremes_m),
     }
-
-
-def repeats_after(extremes_m: Array) -> int | None:
-    """Return the smallest number of turns after which rows of extremes (turns, 2) are alike."""
-    size_m = float(np.sqrt(np.mean(extremes_m**2)))
-    for turns in range(1, min(MOST_TURNS, len(extremes_m) // 2) + 1):
-        change_m = extremes_m[turns:] - extremes_m[:-turns]
-        if float(np.sqrt(np.mean(change_m**2))) <= ALIKE * size_m:
-            return turns
-    return None
 
 
 def why_not_settled(run: RunReader, start_s: float, end_s: float) -> str:

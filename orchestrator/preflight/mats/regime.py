@@ -63,13 +63,7 @@ class Regime:
     @property
     def repeats_after(self) -> int | None:
         """The number of turns after which the motion repeats itself; None above ``MOST_TURNS``."""
-        about_mean_m = self.height_m - self.height_m.mean()
-        size_m = float(np.sqrt(np.mean(about_mean_m**2)))
-        for turns in range(1, min(MOST_TURNS, self.turns // 2) + 1):
-            change_m = self.height_m[turns:] - self.height_m[:-turns]
-            if float(np.sqrt(np.mean(change_m**2))) <= ALIKE * size_m:
-                return turns
-        return None
+        return repeats_after(self.height_m)
 
     @property
     def mean_peak_g(self) -> float:
@@ -95,3 +89,17 @@ class Regime:
         alike = {None: "never the same", 1: "the same in each"}.get(after, f"the same every {after} turns")
         peaks = f"{self.mean_peak_g:.3g} g ({self.mean_quoted_peak_g:.3g} g below 100 Hz)"
         return f"{ways[self.side]}, {alike}, mean peak {peaks}"
+
+
+def repeats_after(heights_m: Array) -> int | None:
+    """Return the smallest number of turns after which rows of heights (turns, any number) are alike.
+
+    Rows are alike within ``ALIKE`` of the root mean square of all heights about their mean.  The result is
+    None above ``MOST_TURNS``, and if there are not twice as many turns.
+    """
+    size_m = float(np.std(heights_m))
+    for turns in range(1, min(MOST_TURNS, len(heights_m) // 2) + 1):
+        change_m = heights_m[turns:] - heights_m[:-turns]
+        if float(np.sqrt(np.mean(change_m**2))) <= ALIKE * size_m:
+            return turns
+    return None
