@@ -254,8 +254,8 @@ def frame_bounds(
         limit_s = limits.extrapolated_clamps_s(frames.mass, frames.panels_N_per_m)
         why = "frames alone on the panels as springs"
         yield Bound("extrapolated clamps", SURE_OF_CLAMPS * limit_s, why, sure=SURE_OF_CLAMPS)
-        if math.isfinite(limit_s):
-            yield _vibrating_panels(scene, modes_rad_per_s, 1 / limit_s)
+        if math.isfinite(limit_s) and modes_rad_per_s:  # implicit steps damp what they do not resolve
+            yield _vibrating_panels(scene, max(modes_rad_per_s.values()), 1 / limit_s)
     if scheme == "serial-staggered":
         _, shapes = frames.modes()
         limit_s = limits.late_reaction_s(shapes, frames.panels_N_per_m, frames.damping_N_s_per_m)
@@ -263,15 +263,14 @@ def frame_bounds(
         yield Bound("late reaction", limit_s, why)
 
 
-def _vibrating_panels(scene: Scene, modes_rad_per_s: Mapping[str, float], swing_rad_per_s: float) -> Bound:
+def _vibrating_panels(scene: Scene, highest_rad_per_s: float, swing_rad_per_s: float) -> Bound:
     """Return the bound for the vibrations of panels along themselves, which frames answer late."""
-    highest_rad_per_s = max(modes_rad_per_s.values(), default=math.inf)
 
     def least_loss(speed_rad_per_s: float) -> float:
         return min(loss_factor(panel.material, speed_rad_per_s) for panel in scene.panels)
 
     limit_s = limits.vibrating_panels_s(swing_rad_per_s, highest_rad_per_s, least_loss)
-    least = least_loss(limits.GROWING[0] / limit_s) if limit_s > 0 else 0.0
+    least = least_loss(limits.GROWING[0] / limit_s)
     highest_Hz = highest_rad_per_s / (2 * math.pi)
     why = f"panels' highest frequency, {highest_Hz:.3g} Hz; loss factor {least:.2g} at the limit"
     return Bound("vibrating panels", limit_s, why)

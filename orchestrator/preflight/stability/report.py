@@ -47,7 +47,6 @@ BECAUSE = {
 
 REMEDIES = {
     "carried mass": "make that frame heavier or its panels lighter",
-    "vibrating panels": "give the panels' material maxwell branches or a loss_curve",
     "late reaction": 'give the bushings damping, or set coupling.scheme = "auto"',
     "late contacts": 'set a restitution below 1, or coupling.scheme = "auto"',
     "late contacts, light points": 'set a restitution below 1, or coupling.scheme = "auto"',
