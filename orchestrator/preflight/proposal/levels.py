@@ -22,7 +22,7 @@ DRAFT_S = 300.0  # processor time that a draft may take as predicted
 CROSSING_M_PER_S = 0.8  # along the deck, for planned durations and times; thrown beds are faster
 BALANCED_TURNS = 30  # of the shaft, over which what leaves a draft's deck balances its feed
 LONGEST_INTERVAL_S = 2e-4
-DRAFT_PA, STUDY_PA = 2e7, 5e7  # In softer contacts, stones press grains half way into each other.
+DRAFT_PA, STUDY_PA = 4e7, 5e7  # In softer contacts, stones press grains half way into each other.
 WITHIN = 0.97  # of the longest interval that is stable and accurate
 COARSER = (
     (FINEST_COMPUTED, 1.0, 1.0),
