@@ -25,7 +25,7 @@ from orchestrator.case.deck.panels import (
     unit_vector,
 )
 from orchestrator.case.file.bushing_curve import elements_of
-from orchestrator.case.file.slice import joins_sides, period_m
+from orchestrator.case.file.slice import hindered_share, joins_sides, period_m
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
 from orchestrator.ports import Array
@@ -237,6 +237,7 @@ def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> 
             stops=planned_stops(case, panel),
             point_masses=sensors(case, panel),
             joined_sides=joins_sides(case, panel.rectangle.length_m),
+            hindered_share=hindered_share(case, panel.rectangle),
             moulded_sag_m=panel.table.moulded_sag_m,
         )
         for panel in single_panels(case)

@@ -60,24 +60,20 @@ def test_the_default_hangs_at_30_to_50_g_with_room_to_either_side() -> None:
 
 
 def test_strips_and_sheets_agree_about_the_default() -> None:
-    """Mean peaks of strips of 24, 32 and 48 cells and of a sheet with joined sides: within 15 %; with 16
-    cells a strip is 16 % above one of 32."""
+    """Mean peaks of strips of 16 to 48 cells and of a sheet with joined sides: within 15 %."""
     trial = own_trial()
     strips = {cells: regimes([trial], cells)[0] for cells in (16, 24, 32, 48)}
     (sheet,) = regimes([joined(trial)], 22, 16, "sheet")
     assert {regime.side for regime in (*strips.values(), sheet)} == {"down"}
-    for cells in (24, 32, 48):
-        assert strips[cells].mean_peak_g == pytest.approx(sheet.mean_peak_g, rel=0.15)
-    assert strips[16].mean_peak_g == pytest.approx(strips[32].mean_peak_g, rel=0.2)
-
-
-def test_as_soft_as_a_draft_s_strips_the_default_hangs_too() -> None:
-    """Strips with free sides of 16, 32 and 48 cells: within 15 %."""
-    soft = replace(own_trial(), stiffer=1.0)
-    found = [regimes([soft], cells)[0] for cells in (16, 32, 48)]
-    assert {regime.side for regime in found} == {"down"}
-    peaks_g = [regime.mean_peak_g for regime in found]
+    peaks_g = [regime.mean_peak_g for regime in (*strips.values(), sheet)]
     assert max(peaks_g) / min(peaks_g) < 1.15
+
+
+def test_as_soft_as_its_free_edges_the_default_hangs_too() -> None:
+    """Strips with free sides of 16, 32 and 48 cells."""
+    trial = own_trial()
+    soft = replace(trial, plan=replace(trial.plan, hindered_share=0.0))
+    assert {regimes([soft], cells)[0].side for cells in (16, 32, 48)} == {"down"}
 
 
 def flat(peak_g: float, side: float) -> Regime:

@@ -12,7 +12,7 @@ from scipy.special import ellipe, ellipk
 from adapters.panel import strip
 from adapters.panel.common.compiled_panel import CompiledPanel
 from adapters.panel.common.panel import BodyPanel
-from adapters.panel.strip.chain import build_chain, nominal_stress_Pa, stiffness_Pa
+from adapters.panel.strip.chain import build_chain, stretch_law
 from adapters.panel.strip.motion import ChainMotion
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import Array, Load, Motion, Panel, PanelState
@@ -52,9 +52,31 @@ def middle_m(panel: strip.Strip) -> float:
 )
 def test_uniaxial_law(material: HyperelasticPlan, stretch: float, stress_MPa: str) -> None:
     """P = 2 (l - l^-2)(C10 + C01 / l), evaluated independently; to the digits given."""
-    found = nominal_stress_Pa(material, np.array([stretch]))[0]
+    found = stretch_law(material, 0.0).stress_Pa(np.array([stretch]))[0]
     digits = len(stress_MPa.split(".")[1])
     assert found / 1e6 == pytest.approx(float(stress_MPa), abs=0.51 * 10**-digits)
+
+
+@pytest.mark.parametrize(
+    ("stretch", "stress_MPa"), [(1.025, "0.67480"), (1.1, "2.44080"), (2.0, "13.12500"), (0.9, "-3.30219")]
+)
+def test_law_in_pure_shear(stretch: float, stress_MPa: str) -> None:
+    """P = 2 (l - l^-3)(C10 + C01), evaluated independently, with C10 + C01 = 3.5 MPa; half hindered, the
+    stress is the mean of both laws."""
+    at = np.array([stretch])
+    for material in (PRINTED, SWAPPED):
+        free, half, sheared = (stretch_law(material, share).stress_Pa(at)[0] for share in (0.0, 0.5, 1.0))
+        assert sheared / 1e6 == pytest.approx(float(stress_MPa), abs=0.51e-5)
+        assert half == pytest.approx((free + sheared) / 2)
+
+
+@pytest.mark.parametrize("hindered_share", [0.0, 0.4, 1.0])
+def test_stress_and_stiffness_are_derivatives_of_the_energy(hindered_share: float) -> None:
+    law, small = stretch_law(PRINTED, hindered_share), 1e-5
+    at = np.array([0.8, 1.0, 1.3])
+    for slope, value in ((law.stress_Pa, law.energy_J_per_m3), (law.stiffness_Pa, law.stress_Pa)):
+        assert slope(at) == pytest.approx((value(at + small) - value(at - small)) / (2 * small), abs=1.0)
+    assert law.stiffness_Pa(np.ones(1))[0] == pytest.approx(law.youngs_modulus_Pa)
 
 
 MOUNTINGS = pytest.mark.parametrize(
@@ -297,7 +319,7 @@ def test_maxwell_branch_relaxes_the_pull() -> None:
         pulls.append(state.reaction.force_N[second].sum(axis=0)[0])
     viscous_N = g * 21e6 * 0.05 * 0.005 * small_m / 0.3
     elastic_N = -(np.mean(pulls[-50:]) - resting_N) - viscous_N * np.exp(-0.094 / tau)
-    modulus_Pa = stiffness_Pa(PRINTED, np.array([1.025]))[0]
+    modulus_Pa = stretch_law(PRINTED, 0.0).stiffness_Pa(np.array([1.025]))[0]
     assert elastic_N == pytest.approx(modulus_Pa * 0.05 * 0.005 * small_m / 0.3, rel=0.02)
 
 

@@ -1,7 +1,7 @@
 """The cheap panel against the dear one where both apply: strip and sheet, same material.
 
-The strip's law is uniaxial.  In the sheet the clamps hinder the contraction across, over about
-half a width from each clamp, where it is up to 4/3 as stiff (plane strain)."""
+In the sheet the clamps hinder the contraction across, over about half a width from each clamp, where it is up
+to 4/3 as stiff (plane strain).  The strip has this as a share of its whole length."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from adapters.panel import sheet, strip
+from orchestrator.case.file.slice import hindered_share_of
 from orchestrator.ports import Array
 from orchestrator.ports.plans import PanelPlan
 from tests.panel.elastic_plans import BRANCHES, difference, plan, pull_N, shake
@@ -37,6 +38,14 @@ def shaken(solver: ModuleType, given: PanelPlan) -> tuple[Array, Array]:
     return np.array(height), np.array(pull)
 
 
+def resting_pull_N(solver: ModuleType, given: PanelPlan) -> float:
+    """Pull on the second frame at rest."""
+    panel = solver.build(given)
+    pull = pull_N(panel, panel.initial())
+    panel.close()
+    return float(pull)
+
+
 def test_narrow_taut_panel() -> None:
     """Width / length = 0.15: clamps stiffen at most w / L / 3 = 5 % of the length's compliance;
     pull within 3 %, sag (which goes with 1 / pull) within 5 %."""
@@ -45,6 +54,26 @@ def test_narrow_taut_panel() -> None:
     assert 0.97 < pull[0] / sheet_pull[0] < 1.0
     assert height[0] == pytest.approx(sheet_height[0], rel=0.05)
     assert difference(pull, sheet_pull) < 0.03
+
+
+@pytest.mark.parametrize(
+    ("width_over_length", "joined_sides"), [(0.67, False), (2.0, False), (2.67, False), (0.2, True)]
+)
+def test_a_strip_pulls_as_a_sheet_whose_contraction_is_hindered(
+    width_over_length: float, joined_sides: bool
+) -> None:
+    """Stretched by 2 %, with the share for its width (the pull of sheets, measured at 1 and 5 %): 1 %, of
+    which half is the mesh; without the share the strip pulls 4 to 25 % less."""
+    share = 1.0 if joined_sides else hindered_share_of(width_over_length)
+    taut = plan(
+        span_m=0.33 * 1.02, width_m=0.33 * width_over_length, cells=(16, 8), joined_sides=joined_sides
+    )
+    sheets_N, strips_N, free_N = (
+        resting_pull_N(solver, replace(taut, hindered_share=hindered))
+        for solver, hindered in ((sheet, 0.0), (strip, share), (strip, 0.0))
+    )
+    assert strips_N == pytest.approx(sheets_N, rel=0.01)
+    assert abs(free_N) < 0.97 * abs(sheets_N)
 
 
 def test_narrow_slack_panel() -> None:

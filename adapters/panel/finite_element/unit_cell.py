@@ -48,9 +48,10 @@ class CellStiffness:
     bending: Array
 
 
-def along(stiffness: Array) -> float:
-    """Return the stiffness of a strip that may contract across: its modulus along, in units of E."""
-    return float(1.0 / np.linalg.inv(stiffness)[0, 0])
+def along(stiffness: Array, hindered_share: float = 0.0) -> float:
+    """Return the stiffness along of a strip in units of E; a share of its contraction across is hindered."""
+    free = 1.0 / np.linalg.inv(stiffness)[0, 0]
+    return float((1 - hindered_share) * free + hindered_share * stiffness[0, 0])
 
 
 @cache

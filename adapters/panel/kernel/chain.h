@@ -21,7 +21,8 @@ struct ChainParts {
 
   // Axial springs between rows, and bending springs.
   int first;                               // row where the springs begin
-  double rest_m, c10_Pa, c01_Pa;           // of every spring
+  double rest_m;                           // of every spring
+  double c10_Pa, c01_Pa, sheared_Pa;       // of its law
   std::vector<double> area_m2;             // (springs)
   std::vector<double> branch_N_per_m;      // (springs): with which each branch answers, over its ratio
   std::vector<double> bending_N_m3;        // (bends)
@@ -213,8 +214,10 @@ class Chain {
     const StepWork work = find_overstress(state.strain, state.stress);
     for (int i = 0; i < parts_.springs(); ++i) {
       const double stretch = strain_[i] / parts_.rest_m, per_stretch = 1.0 / stretch;
-      const double stress_Pa = 2.0 * (stretch - per_stretch * per_stretch) *
-                               (parts_.c10_Pa + parts_.c01_Pa * per_stretch);
+      const double square = per_stretch * per_stretch;
+      const double stress_Pa =
+          2.0 * ((stretch - square) * (parts_.c10_Pa + parts_.c01_Pa * per_stretch) +
+                 (stretch - square * per_stretch) * parts_.sheared_Pa);
       const double tension_N = parts_.area_m2[i] * stress_Pa + over_[i];
       double *first_N = state.internal_N + 3 * (parts_.first + i);
       add(tension_N, &direction_[3 * i], first_N);

@@ -135,6 +135,7 @@ BoundChain bind_chain(py::kwargs given) {
   parts.rest_m = from.number<double>("rest_m");
   parts.c10_Pa = from.number<double>("c10_Pa");
   parts.c01_Pa = from.number<double>("c01_Pa");
+  parts.sheared_Pa = from.number<double>("sheared_Pa");
   parts.area_m2 = from.copied("area_m2");
   parts.branch_N_per_m = from.copied("branch_N_per_m", parts.area_m2.size());
   parts.curvature_1_m2 = from.copied("curvature_1_m2", 3 * bends);

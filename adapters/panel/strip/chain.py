@@ -1,14 +1,16 @@
 """A strip as a chain: rows of material joined by axial springs and bending springs.
 
 The rows lie at s = ``rows_m`` along the strip, and the middle of each row is a point (3,).  Between two
-rows of the free length acts an axial spring with the law of a uniaxially stretched incompressible
-Mooney-Rivlin bar (Treloar, The Physics of Rubber Elasticity, 3rd ed. 1975, ch. 5)
+rows of the free length acts an axial spring with the law of an incompressible Mooney-Rivlin strip (Treloar,
+The Physics of Rubber Elasticity, 3rd ed. 1975, ch. 5), of which the clamps hinder the share h of the
+contraction across: free to contract it is stretched uniaxially, hindered in pure shear,
 
-    N = A P(l),    P = 2 (l - l^-2) (C10 + C01 / l),    l = length / rest length.
+    N = A P(l),    P = 2 (1 - h) (l - l^-2) (C10 + C01 / l) + 2 h (l - l^-3) (C10 + C01),
 
+with l = length / rest length.  At small stretch it is 1 + h / 3 times as stiff as one that contracts freely.
 A bending spring acts at every row but the outermost, on the second difference of positions,
 
-    energy = 1/2 E I  cell  |kappa|^2,    I = width thickness^3 / 12,
+    energy = 1/2 (1 + h / 3) E I  cell  |kappa|^2,    I = width thickness^3 / 12,
 
 which does not change if the strip moves or rotates.  A clamp is rigid, so that kappa at its inner edge
 belongs to the free half cell only: (first free slope - clamp's slope) / (half a cell).  Its part along
@@ -37,6 +39,49 @@ from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 
 @dataclass(frozen=True)
+class StretchLaw:
+    """The law of an incompressible Mooney-Rivlin strip: force over undeformed section, in Pa, over stretch l.
+
+        P = 2 (l - l^-2) (c10 + c01 / l) + 2 (l - l^-3) sheared,
+
+    the stress of a strip that contracts freely across, and that of one that does not.
+    """
+
+    c10_Pa: float
+    c01_Pa: float
+    sheared_Pa: float
+
+    @property
+    def youngs_modulus_Pa(self) -> float:
+        """The stiffness at stretch 1."""
+        return 6 * (self.c10_Pa + self.c01_Pa) + 8 * self.sheared_Pa
+
+    def stress_Pa(self, stretch: Array) -> Array:
+        """Return the nominal stress."""
+        free = (stretch - stretch**-2) * (self.c10_Pa + self.c01_Pa / stretch)
+        return np.asarray(2 * (free + (stretch - stretch**-3) * self.sheared_Pa))
+
+    def stiffness_Pa(self, stretch: Array) -> Array:
+        """Return the derivative of the nominal stress."""
+        shear = self.c10_Pa + self.c01_Pa / stretch
+        softening = (stretch - stretch**-2) * self.c01_Pa / stretch**2
+        hindered = (1 + 3 * stretch**-4) * self.sheared_Pa
+        return np.asarray(2 * ((1 + 2 * stretch**-3) * shear - softening + hindered))
+
+    def energy_J_per_m3(self, stretch: Array) -> Array:
+        """Return the energy in the undeformed volume."""
+        free = self.c10_Pa * (stretch**2 + 2 / stretch - 3) + self.c01_Pa * (2 * stretch + stretch**-2 - 3)
+        return np.asarray(free + self.sheared_Pa * (stretch**2 + stretch**-2 - 2))
+
+
+def stretch_law(material: HyperelasticPlan, hindered_share: float) -> StretchLaw:
+    """Return the law of a strip of which the clamps hinder a share, 0 to 1, of the contraction across."""
+    free = 1 - hindered_share
+    sheared_Pa = hindered_share * (material.c10_Pa + material.c01_Pa)
+    return StretchLaw(free * material.c10_Pa, free * material.c01_Pa, sheared_Pa)
+
+
+@dataclass(frozen=True)
 class Chain:
     """A strip as r rows of material, c axial springs and b bending springs.
 
@@ -56,7 +101,7 @@ class Chain:
     springs: slice
     rest_m: float
     area_m2: Array
-    material: HyperelasticPlan
+    law: StretchLaw
     curvature_1_m2: Array
     bending_N_m3: Array
     at_clamps: Indices
@@ -93,11 +138,11 @@ class Chain:
 
     def tension_N(self, length_m: Array) -> Array:
         """Return the tensions (c,) in N of axial springs of the lengths ``length_m`` (c,)."""
-        return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
+        return np.asarray(self.area_m2 * self.law.stress_Pa(length_m / self.rest_m))
 
     def rate_N_per_m(self, length_m: Array) -> Array:
         """Return the derivatives (c,) of the tensions with respect to the lengths ``length_m`` (c,)."""
-        return np.asarray(self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m))
+        return np.asarray(self.area_m2 / self.rest_m * self.law.stiffness_Pa(length_m / self.rest_m))
 
     def elastic_N(self, position_m: Array) -> Array:
         """Return the elastic force (r, 3) on the rows in N."""
@@ -127,9 +172,7 @@ class Chain:
     def membrane_J(self, position_m: Array) -> float:
         """Return the energy of the axial springs in J."""
         stretch = self.spring_directions(position_m)[1] / self.rest_m
-        density_Pa = self.material.c10_Pa * (stretch**2 + 2 / stretch - 3)
-        density_Pa = density_Pa + self.material.c01_Pa * (2 * stretch + stretch**-2 - 3)
-        return float(self.rest_m * (self.area_m2 @ density_Pa))
+        return float(self.rest_m * (self.area_m2 @ self.law.energy_J_per_m3(stretch)))
 
     def bending_J(self, position_m: Array) -> float:
         """Return the energy of the bending springs in J."""
@@ -188,7 +231,8 @@ def build_chain(plan: PanelPlan) -> Chain:
         before, after = 1 / gap[k], 1 / gap[k + 1]
         curvature[k, k : k + 3] = np.array([before, -before - after, after]) / stands_for[k]
     area_m2 = rectangle.width_m * plan.thickness_m
-    bending_N_m2 = plan.material.youngs_modulus_Pa * area_m2 * plan.thickness_m**2 / 12
+    law = stretch_law(plan.material, plan.hindered_share)
+    bending_N_m2 = law.youngs_modulus_Pa * area_m2 * plan.thickness_m**2 / 12
     bent_m = np.clip([rows_m[1:-1] - cell / 2, rows_m[1:-1] + cell / 2], 0, rectangle.length_m)
     _, _, bending_share = remaining_shares(plan, *bent_m)
     _, tension_share, _ = remaining_shares(plan, free_m[:-1], free_m[1:])
@@ -204,7 +248,7 @@ def build_chain(plan: PanelPlan) -> Chain:
         springs=slice(first, last + 1),
         rest_m=cell,
         area_m2=area_m2 * tension_share,
-        material=plan.material,
+        law=law,
         curvature_1_m2=curvature,
         bending_N_m3=bending_N_m2 * bending_share * stands_for,
         at_clamps=at_clamps,
@@ -230,36 +274,24 @@ def remaining_shares(plan: PanelPlan, low_m: Array, high_m: Array) -> tuple[Arra
 
     The pieces of the strip extend from s = ``low_m`` to ``high_m``.  Across the strip, margins and pattern
     act in parallel; along it, the perforated and the solid part of a piece act in series.  ``unit_cell``
-    gives the stiffness of the pattern, free to contract across.  Raises SolverMissing without DOLFINx,
-    which computes this stiffness.
+    gives the stiffness of the pattern, whose contraction across the clamps hinder as that of the solid.
+    Raises SolverMissing without DOLFINx, which computes this stiffness.
     """
     pattern = plan.apertures
     if pattern is None:
         whole = np.ones(len(low_m))
         return whole, whole, whole
-    from adapters.panel.finite_element.unit_cell import along, cell_stiffness
+    from adapters.panel.finite_element.unit_cell import SOLID, along, cell_stiffness
 
     region = pattern.region_m(plan.rectangle)
     inside_m = np.minimum(high_m, region[1, 0]) - np.maximum(low_m, region[0, 0])
     length = np.clip(inside_m, 0.0, None) / (high_m - low_m)
     width = (1 - pattern.margin_share) * float(np.ptp(region[:, 1])) / plan.rectangle.width_m
-    cell = cell_stiffness(pattern, plan.thickness_m)
+    cell, hindered = cell_stiffness(pattern, plan.thickness_m), plan.hindered_share
 
     def in_series(stiffness: Array) -> Array:
-        beside_margins = 1 - width + width * along(stiffness)
+        beside_margins = 1 - width + width * along(stiffness, hindered) / along(SOLID, hindered)
         return np.asarray(1 / (1 - length + length / beside_margins))
 
     mass = np.asarray(1 - length * width * (1 - pattern.solid_share))
     return mass, in_series(cell.membrane), in_series(cell.bending)
-
-
-def nominal_stress_Pa(material: HyperelasticPlan, stretch: Array) -> Array:
-    """Return the uniaxial stress of incompressible material: force over the undeformed cross-section."""
-    return np.asarray(2 * (stretch - stretch**-2) * (material.c10_Pa + material.c01_Pa / stretch))
-
-
-def stiffness_Pa(material: HyperelasticPlan, stretch: Array) -> Array:
-    """Return the derivative of the nominal stress, which is E at stretch 1."""
-    shear = material.c10_Pa + material.c01_Pa / stretch
-    softening = (stretch - stretch**-2) * material.c01_Pa / stretch**2
-    return np.asarray(2 * (1 + 2 * stretch**-3) * shear - 2 * softening)

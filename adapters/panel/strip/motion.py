@@ -101,8 +101,9 @@ def _links(chain: Chain) -> dict[str, Any]:
     return {
         "first": chain.springs.start,
         "rest_m": chain.rest_m,
-        "c10_Pa": chain.material.c10_Pa,
-        "c01_Pa": chain.material.c01_Pa,
+        "c10_Pa": chain.law.c10_Pa,
+        "c01_Pa": chain.law.c01_Pa,
+        "sheared_Pa": chain.law.sheared_Pa,
         "area_m2": chain.area_m2,
         "bending_N_m3": chain.bending_N_m3,
         "curvature_1_m2": chain.curvature_1_m2[bends[:, None], bends[:, None] + np.arange(3)],

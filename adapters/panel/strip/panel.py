@@ -53,7 +53,7 @@ def stability_limit_s(links: Chain, material: HyperelasticPlan) -> float:
     of the branches' ratios."""
     free = np.flatnonzero(links.clamp_of_row < 0)
     ends = np.diff(np.eye(len(links.mass_kg))[links.springs], axis=0)
-    axial_N_per_m = material.youngs_modulus_Pa * links.area_m2 / links.rest_m
+    axial_N_per_m = links.law.youngs_modulus_Pa * links.area_m2 / links.rest_m
     axial = ends.T @ (axial_N_per_m[:, None] * ends)
     bending = links.curvature_1_m2.T @ (links.bending_N_m3[:, None] * links.curvature_1_m2)
     scale = np.sqrt(np.outer(links.mass_kg, links.mass_kg))

@@ -22,6 +22,7 @@ from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.case.tables.quantities import Box
 from orchestrator.case.tables.screen import PanelTable, Screen
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Rectangle
 
 Filled = TypeVar("Filled", bound=Filling)
 ENOUGH_DIAMETERS = 5.0  # A slice as wide as so many of the largest particles is not bridged: own choice.
@@ -84,6 +85,26 @@ def joins_sides(case: Case, length_m: float) -> bool:
     low, high = full_width_m(case.whole_machine)
     width_m = high - low
     return case.slice.width_m < width_m * (1 - 1e-9) and width_m >= WIDE * length_m
+
+
+def hindered_share(case: Case, panel: Rectangle) -> float:
+    """Return how much of its contraction across the clamps of a panel hinder, from 0 to 1.
+
+    It is 1 where the sides are joined; else, that which makes a panel in which nothing varies across pull as
+    the whole machine's does.
+    """
+    if joins_sides(case, panel.length_m):
+        return 1.0
+    width_m = panel.width_m
+    if case.slice is not None:
+        low, high = full_width_m(case.whole_machine)
+        width_m = high - low
+    return hindered_share_of(width_m / panel.length_m)
+
+
+def hindered_share_of(width_over_length: float) -> float:
+    """Return the share of its contraction across that the clamps of a panel with free sides hinder."""
+    return float(np.interp(width_over_length, WIDTHS_OVER_LENGTHS, STIFFENING) - 1) / (PURE_SHEAR - 1)
 
 
 def stretched_stiffness_error(case: Case, length_m: float, joined: bool) -> float:

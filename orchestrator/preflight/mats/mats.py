@@ -14,7 +14,7 @@ from orchestrator.case.solver_plans import panel_plans
 from orchestrator.ports import Array
 from orchestrator.ports.plans import PanelPlan
 from orchestrator.preflight.mats.regime import Regime
-from orchestrator.preflight.mats.trial import CELLS, WATCHED_TURNS, Trial, is_costly, regimes, stiffer
+from orchestrator.preflight.mats.trial import CELLS, WATCHED_TURNS, Trial, is_costly, regimes
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import Shaking, free_frames
 
@@ -100,7 +100,7 @@ def trials_of(scene: Scene) -> Iterator[tuple[tuple[str, ...], Trial]]:
     for plan in panel_plans(scene.case):
         shaking = max(scene.shaken, key=lambda shaking: _stroke_m(shaking, plan))
         amplitude_m = _amplitudes_m(scene, shaking, plan)
-        trial = Trial(plan, amplitude_m, shaking.speed_rad_per_s, stiffer=stiffer(plan))
+        trial = Trial(plan, amplitude_m, shaking.speed_rad_per_s)
         if trial.stroke_m > 0.0 and not plan.stops:
             trials.setdefault(pickle.dumps(_sheet(plan)), []).append(trial)
     for alike in trials.values():

@@ -28,9 +28,6 @@ from orchestrator.preflight.mats.regime import PHASES, Regime
 
 CELLS = 32
 """Cells along a mat: with 16, the peaks of mats between turned clamps are off by a third."""
-WIDE, HINDERED = 2.0, 4 / 3
-"""Width over length from which on a mat's middle cannot contract across, and its stiffness then, both when
-stretched and when bent, over that of a strip (docs/theory/panel_sheet.md)."""
 MOST_STEPS, MOST_ROWS = 400_000, 60_000
 """Of a trial: some ten seconds."""
 INTERVAL_S = 4e-4
@@ -42,15 +39,13 @@ RUN_UP_TURNS, SETTLING_TURNS, WATCHED_TURNS = 4, 6, 24
 class Trial:
     """A mat between clamps that move by Re(``amplitude_m`` exp(i w t)), (2, 3), the first and the second.
 
-    ``added_kg_per_m2`` is a load that moves with the mat.  ``stiffer`` is the mat's stiffness over that of a
-    strip with free sides; the middle of a wide mat cannot contract across.
+    ``added_kg_per_m2`` is a load that moves with the mat.
     """
 
     plan: PanelPlan
     amplitude_m: Array
     speed_rad_per_s: float
     added_kg_per_m2: float = 0.0
-    stiffer: float = 1.0
 
     @property
     def turn_s(self) -> float:
@@ -78,12 +73,7 @@ class Trial:
         share = plan.apertures.material_share(plan.rectangle) if plan.apertures else 1.0
         own_kg_per_m2 = material.density_kg_per_m3 * plan.thickness_m * share
         heavier = 1.0 + self.added_kg_per_m2 / own_kg_per_m2
-        loaded = replace(
-            material,
-            density_kg_per_m3=heavier * material.density_kg_per_m3,
-            c10_Pa=self.stiffer * material.c10_Pa,
-            c01_Pa=self.stiffer * material.c01_Pa,
-        )
+        loaded = replace(material, density_kg_per_m3=heavier * material.density_kg_per_m3)
         return adapter.build(
             replace(
                 plan,
@@ -96,12 +86,6 @@ class Trial:
                 point_masses=(),
             )
         )
-
-
-def stiffer(plan: PanelPlan) -> float:
-    """Return the stiffness of a panel's middle over that of a strip with free sides."""
-    at = plan.rectangle
-    return HINDERED if plan.joined_sides or at.width_m >= WIDE * at.length_m else 1.0
 
 
 def is_costly(trial: Trial) -> bool:

@@ -3,8 +3,8 @@
 Trials of one mat (``preflight/mats``) decide.  A mounting is wanted with which the empty mat hangs down in
 every turn, with a mean peak of 30 to 50 g (the intensity of such mats in C. Yu, R. Geng and X. Wang, Minerals
 11, 2021, 631, doi:10.3390/min11060631), also at strokes and speeds somewhat above and below, and if it is as
-soft as a strip with free sides, which the edges of a mat are and the strips of a draft, and with half and
-twice the loss factor, the range of polyurethane in the material library.
+soft as a strip with free sides, which the edges of a mat are, and with half and twice the loss factor, the
+range of polyurethane in the material library.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import NamedTuple
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.preflight.mats.mats import remembered_regimes, trials_of
 from orchestrator.preflight.mats.regime import Regime
-from orchestrator.preflight.mats.trial import HINDERED, Trial
+from orchestrator.preflight.mats.trial import Trial
 from orchestrator.preflight.proposal.layout import Mounting
 from orchestrator.preflight.proposal.wishes import Wishes, down, problem
 from orchestrator.preflight.scene.scene import Scene
@@ -33,15 +33,15 @@ SMALLER_STROKES = (0.85, 0.7, 0.55, 0.4)
 
 
 class Shares(NamedTuple):
-    """Stroke, speed, stiffness and loss factor of a trial, over those that are wanted."""
+    """Stroke, speed, loss factor and hindered share of a trial, over those that are wanted."""
 
     stroke: float = 1.0
     speed: float = 1.0
-    stiffness: float = 1.0
     loss: float = 1.0
+    hindered: float = 1.0
 
 
-WANTED, SOFT = Shares(), Shares(stiffness=1 / HINDERED)
+WANTED, SOFT = Shares(), Shares(hindered=0.0)
 NEIGHBOURS = (
     SOFT,
     Shares(stroke=0.9),
@@ -69,11 +69,11 @@ def choose_mounting(moved: Scene) -> Choice | None:
     tried = _mountings(trial)
     first = _try([_with(trial, row) for row in tried], [WANTED, SOFT], FIRST_CELLS, FIRST_TURNS)
     hanging = [number for number, found in enumerate(first) if _all_hang(found)]
-    short = [tried[number] for number in sorted(hanging, key=lambda n: _off_g(first[n]))[:SHORT_LIST]]
+    short = [tried[number] for number in sorted(hanging, key=lambda n: _off_g(first[n][:1]))[:SHORT_LIST]]
     around = [WANTED, *NEIGHBOURS]
     found = _try([_with(trial, row) for row in short], around, CELLS, TURNS) if short else []
     choices = [
-        (not _all_hang(regimes), _off_g(regimes[:2]), number)
+        (not _all_hang(regimes), _off_g(regimes[:1]), number)
         for number, regimes in enumerate(found)
         if not regimes[0].turns_up
     ]
@@ -139,9 +139,10 @@ def _with(trial: Trial, mounting: Mounting) -> Trial:
 
 
 def _beside(trial: Trial, shares: Shares) -> Trial:
-    """Return a trial at shares of its stroke, speed, stiffness and loss factor."""
+    """Return a trial at shares of its stroke, speed, loss factor and hindered share."""
     span_m, material = trial.plan.rectangle.span_m, trial.plan.material
     beside = trial.at(shares.stroke * trial.stroke_m, shares.speed * trial.speed_rad_per_s, span_m)
     branches = tuple((shares.loss * ratio, time_s) for ratio, time_s in material.branches)
-    plan = replace(beside.plan, material=replace(material, branches=branches))
-    return replace(beside, plan=plan, stiffer=shares.stiffness * trial.stiffer)
+    hindered_share = shares.hindered * trial.plan.hindered_share
+    material = replace(material, branches=branches)
+    return replace(beside, plan=replace(beside.plan, material=material, hindered_share=hindered_share))
