@@ -70,9 +70,9 @@ class Chain(_Body):
     """The chain of ``strip/motion.py``.
 
     Constants, which are copied: springs from row ``first`` on, ``rest_m``, ``c10_Pa``, ``c01_Pa``,
-    ``sheared_Pa``, ``area_m2``; ``curvature_1_m2`` (bends, 3) of three rows each, of weight ``bending_N_m3``, of
-    which those ``at_clamp`` (0 or 1) do not count ``along`` it; rows, ``mass_kg``, ``held`` and
-    ``free``; ``share`` (rows, held), how all follow the held ones ``across``; Maxwell branches,
+    ``sheared_Pa``, ``area_m2``; ``curvature_1_m2`` (bends, 3) of three rows each, of weight
+    ``bending_N_m3``, of which those ``at_clamp`` (0 or 1) do not count ``along`` it; rows, ``mass_kg``,
+    ``held`` and ``free``; ``share`` (rows, held), how all follow the held ones ``across``; Maxwell branches,
     ``ratio`` and ``time_s``; ``weight_N`` (rows, 3).  State: ``position_m``, ``velocity_m_per_s``,
     ``internal_N`` (rows, 3), and what ``ChainMotion`` calls its memory.
     """

@@ -38,7 +38,7 @@ COARSER = (
 )
 """Finest diameter over the smaller side of the openings, share of the throughput, and share of the time
 that a steady state takes, from the best draft down."""
-COARSE_CELLS, FINE_CELLS = (16, 0.025), (22, 0.018)
+COARSE_CELLS, FINE_CELLS = (24, 0.0125), (22, 0.018)
 """Cells along a panel: at least so many, and their largest length."""
 
 
