@@ -83,12 +83,12 @@ class PanelPlan:
     ``apertures``: its openings, if any; only particles see each of them.  ``playback``: the
     recorded motion that it follows, where its shape is prescribed.  ``stops``: beams that it can
     come to lie on (``orchestrator/coupling/stopped_panel.py``, no matter of the solver).
-    ``point_masses``: what is fixed to it.  ``joined_sides``: it goes on beyond its sides, along world y, as
-    it is between them, so that the two sides move alike.  ``hindered_share``: how much of its
-    contraction across the clamps hinder, 0 of a narrow panel and 1 of the middle of a wide one; solvers in
-    which nothing varies across read it.  ``moulded_sag_m``: how far the middle of the free length hangs below
-    its ends in the stress-free shape, which is a full wave and leaves both ends along the line between them;
-    0 for a panel that is flat where it is free of stress.
+    ``point_masses``: what is fixed to it.  ``joined_sides``: it goes on beyond its sides, along world y,
+    as it is between them, so that the two sides move alike.  ``hindered_share``: how much of its
+    contraction across the clamps hinder, 0 of a narrow panel to 1 of a very wide one, where nothing
+    varies across.  ``moulded_sag_m``: how far the middle of the free length hangs below its ends in the
+    stress-free shape, which is a full wave and leaves both ends along the line between them; 0 for a
+    panel that is flat where it is free of stress.
     """
 
     name: str

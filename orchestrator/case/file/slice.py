@@ -90,11 +90,8 @@ def joins_sides(case: Case, length_m: float) -> bool:
 def hindered_share(case: Case, panel: Rectangle) -> float:
     """Return how much of its contraction across the clamps of a panel hinder, from 0 to 1.
 
-    It is 1 where the sides are joined; else, that which makes a panel in which nothing varies across pull as
-    the whole machine's does.
+    With it, a panel in which nothing varies across pulls as the whole machine's does, in a slice, too.
     """
-    if joins_sides(case, panel.length_m):
-        return 1.0
     width_m = panel.width_m
     if case.slice is not None:
         low, high = full_width_m(case.whole_machine)
