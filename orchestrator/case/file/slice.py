@@ -155,15 +155,6 @@ def _problems(case: Case) -> list[CaseProblem]:
         if not y_m[0] <= particle.position_m[1] < y_m[1]:
             key = ("bed", "particles", name, "position_m")
             problems.append(CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
-    carried = case.bed.carried
-    if carried is not None and case.bed.outside == "refuse":
-        beside = (carried.position_m[:, 1] < y_m[0]) | (carried.position_m[:, 1] > y_m[1])
-        if beside.any():
-            what = f"{beside.sum()} particles of {carried.source} are not in the slice"
-            hint = 'bed.outside = "leave-out" leaves them out'
-            problems.append(
-                CaseProblem(("bed", "outside"), f"{what} from y = {y_m[0]:g} to {y_m[1]:g} m", hint)
-            )
     return problems + _through_openings(case) + _in_periodic(case)
 
 

@@ -156,6 +156,13 @@ def reduced_feeds(given: Mapping[str, Any], layers: Layers) -> Iterator[str]:
             )
 
 
+def fitting_bed(case: Case) -> Iterator[CaseProblem]:
+    """Check that particles taken over have materials and the coarse graining of the case."""
+    if (carried := case.bed.carried) is not None:
+        key: Key = ("bed", "from_run" if case.bed.from_run is not None else "table")
+        yield from (CaseProblem(key, what, hint) for what, hint in carried.unfit)
+
+
 NARROW, ENOUGH_GRAINS = 0.75, 50
 
 
