@@ -176,6 +176,18 @@ def _through_openings(case: Case) -> list[CaseProblem]:
     return []
 
 
+def between_openings_m(case: Case, width_m: float) -> float:
+    """Return the width nearest to ``width_m`` of a slice that cuts no opening of the panels' first kind.
+
+    ``case`` is that of the whole machine.
+    """
+    for panel in case.screen.panels.values():
+        if (openings := panel.apertures) is not None:
+            pitch_m, most = openings.pitch_across_m, _openings_across(panel, openings)
+            return max(min(round(width_m / pitch_m), most), 1) * pitch_m
+    return width_m
+
+
 def _openings_across(panel: PanelTable, openings: Apertures) -> int:
     """Return how many openings lie side by side between a panel's margins."""
     return int((panel.width_m - 2 * openings.margin_across_m) / openings.pitch_across_m + 1e-6)
