@@ -12,6 +12,7 @@ from typing import Any
 import tomli_w
 
 from flipflow.run import Run, make_run
+from orchestrator.case import shipped
 from orchestrator.case.file.base import CASE_FILE, lay_chain, level_names, read_chain
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.load import choose_level
@@ -140,13 +141,16 @@ class Case:
 def load(path: str | Path, level: str | Path | None = None, overrides: str | Sequence[str] = ()) -> Case:
     """Return the case in a folder, at a level; without one, at the case's default level.
 
-    ``path`` is the folder or the case.toml in it, and ``level`` a name or the file of a level.  Raises
-    CaseError if there is no case, or it has no such level.
+    ``path`` is the folder or the case.toml in it, or the name of a case that comes with the program;
+    ``level`` is a name or the file of a level.  Raises CaseError if there is no case, or if it has no such
+    level.
     """
-    file = Path(path) if Path(path).is_file() else Path(path) / CASE_FILE
+    path = shipped.find(Path(path))
+    file = Path(path) if path.is_file() else path / CASE_FILE
     if not file.is_file() or file.name != CASE_FILE:
         what = f"no such case: there is no {CASE_FILE}" if not file.is_file() else f"is no {CASE_FILE}"
-        raise CaseError([CaseProblem((), what, "name the folder of a case", file=str(path))])
+        hint = shipped.no_such_case_hint(path) or "name the folder of a case"
+        raise CaseError([CaseProblem((), what, hint, file=str(path))])
     chain = read_chain(file)
     folder, wanted = chain[0].folder, None if level is None else str(level)
     lines = (overrides,) if isinstance(overrides, str) else tuple(overrides)

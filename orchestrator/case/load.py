@@ -40,6 +40,7 @@ from orchestrator.case.file.loss_curve import fit_loss_curves
 from orchestrator.case.file.origin import Origin
 from orchestrator.case.file.slice import cut_to_slice
 from orchestrator.case.materials.fill_in import fill_in_materials
+from orchestrator.case.shipped import no_such_case_hint
 from orchestrator.case.tables.case import Case
 
 EFFECTS = ("effects", "effects_for")
@@ -103,7 +104,8 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     """
     file = path if path.is_file() else path / CASE_FILE
     if not file.is_file():
-        raise CaseError([CaseProblem((), f"no such case: there is no {CASE_FILE}", file=str(path))])
+        what = f"no such case: there is no {CASE_FILE}"
+        raise CaseError([CaseProblem((), what, no_such_case_hint(path), file=str(path))])
     chain = read_chain(file)
     folder, layers = chain[0].folder, lay_chain(chain)
     given = layers.merged

@@ -44,7 +44,7 @@ from orchestrator.output.records.run_folder import (
     write_case,
     write_json,
 )
-from orchestrator.output.report.headline import headline, reasons_not_steady
+from orchestrator.output.report.headline import headline_lines
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
@@ -259,6 +259,7 @@ def _execute(
     console = _console(quiet=not first)
     with run_folder.logging_to(folder, first):
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
+        _print_and_log(loaded.case.title, console)
         doing = "running" if checkpoint is None else f"going on from t = {checkpoint.simulated_s:g} s with"
         _print_and_log(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
         for line in motion_lines(scene(loaded.case)):
@@ -384,8 +385,7 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
         if trust.came_to_its_end(figures["status"]):
             console.print(summary.closing_table(figures))
             results = figures.get("results") or {}
-            tiles = (tile.line for tile in headline(results))
-            for line in (*summary.closing_lines(figures), *tiles, *reasons_not_steady(results)):
+            for line in (*summary.closing_lines(figures), *headline_lines(results)):
                 _print_and_log(line, console)
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)

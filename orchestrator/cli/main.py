@@ -391,20 +391,28 @@ def record(
 
 @app.command(name="list")
 def list_cases(
-    folder: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="folder that holds cases")] = Path(
-        "cases"
-    ),
+    folder: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FOLDER]",
+            help="folder that holds cases [default: cases, and the cases that come with the program]",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """List cases with their titles and levels."""
-    if not folder.is_dir():
+    """List cases with their titles and levels.
+
+    Those that come with the program are run by their names from every folder: flipflow run quickstart.
+    """
+    if folder is not None and not folder.is_dir():
         refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
+    folders = [folder] if folder is not None else _usual_folders()
     if as_json:
         from orchestrator.cli.json_forms import cases_in, print_json
 
-        print_json({"cases": [*cases_in(folder)]})
+        print_json({"cases": [*chain.from_iterable(map(cases_in, folders))]})
         return
-    for line in _case_lines(folder):
+    for line in chain.from_iterable(map(_case_lines, folders)):
         CONSOLE.print(line)
 
 
@@ -514,15 +522,30 @@ def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> Tried
     return try_all_effects(loaded, Pairs(budget_s / RUNS_IN_BUDGET, ERRORS.print, budget_s=budget_s))
 
 
+def _usual_folders() -> list[Path]:
+    """Return the folder "cases" here, if there is one, and that of the program's own cases."""
+    from orchestrator.case.shipped import SHIPPED
+
+    own = Path(SHIPPED.name)
+    if not own.is_dir():
+        return [SHIPPED]
+    return [own] if own.resolve() == SHIPPED else [own, SHIPPED]
+
+
 def _case_lines(folder: Path) -> Iterator[str]:
-    """Yield a line for each case in a folder, followed by a line with its levels."""
+    """Yield a line for each case in a folder, followed by a line with its levels.
+
+    A case that comes with the program has its name alone.
+    """
     from orchestrator.case.file.errors import visible
+    from orchestrator.case.shipped import SHIPPED
     from orchestrator.cli.json_forms import cases_in
 
     for case in cases_in(folder):
-        title = case["title"] or f"(has problems: flipflow check {case['folder']})"
+        name = Path(case["folder"]).name if folder == SHIPPED else case["folder"]
+        title = case["title"] or f"(has problems: flipflow check {name})"
         names = [f"{n} (default)" if n == case["default_level"] else n for n in case["levels"]]
-        yield visible(f"{case['folder']}  {title}")
+        yield visible(f"{name}  {title}")
         if case["base"]:
             yield visible(f"    over: {case['base']}")
         yield visible(f"    levels: {', '.join(names) or 'none'}")

@@ -42,7 +42,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
     case, folder = loaded.case, loaded.folder
     # ``whole`` is the case as the user gave it; checks that a slice affects take the case itself.
     whole = case.whole_machine
-    if problems := find_table_problems(loaded):
+    if problems := _rule_problems(loaded):
         return problems
     rounds = (  # generators, which start only if the rounds before have found no problem
         (
@@ -69,6 +69,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
         (
             steps.particle_step(case),
             steps.panel_step(case),
+            bed.fitting_bed(case),
             surfaces.particles_at_start(case, folder),
             surfaces.feeds_at_start(case, folder),
         ),
@@ -80,7 +81,12 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
 
 def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Return the problems of the first round, which reads no files and places no particles."""
+    """Return the problems that show without reading files and placing particles."""
+    return _rule_problems(loaded) or _as_given(loaded, [*bed.fitting_bed(loaded.case)])
+
+
+def _rule_problems(loaded: JudgedCase) -> list[CaseProblem]:
+    """Return the problems of the first round."""
     problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole_machine)]
     return _as_given(loaded, [*loaded.choice.problems, *problems])
 

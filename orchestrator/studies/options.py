@@ -22,7 +22,22 @@ StudyOutput = Generator[str | Table | Path, None, bool]
 """The output of a study's command: it yields lines, tables and the files that it wrote, and returns whether
 all is well."""
 
-CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
+
+def _shipped_or_own(path: Path) -> Path:
+    """Return a path that exists, and else that of a case which comes with the program."""
+    from orchestrator.case import shipped
+
+    return shipped.find(path)
+
+
+CasePath = Annotated[
+    Path,
+    typer.Argument(
+        metavar="CASE",
+        callback=_shipped_or_own,
+        help="folder of the case, or the name of one that comes with the program",
+    ),
+]
 Level = Annotated[
     str | None,
     typer.Option(
@@ -38,7 +53,10 @@ Overrides = Annotated[
     ),
 ]
 StudyPath = Annotated[
-    Path, typer.Argument(metavar="STUDY", help="study.toml of a design study, or the folder with it")
+    Path,
+    typer.Argument(
+        metavar="STUDY", callback=_shipped_or_own, help="study.toml of a design study, or the folder with it"
+    ),
 ]
 Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]
 Workers = Annotated[

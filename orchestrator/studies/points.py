@@ -16,7 +16,7 @@ import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -361,10 +361,15 @@ def _put_aside(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Vary:
-    """A varied key of a case: the dotted ``key``, as ``--set`` takes it, and its ``values`` as text."""
+    """A varied key of a case: the dotted ``key``, as ``--set`` takes it, and its ``values`` as text.
+
+    ``given`` has the texts of values that were given with a unit, such as "700 rpm"; the values themselves
+    are in the key's own unit.
+    """
 
     key: str
     values: tuple[str, ...]
+    given: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -389,9 +394,14 @@ class Vary:
         """Return the value of the key at a point."""
         return {self.key: point.value}
 
+    def given_of(self, point: Point) -> dict[str, str]:
+        """Return the value of the key at a point with the unit in which it was given; {} without one."""
+        return {self.key: self.given[point.value]} if point.value in self.given else {}
+
     def folder(self, value: str) -> str:
-        """Return the name of the folder of a value's run."""
-        return f"{self.name}-" + "".join(c if c.isalnum() or c in "+-._" else "_" for c in value)
+        """Return the name of the folder of a value's run, with the unit in which the value was given."""
+        text = self.given.get(value, value)
+        return f"{self.name}-" + "".join(c if c.isalnum() or c in "+-._" else "_" for c in text)
 
 
 def parse_vary(text: str) -> Vary:
@@ -406,13 +416,19 @@ def parse_vary(text: str) -> Vary:
         each = _range(text, values)
     else:
         each = tuple(value.strip() for value in _split(values))
-    each = tuple(in_own_unit(value, key) for value in each)
+    vary = vary_of(key.strip(), each)
+    each = vary.values
     if len(set(each)) < len(each) or not all(each):
         raise _wrong(text, "has an empty value or one twice")
-    vary = Vary(key.strip(), each)
     if len({vary.folder(value) for value in each}) < len(each):
         raise _wrong(text, "has two values whose folders would have the same name")
     return vary
+
+
+def vary_of(key: str, texts: Sequence[str]) -> Vary:
+    """Return a key with values that may have units."""
+    own = tuple(in_own_unit(text, key) for text in texts)
+    return Vary(key, own, {value: text for value, text in zip(own, texts, strict=True) if value != text})
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
@@ -435,7 +451,8 @@ def _range(text: str, values: str) -> tuple[str, ...]:
     unit = split_quantity(parts[-1])[1]
     has_unit = unit_of(_last_name(text.partition("=")[0]), "")
     number_of = int if first.denominator == step.denominator == 1 and not has_unit else float
-    return tuple(f"{number_of(first + number * step)!r} {unit}".strip() for number in range(count))
+    numbers = [repr(number_of(first + number * step)) for number in range(count)]
+    return tuple(f"{number.removesuffix('.0')} {unit}" if unit else number for number in numbers)
 
 
 def with_one_unit(parts: Sequence[str]) -> list[str]:

@@ -5,21 +5,22 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
+from orchestrator.case.file.units import split_quantity
 from orchestrator.case.load import read_tables
 from orchestrator.studies.points import (
     MOST_VALUES,
     CaseStudy,
     Point,
     Vary,
-    in_own_unit,
     parse_vary,
+    vary_of,
     with_one_unit,
 )
 
@@ -37,10 +38,14 @@ class Arrangement(StrEnum):
 
 @dataclass(frozen=True)
 class SweepPlan:
-    """The settings of a sweep: one value, as text, for each of the ``keys`` in each of the ``settings``."""
+    """The settings of a sweep: one value, as text, for each of the ``keys`` in each of the ``settings``.
+
+    ``given`` has by key the texts of values that were given with a unit.
+    """
 
     keys: tuple[str, ...]
     settings: tuple[tuple[str, ...], ...]
+    given: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -56,7 +61,10 @@ class SweepPlan:
             study.point(
                 name(setting),
                 [f"{key}={value}" for key, value in zip(self.keys, setting, strict=True)],
-                "_".join(Vary(key, ()).folder(v) for key, v in zip(self.keys, setting, strict=True)),
+                "_".join(
+                    Vary(key, (), self.given.get(key, {})).folder(v)
+                    for key, v in zip(self.keys, setting, strict=True)
+                ),
             )
             for setting in self.settings
         ]
@@ -65,6 +73,11 @@ class SweepPlan:
         """Return the value of each key at a point."""
         (setting,) = (each for each in self.settings if name(each) == point.value)
         return dict(zip(self.keys, setting, strict=True))
+
+    def given_of(self, point: Point) -> dict[str, str]:
+        """Return the values at a point that were given with a unit, by key, with their units."""
+        own = self.setting_of(point).items()
+        return {key: self.given[key][value] for key, value in own if value in self.given.get(key, {})}
 
 
 def name(setting: Sequence[str]) -> str:
@@ -94,9 +107,9 @@ def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) ->
     if problems:
         raise CaseError(problems)
     if how is Arrangement.RANDOM:
-        return SweepPlan(tuple(keys), _random_settings(vary, number, seed))
+        return _random_plan(vary, number, seed)
     settings = itertools.product(*columns) if how is Arrangement.GRID else zip(*columns, strict=True)
-    return SweepPlan(tuple(keys), tuple(dict.fromkeys(settings)))
+    return SweepPlan(tuple(keys), tuple(dict.fromkeys(settings)), {each.key: each.given for each in varied})
 
 
 def check_names(study: CaseStudy, keys: Iterable[str], given: str) -> None:
@@ -117,7 +130,7 @@ def check_names(study: CaseStudy, keys: Iterable[str], given: str) -> None:
         raise CaseError(problems)
 
 
-def _random_settings(vary: Sequence[str], number: int, seed: int) -> tuple[tuple[str, ...], ...]:
+def _random_plan(vary: Sequence[str], number: int, seed: int) -> SweepPlan:
     """Return ``number`` different settings with random values of each key; a larger number continues them.
 
     A setting that is drawn again would be run once only, so that another one is drawn for it.  Raises
@@ -125,10 +138,11 @@ def _random_settings(vary: Sequence[str], number: int, seed: int) -> tuple[tuple
     """
     settings: dict[tuple[str, ...], None] = {}
     for times in DRAWS:
-        columns = [_random_values(text, times * number, [seed, k]).values for k, text in enumerate(vary)]
-        settings = dict.fromkeys(zip(*columns, strict=True))
+        drawn = [_random_values(text, times * number, [seed, k]) for k, text in enumerate(vary)]
+        settings = dict.fromkeys(zip(*(each.values for each in drawn), strict=True))
         if len(settings) >= number:
-            return tuple(settings)[:number]
+            given = {each.key: each.given for each in drawn}
+            return SweepPlan(tuple(each.key for each in drawn), tuple(settings)[:number], given)
     what = f"finds {len(settings)} different settings, not {number}"
     raise CaseError([CaseProblem((), what, "give a smaller --number, or --plan grid", "--plan random")])
 
@@ -142,16 +156,19 @@ def _random_values(text: str, number: int, seed: int | Sequence[int]) -> Vary:
     key, equals, values = (part.strip() for part in text.partition("="))
     if equals and values.count(":") == 1:
         try:
-            first, last = (float(in_own_unit(part, key)) for part in with_one_unit(values.split(":")))
+            ends, units = zip(*map(split_quantity, with_one_unit(values.split(":"))), strict=True)
+            first, last = map(float, ends)
         except ValueError:
             raise CaseError([_wrong(text, "is no range of numbers")]) from None
         if not first < last:
             raise CaseError([_wrong(text, "is no range: the first number must be the smaller one")])
         drawn = generator.uniform(first, last, number)
-        return Vary(key, tuple(_rounded(value, first, last) for value in drawn.tolist()))
+        return vary_of(
+            key, [f"{_rounded(value, first, last)} {units[0]}".strip() for value in drawn.tolist()]
+        )
     vary = parse_vary(text)
     chosen = generator.integers(len(vary.values), size=number)
-    return Vary(vary.key, tuple(vary.values[k] for k in chosen))
+    return replace(vary, values=tuple(vary.values[k] for k in chosen))
 
 
 def _rounded(value: float, first: float, last: float) -> str:

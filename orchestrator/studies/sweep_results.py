@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -24,6 +24,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "open": {"marker": "o", "ms": 5, "mfc": "white"},
     "cross": {"marker": "x", "ms": 6},
 }
+MOST_LABELS = 6  # of values, such as "700 rpm", below an axis
 LABEL = 42  # characters of a line beside an axis of 4 inches
 
 
@@ -32,12 +33,14 @@ class SweptSetting:
     """A setting of a sweep, by key, with the state of its run and the wanted results that the run has.
 
     ``transient`` has words for a machine that has not settled and for a bed that is not steady.
+    ``given`` has by key the values that were given with a unit.
     """
 
     setting: Mapping[str, str]
     status: str
     results: Mapping[str, Value]
     transient: tuple[str, ...] = ()
+    given: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def look(self) -> str:
@@ -45,9 +48,9 @@ class SweptSetting:
         return "cross" if not trust.is_trusted(self.status) else "open" if self.transient else "good"
 
     def text(self, key: str) -> str:
-        """Return the value of a key for people, a number with up to six digits."""
+        """Return the value of a key for people, as it was given, or a number with up to six digits."""
         number = self.number(key)
-        return self.setting[key] if math.isnan(number) else f"{number:.6g}"
+        return self.given.get(key) or (self.setting[key] if math.isnan(number) else f"{number:.6g}")
 
     def number(self, key: str) -> float:
         """Return the value of a key; NaN for a value that is no number."""
@@ -121,6 +124,15 @@ def draw_results(
     return [file]
 
 
+def show_given_units(axes: Any, given: Mapping[float, str]) -> None:
+    """Label the values of a key below the ``axes`` with the texts, such as "700 rpm", that were given for
+    them, if all were given with a unit and so few that the texts have room."""
+    if given and all(given.values()) and len(given) <= MOST_LABELS:
+        axes.set_xticks([*given], [*given.values()])
+    else:
+        axes.locator_params(axis="x", nbins=5)
+
+
 def _lines(keys: Sequence[str], rows: Sequence[SweptSetting]) -> dict[str, list[SweptSetting]]:
     """Return the runs with equal other keys, by these; {} where no line would join two of them."""
     lines: dict[str, list[SweptSetting]] = {}
@@ -142,6 +154,8 @@ def _draw_result(
             width = row.results[name].half_width or 0.0
             axes.errorbar(place, height, width, capsize=3, color=colour, **LOOKS[row.look])
     axes.set(xlabel=key, ylabel=fill(scalar(name).words, LABEL))
-    axes.locator_params(axis="x", nbins=5)
+    show_given_units(
+        axes, {row.number(key): row.given.get(key, "") for each in lines.values() for row in each}
+    )
     if len(lines) > 1:
         axes.legend(fontsize=8)

@@ -87,6 +87,17 @@ def test_what_a_case_has_not_is_not_offered(case: str, missing: set[str]) -> Non
     assert all(there.missing.values())
 
 
+@pytest.mark.parametrize("own_m", [0.042, 0.048, 0.084])
+def test_every_slice_that_is_proposed_passes_the_check(own_m: float) -> None:
+    """Openings every 6 mm, grains up to 9 mm: 42 mm are 7 pitches, of which half is none, and half of 48 mm
+    are less than three grains."""
+    folder, own = ROOT / "cases/ffs0827-slice", f"slice.width_m={own_m}"
+    (series,) = offer(load_judged(folder, "draft", [own]).case, ["slice"], 3).series
+    assert len(series.settings) >= 2
+    for setting in series.settings:
+        assert find_problems(load_judged(folder, "draft", [own, *setting.sets])) == []
+
+
 def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
     case = load_judged(QUICKSTART, "draft").case
     shared = shared_sets(case, 2e-4)

@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 import pandas as pd
 import pytest
+import tomli_w
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.carry import read_run
@@ -17,7 +18,7 @@ from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs, push_out
 from orchestrator.case.bed.sources import initial_particles, largest_diameter_m
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.carried_bed import CarriedBed
-from orchestrator.output.records.run_folder import changed_files, create_run_folder
+from orchestrator.output.records.run_folder import changed_files, create_run_folder, resolved_case
 from orchestrator.output.records.snapshots import Series, particle_mesh
 from orchestrator.output.views.openings import sizes_m
 from orchestrator.ports import Array, ParticleSnapshot
@@ -111,6 +112,57 @@ def test_one_message_names_places_beside_an_unknown_material(tmp_path: Path) -> 
     write_table(tmp_path, rows.assign(z_m=[5.0, 5.0, 0.02]))
     (_, outside) = complaints(tmp_path, table)
     assert "particle 1 at [0.1, 0.1, 5.0] is outside domain_m (1 more)" in outside
+
+
+def test_one_message_names_materials_coarse_graining_sides_and_surfaces(tmp_path: Path) -> None:
+    """In the slice of the middle 0.1 of 0.2 m; one grain lies in the panel, one beside the slice, and one
+    outside of all."""
+    run = saved_run(tmp_path, coarse_graining=2.0)
+    place_m = np.array([[0.1, 0.1, 0.004], [0.2, 0.19, 0.02], [0.25, 0.1, 5.0], [0.2, 0.1, 0.05]])
+    still, ones = np.zeros((4, 3)), np.ones(4)
+    bed = CarriedBed(
+        ("coal", "cool"),
+        np.array([0, 1, 0, 0]),
+        place_m,
+        still,
+        still,
+        0.01 * ones,
+        1430 * ones,
+        0.2,
+        2.0,
+        "",
+    )
+    saved_bed.write(run / "checkpoints" / f"{20:012d}" / saved_bed.BED, bed)
+    said = complaints(tmp_path, f"bed.from_run={run}", "slice.width_m=0.1")
+    assert len(said) == 5
+    assert 'are of "cool", which the case does not have; did you mean "coal"?' in said[0]
+    assert "take particles.coarse_graining = 1" not in said[1]
+    assert "take particles.coarse_graining = 2" in said[1]
+    assert "particle 3 at [0.25, 0.1, 5.0] is outside domain_m; bed.outside" in said[2]
+    assert "1 particles of" in said[3]
+    assert "are not in the slice from y = 0.05 to 0.15 m; bed.outside" in said[3]
+    assert "particle 1 is 0.001 m inside panel deck" in said[4]
+
+
+def test_a_bed_from_a_periodic_slice_fits_the_same_slice(tmp_path: Path) -> None:
+    """A solver has grains up to half a search skin beyond a side, and ParaView's files round to single
+    precision."""
+    slice_of = ["slice.width_m=0.1"]
+    run = saved_run(tmp_path)
+    (run / "case.toml").write_text(tomli_w.dumps(resolved_case(loaded(tmp_path, slice_of))))
+    place_m = np.array([[0.1, 0.15 + 79e-6, 0.02], [0.2, 0.05 - 79e-6, 0.02], [0.15, np.float32(0.05), 0.02]])
+    still, ones = np.zeros((3, 3)), np.ones(3)
+    bed = CarriedBed(
+        ("coal",), np.zeros(3, dtype=int), place_m, still, still, 0.01 * ones, 1430 * ones, 0.2, 1.0, ""
+    )
+    saved_bed.write(run / "checkpoints" / f"{20:012d}" / saved_bed.BED, bed)
+    sets = [f"bed.from_run={run}"]
+    found = load_case(tmp_path, CASE, [*sets, *slice_of])
+    assert find_problems(found) == []
+    y_m = initial_particles(found.case, material_numbers(found.case)).position_m[:, 1]
+    np.testing.assert_allclose(y_m[:2], [0.05 + 79e-6, 0.15 - 79e-6], rtol=1e-9)
+    narrower = "\n".join(complaints(tmp_path, *sets, "slice.width_m=0.08"))
+    assert "3 particles of" in narrower
 
 
 def test_particles_outside_are_left_out_on_request(tmp_path: Path) -> None:

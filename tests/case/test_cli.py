@@ -8,6 +8,8 @@ import numpy
 import pytest
 from typer.testing import CliRunner
 
+import flipflow
+from orchestrator.case import shipped
 from orchestrator.case.file.base import level_names
 from orchestrator.cli import launch
 from orchestrator.cli.main import app
@@ -96,6 +98,30 @@ def test_list_names_cases_levels_and_those_with_mistakes(tmp_path: Path) -> None
     assert done.exit_code == 0
     assert "good  a test\n    levels: draft (default)" in done.output
     assert "(has problems: flipflow check" in done.output
+
+
+def test_cases_that_come_with_the_program_have_names_everywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Outside of the clone, as where a user's own cases are; one's own case of the same name comes first."""
+    monkeypatch.chdir(tmp_path)
+    listed = CALL.invoke(app, ["list"])
+    assert listed.exit_code == 0
+    assert "\nquickstart  Two panels between" in listed.output
+    for name in ("ball-on-panel", "cases/ball-on-panel", "ball-on-panel/case.toml"):
+        done = CALL.invoke(app, ["check", name, "--level", "draft"])
+        assert done.exit_code == 0, done.output
+        assert done.output.startswith("ball-on-panel, level draft: ")
+    assert flipflow.load("ball-on-panel").folder == shipped.SHIPPED / "ball-on-panel"
+    done = CALL.invoke(app, ["check", "qickstart"])
+    assert done.exit_code == 2
+    assert 'did you mean "quickstart"?' in done.stderr
+    case_folder(tmp_path / "cases/mine", CASE)
+    case_folder(tmp_path / "ball-on-panel", CASE)
+    assert CALL.invoke(app, ["check", "ball-on-panel"]).output.startswith("ball-on-panel, no level: a test")
+    names = [line.split()[0] for line in CALL.invoke(app, ["list"]).output.splitlines() if line[0] != " "]
+    assert names[0] == "cases/mine"
+    assert "quickstart" in names
 
 
 @pytest.mark.smoke

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,43 @@ def test_random_values_lie_in_their_range(first: float, last: float) -> None:
     values = [float(value) for (value,) in plan.settings]
     assert all(first <= value <= last for value in values)
     assert len(set(values)) == 50
+
+
+@pytest.mark.parametrize("how", [Arrangement.GRID, Arrangement.RANDOM])
+def test_values_are_given_back_in_the_units_in_which_they_came(tmp_path: Path, how: Arrangement) -> None:
+    """750 rpm are 78.54 rad/s, as the column of sweep.csv says."""
+    plan = plan_sweep([f"{SPEED}=700 rpm,750 rpm", f"{SLOPE}=15"], how, 2, 1)
+    points = plan.points(CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path))
+    (faster,) = (point for point in points if plan.given_of(point) == {SPEED: "750 rpm"})
+    assert faster.folder.name == "speed_rad_per_s-750_rpm_inclination_deg-15"
+    assert faster.loaded.case.screen.exciters["shaft"].speed_rad_per_s == pytest.approx(25 * math.pi)
+    assert float(plan.setting_of(faster)[SPEED]) == pytest.approx(25 * math.pi)
+    rows = [SweptSetting(plan.setting_of(p), "done", {}, (), plan.given_of(p)) for p in points]
+    assert sorted(results_table(plan.keys, rows, []).columns[0].cells) == ["700 rpm", "750 rpm"]
+
+
+def test_values_between_two_with_a_unit_are_told_in_it() -> None:
+    plan = plan_sweep([f"{SPEED}=700:800 rpm"], Arrangement.RANDOM, 3, 1)
+    for (value,) in plan.settings:
+        rpm, unit = plan.given[SPEED][value].split()
+        assert unit == "rpm"
+        assert 700 <= float(rpm) <= 800
+        assert float(value) == pytest.approx(float(rpm) * math.pi / 30)
+
+
+def test_one_varied_key_gives_back_its_unit() -> None:
+    vary = parse_vary(f"{SPEED}=700:750:25 rpm")
+    assert [*vary.given.values()] == ["700 rpm", "725 rpm", "750 rpm"]
+    assert vary.folder(vary.values[0]) == "speed_rad_per_s-700_rpm"
+
+
+def test_a_dry_sweep_lists_and_predicts_its_runs_and_writes_nothing(tmp_path: Path) -> None:
+    study = CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path / "out")
+    said = [*sweep.command(study, [f"{SPEED}=700:750:50 rpm"], dry=True)]
+    assert said[0].startswith(f"{SPEED} = 700 rpm: ")
+    assert said[1].startswith(f"{SPEED} = 750 rpm: ")
+    assert said[2].startswith("2 of 2 runs are to be made, ")
+    assert not (tmp_path / "out").exists()
 
 
 def test_each_point_has_a_folder_of_its_own_and_its_keys(tmp_path: Path) -> None:

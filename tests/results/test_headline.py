@@ -12,7 +12,15 @@ import pytest
 
 from orchestrator.case.scalars import SCALARS
 from orchestrator.output.report.formatting import number
-from orchestrator.output.report.headline import COMPUTED, EFFICIENCY, HEIGHT, NOT_STEADY, Tile, headline
+from orchestrator.output.report.headline import (
+    COMPUTED,
+    EFFICIENCY,
+    HEIGHT,
+    NOT_STEADY,
+    Tile,
+    headline,
+    headline_lines,
+)
 from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
 from tests.results.synthetic import BIN_KG, CYCLE_S, DEPTH_M, LEAVES, MASS_KG, POWER_W, folder_of
@@ -178,7 +186,11 @@ def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
     assert not [name for name in tiles if "yield" in name or "recover" in name]
     for name, tile in tiles.items():
         assert tile.unsteady is not name.startswith(("largest panel", "panel acceleration", "relative"))
-        assert tile.line.endswith(f"; {NOT_STEADY})") is tile.unsteady
+    said = [*headline_lines(found)]
+    assert [line for line in said if NOT_STEADY in line] == [f"{NOT_STEADY}:"]
+    at = said.index(f"{NOT_STEADY}:")
+    assert said[at - 1].startswith("No steady state: ")
+    assert said[at + 1 :] == [f"  {tile.line}" for tile in headline(found) if tile.unsteady]
     text = re.sub(r"\s+", " ", page(folder, found, lambda *_: Film(b"", reason="none")))
     assert f"over {over}<br><strong>{NOT_STEADY}</strong>" in text
     feed = tiles["feed"]

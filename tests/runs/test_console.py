@@ -26,6 +26,7 @@ def test_progress_in_a_file_is_a_line_now_and_then(tmp_path: Path) -> None:
     for frame in ("driving", "driven"):  # their estimated motion, in the screen's terms
         assert f"frame {frame}: stroke " in done.stderr
         assert f"frame {frame}: stroke " in log
+    assert done.stderr.startswith("Two panels "), "what the case shows comes first"
     assert "\x1b[" not in done.stderr
     assert done.stdout == ""
 

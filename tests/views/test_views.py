@@ -32,6 +32,7 @@ from orchestrator.output.views.drawings import (
 from orchestrator.output.views.modes import modes_svg
 from orchestrator.output.views.openings import draw_openings, sizes_m
 from orchestrator.output.views.outline import MachineOutline, face_edges_m, outline
+from orchestrator.output.views.page import Views
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.frame_modes import frame_modes
 from orchestrator.preflight.scene.scene import scene
@@ -52,6 +53,19 @@ def drawn(name: str) -> list[str]:
     words = [text.get_text() for text in figure.axes[0].texts]
     pyplot.close(figure)
     return words
+
+
+@pytest.mark.parametrize(
+    ("sets", "said"),
+    [
+        ([], "12 kg/s of coal (this level feeds 1.5)"),
+        (["bed.feeds.coal.rate_kg_per_s=2.0"], "2 kg/s of coal"),
+    ],
+)
+def test_the_feed_of_the_whole_machine_is_drawn_and_not_that_of_its_level(sets: list[str], said: str) -> None:
+    """The level draft feeds an eighth; a value of --set is the machine's."""
+    (feed,) = Views(load_judged(CASES / "ffs0827-slice", "draft", sets)).machine.feeds
+    assert feed.text == said
 
 
 @pytest.mark.parametrize("view", [SIDE, TOP], ids=lambda view: view.name)

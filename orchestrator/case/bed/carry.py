@@ -19,13 +19,12 @@ from pydantic import ValidationError
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.bed_table import read_table
-from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.saved_bed import BED, UnreadableBed
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
 from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, part_of, read_json
 from orchestrator.case.file.layers import read_toml
-from orchestrator.case.file.slice import bounds_m, cut_to_slice
+from orchestrator.case.file.slice import bounds_m, cut_to_slice, period_m
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.bed import Bed
 from orchestrator.case.tables.carried_bed import CarriedBed
@@ -66,8 +65,13 @@ def carry_bed(case: Case, folder: Path) -> Case:
         found = _find_particles(bed, folder)
     except UnreadableBed as error:
         raise CaseError([CaseProblem(key, str(error))]) from None
-    if problems := [*_unfit(case, found, key)]:  # else the checks of the case name the places that do not fit
-        raise CaseError([*problems, *_misplaced(case, found, key)])
+    if not len(found):
+        raise CaseError([CaseProblem(key, f"{found.source} has no particles")])
+    if unfit := (*_unfit(case, found),):
+        stand_ins = _stand_ins(case, found)
+        if stand_ins is None:
+            raise CaseError([CaseProblem(key, *problem) for problem in unfit])
+        found = replace(found, materials=stand_ins, unfit=unfit)
     return case.model_copy(update={"bed": bed.with_carried(_as_wanted(case, found))})
 
 
@@ -117,19 +121,38 @@ def _locate(name: str, folder: Path) -> Path:
 def read_run(run: Path, time_s: float | None) -> CarriedBed:
     """Read the particles of a run, at the recorded time that is nearest to ``time_s``; None takes the last.
 
-    Raises UnreadableBed.
+    Those of a slice with periodic sides are between these.  Raises UnreadableBed.
     """
     states = sorted(_recorded_states(run), key=lambda state: (state.time_s, state.is_exact))
     if not states:
         raise UnreadableBed(f"{run}: has no recorded particles, neither checkpoints nor {SERIES}")
     end_s = states[-1].time_s
     if time_s is None:
-        return _read_state(run, states[-1])
+        return _between_sides(_read_state(run, states[-1]), run)
     if time_s > end_s * (1 + SAME):
         raise UnreadableBed(f"{run}: ends at t = {end_s:g} s, before bed.from_time_s = {time_s:g} s")
     away_s = min(abs(state.time_s - time_s) for state in states)
     nearest = [state for state in states if abs(state.time_s - time_s) <= away_s + SAME * end_s]
-    return _read_state(run, nearest[-1])
+    return _between_sides(_read_state(run, nearest[-1]), run)
+
+
+def _between_sides(found: CarriedBed, run: Path) -> CarriedBed:
+    """Return the particles of a run with periodic sides between these; of another run, as they are.
+
+    A solver wraps particles only when it looks for neighbours anew, so that a state has some beyond a side.
+    """
+    try:
+        case = Case.model_validate(read_toml(run / "case.toml"))
+        if not period_m(case):
+            return found
+        first_m, last_m = bounds_m(case)
+    except (ValidationError, CaseError):
+        return found  # the sides of a case of another version are not known
+    place_m = found.position_m.copy()
+    y_m = place_m[:, 1]
+    beyond = (y_m < first_m) | (y_m > last_m)
+    y_m[beyond] = first_m + (y_m[beyond] - first_m) % (last_m - first_m)
+    return replace(found, position_m=place_m)
 
 
 def _recorded_states(run: Path) -> Iterator[RecordedState]:
@@ -199,45 +222,30 @@ def _case_of_run(run: Path) -> Case:
     return leave_out_outside(cut_to_slice(coarsen(begun)))
 
 
-def _unfit(case: Case, found: CarriedBed, key: Key) -> Iterator[CaseProblem]:
-    """Yield a problem for each material that the case lacks, and for particles of other coarseness."""
-    if not len(found):
-        yield CaseProblem(key, f"{found.source} has no particles")
-        return
+def _unfit(case: Case, found: CarriedBed) -> Iterator[tuple[str, str]]:
+    """Yield what is wrong, and what helps, of materials that the case lacks and of other coarseness."""
     for number, name in enumerate(found.materials):
         if name not in case.materials:
             count = int((found.material == number).sum())
             what = f'{count} particles of {found.source} are of "{name}", which the case does not have'
-            yield CaseProblem(key, what, did_you_mean(name, case.materials))
+            yield what, did_you_mean(name, case.materials)
     own = case.particles.coarse_graining
     if not math.isnan(found.coarse_graining) and found.coarse_graining != own:
         what = f"its particles have a coarse graining of {found.coarse_graining:g}, those of the case {own:g}"
-        yield CaseProblem(key, what, f"take particles.coarse_graining = {found.coarse_graining:g}")
+        yield what, f"take particles.coarse_graining = {found.coarse_graining:g}"
 
 
-def _misplaced(case: Case, found: CarriedBed, key: Key) -> Iterator[CaseProblem]:
-    """Yield a problem for particles outside of the domain, and one for particles that overlap each other,
-    unless ``[bed]`` mends them.
+def _stand_ins(case: Case, found: CarriedBed) -> tuple[str, ...] | None:
+    """Return the materials of the particles, and for each that the case lacks one of its grains' materials.
 
-    Surfaces and periodic sides are not considered, because they are unknown as long as the bed does not fit.
+    The result is None if no grains of the case are known.
     """
-    low, high = np.array(case.domain_m)
-    is_outside = ((found.position_m < low) | (found.position_m > high)).any(axis=1)
-    if case.bed.outside == "refuse" and is_outside.any():
-        first, more = int(np.argmax(is_outside)), int(is_outside.sum()) - 1
-        at = np.round(found.position_m[first], 4).tolist()
-        what = f"particle {first + 1} at {at} is outside domain_m{f' ({more} more)' if more else ''}"
-        yield CaseProblem(key, what, 'bed.outside = "leave-out" leaves them out')
-    if case.bed.push_out or not len(found):
-        return
-    one, two, depth_m = overlapping_pairs(found.position_m, found.diameter_m)
-    deep = depth_m > SETTLED * np.minimum(found.diameter_m[one], found.diameter_m[two])
-    deep &= ~(is_outside[one] | is_outside[two])
-    if deep.any():
-        deepest, more = int(np.argmax(np.where(deep, depth_m, 0.0))), int(deep.sum()) - 1
-        what = f"particle {one[deepest] + 1} overlaps particle {two[deepest] + 1} by {depth_m[deepest]:.3g} m"
-        hint = f"up to {SETTLED:g} of the diameter is allowed; bed.push_out = true makes room"
-        yield CaseProblem(key, f"{what}{f' ({more} more)' if more else ''}", hint)
+    grains = [name for name in found.materials if name in case.materials]
+    grains += [row.material for row in (*case.bed.particles.values(), *case.bed.sources)]
+    known = [name for name in grains if name in case.materials]
+    if not known:
+        return None
+    return tuple(name if name in case.materials else known[0] for name in found.materials)
 
 
 def leave_out_outside(case: Case) -> Case:

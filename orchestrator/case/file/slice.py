@@ -173,15 +173,6 @@ def _problems(case: Case) -> list[CaseProblem]:
         if not y_m[0] <= particle.position_m[1] < y_m[1]:
             key = ("bed", "particles", name, "position_m")
             problems.append(CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
-    carried = case.bed.carried
-    if carried is not None and case.bed.outside == "refuse":
-        beside = (carried.position_m[:, 1] < y_m[0]) | (carried.position_m[:, 1] > y_m[1])
-        if beside.any():
-            what = f"{beside.sum()} particles of {carried.source} are not in the slice"
-            hint = 'bed.outside = "leave-out" leaves them out'
-            problems.append(
-                CaseProblem(("bed", "outside"), f"{what} from y = {y_m[0]:g} to {y_m[1]:g} m", hint)
-            )
     return problems + _through_openings(case) + _in_periodic(case)
 
 
@@ -201,6 +192,18 @@ def _through_openings(case: Case) -> list[CaseProblem]:
             hint = f"take a whole number of at most {most}: {fitting * pitch_m:g} m is {fitting}"
             return [CaseProblem(("slice", "width_m"), what, hint)]
     return []
+
+
+def between_openings_m(case: Case, width_m: float) -> float:
+    """Return the width nearest to ``width_m`` of a slice that cuts no opening of the panels' first kind.
+
+    ``case`` is that of the whole machine.
+    """
+    for panel in case.screen.panels.values():
+        if (openings := panel.apertures) is not None:
+            pitch_m, most = openings.pitch_across_m, _openings_across(panel, openings)
+            return max(min(round(width_m / pitch_m), most), 1) * pitch_m
+    return width_m
 
 
 def _openings_across(panel: PanelTable, openings: Apertures) -> int:

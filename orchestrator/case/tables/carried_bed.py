@@ -34,6 +34,9 @@ class CarriedBed:
         The file that the particles were read from.
     doubt
         Why the run that it comes from cannot be trusted, in words; empty if nothing speaks against it.
+    unfit
+        What does not fit the case, with what helps, besides the places: materials and coarse graining.  Their
+        stand-ins in the record serve to check the places in the same round, and never run.
     """
 
     materials: tuple[str, ...]
@@ -47,6 +50,7 @@ class CarriedBed:
     coarse_graining: float
     source: str
     doubt: str = ""
+    unfit: tuple[tuple[str, str], ...] = ()
 
     def part(self, rows: npt.NDArray[np.bool_]) -> CarriedBed:
         """Return the particles of some rows."""

@@ -50,15 +50,24 @@ class Tile:
         width = f" ± {self.interval}" if self.interval else ""
         if self.value == UNKNOWN:
             return f"{self.name}: {UNKNOWN} ({self.over})"
-        basis = f"over {self.over}" + (f"; {NOT_STEADY}" if self.unsteady else "")
         also = f" = {self.also}" if self.also else ""
-        return f"{self.name}: {self.value}{width} {self.unit}{also} ({basis})"
+        return f"{self.name}: {self.value}{width} {self.unit}{also} (over {self.over})"
 
 
 def headline(results: dict[str, Any]) -> list[Tile]:
     """Return a tile for each figure that has a value in the results of a run."""
     tiles = [*_material_tiles(results), *_motion_tiles(results)] if results else []
     return [tile for tile in tiles if tile.value != NONE]
+
+
+def headline_lines(results: dict[str, Any]) -> Iterator[str]:
+    """Yield the headline's figures for a terminal: the steady ones, why others are not, and these."""
+    tiles = headline(results)
+    yield from (tile.line for tile in tiles if not tile.unsteady)
+    yield from reasons_not_steady(results)
+    if unsteady := [tile for tile in tiles if tile.unsteady]:
+        yield f"{NOT_STEADY}:"
+        yield from (f"  {tile.line}" for tile in unsteady)
 
 
 def reasons_not_steady(results: dict[str, Any]) -> Iterator[str]:

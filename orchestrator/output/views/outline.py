@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -114,8 +116,13 @@ class MachineOutline:
         return np.concatenate(parts) if parts else np.array(self.case.domain_m)
 
 
-def outline(case: Case, folder: Path) -> MachineOutline:
-    """Return the outline of a case without problems.  Raises stl.UnreadableStl."""
+def outline(
+    case: Case, folder: Path, rates_kg_per_s: Mapping[str, float] = MappingProxyType({})
+) -> MachineOutline:
+    """Return the outline of a case without problems.  Raises stl.UnreadableStl.
+
+    ``rates_kg_per_s`` are those of the machine's feeds of which the case, at its level, has a part.
+    """
     screen = case.screen
     return MachineOutline(
         case=case,
@@ -143,7 +150,7 @@ def outline(case: Case, folder: Path) -> MachineOutline:
             for name, row in screen.exciters.items()
         ),
         feeds=tuple(
-            _box(case, name, f"{row.rate_kg_per_s:.4g} kg/s of {row.material}", row)
+            _box(case, name, _feed_in_words(row, rates_kg_per_s.get(name)), row)
             for name, row in case.bed.feeds.items()
         ),
         blocks=tuple(
@@ -160,6 +167,12 @@ def outline(case: Case, folder: Path) -> MachineOutline:
         ),
         down=axes(case)[:, 0],
     )
+
+
+def _feed_in_words(row: Feed, whole_kg_per_s: float | None) -> str:
+    if whole_kg_per_s is None:
+        return f"{row.rate_kg_per_s:.4g} kg/s of {row.material}"
+    return f"{whole_kg_per_s:.4g} kg/s of {row.material} (this level feeds {row.rate_kg_per_s:.4g})"
 
 
 def _panel(panel: SinglePanel) -> PanelOutline:

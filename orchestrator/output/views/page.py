@@ -22,6 +22,7 @@ from orchestrator.output.views.mats import draw_mats
 from orchestrator.output.views.modes import modes_svg
 from orchestrator.output.views.openings import draw_openings
 from orchestrator.output.views.outline import MachineOutline, outline
+from orchestrator.preflight.checks.bed import rates_above_the_level
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.scene.frame_modes import frame_modes
 from orchestrator.preflight.scene.scene import scene
@@ -46,7 +47,8 @@ class Views:
         """Take the case's geometry.  Raises stl.UnreadableStl."""
         self._loaded = loaded
         self._case: Case = loaded.case.whole_machine
-        self.machine: MachineOutline = outline(self._case, loaded.folder)
+        rates_kg_per_s = rates_above_the_level(loaded.origin.given, loaded.layers)
+        self.machine: MachineOutline = outline(self._case, loaded.folder, rates_kg_per_s)
 
     def figures(self) -> Iterator[tuple[str, Any]]:
         """Yield the name and the figure of each drawing: side and top view, kinds of openings and of mats."""

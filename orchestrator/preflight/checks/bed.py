@@ -144,16 +144,34 @@ def fines(case: Case, fate: str) -> Iterator[str]:
 
 def reduced_feeds(given: Mapping[str, Any], layers: Layers) -> Iterator[str]:
     """Yield a warning for each feed that the level reduces below that of ``given``, the case's own tables."""
+    feeds = layers.merged.get("bed", {}).get("feeds", {})
+    for name, case_kg_per_s in rates_above_the_level(given, layers).items():
+        kg_per_s, by = feeds[name][RATE], layers.source(("bed", "feeds", name, RATE))
+        yield (
+            f"{name}: {by} feeds {kg_per_s / case_kg_per_s:.0%} of the case's throughput, "
+            f"{3.6 * kg_per_s:.3g} of {3.6 * case_kg_per_s:.3g} t/h: a thinner bed moves faster and "
+            "separates otherwise"
+        )
+
+
+def rates_above_the_level(given: Mapping[str, Any], layers: Layers) -> dict[str, float]:
+    """Return the rate in kg/s of each feed, in the case's own tables ``given``, that its level reduces."""
     rates = {name: feed.get(RATE) for name, feed in given.get("bed", {}).get("feeds", {}).items()}
-    for name, feed in layers.merged.get("bed", {}).get("feeds", {}).items():
-        case_kg_per_s, kg_per_s = rates.get(name), feed.get(RATE)
-        by = layers.source(("bed", "feeds", name, RATE))
-        if case_kg_per_s and kg_per_s and kg_per_s < case_kg_per_s and Path(by).parent.name == "levels":
-            yield (
-                f"{name}: {by} feeds {kg_per_s / case_kg_per_s:.0%} of the case's throughput, "
-                f"{3.6 * kg_per_s:.3g} of {3.6 * case_kg_per_s:.3g} t/h: a thinner bed moves faster and "
-                "separates otherwise"
-            )
+    return {
+        name: case_kg_per_s
+        for name, feed in layers.merged.get("bed", {}).get("feeds", {}).items()
+        if (case_kg_per_s := rates.get(name))
+        and feed.get(RATE)
+        and feed[RATE] < case_kg_per_s
+        and Path(layers.source(("bed", "feeds", name, RATE))).parent.name == "levels"
+    }
+
+
+def fitting_bed(case: Case) -> Iterator[CaseProblem]:
+    """Check that particles taken over have materials and the coarse graining of the case."""
+    if (carried := case.bed.carried) is not None:
+        key: Key = ("bed", "from_run" if case.bed.from_run is not None else "table")
+        yield from (CaseProblem(key, what, hint) for what, hint in carried.unfit)
 
 
 NARROW, ENOUGH_GRAINS = 0.75, 50

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +18,7 @@ from orchestrator.case.deck import stl
 from orchestrator.case.deck.panels import SinglePanel, axes, plate_corners_m, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid, surface_grids
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.file.slice import period_m
+from orchestrator.case.file.slice import bounds_m, period_m
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
@@ -27,6 +28,7 @@ from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.checks.names import rows
 
 ENLARGE = "enlarge domain_m"
+LEAVE_OUT = 'bed.outside = "leave-out" leaves them out'
 THINNEST = 1e-6  # area of a plate over its longest edge squared: thinner ones have no normal to rounding
 
 
@@ -175,23 +177,38 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
         return
     if len(particles) == 0:
         return
-    apart = case.bed.carried is not None and case.bed.push_out  # before the start, and checked then
-    low, high = np.array(case.domain_m)
+    low, high = np.array(case.whole_machine.domain_m)
     beyond = ((particles.position_m < low) | (particles.position_m > high)).any(axis=1)
     outside = np.flatnonzero(beyond)
     if len(outside):
         key, name = _describe_particle(case, outside[0])
         place = np.round(particles.position_m[outside[0]], 4).tolist()
-        hint = 'bed.outside = "leave-out" leaves them out' if case.bed.carried is not None else ""
+        hint = LEAVE_OUT if case.bed.carried is not None else ""
         yield CaseProblem(key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}", hint)
+    placed = ~beyond & _in_slice(case, particles)
+    if beside := len(particles) - len(outside) - int(placed.sum()):
+        assert case.bed.carried is not None  # others are placed in the slice
+        first_m, last_m = bounds_m(case.whole_machine)
+        what = f"{beside} particles of {case.bed.carried.source} are not in the slice"
+        key = _describe_particle(case, int(np.argmin(placed)))[0]
+        yield CaseProblem(key, f"{what} from y = {first_m:g} to {last_m:g} m", LEAVE_OUT)
     yield from closed_bodies(case, particles, folder)
-    if apart:
+    if case.bed.carried is not None and case.bed.push_out:  # pushed before the start, and checked then
         return
-    yield from _overlapping(case, particles)
-    if any(any(_in_surface(case, particles, *surface)) for surface in _surfaces(case, folder)):
+    yield from _overlapping(case, particles, placed)
+    if any(any(_in_surface(case, particles, *surface, placed)) for surface in _surfaces(case, folder)):
         # particles may sit in openings, the meshing of which takes a while
         for surface in _surfaces(case, folder, surface_grids(case)):
-            yield from _in_surface(case, particles, *surface)
+            yield from _in_surface(case, particles, *surface, placed)
+
+
+def _in_slice(case: Case, particles: ParticleList) -> npt.NDArray[np.bool_]:
+    """Return for each particle whether its centre is between the sides of the slice; true without one."""
+    if case.slice is None:
+        return np.ones(len(particles), dtype=bool)
+    first_m, last_m = bounds_m(case.whole_machine)
+    y_m = particles.position_m[:, 1]
+    return np.asarray((y_m >= first_m) & (y_m <= last_m))
 
 
 def feeds_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
@@ -235,10 +252,16 @@ def hanging_panels(
         yield from _in_surface(case, particles, "a rigid surface", corners_m[panel_of_triangle < 0])
 
 
-def _in_surface(case: Case, particles: ParticleList, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
-    """Check that no particle's centre is nearer to the triangles (m, 3, 3) than its radius."""
+def _in_surface(
+    case: Case,
+    particles: ParticleList,
+    surface: str,
+    corners_m: Array,
+    placed: npt.NDArray[np.bool_] | Literal[True] = True,
+) -> Iterator[CaseProblem]:
+    """Check that no ``placed`` particle's centre is nearer to the triangles (m, 3, 3) than its radius."""
     depth_m = overlap_m(particles.position_m, particles.diameter_m / 2, corners_m)
-    inside = np.flatnonzero(depth_m > allowed_overlap(case) * particles.diameter_m)
+    inside = np.flatnonzero((depth_m > allowed_overlap(case) * particles.diameter_m) & placed)
     if len(inside):
         deepest = inside[np.argmax(depth_m[inside])]
         key, name = _describe_particle(case, deepest)
@@ -331,11 +354,14 @@ def _surfaces(
         yield f"surface {wall.name}", wall.position_m[wall.triangles]
 
 
-def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
-    """Check that no two particles overlap by more than ``allowed_overlap``."""
+def _overlapping(
+    case: Case, particles: ParticleList, placed: npt.NDArray[np.bool_] | None = None
+) -> Iterator[CaseProblem]:
+    """Check that no two particles, both of them ``placed``, overlap by more than ``allowed_overlap``."""
     one, two, depth_m = overlapping_pairs(particles.position_m, particles.diameter_m, period_m(case))
     smaller_m = np.minimum(particles.diameter_m[one], particles.diameter_m[two])
-    pairs = np.flatnonzero(depth_m > allowed_overlap(case) * smaller_m)
+    deep = depth_m > allowed_overlap(case) * smaller_m
+    pairs = np.flatnonzero(deep if placed is None else deep & placed[one] & placed[two])
     if len(pairs):
         deepest = pairs[np.argmax(depth_m[pairs])]
         key, name = _describe_particle(case, one[deepest])

@@ -23,7 +23,7 @@ from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import read_json
 from orchestrator.case.file.layers import find_changes
-from orchestrator.case.file.slice import ENOUGH_DIAMETERS, full_width_m
+from orchestrator.case.file.slice import ENOUGH_DIAMETERS, between_openings_m, full_width_m
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
@@ -439,6 +439,6 @@ class Plan:
         except CaseError:
             return
         now_m = case.slice.width_m if case.slice else high - low
-        width_m = now_m * left_s / shared_s
+        width_m = between_openings_m(case.whole_machine, now_m * left_s / shared_s)
         if width_m >= ENOUGH_DIAMETERS * largest_diameter_m(case):
             yield f"a slice: slice.width_m={width_m:.3g} instead of {now_m:.3g} m"

@@ -13,13 +13,15 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from orchestrator.case import solvers
+from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
-from orchestrator.case.file.slice import full_width_m
+from orchestrator.case.file.slice import between_openings_m, full_width_m
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case, damped_contacts, has_particles
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
+from orchestrator.preflight.checks.bed import FEWEST_DIAMETERS
 from orchestrator.preflight.stability.modes import largest_steps_s
 from orchestrator.preflight.stability.report import case_with_scheme
 
@@ -429,7 +431,7 @@ def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the series of slices, up to the whole width.  Raises NotOffered."""
+    """Yield the series of slices that a check allows, up to the whole width.  Raises NotOffered."""
     try:
         low, high = full_width_m(case.whole_machine)
     except CaseError as error:
@@ -437,11 +439,17 @@ def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
     solver = case.particles.adapter
     if case.whole_machine.slice is None and solver is not None and not solver.periodic:
         raise NotOffered(f"solver {case.particles.solver} knows no slice between periodic sides")
-    own_m = case.whole_machine.slice.width_m if case.whole_machine.slice else high - low
+    whole = case.whole_machine
+    own_m = whole.slice.width_m if whole.slice else high - low
     every_m = {degree: own_m * 2.0**degree for degree in _degrees(points)}
-    most_m = (high - low) * (1 + 1e-9)
-    widths_m = {degree: width_m for degree, width_m in every_m.items() if width_m <= most_m}
-    if len(widths_m) < 2:
+    most_m, least_m = (high - low) * (1 + 1e-9), FEWEST_DIAMETERS * largest_diameter_m(case)
+    widths_m = {
+        degree: between_openings_m(whole, width_m) if degree else own_m
+        for degree, width_m in every_m.items()
+        if width_m <= most_m
+    }
+    widths_m = {degree: width_m for degree, width_m in widths_m.items() if not degree or width_m >= least_m}
+    if len(set(widths_m.values())) < 2:
         raise NotOffered("there is one width only")
     settings = _settings(widths_m, "{:.3g} m", "slice.width_m={:.6g}", lambda width_m: own_m / width_m)
     yield RefinementSeries("slice", "", settings, "own width / width")

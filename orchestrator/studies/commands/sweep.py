@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,6 +18,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
 from orchestrator.output.results.tidy import single_numbers
+from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
 from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary, summary_of
 from orchestrator.studies.report import Cell, figure_parts, write_csv, write_parquet
@@ -28,6 +29,7 @@ from orchestrator.studies.sweep_results import (
     draw_results,
     results_of,
     results_table,
+    show_given_units,
     transient_words,
 )
 
@@ -70,15 +72,18 @@ def command(
             metavar="NAME", help="result to be printed and drawn, by its short name or path; may be repeated"
         ),
     ] = None,
+    dry: Annotated[
+        bool, typer.Option("--dry", help="check and list the runs, predict their time, and stop")
+    ] = False,
 ) -> StudyOutput:
     """Run a case over values of one key, or of several keys.
 
     Each setting has a run of its own in a folder of its own.  Called again, the command makes only the
-    missing runs. sweep.csv and sweep.parquet have a row for each setting: amplitudes of the first harmonic
-    along (x) and normal to the deck (z) of the frames, of probes on frames, and of the frames against each
-    other; their drift; every single number of the results with its interval; and each --result.  In
-    sweep.png, a value that has not settled has an open mark, and a value that cannot be trusted is a cross.
-    results.png has each --result with its interval, and the same marks.
+    missing runs; --dry lists and predicts them.  sweep.csv and sweep.parquet have a row for each setting:
+    amplitudes of the first harmonic along (x) and normal to the deck (z) of the frames, of probes on frames,
+    and of the frames against each other; their drift; every single number of the results with its interval;
+    and each --result.  In sweep.png, a value that has not settled has an open mark, and a value that cannot
+    be trusted is a cross.  results.png has each --result with its interval, and the same marks.
     """
     wanted = _check_results(result)
     single = len(vary) == 1 and plan is not Arrangement.RANDOM
@@ -89,6 +94,9 @@ def command(
         raise FolderUnusable(f"{table}: is of a sweep over other keys; give another folder with --out")
     check_names(study, [key.rpartition(".")[0] for key in settings.keys], "--vary")
     points = settings.points(study)
+    if dry:
+        yield from _predictions(settings, points, study.crew.workers)
+        return True
     yield from study.run(points)
     rows = sweep_rows(settings, points, wanted)
     if isinstance(settings, Vary):
@@ -98,12 +106,36 @@ def command(
     yield write_parquet(rows, study.folder / "sweep.parquet")
     if wanted:
         measured = [
-            SweptSetting(settings.setting_of(p), p.status(), results_of(p, wanted), transient_words(p))
+            SweptSetting(
+                settings.setting_of(p),
+                p.status(),
+                results_of(p, wanted),
+                transient_words(p),
+                settings.given_of(p),
+            )
             for p in points
         ]
         yield results_table(settings.keys, measured, wanted)
         yield from draw_results(settings.keys, measured, wanted, study.folder / "results.png")
     return all(point.status() == trust.DONE for point in points)
+
+
+def _predictions(settings: Vary | SweepPlan, points: Sequence[Point], workers: int) -> Iterator[str]:
+    """Yield a line for each run with its predicted processor time, and one for those that are left."""
+    left_s = []
+    for point in points:
+        texts = settings.setting_of(point) | settings.given_of(point)
+        what = ", ".join(f"{key} = {text}" for key, text in texts.items())
+        if point.done():
+            yield f"{what}: done before"
+        else:
+            case = point.loaded.case
+            left_s.append(predicted_s(case, particles_at_start(case)))
+            yield f"{what}: {in_words(left_s[-1])} of one processor"
+    yield (
+        f"{len(left_s)} of {len(points)} runs are to be made, {in_words(sum(left_s))} of one processor, "
+        f"{workers} at a time (predicted, good to a factor of three); nothing was run"
+    )
 
 
 def _check_results(names: Sequence[str] | None) -> tuple[str, ...]:
@@ -140,9 +172,9 @@ def write_sweep(vary: Vary, points: Sequence[Point], folder: Path, wanted: Seque
 def sweep_rows(vary: Vary | SweepPlan, points: Sequence[Point], wanted: Sequence[str] = ()) -> list[Row]:
     """Return a row for each point.
 
-    The first columns are the varied keys, as they are written after ``--vary``.  ``status`` is the state of
-    the run, ``settled`` says whether its motion had settled, and ``drift`` how much the amplitudes still
-    changed.
+    The first columns are the varied keys, in their own units.  ``status`` is the state of the run,
+    ``<key>.given`` a value with the unit in which it was given, ``settled`` says whether its motion had
+    settled, and ``drift`` how much the amplitudes still changed.
     There are amplitudes of the first harmonic along (x) and normal to the deck (z) of every frame, of every
     probe on a frame, and of the frames against each other, with their half widths.  Every single number of
     the run's results follows, with the half width of its interval, and the results ``wanted`` by name.
@@ -151,6 +183,7 @@ def sweep_rows(vary: Vary | SweepPlan, points: Sequence[Point], wanted: Sequence
     for point in points:
         summary = summary_of(point.folder)
         row: Row = {**vary.setting_of(point), "status": point.status()}
+        row |= {f"{key}.given": text for key, text in vary.given_of(point).items()}
         if trust.came_to_its_end(str(summary.get("status"))):
             row |= _motion(summary) | dict(single_numbers(summary.get("results") or {}))
             for name, value in results_of(point, wanted).items():
@@ -211,6 +244,9 @@ def _plot(
                     axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[look])
             axes.plot([x for x, _ in line], [y for _, y in line], lw=1, color=colour)
         axes.set(xlabel=vary.key, ylabel=label, ylim=(0, 1.05 * axes.get_ylim()[1]))
+        show_given_units(
+            axes, {x: str(row.get(f"{vary.key}.given", "")) for x, row in zip(values, rows, strict=True)}
+        )
         if any(name for _, name in names):
             axes.legend(fontsize=8)
     drawn.suptitle(
