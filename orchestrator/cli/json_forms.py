@@ -48,12 +48,13 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
     from orchestrator.case.solver_plans import particle_step_s
     from orchestrator.case.tables.case import has_particles
     from orchestrator.ports.clock import steps_in
-    from orchestrator.preflight.check import warnings
+    from orchestrator.preflight.check import given_rates_kg_per_s, warnings
     from orchestrator.preflight.checks.steps import missing_solvers
     from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
     from orchestrator.preflight.mats.mats import mat_tables
     from orchestrator.preflight.scene.frame_motion import frame_motions
     from orchestrator.preflight.scene.scene import scene
+    from orchestrator.preflight.sheet.sheet import sheet
     from orchestrator.preflight.stability.report import stability_report, with_scheme
 
     case = loaded.case
@@ -68,6 +69,7 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
         "motion": [asdict(motion) for motion in frame_motions(scene(case))],
         "panels": [panel.name for panel in single_panels(case)],
         "mats": mat_tables(scene(case)),
+        "sheet": [asdict(line) for line in sheet(scene(case.original), given_rates_kg_per_s(loaded))],
         "particles_at_start": at_start,
         "feeds_kg_per_s": {name: feed.rate_kg_per_s for name, feed in case.bed.feeds.items()},
         "duration_s": case.duration_s,

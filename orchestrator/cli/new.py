@@ -129,7 +129,7 @@ def _defaults_taken(template: str | None, answers: Mapping[str, str]) -> Iterato
     if template is None:
         yield from ("--template", chosen)
     for name in TEMPLATES[chosen].asks if chosen in TEMPLATES else ():
-        if not answers.get(name, "").strip() and (default := default_answer(chosen, name)):
+        if not answers.get(name, "").strip() and (default := default_answer(chosen, name, answers)):
             yield from (f"--{name}", default)
 
 
@@ -205,7 +205,7 @@ def _ask(
                 raise typer.BadParameter("; ".join(row.what_helps for row in error.problems)) from None
             return text
 
-        default = (offered or {}).get(name) or default_answer(template, name)
+        default = (offered or {}).get(name) or default_answer(template, name, answers)
         answers[name] = typer.prompt(
             QUESTIONS[name].sentence, default=default, show_default=bool(default), value_proc=checked
         )

@@ -19,7 +19,7 @@ from orchestrator.case.solver_plans import meshes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverMissing
-from orchestrator.preflight.check import warnings
+from orchestrator.preflight.check import given_rates_kg_per_s, warnings
 from orchestrator.preflight.checks.bed import fines
 from orchestrator.preflight.checks.defaults import taken_defaults
 from orchestrator.preflight.checks.steps import missing_solvers
@@ -27,8 +27,8 @@ from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particl
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, lines_at_start
 from orchestrator.preflight.mats.mats import mat_lines
-from orchestrator.preflight.scene.frame_motion import motion_lines
 from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.sheet.sheet import RULE, sheet
 from orchestrator.preflight.stability.report import stability_report, with_scheme
 from orchestrator.preflight.step_filling import step_filling_lines
 
@@ -47,6 +47,7 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     yield from _machine(loaded)
     if has_particles(case):
         yield from _particles(loaded)
+    yield from _sheet(loaded)
     yield from _times(loaded)
     yield from _cost(with_scheme(case, stability.scheme), particles_at_start(case))
     yield from lines_at_start(
@@ -81,8 +82,6 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
         f"{f'{drives} of them driven, ' if drives else ''}{bushings} bushings, "
         f"{len(screen.exciters)} exciters, deck inclined by {screen.inclination_deg:g} deg"
     )
-    for line in motion_lines(scene(case)):
-        yield f"             {line}"
     panels, cells = single_panels(case), " x ".join(str(count) for count in case.panel.cells)
     described = f"{len(panels)} ({case.panel.solver}), {cells} cells each" if panels else "none"
     yield f"  panels     {described}"
@@ -96,6 +95,15 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
     of_panels = f"{_triangles_on_panels(case)}, " if panels else ""
     if panels or rigid:
         yield f"  triangles  {of_panels}{sum(rigid)} on {len(rigid)} rigid surfaces"
+
+
+def _sheet(loaded: JudgedCase) -> Iterator[str]:
+    """Yield the designer's sheet of the whole machine."""
+    lines = sheet(scene(loaded.case.original), given_rates_kg_per_s(loaded))
+    if lines:
+        yield f"  designer's sheet of the whole machine ({RULE}: docs/theory/sheet.md)"
+    for line in lines:
+        yield f"             {line.name}: {line.text} [{line.source}]"
 
 
 def _curves(case: Case) -> Iterator[str]:

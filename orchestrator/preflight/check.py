@@ -28,6 +28,7 @@ from orchestrator.preflight.checks import (
 )
 from orchestrator.preflight.mats.mats import mat_warnings
 from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.sheet.sheet import duty_of, too_small_decks
 
 if TYPE_CHECKING:
     from orchestrator.ports import Indices
@@ -125,6 +126,12 @@ def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProbl
     return loaded.layers.named(said)
 
 
+def given_rates_kg_per_s(loaded: JudgedCase) -> dict[str, float]:
+    """Return the rates of the case's own feeds, which a level may reduce."""
+    feeds = loaded.origin.given.get("bed", {}).get("feeds", {})
+    return {name: feed[bed.RATE] for name, feed in feeds.items() if isinstance(feed.get(bed.RATE), float)}
+
+
 def warnings(loaded: JudgedCase) -> list[str]:
     """Return warnings, with numbers, about allowed but doubtful settings of a case without problems.
 
@@ -161,6 +168,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *bed.idle_shapes(case, loaded.layers.merged),
         *bed.feeds_that_hardly_feed(case),
         *bed.probes_without_particle(case),
+        *too_small_decks(duty_of(case.original, given_rates_kg_per_s(loaded))),
         *bed.reduced_feeds(loaded.origin.given, loaded.layers),
         *bed.fines(case, "leave-out"),
         *bed.other_densities(case),

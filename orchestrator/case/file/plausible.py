@@ -38,6 +38,7 @@ _KEYS: dict[Limits, str] = {
     (0.1, 1e3): "speed_rad_per_s",
     (1e-5, 1e3): "mass_moment_kg_m",
     (1.0, 1e6): "rated_power_W",
+    (1e2, 1e8): "dynamic_rating_N",
     (1.0, 1e3): "synchronous_speed_rad_per_s",
     (1e-6, 1e3): "moment_of_inertia_kg_m2 rate_kg_per_s",
     (0.0, 1e3): "bearing_loss_N_m_s along across axis start",  # Directions may have any length.
@@ -63,7 +64,7 @@ _KEYS: dict[Limits, str] = {
     (1e-10, 0.02): "step_s",
     (1e-7, 1e4): "interval_s series_s shapes_s every_s",
     (1e-3, 1e5): "wall_min",
-    (0.0, 1e4): "start_s run_up_s from_time_s",
+    (0.0, 1e4): "start_s stop_s run_up_s run_down_s from_time_s",
     (0.0, 360.0): "rotation_deg",
     (1e-3, 10.0): "height_m",
     (0.0, 1.0): "gap_m",

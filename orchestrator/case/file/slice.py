@@ -265,11 +265,13 @@ def _bushing(row: Bushing, part: float) -> Bushing:
 
 
 def _exciter(row: Exciter, part: float) -> Exciter:
-    """Return an exciter with ``part`` of its unbalance and of its motor."""
-    motor = row.motor
+    """Return an exciter with ``part`` of its unbalance, of its motor and of its bearings' rating."""
+    motor, bearings = row.motor, row.bearings
     if motor is not None:
         motor = motor.times(part, "rated_power_W", "moment_of_inertia_kg_m2", "bearing_loss_N_m_s")
-    return row.times(part, "mass_moment_kg_m").model_copy(update={"motor": motor})
+    if bearings is not None:
+        bearings = bearings.times(part, "dynamic_rating_N")
+    return row.times(part, "mass_moment_kg_m").model_copy(update={"motor": motor, "bearings": bearings})
 
 
 def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:

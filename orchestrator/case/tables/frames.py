@@ -183,6 +183,16 @@ class Motor(Table):
     """Torque of the bearings divided by the speed of the shaft."""
 
 
+class Bearings(Table):
+    """The roller bearings of an exciter's shaft, which bear the force of its unbalance evenly.  ``check`` and
+    the page give their basic rating life; nothing else depends on them."""
+
+    dynamic_rating_N: Positive
+    """Basic dynamic load rating of one bearing, C."""
+    count: Annotated[int, Strict(), Ge(1), Le(100)] = 2
+    """Number of bearings that share the force."""
+
+
 class Exciter(Table):
     """A rotating unbalance on a frame."""
 
@@ -208,3 +218,5 @@ class Exciter(Table):
     reaches its full value."""
     motor: Motor | None = None
     """Motor that turns the shaft.  Without a motor, the speed of the shaft is prescribed."""
+    bearings: Bearings | None = None
+    """Bearings of the shaft."""

@@ -17,8 +17,8 @@ from orchestrator.output.report.formatting import number
 from orchestrator.output.report.headline import reasons_not_steady
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.effect import describe_verdict
-from orchestrator.preflight.scene.frame_motion import frame_motions
 from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.sheet.sheet import SheetLine, sheet
 
 SHOWN = 12  # messages of the log on the page
 UNSETTLED = 0.1  # of a frame's orbit: largest motion along the deck beside the first harmonic
@@ -59,10 +59,13 @@ def machine_facts(run: RunReader) -> Facts:
             f"{speed:g} rad/s = {speed / 2 / math.pi * 60:.0f} rpm, "
             f"{exciter.mass_moment_kg_m:g} kg m on {exciter.frame}",
         )
-    for motion in frame_motions(scene(run.case)):
-        yield "frame, estimated before the run", motion.in_words
     driven = f"{1e3 * run.cycle_s:.4g} ms" if run.is_driven else "none: nothing drives the machine"
     yield "machine cycle", driven
+
+
+def sheet_lines(run: RunReader) -> tuple[SheetLine, ...]:
+    """Return the designer's sheet of the whole machine with the feed that was run."""
+    return sheet(scene(run.case.original))
 
 
 def describe_sizes(source: Filling) -> str:

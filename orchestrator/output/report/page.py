@@ -32,6 +32,7 @@ from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.subprocesses import end_with_parent, python
 from orchestrator.output.views.drawings import SIDE, draw_view
 from orchestrator.output.views.outline import outline
+from orchestrator.preflight.sheet.sheet import RULE
 
 FILM_CYCLES = 3
 NEEDED = ("case.toml", SUMMARY, "provenance.json", HISTORY)
@@ -145,6 +146,8 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             results=results,
             whole=1.0 / results["share_of_width"],
             machine=list(facts.machine_facts(run)),
+            sheet=facts.sheet_lines(run),
+            rule=RULE,
             describe_sizes=facts.describe_sizes,
             cut_size_m=results["screening"]["cut_size_m"] if "screening" in results else cut_size_m(run.case),
             headline=headline(results),

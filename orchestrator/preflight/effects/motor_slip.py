@@ -16,7 +16,7 @@ from orchestrator.ports.plans import ExciterPlan, MotorPlan
 from orchestrator.preflight.scene.clamp_motion import largest_stroke_m
 from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict, compare, overlay_of_rows
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import Shaking, exciter_N, solve_shakings
+from orchestrator.preflight.scene.shaking import exciter_power_W, solve_shakings
 
 COST = "half a millisecond per step of the frames"
 SPEEDS = 200  # number of speeds at which a resonance during the run-up is searched
@@ -58,7 +58,7 @@ def judge(scene: Scene) -> Verdict | None:
 
 def _slip(scene: Scene, exciter: ExciterPlan, motor: MotorPlan) -> tuple[float, float]:
     """Return the mean slip and the mean power over the rated power, to which the slip is proportional."""
-    power_W = sum(_power_W(exciter, shaking) for shaking in scene.shaken)
+    power_W = sum(exciter_power_W(exciter, shaking) for shaking in scene.shaken)
     if scene.observed.exciter_load is not None:
         power_W = scene.observed.exciter_load.power_W
     power_W += motor.bearing_N_m_s * exciter.speed_rad_per_s**2
@@ -81,21 +81,13 @@ def _torque_share(scene: Scene, exciter: ExciterPlan, motor: MotorPlan) -> tuple
     for speed_rad_per_s in (np.linspace(0.1, 0.95, SPEEDS) * exciter.speed_rad_per_s).tolist():
         slow = replace(exciter, speed_rad_per_s=speed_rad_per_s)
         shaken = solve_shakings(replace(scene.plan, exciters=(slow,)), scene.springs)
-        load_N_m = sum(_power_W(slow, shaking) for shaking in shaken) / speed_rad_per_s
+        load_N_m = sum(exciter_power_W(slow, shaking) for shaking in shaken) / speed_rad_per_s
         load_N_m += motor.bearing_N_m_s * speed_rad_per_s
         shares.append((load_N_m / available_N_m(speed_rad_per_s), speed_rad_per_s))
     most, at_rad_per_s = max(shares)
     if scene.observed.exciter_load is not None:
         most = scene.observed.exciter_load.largest_N_m / available_N_m(at_rad_per_s)
     return most, at_rad_per_s
-
-
-def _power_W(exciter: ExciterPlan, shaking: Shaking) -> float:
-    """Return the mean power of an exciter's force in the frame's motion at the exciter's own speed."""
-    if shaking.speed_rad_per_s != exciter.speed_rad_per_s:
-        return 0.0
-    velocity_m_per_s = 1j * exciter.speed_rad_per_s * shaking.amplitude_m[exciter.body]
-    return float((exciter_N(exciter).conj() @ velocity_m_per_s).real / 2)
 
 
 def overlay(case: Case) -> Overlay:

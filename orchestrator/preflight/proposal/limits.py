@@ -9,13 +9,14 @@ from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.proposal import machine, two_mass
+from orchestrator.preflight.proposal.deck_size import too_small_deck
 from orchestrator.preflight.proposal.layout import AROUND_M, Layout, openings_of, panel_length_m
 from orchestrator.preflight.proposal.wishes import Wishes, down, problem, up
+from orchestrator.preflight.sheet.sheet import PACKED
 
 LARGEST_STRAIN = 0.06  # of a panel at full stroke
 LARGEST_SHAKE_G = 15.0  # of the driven frame
 DEEPEST_BED_M = 0.25  # at the speed of a thick bed
-PACKED = 0.6  # share of a bed's volume that loosely packed particles fill
 SHORTEST_PANEL_M = 0.1
 FEWEST_OPENINGS = 3  # in a row along and across a panel
 
@@ -31,6 +32,8 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
         yield problem("length", what, f"at least {need_m:g} m are needed{fewer}")
     else:
         yield from _openings(wishes, panel_m)
+        if wishes.has_material:
+            yield from too_small_deck(wishes)
         strain = wishes.stroke_m / panel_m
         if strain > LARGEST_STRAIN:
             what = f"stretches panels of {1e3 * panel_m:.3g} mm by {strain:.1%}"

@@ -24,6 +24,7 @@ from orchestrator.preflight.cost import THIN, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.proposal import levels, limits
 from orchestrator.preflight.proposal.case_files import fill_templates, toml_answer
+from orchestrator.preflight.proposal.deck_size import with_enough_panels
 from orchestrator.preflight.proposal.layout import CHUTE_SLOPE_DEG, CLAMP_M, Layout, lay_out
 from orchestrator.preflight.proposal.machine import ISOLATION, RATIO, RUN_UP_CYCLES, Machine, propose_machine
 from orchestrator.preflight.proposal.mounting import Choice, choose_mounting, no_hanging_mats
@@ -69,7 +70,7 @@ class _Draft:
 def find_refusals(template: str, answers: Mapping[str, str]) -> list[CaseProblem]:
     """Return each reason, as far as it is known without a case, why answers describe no possible machine."""
     try:
-        return [*limits.find_impossible(read_wishes(template, answers))]
+        return [*limits.find_impossible(with_enough_panels(read_wishes(template, answers)))]
     except ImpossibleWishes as error:
         return list(error.problems)
 
@@ -80,6 +81,7 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
     Raises ImpossibleWishes with every reason why no such machine can be, and CaseError if the proposed
     case has problems that the wishes did not reveal.
     """
+    wishes = with_enough_panels(wishes)
     if problems := [*limits.find_impossible(wishes)]:
         raise ImpossibleWishes(problems)
     layout = lay_out(wishes)

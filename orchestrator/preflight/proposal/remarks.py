@@ -12,12 +12,13 @@ from orchestrator.case.materials.library import shapes
 from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.cost import in_words
+from orchestrator.preflight.proposal.deck_size import deck_m2_of, needed_m2_of
 from orchestrator.preflight.proposal.levels import DRAFT_S
-from orchestrator.preflight.proposal.limits import PACKED
 from orchestrator.preflight.proposal.machine import round_to
 from orchestrator.preflight.proposal.mounting import LEAST_G, MOST_G, Choice
 from orchestrator.preflight.proposal.proposal import Proposal, panels_N_per_m
 from orchestrator.preflight.scene.frame_modes import NEAR, frame_modes
+from orchestrator.preflight.sheet.sheet import DEEPEST, EFFICIENCY, PACKED, RULE, bed_depth_m
 
 if TYPE_CHECKING:
     from orchestrator.preflight.proposal.layout import Layout
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 USUAL_STRAINS, USUAL_SHAKE_G = (0.005, 0.03), 6.0
 USUAL_SLOPES_DEG = (5.0, 35.0)
 LONGEST_PANEL_M = 0.8
-DEEP_BED = 4.0  # openings; deeper beds hinder the fines on their way down: a rule of thumb of screen makers
 
 
 def remarks(proposal: Proposal, warnings: Sequence[str]) -> list[str]:
@@ -46,6 +46,11 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
         f"deck: {layout.length_m:.3g} m long, {panels} of {1e3 * layout.free_m:.4g} mm free length, "
         f"openings of {1e3 * wishes.opening_m:.4g} x {1e3 * wishes.opening_length_m:.4g} mm"
     )
+    if (needed_m2 := needed_m2_of(wishes)) is not None:
+        yield (
+            f"area: {deck_m2_of(wishes):.3g} m2 between the clamps; the factors of VSMA want "
+            f"{needed_m2:.3g} m2 for {EFFICIENCY:.0%} of the fines ({RULE})"
+        )
     if layout.slopes_deg:
         parts = zip(layout.slopes_deg, layout.panels_per_slope, strict=True)
         yield "slopes: " + ", ".join(f"{slope_deg:g} degrees on {count} panels" for slope_deg, count in parts)
@@ -182,10 +187,10 @@ def _material(proposal: Proposal) -> Iterator[str]:
     yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"
     if draft_s > DRAFT_S:
         yield f"doubtful: even the coarsest draft takes more than {in_words(DRAFT_S)}, as predicted"
-    per_m2 = wishes.throughput_kg_per_s / (wishes.width_m * TRANSPORT_M_PER_S)
-    depth_m = per_m2 / (PACKED * wishes.density_kg_per_m3)
-    if depth_m > DEEP_BED * wishes.smaller_m:
+    bulk_kg_per_m3 = PACKED * wishes.density_kg_per_m3
+    depth_m = bed_depth_m(wishes.throughput_kg_per_s, wishes.width_m, TRANSPORT_M_PER_S, bulk_kg_per_m3)
+    if depth_m > DEEPEST * wishes.smaller_m:
         yield (
             f"doubtful: at {TRANSPORT_M_PER_S:g} m/s the bed is {1e3 * depth_m:.3g} mm deep, more than "
-            f"{DEEP_BED:g} openings; a wider deck lets more of the fines reach it"
+            f"{DEEPEST:g} openings; a wider deck lets more of the fines reach it"
         )

@@ -31,7 +31,8 @@ from orchestrator.case.tables.quantities import unit_of
 class Template:
     """A kind of machine: its title, what it is, the questions that it asks, and its own defaults.
 
-    ``files`` is the folder of its files in ``templates/``.  ``is_free`` says whether forces move its
+    ``files`` is the folder of its files in ``templates/``.  ``fewest_panels`` are proposed where none are
+    wished for, and more where the throughput wants them.  ``is_free`` says whether forces move its
     frames; otherwise drives prescribe their motion.
     """
 
@@ -41,6 +42,7 @@ class Template:
     files: str
     is_free: bool
     defaults: Mapping[str, str] = field(default_factory=dict)
+    fewest_panels: int = 4
 
     @property
     def has_material(self) -> bool:
@@ -68,7 +70,8 @@ TEMPLATES = {
         (*_DECK, *_MATERIAL, *_MOTION),
         "screen",
         True,
-        {"panels": "6", "slope": "30 deg, 20 deg, 12 deg"},
+        {"slope": "30 deg, 20 deg, 12 deg"},
+        fewest_panels=6,
     ),
     "crank-link": Template(
         "A crank-driven flip-flow screen",
@@ -84,7 +87,8 @@ TEMPLATES = {
         ("width", "length", "opening", "opening-length", *_MOTION),
         "test-rig",
         False,
-        {"width": "0.5 m", "panels": "1", "slope": "0 deg"},
+        {"width": "0.5 m", "slope": "0 deg"},
+        fewest_panels=1,
     ),
 }
 
@@ -132,7 +136,12 @@ def _cut(value: float, digits: int, whole: Callable[[float], int]) -> float:
 
 QUESTIONS = {
     "width": Question("How wide is the deck?", "2 m", "width_m", (0.1, 6.0), "m"),
-    "panels": Question("How many panels follow one another along the deck?", "4", "panels", (1, 40)),
+    "panels": Question(
+        "How many panels follow one another along the deck (nothing: as many as the throughput wants)?",
+        "",
+        "panels",
+        (1, 40),
+    ),
     "length": Question(
         "How long is the whole deck (nothing: as long as panels for this stroke are)?",
         "",
@@ -207,6 +216,7 @@ class Wishes:
     """The answers to the questions of a template, in SI units.
 
     None leaves the choice to the proposal.  A template that does not ask for something has its default.
+    Without a wish, ``panels`` are the template's fewest (``deck_size.with_enough_panels``).
     ``feed_m`` are the points of the feed's curve, and ``feed_file`` is the text of the sieve analysis that
     gave them; "" stands for a typical curve.
     ``answers`` has the answers as text, by the names of the template's questions.
@@ -273,8 +283,13 @@ def problem(option: str, what: str, hint: str = "") -> CaseProblem:
     return CaseProblem((), what, hint, file=f"--{option}")
 
 
-def default_answer(template: str, name: str) -> str:
-    """Return the answer that a template offers to a question."""
+def default_answer(template: str, name: str, answers: Mapping[str, str]) -> str:
+    """Return the answer that a template offers to a question where others are answered.
+
+    Openings are as wide as the cut where one is wished for.
+    """
+    if name == "opening" and (cut := answers.get("cut", "").strip()):
+        return cut
     return TEMPLATES[template].defaults.get(name, QUESTIONS[name].default)
 
 
@@ -286,16 +301,17 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
     """
     if problems := find_wrong_answers(template, answers):
         raise ImpossibleWishes(problems)
-    texts = {name: answers.get(name, "").strip() or default_answer(template, name) for name in QUESTIONS}
+    given = {name: answers.get(name, "").strip() for name in QUESTIONS}
+    texts = {name: text or default_answer(template, name, given) for name, text in given.items()}
     numbers = {name: read_answer(name, text) for name, text in texts.items()}
-    panels = int(_given(numbers["panels"][0]))
-    if RANGE in texts["slope"]:
-        numbers["slope"] = _spread(numbers["slope"], panels)
     if len(numbers["opening"]) > 1:
         if numbers["opening-length"]:
             what = f"contradicts --opening {show_value(texts['opening'])}, which has a length"
             problems.append(problem("opening-length", what, "leave one of them out"))
         numbers["opening"], numbers["opening-length"] = numbers["opening"][:1], numbers["opening"][1:]
+    panels = int(numbers["panels"][0]) if numbers["panels"] else TEMPLATES[template].fewest_panels
+    if RANGE in texts["slope"]:
+        numbers["slope"] = _spread(numbers["slope"], panels)
     if (slopes := len(numbers["slope"])) > panels:
         what, hint = f"{slopes} slopes want {slopes} panels or more", "take fewer, or more --panels"
         problems.append(problem("slope", what, hint))

@@ -84,6 +84,14 @@ def exciter_N(exciter: ExciterPlan) -> Array:
     return np.asarray(size_N * (exciter.start - 1j * np.cross(exciter.axis, exciter.start)))
 
 
+def exciter_power_W(exciter: ExciterPlan, shaking: Shaking) -> float:
+    """Return the mean power of an exciter's force in the frame's motion at the exciter's own speed."""
+    if shaking.speed_rad_per_s != exciter.speed_rad_per_s:
+        return 0.0
+    velocity_m_per_s = 1j * exciter.speed_rad_per_s * shaking.amplitude_m[exciter.body]
+    return float((exciter_N(exciter).conj() @ velocity_m_per_s).real / 2)
+
+
 def _shaking(
     plan: FramesPlan,
     springs: Sequence[PanelSpring],

@@ -1,0 +1,1 @@
+"""The designer's sheet: what the rules of handbooks say about a machine before any run."""
