@@ -348,6 +348,22 @@ def test_fines_left_out_are_said(tmp_path: Path) -> None:
     assert any("chute: 27.1% of the mass is finer than" in line for line in found)
 
 
+def test_what_a_sample_leaves_out_is_said(tmp_path: Path) -> None:
+    feed = FEED.replace("sizes", "sampled_below_m=0.015, sampled_as_m=0.02, sizes")
+    found = warnings(loaded(tmp_path, [feed]))
+    (line,) = (line for line in found if "is sampled" in line)
+    assert "chute: 27.1% of the mass, of 10 to 15 mm, is sampled: one in 3.94 of its particles" in line
+    assert "the others, 20.2% of the mass or" in line
+    assert "kg/s, are left out" in line
+
+
+def test_a_sample_that_cannot_be_is_refused(tmp_path: Path) -> None:
+    feed = FEED.replace("sizes", "sampled_below_m=0.015, sampled_as_m=0.01, sizes")
+    assert "chute.sampled_as_m: 0.01 m is less than sampled_below_m" in only_complaint(tmp_path, feed)
+    block = BLOCK.replace("sizes", "sampled_below_m=0.015, sizes")
+    assert "sampled_below_m: unknown key" in only_complaint(tmp_path, block)
+
+
 def warned(folder: Path, *overrides: str) -> list[str]:
     """What a case without mistakes is warned of."""
     given = loaded(folder, overrides)

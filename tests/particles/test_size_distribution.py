@@ -15,11 +15,12 @@ from orchestrator.case.bed.size_distribution import (
     faults,
     finer_share,
     mean_cube_m3,
+    sample_of,
     share_between,
     share_left_out,
     size_class,
 )
-from orchestrator.case.tables.bed import Block
+from orchestrator.case.tables.bed import Block, Feed
 
 CURVE = [(0.002, 0.0), (0.004, 0.3), (0.01, 0.9), (0.02, 1.0)]
 
@@ -121,3 +122,67 @@ def test_what_is_no_distribution_is_refused(block: Block, said: str) -> None:
 def test_good_ones_have_no_faults() -> None:
     assert list(faults(curve(smallest_fed_m=0.003))) == []
     assert list(faults(sizes((0.1, 0.2, 1.0)))) == []
+
+
+def feed(points: list[tuple[float, float]] = CURVE, **given: Any) -> Feed:
+    rows = [{"diameter_m": d, "passing": share} for d, share in points]
+    table = {"material": "coal", "box_m": [[0, 0, 0], [1, 1, 1]], "rate_kg_per_s": 2.0, "curve": rows}
+    return Feed.model_validate(table | given)
+
+
+def test_a_sample_has_as_many_particles_as_if_all_had_one_diameter() -> None:
+    """Of 2 to 5 mm, 40 % of the mass, as many as of 8 mm: of 2.1 mm, one in (8/2.1)^3.
+
+    In a narrow class all have the same chance, that of the mean cube of its diameters.
+    """
+    block = feed(sampled_below_m=0.005, sampled_as_m=0.008)
+    rows, comes = classes(block), 1.0 - share_left_out(block)
+    fine = [row for row in rows if row.largest_m <= 0.005]
+    assert (
+        max(row.largest_m for row in fine) == min(row.smallest_m for row in rows if row not in fine) == 0.005
+    )
+    number = [row.mass_fraction / mean_cube_m3([row])[0] for row in fine]
+    assert sum(number) * comes == pytest.approx(0.4 / 0.008**3)
+    whole = {row.smallest_m: row.mass_fraction for row in classes(feed())}
+    first = min(fine, key=lambda row: row.smallest_m)
+    one_in = whole[first.smallest_m] / (first.mass_fraction * comes)
+    assert one_in == pytest.approx((0.008 / 0.0022) ** 3, rel=0.3)
+    coarse = sum(row.mass_fraction for row in rows if row not in fine) * comes
+    assert coarse == pytest.approx(0.6)
+    sample = sample_of(block)
+    assert sample is not None
+    assert (sample.share, sample.computed) == pytest.approx((0.4, comes - 0.6))
+    assert sample.one_in[1] == pytest.approx(one_in)
+    assert sample_of(feed()) is None
+
+
+def test_the_next_whole_class_takes_over_what_is_not_computed() -> None:
+    """Its mass is that of all which is finer, less what the sample computes."""
+    given = {"smallest_fed_m": 0.003, "sampled_below_m": 0.005, "sampled_as_m": 0.008}
+    out, taken = feed(**given), feed(**given, finer="next-class")
+    assert share_left_out(taken) == 0.0
+    assert sum(row.mass_fraction for row in classes(taken)) == pytest.approx(1.0)
+    rest = share_left_out(out)
+    for one, two in zip(classes(out), classes(taken), strict=True):
+        more = rest if two.smallest_m == 0.005 else 0.0
+        assert two.mass_fraction == pytest.approx(one.mass_fraction * (1.0 - rest) + more)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"sampled_as_m": 0.004}, "has no meaning without sampled_below_m"),
+        ({"sampled_below_m": 0.004, "sampled_as_m": 0.003}, "0.003 m is less than sampled_below_m = 0.004 m"),
+        ({"sampled_below_m": 0.002}, "nothing that is computed is finer than 0.002 m"),
+        ({"sampled_below_m": 0.004, "smallest_fed_m": 0.004}, "nothing that is computed is finer"),
+        ({"sampled_below_m": 0.03, "finer": "next-class"}, "no class takes over what is not computed"),
+    ],
+)
+def test_what_cannot_be_sampled_is_refused(given: dict[str, Any], said: str) -> None:
+    (found,) = faults(feed(**given))
+    assert said in found[1]
+
+
+def test_samples_without_faults() -> None:
+    assert list(faults(feed(sampled_below_m=0.004))) == []
+    assert list(faults(feed(sampled_below_m=0.03))) == []

@@ -14,6 +14,8 @@ from orchestrator.case.tables.bed import Feed
 from orchestrator.output.results import compute
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.events import Events, EventTable, Exits
+from orchestrator.output.results.listed_feed import listed_feed
+from orchestrator.output.results.screening import screening
 from orchestrator.output.results.whole_feed import (
     TESTED_FACTOR,
     FeedFines,
@@ -255,16 +257,54 @@ def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
     table = feed(limit_m).model_dump() | {"finer": "next-class"}
     fines = feed_fines([Feed.model_validate(table)], OPENING_M)
     seen = events(LAW, limit_m)
-    finest = 0.00113  # end of the finest class of the curve that is computed
-    heavier = float(fines.weights(np.array([limit_m, finest]))[0])
-    assert heavier < 0.6
-    more = np.where(seen.removed.diameter_m < finest, 1.0 / heavier, 1.0)
-    rows = (replace(row, mass_kg=row.mass_kg * more) for row in (seen.fed, seen.removed))
-    fed_more = Events(*rows, seen.exits, seen.edges_s)
+    weight = fines.listed.weight(seen.removed.diameter_m)
+    finest_m = 0.0005 * 6**0.4  # end of the finest class that is computed, the fourth of ten from 0.5 to 3 mm
+    own = (finest_m - limit_m) / 0.0025 * 0.5
+    of_finest = np.where(seen.removed.diameter_m < finest_m, own / (own + fines.left_out), 1.0)
+    assert weight == pytest.approx(of_finest, rel=1e-9)
+    rows = (replace(row, mass_kg=row.mass_kg / weight) for row in (seen.fed, seen.removed))
+    fed_more = Events(*rows, seen.exits, seen.edges_s, listed=fines.listed)
     placement = completed(fed_more, fines)["fine_placement_percent"]
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
-    unweighed = completed(fed_more, feed_fines([feed(limit_m)], OPENING_M))
+    unweighed = completed(replace(fed_more, listed=None), fines)
     assert unweighed["fine_placement_percent"].value > placement.value + 1.0
+
+
+def test_a_sampled_grain_stands_for_the_others_of_its_size() -> None:
+    """All sizes are computed: those below 2 mm, most of the fines, one in (3 mm / d)^3.
+
+    Weighed, the shares of the separation are those of all fines within four standard errors; unweighed, they
+    are nearly those of the grains above 2 mm.  The rates are those of the particles that are there.
+    """
+    table = feed().model_dump() | {"sampled_below_m": 0.002, "sampled_as_m": 0.003}
+    listed = listed_feed([Feed.model_validate(table)])
+    every = events(LAW, 0.0005, 2_000_000)
+    chance = 1.0 / listed.weight(every.removed.diameter_m)
+    assert chance.min() < 0.01
+    there = np.random.default_rng(3).uniform(size=len(chance)) < chance
+    seen = replace(every, fed=_part(every.fed, there), removed=_part(every.removed, there), listed=listed)
+    unweighed, weighed = (screening(of, OPENING_M) for of in (replace(seen, listed=None), seen))
+    found = weighed["efficiency_percent"]
+    error = max(found.standard_error, found.counting)
+    truth = 100 * mean_passed(LAW)
+    assert error < 1.0
+    assert abs(found.value - truth) < 4 * error
+    assert unweighed["efficiency_percent"].value < truth - 10
+    assert weighed["feed_kg_per_s"].value == unweighed["feed_kg_per_s"].value
+    assert weighed["undersize_kg_per_s"].value == unweighed["undersize_kg_per_s"].value
+    local = weighed["sections"][0]["cumulative_efficiency_percent"].value
+    assert abs(local - 100 * mean_passed(replace(LAW, attempts=LAW.attempts / 2))) < 4 * error
+    fines = feed_fines([Feed.model_validate(table | {"smallest_fed_m": 0.001})], OPENING_M)
+    coarser = there & (every.removed.diameter_m >= 0.001)
+    part = replace(seen, fed=_part(every.fed, coarser), removed=_part(every.removed, coarser))
+    placement = completed(part, fines)["fine_placement_percent"]
+    assert abs(placement.value - truth) < 4 * placement.standard_error
+
+
+def _part(table: EventTable, mask: Any) -> EventTable:
+    return EventTable(
+        **{name: column[mask] if len(column) else column for name, column in vars(table).items()}
+    )
 
 
 def test_coarse_grains_that_pass_lower_the_efficiency() -> None:

@@ -1,16 +1,19 @@
 """The size distributions of spheres, by mass: the classes of a block or feed, and diameters drawn from them.
 
-A case gives sizes as classes or as a cumulative curve, and the smallest size that it wants to compute.
+A case gives sizes as classes or as a cumulative curve, the smallest size that it wants to compute, and the
+size below which only a sample of a feed's particles is computed.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from orchestrator.case.tables.bed import Filling, PassingPoint, SizeClass
+from orchestrator.case.tables.bed import Feed, Filling, PassingPoint, SizeClass
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_volume_m3
 
@@ -32,8 +35,9 @@ def classes(source: Filling) -> tuple[SizeClass, ...]:
 
 
 def share_left_out(source: Filling) -> float:
-    """Return the share of the mass that is left out because it is finer than ``smallest_fed_m``."""
-    if source.smallest_fed_m is None or source.finer == "next-class":
+    """Return the share of the mass that does not come: it is finer than ``smallest_fed_m``, or a sample does
+    not compute it, and no other class takes it over."""
+    if source.finer == "next-class" or (source.smallest_fed_m is None and _sampled_below_m(source) == 0.0):
         return 0.0
     return max(0.0, 1.0 - sum(row.mass_fraction for row in _computed_classes(source)))
 
@@ -42,6 +46,33 @@ def finer_share(source: Filling) -> float:
     """Return the share of the mass that is finer than ``smallest_fed_m``."""
     limit_m = source.smallest_fed_m or 0.0
     return sum(row.mass_fraction * (1.0 - coarser_share(row, limit_m)) for row in given_classes(source))
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The classes of a feed of which only some particles are computed.
+
+    ``share`` is their share of the feed's mass, ``computed`` how much of that is computed, and ``one_in`` of
+    how many particles one is computed, in the coarsest and in the finest of these classes.
+    """
+
+    sizes: tuple[SizeClass, ...]
+    share: float
+    computed: float
+    one_in: tuple[float, float]
+
+
+def sample_of(source: Filling) -> Sample | None:
+    """Return what a source samples; None if all particles are computed."""
+    pairs = [(row, part) for row, part in _limited_classes(source) if part < 1.0]
+    if not pairs:
+        return None
+    return Sample(
+        sizes=tuple(row for row, _ in pairs),
+        share=sum(row.mass_fraction for row, _ in pairs),
+        computed=sum(row.mass_fraction * part for row, part in pairs),
+        one_in=(1.0 / max(part for _, part in pairs), 1.0 / min(part for _, part in pairs)),
+    )
 
 
 def coarser_share(row: SizeClass, limit_m: float) -> float:
@@ -74,6 +105,27 @@ def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
     largest_m = max([largest_m, *(point.diameter_m for point in source.curve)])
     if source.smallest_fed_m is not None and source.smallest_fed_m >= largest_m:
         yield "smallest_fed_m", f"nothing is as large as {source.smallest_fed_m:g} m", ""
+        return
+    if isinstance(source, Feed):
+        yield from _faults_of_sample(source, largest_m)
+
+
+def _faults_of_sample(feed: Feed, largest_m: float) -> Iterator[tuple[str, str, str]]:
+    """Yield the key, a description and a remedy of each fault of what a feed samples."""
+    below_m, as_m = feed.sampled_below_m, feed.sampled_as_m
+    if below_m is None:
+        if as_m is not None:
+            yield "sampled_as_m", "has no meaning without sampled_below_m", "give sampled_below_m, too"
+        return
+    if as_m is not None and as_m < below_m:
+        what = f"{as_m:g} m is less than sampled_below_m = {below_m:g} m"
+        yield "sampled_as_m", what, "a sample has fewer particles than there are, not more"
+    finest_m = max(feed.smallest_fed_m or 0.0, min(row.smallest_m for row in given_classes(feed)))
+    if below_m <= finest_m:
+        yield "sampled_below_m", f"nothing that is computed is finer than {below_m:g} m", ""
+    if below_m > largest_m and feed.finer == "next-class":
+        what = f"nothing is as large as {below_m:g} m, so that no class takes over what is not computed"
+        yield "sampled_below_m", what, 'sample less, or take finer = "leave-out"'
 
 
 def _faults_of_curve(points: Sequence[PassingPoint]) -> Iterator[tuple[str, str, str]]:
@@ -135,23 +187,58 @@ def size_class(smallest_m: float, largest_m: float, mass_fraction: float) -> Siz
 
 
 def _computed_classes(source: Filling) -> list[SizeClass]:
-    """Return the classes without particles finer than ``smallest_fed_m``.
+    """Return the classes with the mass that is computed, without particles finer than ``smallest_fed_m``.
 
-    If the source wants it (``finer``), the finest class takes over the mass of these particles.
+    If the source wants it (``finer``), the finest class of which all particles are computed takes over the
+    mass of those that are not.
     """
-    limit_m = source.smallest_fed_m or 0.0
-    rows: list[SizeClass] = [
-        row.model_copy(
-            update={"smallest_m": max(row.smallest_m, limit_m), "mass_fraction": row.mass_fraction * coarser}
-        )
-        for row in given_classes(source)
-        if (coarser := coarser_share(row, limit_m)) > 0
-    ]
-    if source.finer == "next-class" and rows:
-        first = min(range(len(rows)), key=lambda k: rows[k].smallest_m)
-        more = rows[first].mass_fraction + finer_share(source)
+    pairs = _limited_classes(source)
+    rows = [row if part == 1.0 else row.times(part, "mass_fraction") for row, part in pairs]
+    whole = [number for number, (_, part) in enumerate(pairs) if part == 1.0]
+    if source.finer == "next-class" and whole:
+        first = min(whole, key=lambda number: rows[number].smallest_m)
+        sample = sample_of(source)
+        others = 0.0 if sample is None else sample.share - sample.computed
+        more = rows[first].mass_fraction + finer_share(source) + others
         rows[first] = rows[first].model_copy(update={"mass_fraction": more})
     return rows
+
+
+def _limited_classes(source: Filling) -> list[tuple[SizeClass, float]]:
+    """Return the classes without particles finer than ``smallest_fed_m``.
+
+    Each has the share of its particles that is computed, which is less than 1 for those that are sampled.
+    """
+    below_m, as_m = _sampled_below_m(source), _sampled_as_m(source)
+    pairs: list[tuple[SizeClass, float]] = []
+    for given in given_classes(source):
+        row = _between(given, source.smallest_fed_m or 0.0, math.inf)
+        fine = row and _between(row, 0.0, below_m)
+        if fine:
+            pairs.append((fine, min(1.0, float(mean_cube_m3([fine])[0]) / as_m**3)))
+        if coarse := row and _between(row, below_m, math.inf):
+            pairs.append((coarse, 1.0))
+    return pairs
+
+
+def _between(row: SizeClass, low_m: float, high_m: float) -> SizeClass | None:
+    """Return the part of a class from one diameter up to another, with its mass; None if it is empty."""
+    share = share_between(row, low_m, high_m)
+    if share <= 0.0:
+        return None
+    limits = {"smallest_m": max(row.smallest_m, low_m), "largest_m": min(row.largest_m, high_m)}
+    return row.model_copy(update=limits | {"mass_fraction": row.mass_fraction * share})
+
+
+def _sampled_below_m(source: Filling) -> float:
+    """Return the diameter below which particles are sampled; 0 if none are."""
+    return (source.sampled_below_m or 0.0) if isinstance(source, Feed) else 0.0
+
+
+def _sampled_as_m(source: Filling) -> float:
+    """Return the diameter of particles of which there would be as many as a sample has."""
+    own_m = source.sampled_as_m if isinstance(source, Feed) else None
+    return own_m or _sampled_below_m(source)
 
 
 def shares(sizes: Sequence[SizeClass]) -> Array:

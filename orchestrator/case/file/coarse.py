@@ -17,7 +17,7 @@ import math
 from typing import TypeVar
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
-from orchestrator.case.tables.bed import Bed, Filling
+from orchestrator.case.tables.bed import Bed, Feed, Filling
 from orchestrator.case.tables.case import Case
 
 KEY: Key = ("particles", "coarse_graining")
@@ -105,4 +105,5 @@ def _scale_sizes(row: Filled, k: float) -> Filled:
     """Return a block or feed with all sizes multiplied by k."""
     sizes = tuple(size_class.times(k, "smallest_m", "largest_m") for size_class in row.sizes)
     curve = tuple(point.times(k, "diameter_m") for point in row.curve)
-    return row.times(k, "smallest_fed_m").model_copy(update={"sizes": sizes, "curve": curve})
+    limits = ("smallest_fed_m", *(("sampled_below_m", "sampled_as_m") if isinstance(row, Feed) else ()))
+    return row.times(k, *limits).model_copy(update={"sizes": sizes, "curve": curve})

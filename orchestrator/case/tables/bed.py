@@ -78,8 +78,9 @@ class Filling(Table):
     smallest_fed_m: Positive | None = None
     """Smallest diameter that is computed; finer particles would be too many."""
     finer: Literal["leave-out", "next-class"] = "leave-out"
-    """Treatment of the mass finer than ``smallest_fed_m``.  leave-out: it is left out, which reduces
-    a feed's rate.  next-class: the finest class that remains takes it over."""
+    """Treatment of the mass finer than ``smallest_fed_m``, and of a feed's that a sample does not
+    compute.  leave-out: it is left out, which reduces a feed's rate.  next-class: the finest class of which
+    all particles are computed takes it over."""
     velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
     """Velocity with which they appear; the velocity of a feed must carry them out of the box."""
     seed: Whole = 1
@@ -100,6 +101,12 @@ class Feed(Filling):
 
     rate_kg_per_s: Positive
     """Mass rate of the feed."""
+    sampled_below_m: Positive | None = None
+    """Finer particles are sampled: only some of them are computed, each of which stands for others of its
+    size in all shares of the separation.  What becomes of the others' mass, ``finer`` says."""
+    sampled_as_m: Positive | None = None
+    """Of the sampled particles, so few are computed as if all of them had this diameter: of those of
+    diameter d, one in (``sampled_as_m`` / d)^3.  By default, it is ``sampled_below_m``."""
     axes: Literal["deck", "world"] = "world"
     """Axes in which box and velocity are given."""
     start_s: NotNegative = 0.0

@@ -27,7 +27,7 @@ def last_fed_s(events: Events) -> float | None:
     fed = events.fed
     order = np.argsort(fed.time_s, kind="stable")
     order = order[fed.time_s[order] > 0]
-    mass_kg = fed.mass_kg[order]
+    mass_kg = events.came_kg[order]
     remaining_kg = np.where(np.isin(fed.id[order], events.removed.id), 0.0, mass_kg)
     complete = np.cumsum(remaining_kg) <= MOST_REMAINING * np.cumsum(mass_kg)
     complete[: FEWEST - 1] = False
@@ -64,14 +64,15 @@ def cohort(events: Events) -> Cohort | None:
         return None
     early = (events.fed.time_s > 0) & (events.fed.time_s <= until_s)
     fed = _rows(events.fed, early)
-    inside = ~np.isin(fed.id, events.removed.id)
+    inside, came_kg = ~np.isin(fed.id, events.removed.id), events.came_kg[early]
     return Cohort(
         fed,
         _rows(events.removed, np.isin(events.removed.id, fed.id)),
         events.exits,
         events.edges_s,
+        listed=events.listed,
         until_s=until_s,
-        remaining=float(fed.mass_kg[inside].sum() / fed.mass_kg.sum()),
+        remaining=float(came_kg[inside].sum() / came_kg.sum()),
         state=events.steady,
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from orchestrator.output.results.cohort import FEWEST, cohort
 from orchestrator.output.results.course import course
 from orchestrator.output.results.estimate import Estimate, IntervalOf, chance, remaining_drift, unknown
 from orchestrator.output.results.events import BATCH, Events, read_events
+from orchestrator.output.results.listed_feed import listed_feed
 from orchestrator.output.results.power import power_metrics
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
@@ -103,6 +105,8 @@ def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:
     feeds = run.case.bed.feeds.values()
     changes_s = tuple(at_s for row in feeds for at_s in (row.start_s, row.stop_s) if at_s is not None)
     events = Events(*tables, run.edges_s, changes_s)
+    if feeds:
+        events = replace(events, listed=listed_feed(tuple(feeds), events.window_s))
     state, (start_s, end_s) = events.steady, events.window_s
     table["steady"] = {
         "is_steady": not state.reason,

@@ -26,6 +26,7 @@ from orchestrator.output.results.estimate import (
     batch_sums,
     estimate,
 )
+from orchestrator.output.results.listed_feed import ListedFeed
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_mass_kg
 
@@ -194,7 +195,8 @@ def _why_not_steady(
 class Events:
     """The particles that came and left, the ``edges_s`` of the whole cycles, and when feeds start or stop.
 
-    Particles that are present at t = 0 do not count as fed.
+    Particles that are present at t = 0 do not count as fed.  ``listed`` is the feed for which they stand; by
+    default each stands for itself.
     """
 
     fed: EventTable
@@ -202,6 +204,22 @@ class Events:
     exits: Exits
     edges_s: Array
     feed_changes_s: tuple[float, ...] = ()
+    listed: ListedFeed | None = None
+
+    @cached_property
+    def came_kg(self) -> Array:
+        """The mass (fed,) for which each particle that came stands, in shares of the separation."""
+        return self._represented_kg(self.fed)
+
+    @cached_property
+    def left_kg(self) -> Array:
+        """The mass (removed,) for which each particle that left stands, in shares of the separation."""
+        return self._represented_kg(self.removed)
+
+    def _represented_kg(self, table: EventTable) -> Array:
+        if self.listed is None:
+            return table.mass_kg
+        return table.mass_kg * self.listed.weight(table.diameter_m)
 
     @cached_property
     def balance(self) -> Balance:

@@ -2,6 +2,8 @@
 
 ``out_kg`` (exits, 2) is always the mass that left through each exit, fine (below the cut size) and
 coarse.  The feed is the sum over all exits, since the mass that a steady deck gets also leaves it.
+In shares of the separation a particle counts with the mass for which it stands (``Events.left_kg``); rates
+and the hold-up are those of the particles themselves.
 docs/theory/screening.md has the definitions.
 """
 
@@ -155,8 +157,10 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
     fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
     group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
     count = len(exits.names)
-    out_kg = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * count)
-    out_kg = out_kg.reshape(-1, count, 2)
+    out_kg, flow_kg = (
+        per_cycle(removed.time_s, kg, events.edges_s, group, 2 * count).reshape(-1, count, 2)
+        for kg in (events.left_kg, removed.mass_kg)
+    )
 
     def placement(name: str) -> Estimate:
         return events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out_kg)
@@ -166,9 +170,9 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
         "lost_particles": int((removed.exit == LOST).sum()),
         "particles": int(counted.sum()),
         "fine_particles": None if cut_m is None else int((counted & (fine == FINE)).sum()),
-        **_flows(events, out_kg),
+        **_flows(events, flow_kg),
     }
-    chance = counting_deviations(removed.mass_kg[counted], group[counted], exits)
+    chance = counting_deviations(events.left_kg[counted], group[counted], exits)
     for name in PLACEMENTS if cut_m is not None else PLACEMENTS[:1]:
         counting = 100.0 * chance[name] if np.isfinite(chance[name]) else None
         table[f"{name}_percent"] = replace(placement(name), counting=counting)
@@ -188,11 +192,11 @@ def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
     fed = events.fed
     is_fine = fine_or_coarse(fed.diameter_m, cut_m) == FINE
     came = np.where(is_fine & ((fed.time_s > 0) | bool(events.steady.reason)), 0, -1)
-    came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came)[:, 0]
+    came_kg = per_cycle(fed.time_s, events.came_kg, events.edges_s, came)[:, 0]
     passed_kg = out_kg[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
     pairs = np.column_stack([passed_kg, came_kg])
     estimate = events.figure(lambda sums: 100.0 * share(sums[0], sums[1]), pairs)
-    mass_kg = fed.mass_kg[(came == 0) & within(fed.time_s, *events.window_s, float(events.edges_s[1]))]
+    mass_kg = events.came_kg[(came == 0) & within(fed.time_s, *events.window_s, float(events.edges_s[1]))]
     if estimate.value is None or not len(mass_kg):
         return estimate
     return replace(estimate, counting=100.0 * counting_deviation(estimate.value / 100.0, mass_kg))
@@ -243,7 +247,7 @@ def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
     size = np.clip(np.searchsorted(edges, removed.diameter_m, side="right") - 1, 0, classes - 1)
     over = np.isin(removed.exit, events.exits.of(OVERSIZE))
     group = np.where(removed.exit == LOST, -1, 2 * size + over)
-    mass_kg = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * classes)
+    mass_kg = per_cycle(removed.time_s, events.left_kg, events.edges_s, group, 2 * classes)
     mass_kg = mass_kg.reshape(-1, classes, 2)
     number = np.bincount(size[counted], minlength=classes)
     summed_m = np.bincount(size[counted], removed.diameter_m[counted], classes)

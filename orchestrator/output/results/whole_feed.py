@@ -22,23 +22,17 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import roots_legendre
 
-from orchestrator.case.bed.size_distribution import (
-    classes,
-    coarser_share,
-    given_classes,
-    share_between,
-    share_left_out,
-)
-from orchestrator.case.tables.bed import Feed, SizeClass
+from orchestrator.case.bed.size_distribution import coarser_share, given_classes
+from orchestrator.case.tables.bed import Feed
 from orchestrator.output.results.estimate import Estimate, share
 from orchestrator.output.results.events import LOST, UNDERSIZE, Events, per_cycle
+from orchestrator.output.results.listed_feed import ListedFeed, feed_parts, listed_feed, mass_between
 from orchestrator.ports import Array
 
 BINS = 12
@@ -96,14 +90,11 @@ def fit_partition(
 class FeedFines:
     """The fines of feeds, below ``cut_m``, as shares of the feeds' mass.
 
-    ``given`` has the classes that the feeds list and ``fed`` those that are computed, each with its share of
-    the mass.  The fines that are not computed have the diameters ``diameter_m`` (n,) and the shares ``share``
-    (n,).
+    The fines that are not computed have the diameters ``diameter_m`` (n,) and the shares ``share`` (n,).
     """
 
     cut_m: float
-    given: tuple[tuple[SizeClass, float], ...]
-    fed: tuple[tuple[SizeClass, float], ...]
+    listed: ListedFeed
     diameter_m: Array
     share: Array
 
@@ -115,29 +106,17 @@ class FeedFines:
     @property
     def smallest_m(self) -> float:
         """The finest diameter that the feeds list."""
-        return min(row.smallest_m for row, _ in self.given)
+        return min(row.smallest_m for row, _ in self.listed.given)
 
     @property
     def smallest_computed_m(self) -> float:
         """The finest diameter that is computed."""
-        return min(row.smallest_m for row, _ in self.fed)
+        return min(row.smallest_m for row, _ in self.listed.computed)
 
     @property
     def total(self) -> float:
         """The share of the mass that is fine."""
-        return _share_between(self.given, 0.0, self.cut_m)
-
-    def weights(self, edges_m: Array) -> Array:
-        """Return the share of the feed's mass over that of the computed feed, between edges (bins,).
-
-        It is 1 unless a class that is computed has taken over the mass of finer ones.
-        """
-        pairs = [
-            [_share_between(rows, low, high) for rows in (self.given, self.fed)]
-            for low, high in pairwise(edges_m)
-        ]
-        given, fed = np.array(pairs).T
-        return np.divide(given, fed, out=np.ones(len(given)), where=fed > 0)
+        return mass_between(self.listed.given, 0.0, self.cut_m)
 
     def in_doubt(self, curve: PartitionCurve) -> float:
         """Return the share of all fines by which the curve may be wrong on sizes beyond its tested reach.
@@ -158,43 +137,20 @@ class FeedFines:
 def feed_fines(
     feeds: Sequence[Feed], cut_m: float, window_s: tuple[float, float] = (0.0, math.inf)
 ) -> FeedFines:
-    """Return the fines, below ``cut_m``, of feeds that are mixed by what they feed in a window of time.
-
-    If they feed nothing then, they are mixed by what they fed before; if the window has no end, or none has
-    begun by then, by their rates.
-    """
+    """Return the fines, below ``cut_m``, of feeds that are mixed by what they feed in a window of time."""
     nodes, weights = roots_legendre(NODES)
-    given, fed, diameter_m, shares = [], [], [np.empty(0)], [np.empty(0)]
-    start_s, end_s = window_s
-    parts = [feed.rate_kg_per_s for feed in feeds]
-    for since_s in (0.0, start_s):
-        fed_kg = [_fed_kg(feed, since_s, end_s) for feed in feeds]
-        parts = fed_kg if 0.0 < sum(fed_kg) < math.inf else parts
-    for feed, weight in zip(feeds, parts, strict=True):
-        if not weight:
-            continue
-        part, limit_m = weight / sum(parts), min(feed.smallest_fed_m or 0.0, cut_m)
-        given += [(row, part * row.mass_fraction) for row in given_classes(feed)]
-        fed += [(row, part * row.mass_fraction * (1.0 - share_left_out(feed))) for row in classes(feed)]
-        for row in given_classes(feed):
+    diameter_m, shares = [np.empty(0)], [np.empty(0)]
+    for feed, part in zip(feeds, feed_parts(feeds, window_s), strict=True):
+        limit_m = min(feed.smallest_fed_m or 0.0, cut_m)
+        for row in given_classes(feed) if part else ():
             if (coarser := coarser_share(row, limit_m)) < 1.0:
                 low, high = row.smallest_m, min(row.largest_m, limit_m)
                 sizes = (low + high) / 2 + nodes * (high - low) / 2
                 mass = weights * sizes ** (row.MASS_POWER - 1)
                 diameter_m.append(sizes)
                 shares.append(part * row.mass_fraction * (1.0 - coarser) * mass / mass.sum())
-    return FeedFines(cut_m, tuple(given), tuple(fed), np.concatenate(diameter_m), np.concatenate(shares))
-
-
-def _fed_kg(feed: Feed, start_s: float, end_s: float) -> float:
-    """Return the mass that is due of a feed from one time to another."""
-    stop_s = end_s if feed.stop_s is None else min(feed.stop_s, end_s)
-    return feed.rate_kg_per_s * max(0.0, stop_s - max(feed.start_s, start_s))
-
-
-def _share_between(rows: Sequence[tuple[SizeClass, float]], low_m: float, high_m: float) -> float:
-    """Return the share of the mass of classes with their shares that lies between two diameters."""
-    return sum(part * share_between(row, low_m, high_m) for row, part in rows)
+    listed = listed_feed(feeds, window_s)
+    return FeedFines(cut_m, listed, np.concatenate(diameter_m), np.concatenate(shares))
 
 
 def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: float) -> dict[str, Any] | str:
@@ -309,7 +265,7 @@ def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]
     """Return the mean diameter (bins,) of fine particles, and what left in each cycle by size and exit.
 
     The latter are numbers and masses, (cycles, bins + 1, exits, 2); the last size is all that is coarse.
-    Masses are those of the feed as it is listed.
+    Masses are those for which the particles stand in the feed as it is listed.
     """
     removed, exits = events.removed, len(events.exits.names)
     left = removed.exit != LOST
@@ -320,10 +276,9 @@ def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]
     number = np.bincount(size[fine], minlength=BINS)
     summed_m = np.bincount(size[fine], diameter_m, BINS)
     mean_m = np.divide(summed_m, number, out=np.sqrt(edges_m[1:] * edges_m[:-1]), where=number > 0)
-    weight = np.append(fines.weights(edges_m), 1.0)
     group = np.where(left, exits * size + removed.exit, -1)
     tables = [
         per_cycle(removed.time_s, each, events.edges_s, group, (BINS + 1) * exits)
-        for each in (np.ones(len(group)), removed.mass_kg * weight[size])
+        for each in (np.ones(len(group)), events.left_kg)
     ]
     return mean_m, np.stack(tables, axis=-1).reshape(-1, BINS + 1, exits, 2)

@@ -21,6 +21,7 @@ from orchestrator.case.bed.size_distribution import (
     finer_share,
     mean_cube_m3,
     mean_mass_kg,
+    sample_of,
     shares,
 )
 from orchestrator.case.bed.sources import batch_s, initial_particles, inlets, largest_diameter_m
@@ -132,13 +133,24 @@ def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
 
 
 def fines(case: Case, fate: str) -> Iterator[str]:
-    """Yield a line with numbers for each source whose fines have this fate, "leave-out" or "next-class"."""
+    """Yield lines with numbers for each source whose mass that is not computed has this fate, "leave-out" or
+    "next-class"."""
+    done = {"leave-out": "left out", "next-class": "made of the next class"}[fate]
     for key, source in (row for path in SOURCES for row in rows(case, path)):
-        if source.finer == fate and source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
-            done = {"leave-out": "left out", "next-class": "made of the next class"}[fate]
+        if source.finer != fate:
+            continue
+        if source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
             yield (
                 f"{key[-1]}: {finer:.1%} of the mass is finer than smallest_fed_m = "
                 f"{source.smallest_fed_m:g} m and {done}"
+            )
+        if (sample := sample_of(source)) is not None:
+            one_in = " to ".join(dict.fromkeys(f"{number:.3g}" for number in sample.one_in))
+            rest = sample.share - sample.computed
+            yield (
+                f"{key[-1]}: {sample.share:.1%} of the mass, of {_range_mm(sample.sizes)}, is sampled: "
+                f"one in {one_in} of its particles is computed, and the others, {rest:.1%} of the mass or "
+                f"{rest * source.rate_kg_per_s:.3g} kg/s, are {done}"
             )
 
 
