@@ -6,6 +6,7 @@ Wherever a plan or a surface has a material's index, ``material_numbers`` define
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -175,6 +176,8 @@ def _exciters(case: Case) -> list[ExciterPlan]:
             run_up_s=exciter.run_up_s,
             phase_rad=exciter.phase_rad,
             start_s=exciter.start_s,
+            stop_s=math.inf if exciter.stop_s is None else exciter.stop_s,
+            run_down_s=exciter.run_down_s,
             motor=_motor(exciter.motor) if motors else None,
             name=name,
         )

@@ -101,7 +101,7 @@ def _sheet(loaded: JudgedCase) -> Iterator[str]:
     """Yield the designer's sheet of the whole machine."""
     lines = sheet(scene(loaded.case.original), given_rates_kg_per_s(loaded))
     if lines:
-        yield f"  designer's sheet of the whole machine ({RULE}: docs/theory/sheet.md)"
+        yield f"  designer's sheet of the whole machine ({RULE}: docs/designers-sheet.md)"
     for line in lines:
         yield f"             {line.name}: {line.text} [{line.source}]"
 

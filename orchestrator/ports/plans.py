@@ -7,6 +7,7 @@ from which its adapter predicts the ``Cost``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -219,10 +220,12 @@ class ExciterPlan:
     It stands still until ``start_s``.  Then the angle runs up smoothly: with t from there,
     speed(t) = speed_rad_per_s * (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``, then constant; at
     angle = ``phase_rad`` the force points along ``start`` (a unit vector normal to ``axis``;
-    positive rotation about ``axis``).  The force is the unbalance's inertia force:
+    positive rotation about ``axis``).  From ``stop_s`` on, which is not before the end of the run-up, it runs
+    down in the same way:  speed(t) = speed_rad_per_s * (1 + cos(pi t / run_down_s)) / 2 with t from there,
+    then it stands still.  The force is the unbalance's inertia force:
     mass_moment * (speed^2 radial - d(speed)/dt tangential).  With a ``motor``, where the solver
-    knows motors, the speed is what its torque makes of it, and ``run_up_s`` is that of the
-    synchronous speed.
+    knows motors, the speed is what its torque makes of it, and ``run_up_s`` and ``run_down_s`` are those of
+    the synchronous speed.
     """
 
     body: str
@@ -234,6 +237,8 @@ class ExciterPlan:
     run_up_s: float
     phase_rad: float = 0.0
     start_s: float = 0.0
+    stop_s: float = math.inf
+    run_down_s: float = 0.0
     motor: MotorPlan | None = None
     name: str = ""
 

@@ -237,8 +237,8 @@ def test_a_wrong_feed_cut_or_moisture_is_refused(tmp_path: Path) -> None:
         ({"feed": "0-30"}, "has no unit; is '30 mm' meant?"),
         ({"feed": "0-10 mm"}, "--feed: the cut of 12 mm is above the coarsest grain"),
         ({"feed": "20-30 mm"}, "--feed: the cut of 12 mm is below the finest grain"),
-        ({"cut": "40 mm"}, "--cut: the cut of 40 mm is above the coarsest grain"),
-        ({"cut": "15 mm"}, "--cut: no grain between 12 and 15 mm passes the openings"),
+        ({"cut": "40 mm", "opening": "12 mm"}, "--cut: the cut of 40 mm is above the coarsest grain"),
+        ({"cut": "15 mm", "opening": "12 mm"}, "--cut: no grain between 12 and 15 mm passes the openings"),
         ({"moisture": "damp"}, "--moisture: 'damp' is no class of moisture"),
         (
             {"moisture": "wet", "material": "moist coal"},
@@ -270,7 +270,8 @@ def test_a_machine_near_resonance_is_called_doubtful(
     panels: str, length: str, near: str, tmp_path: Path
 ) -> None:
     """On a short deck the bushings stand close together, and the frames pitch at the working speed."""
-    proposal = propose(read_wishes("flip-flow", {"panels": panels, "length": length}), "mine")
+    answers = {"panels": panels, "length": length, "throughput": "20 t/h"}
+    proposal = propose(read_wishes("flip-flow", answers), "mine")
     new.write_files(proposal.files, tmp_path / "mine")
     doubts = [line for line in proposal.remarks if line.startswith("doubtful: ")]
     assert any(f"{near}  pitch of the driven frame against the driving frame" in r for r in proposal.remarks)

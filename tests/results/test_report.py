@@ -74,7 +74,7 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
     assert len(text) < 6e6
     for address in re.findall(r'(?:src|href)="([^"]*)"', text):
         assert address.startswith("data:")
-    assert "<td>frame, estimated before the run</td>" in text
+    assert "<h3>Designer's sheet: rule, not result</h3>" in text
     assert "<script" not in text
     assert "url(" not in text.split("</style>")[0]
 

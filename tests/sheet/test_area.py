@@ -11,9 +11,9 @@ SHORT_TON_PER_H = 907.18474 / 3600
 FT2 = 0.3048**2
 
 
-# "Factors for calculating screen area": 300 short tons an hour of 100 lb/ft3 over three decks.  The feed of each
-# deck is what passes the one above; 85, 60, 30 and 15 % of the whole are finer than 1, 1/2, 1/4 and 1/8 inch.
-# The handbook rounds up, to 48, 93 and 111 square feet.
+# "Factors for calculating screen area": 300 short tons an hour of 100 lb/ft3 over three decks.  The feed of
+# each deck is what passes the one above; 85, 60, 30 and 15 % of the whole are finer than 1, 1/2, 1/4 and 1/8
+# inch.  The handbook rounds up, to 48, 93 and 111 square feet.
 @pytest.mark.parametrize(
     ("inch", "open_share", "fed", "passing", "half", "efficiency", "deck", "feet2", "printed"),
     [

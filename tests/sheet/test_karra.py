@@ -13,9 +13,9 @@ from orchestrator.preflight.sheet.feed_shares import FeedShares
 T_PER_H = 1 / 3.6
 
 
-# The equations of the subroutines KARRA and FACTOR of R. P. King's MODSIM (SCRNMODS.FOR, 1985), compiled and run
-# for square openings between wires, dry, on a top deck: throughfall aperture in mm, open share, capacity W G in
-# t/h and m2, d50 in mm.
+# The equations of the subroutines KARRA and FACTOR of R. P. King's MODSIM (SCRNMODS.FOR, 1985), compiled and
+# run for square openings between wires, dry, on a top deck: throughfall aperture in mm, open share, capacity
+# W G in t/h and m2, d50 in mm.
 @pytest.mark.parametrize(
     ("opening_mm", "wire_mm", "slope_deg", "percent", "t_per_h_m2", "bulk", "expected"),
     [

@@ -55,7 +55,22 @@ class Unbalance:
         return np.asarray(np.multiply.outer(along, exciter.start) + np.multiply.outer(across, self._across))
 
     def _turning(self, time_s: Array) -> tuple[Array, Array, Array]:
-        """Return angle in rad, speed in rad/s and angular acceleration in rad/s^2."""
+        """Return angle in rad, speed in rad/s and angular acceleration in rad/s^2 at rising times (n,)."""
+        exciter = self._exciter
+        if time_s[-1] <= exciter.stop_s:
+            return self._running_up(time_s)
+        angle, speed, growth = self._running_up(np.minimum(time_s, exciter.stop_s))
+        full, run_down_s, stops = exciter.speed_rad_per_s, exciter.run_down_s, time_s > exciter.stop_s
+        if run_down_s <= 0:
+            return angle, np.where(stops, 0.0, speed), np.where(stops, 0.0, growth)
+        rate, falling_s = math.pi / run_down_s, np.clip(time_s - exciter.stop_s, 0.0, run_down_s)
+        angle = angle + full / 2 * (falling_s + np.sin(rate * falling_s) / rate)
+        speed = np.where(stops, full / 2 * (1 + np.cos(rate * falling_s)), speed)
+        growth = np.where(stops, -full / 2 * rate * np.sin(rate * falling_s), growth)
+        return angle, speed, growth
+
+    def _running_up(self, time_s: Array) -> tuple[Array, Array, Array]:
+        """Return the same of an exciter that never stops."""
         full, run_up_s = self._exciter.speed_rad_per_s, self._exciter.run_up_s
         phase, since_s = self._exciter.phase_rad, time_s - self._exciter.start_s
         if since_s[0] >= run_up_s:  # full speed
@@ -90,11 +105,13 @@ class Shaft(SavedAttributes, Unbalance):
     def torque_N_m(self, speed_rad_per_s: Array, time_s: Array) -> Array:
         """Return the motor's torque (n,) on a shaft at these speeds and times, (n,) each.
 
-        The synchronous speed runs up as an exciter's does, at constant voltage over frequency.
+        The synchronous speed runs up and down as an exciter's does, at constant voltage over frequency.
         """
-        full, run_up_s = self._motor.synchronous_rad_per_s, self._exciter.run_up_s
-        share = np.clip((time_s - self._exciter.start_s) / run_up_s, 0.0, 1.0) if run_up_s > 0 else 1.0
-        synchronous_rad_per_s = full * (1 - np.cos(np.pi * share)) / 2
+        exciter = self._exciter
+        risen = _share(time_s - exciter.start_s, exciter.run_up_s)
+        fallen = _share(time_s - exciter.stop_s, exciter.run_down_s)
+        up, down = (1 - np.cos(np.pi * risen)) / 2, (1 + np.cos(np.pi * fallen)) / 2
+        synchronous_rad_per_s = self._motor.synchronous_rad_per_s * up * down
         return motor_torque_N_m(self._motor, synchronous_rad_per_s - speed_rad_per_s)
 
     def growth_rad_per_s2(
@@ -117,3 +134,10 @@ class Shaft(SavedAttributes, Unbalance):
         risen = self.radial(self.angle_rad) - self.radial(self._exciter.phase_rad)
         own_J = self._motor.inertia_kg_m2 * self.speed_rad_per_s**2 / 2
         return own_J + self._exciter.mass_moment_kg_m * (moved_J - float(risen @ self._gravity_m_per_s2))
+
+
+def _share(since_s: Array, lasting_s: float) -> Array:
+    """Return the share of a time that has passed, from 0 to 1; of no time, all of it at once."""
+    if lasting_s > 0:
+        return np.asarray(np.clip(since_s / lasting_s, 0.0, 1.0))
+    return np.asarray(since_s >= 0, dtype=np.float64)

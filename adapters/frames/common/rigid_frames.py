@@ -95,6 +95,7 @@ class RigidFrames(SavedAttributes):
         plan, elements = self._plan, self._hysteresis
         shaking: list[ExciterPlan | DrivePlan] = [*plan.exciters, *plan.drives]
         run_ups = [math.pi / source.run_up_s for source in shaking if source.run_up_s > 0]
+        run_ups += [math.pi / row.run_down_s for row in plan.exciters if row.run_down_s > 0]
         speeds = [source.speed_rad_per_s for source in shaking]
         fastest = max(self._stiffest().fastest_rad_per_s(), *speeds, *run_ups, 0.0)
         if elements:

@@ -79,7 +79,8 @@ class CompiledBodies:
             "across": _array([np.cross(e.axis, e.start) for e in plan.exciters]).reshape(-1, 3),
             **_attached("carried", Attached.at(plan.points_m, carrier, drawn_m)),
         }
-        for name in ("mass_moment_kg_m", "speed_rad_per_s", "run_up_s", "start_s", "phase_rad"):
+        turning = ("speed_rad_per_s", "run_up_s", "start_s", "stop_s", "run_down_s", "phase_rad")
+        for name in ("mass_moment_kg_m", *turning):
             constants[name] = _array([getattr(exciter, name) for exciter in plan.exciters])
         self.kernel = kernel.SpatialBodies(**constants, **self.memory)
 

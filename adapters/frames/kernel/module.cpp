@@ -104,6 +104,8 @@ BoundBodies bind_bodies(py::kwargs given) {
   parts.speed_rad_per_s = from.copied("speed_rad_per_s", exciters);
   parts.run_up_s = from.copied("run_up_s", exciters);
   parts.start_s = from.copied("start_s", exciters);
+  parts.stop_s = from.copied("stop_s", exciters);
+  parts.run_down_s = from.copied("run_down_s", exciters);
   parts.phase_rad = from.copied("phase_rad", exciters);
   parts.carried = attached(from, "carried", bodies);
   SpatialState state;

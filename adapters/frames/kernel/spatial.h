@@ -55,6 +55,7 @@ struct SpatialParts {
   // exciters of given speed: unit vectors to the unbalance at phase 0 and a quarter turn later
   AttachedPoints excited;
   std::vector<double> mass_moment_kg_m, start, across, speed_rad_per_s, run_up_s, start_s, phase_rad;
+  std::vector<double> stop_s, run_down_s;
   // the points that the frames carry
   AttachedPoints carried;
 
@@ -207,7 +208,8 @@ class SpatialBodies {
   void exciter_forces(double time_s, double *force_N) const {
     for (std::size_t n = 0; n < exciters(); ++n) {
       const double full = parts_.speed_rad_per_s[n], run_up_s = parts_.run_up_s[n];
-      double since_s = time_s - parts_.start_s[n];
+      const double stop_s = parts_.stop_s[n], run_down_s = parts_.run_down_s[n];
+      double since_s = std::min(time_s, stop_s) - parts_.start_s[n];
       double angle = parts_.phase_rad[n], speed = 0.0, growth = 0.0;
       if (since_s >= run_up_s) {  // full speed
         angle += full * (since_s - run_up_s / 2);
@@ -218,6 +220,15 @@ class SpatialBodies {
         angle += full / 2 * (since_s - std::sin(rate * since_s) / rate);
         speed = full / 2 * (1 - std::cos(rate * since_s));
         growth = full / 2 * rate * std::sin(rate * since_s);
+      }
+      if (time_s > stop_s) {  // a run-down that mirrors the run-up, then standstill
+        speed = growth = 0.0;
+        if (run_down_s > 0) {
+          const double rate = M_PI / run_down_s, falling_s = std::min(time_s - stop_s, run_down_s);
+          angle += full / 2 * (falling_s + std::sin(rate * falling_s) / rate);
+          speed = full / 2 * (1 + std::cos(rate * falling_s));
+          growth = -full / 2 * rate * std::sin(rate * falling_s);
+        }
       }
       const Vec3 start = row(parts_.start.data(), n), across = row(parts_.across.data(), n);
       const double c = std::cos(angle), s = std::sin(angle);

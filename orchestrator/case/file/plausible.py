@@ -70,6 +70,9 @@ _KEYS: dict[Limits, str] = {
     (1e-3, 10.0): "height_m",
     (0.0, 1.0): "gap_m",
     (1e-9, 1e3): "ratio",
+    (1e-5, 1.0): "strain_amplitude",
+    (1.0, 1e15): "cycles",
+    (0.01, 50.0): "slope",
 }
 RANGES = {key: limits for limits, keys in _KEYS.items() for key in keys.split()}
 OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # Openings are smaller than panels.

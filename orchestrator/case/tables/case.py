@@ -89,6 +89,18 @@ class Hyperelastic(Table):
     to this curve."""
 
 
+class FatigueLine(Table):
+    """The user's own line of a material's life under cycles of strain:
+    cycles x (strain_amplitude / amplitude)^slope.  It only ranks the panels of a run."""
+
+    strain_amplitude: Annotated[float, Strict(), Gt(0), Le(1)]
+    """Strain amplitude, half of the range of a cycle."""
+    cycles: Annotated[float, Strict(), Ge(1), Le(1e15)]
+    """Cycles to failure at this amplitude."""
+    slope: Annotated[float, Strict(), Gt(0), Le(50)]
+    """Slope of the line over logarithms: ten times the amplitude divides the cycles by 10^slope."""
+
+
 class Material(Table):
     """A material of particles, walls or panels.  A material of the library needs no table: ``material =
     "limestone"`` is enough, and its table may give single keys that replace the library's
@@ -108,6 +120,8 @@ class Material(Table):
     (docs/materials.md).  Grains of the library have one."""
     hyperelastic: Hyperelastic | None = None
     """Constants that the material of a panel needs in addition."""
+    fatigue: FatigueLine | None = None
+    """Line by which the panels of this material are ranked in the results of a run."""
 
 
 WORK_OF_ADHESION = "work_of_adhesion_J_per_m2"

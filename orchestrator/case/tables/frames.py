@@ -216,6 +216,11 @@ class Exciter(Table):
     run_up_s: NotNegative = 0.0
     """Time from ``start_s`` to full speed; with a motor, the time in which the motor's synchronous speed
     reaches its full value."""
+    stop_s: NotNegative | None = None
+    """Time at which the exciter begins to run down, after its run-up.  By default, it never does."""
+    run_down_s: NotNegative = 0.0
+    """Time from ``stop_s`` to standstill; with a motor, the time in which the motor's synchronous speed falls
+    to zero."""
     motor: Motor | None = None
     """Motor that turns the shaft.  Without a motor, the speed of the shaft is prescribed."""
     bearings: Bearings | None = None

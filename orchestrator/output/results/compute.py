@@ -218,6 +218,7 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
         "ground": None,
         "panel_points": {},
         "panels": machine.panel_loads(run, start_s, end_s),
+        "run_down": machine.run_down(run),
     }
     table["motion"] = motion
     missing, other = table["missing"], ""

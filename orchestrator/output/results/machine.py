@@ -13,7 +13,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import bushings
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.output.cycles import cycle_numbers, named_speeds_rad_per_s, within
-from orchestrator.output.results import mats
+from orchestrator.output.results import fatigue, mats
 from orchestrator.output.results.estimate import Estimate, IntervalOf, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
@@ -277,6 +277,33 @@ def root(value: float, square: Estimate) -> Estimate:
     return Estimate(value, half_width, square.batches, standard_error=error, reason=square.reason)
 
 
+def run_down(run: RunReader) -> dict[str, Any] | None:
+    """Return how far each frame swings while the machine runs down, None if no exciter does.
+
+    ``running_m`` is the largest distance of its centre of mass from the place at t = 0 in the last
+    ``RANGE_CYCLES`` whole cycles before the first exciter begins to run down, and ``peak_m`` that in all
+    cycles which end later, ``peak_s`` the end of the cycle with it.
+    """
+    if run.stop_s >= run.end_s:
+        return None
+    frames = {}
+    for name in run.case.screen.frames:
+        group = f"point_cycles/{name}"
+        if not run.has(group):
+            continue
+        time_s, farthest_m = run.read(f"{group}/time_s"), run.read(f"{group}/farthest_m")
+        falls = time_s > run.stop_s * (1 + 1e-9)
+        if not falls.any():
+            continue
+        before_m, after_m = farthest_m[~falls][-RANGE_CYCLES:], farthest_m[falls]
+        frames[name] = {
+            "running_m": float(before_m.max(initial=0.0)),
+            "peak_m": float(after_m.max()),
+            "peak_s": float(time_s[falls][after_m.argmax()]),
+        }
+    return {"stop_s": run.stop_s, "frames": frames}
+
+
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
     """Return pull on the clamps, load of the bed, stretch of the middle line and turns up of every panel.
 
@@ -295,8 +322,9 @@ def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
             "stretch_smallest_percent": 100 * float(rows["stretch_least"].min()),
             "load_N": weight @ rows["load_mean_N"] @ run.deck_axes,
             **mats.mat_turns(run, name, start_s, end_s),
+            **fatigue.strain_cycles(run, name, rows["stretch_least"], rows["stretch_most"]),
         }
-    return table
+    return fatigue.ranked(table)
 
 
 def point_ranges(run: RunReader) -> dict[str, dict[str, Any]]:

@@ -6,6 +6,7 @@ results' motion.  The shapes of panels are extremes over all sync points in this
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -317,10 +318,15 @@ def loss_factor(panel: MovedPanel, time_s: Array, pull_N: Array) -> float | None
 
 
 def angle_rad(time_s: Array, exciter: Exciter) -> Array:
-    """Return the angle of a shaft in rad, whose speed rises as half a cosine during the run-up."""
-    since_s = np.maximum(time_s - exciter.start_s, 0.0)
+    """Return the angle of a shaft in rad, whose speed rises and falls as half a cosine."""
+    stop_s = math.inf if exciter.stop_s is None else exciter.stop_s
+    since_s = np.maximum(np.minimum(time_s, stop_s) - exciter.start_s, 0.0)
     run_up_s = exciter.run_up_s
     rising_s = np.minimum(since_s, run_up_s)
     lag_s = run_up_s / np.pi * np.sin(np.pi * rising_s / run_up_s) if run_up_s else 0.0
     turning_s = (rising_s - lag_s) / 2 + (since_s - rising_s)
+    run_down_s = exciter.run_down_s
+    falling_s = np.clip(time_s - stop_s, 0.0, run_down_s)
+    lead_s = run_down_s / np.pi * np.sin(np.pi * falling_s / run_down_s) if run_down_s else 0.0
+    turning_s = turning_s + (falling_s + lead_s) / 2
     return np.asarray(exciter.speed_rad_per_s * turning_s)

@@ -133,9 +133,16 @@ class RunReader:
         return self.cycle_s * np.arange(count_whole_cycles(self.end_s, self.cycle_s) + 1)
 
     @property
+    def stop_s(self) -> float:
+        """The time at which the first exciter begins to run down; infinite if none does."""
+        stops_s = [row.stop_s for row in self.case.screen.exciters.values() if row.stop_s is not None]
+        return min(stops_s, default=np.inf)
+
+    @property
     def second_half_s(self) -> tuple[float, float]:
-        """The begin and the end of the second half of the whole cycles."""
+        """The begin and the end of the second half of the whole cycles before an exciter runs down."""
         edges_s = self.edges_s
+        edges_s = edges_s[: max(2, int(np.searchsorted(edges_s, self.stop_s * (1 + 1e-9), side="right")))]
         return float(edges_s[(len(edges_s) - 1) // 2]), float(edges_s[-1])
 
     @property

@@ -12,6 +12,7 @@ TABLE_RULES = (
     machine.frames_and_their_solver,
     machine.start_of_drives,
     machine.bushings_and_exciters,
+    machine.stops_of_exciters,
     panels.panel_rows,
     panels.openings,
     panels.stops,

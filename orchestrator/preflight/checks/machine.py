@@ -224,6 +224,19 @@ def start_of_drives(case: Case) -> Iterator[CaseProblem]:
                 yield CaseProblem((*key, phase), what, "give run_up_s, or 0")
 
 
+def stops_of_exciters(case: Case) -> Iterator[CaseProblem]:
+    """Check that an exciter runs down after it has run up, and that its run-down begins at some time."""
+    for name, exciter in case.screen.exciters.items():
+        key = ("screen", "exciters", name)
+        full_s = exciter.start_s + exciter.run_up_s
+        if exciter.stop_s is None:
+            if exciter.run_down_s > 0:
+                yield CaseProblem((*key, "run_down_s"), "is of no use without stop_s", "give stop_s")
+        elif exciter.stop_s < full_s:
+            what = f"{exciter.stop_s:g} s is before the end of the run-up at {full_s:g} s"
+            yield CaseProblem((*key, "stop_s"), what, "stop it later")
+
+
 def sudden_drives(case: Case) -> Iterator[str]:
     """Yield a warning for each drive without run-up whose frame holds panels that are at rest at t = 0."""
     for name, frame in case.screen.frames.items():

@@ -2,11 +2,11 @@
 
     area = undersize in the feed / (A B C F G H J)
 
-A is the basic capacity of square openings for a feed with 25 % oversize and 40 % half-size, of 100 lb/ft3, at
-an efficiency of 95 %; B, C, F, G, H and J stand for oversize, half-size, bulk density, open area, shape of the
-openings and efficiency.  The factors D (lower decks) and E (sprays) are 1 here.  VSMA, Vibrating Screen
-Handbook, "Factors for calculating screen area"; docs/theory/sheet.md says which copies of its tables could be
-read.
+A is the basic capacity of square openings for a feed with 25 % oversize and 40 % half-size, of 100 lb/ft3,
+at an efficiency of 95 %; B, C, F, G, H and J stand for oversize, half-size, bulk density, open area, shape
+of the openings and efficiency.  The factors D (lower decks) and E (sprays) are 1 here.  VSMA, Vibrating
+Screen Handbook, "Factors for calculating screen area"; docs/designers-sheet.md says which copies of its
+tables could be read.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from orchestrator.ports import Array
 from orchestrator.preflight.sheet.feed_shares import FeedShares
 
 INCH_M = 0.0254
@@ -23,16 +24,16 @@ SHORT_TON_PER_FT2_H = 2000 * 0.45359237 / 0.3048**2 / 3600  # in kg/m2 s
 STANDARD_KG_PER_M3 = 100 * 0.45359237 / 0.3048**3
 OPENING_INCH = (
     1 / 32, 1 / 16, 3 / 32, 1 / 8, 3 / 16, 1 / 4, 3 / 8, 1 / 2, 5 / 8, 3 / 4,
-    7 / 8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0,
+    7 / 8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 2.75, 3.0, 3.5, 4.0,
 )  # fmt: skip
 CAPACITY = (
     0.39, 0.58, 0.76, 0.95, 1.27, 1.60, 2.08, 2.47, 2.82, 3.08,
-    3.38, 3.56, 3.89, 4.20, 4.51, 4.90, 5.85, 6.17, 7.03, 7.69,
+    3.38, 3.56, 3.89, 4.20, 4.51, 4.90, 5.52, 5.85, 6.17, 7.03, 7.69,
 )  # fmt: skip
 """Factor A in short tons per hour and square foot, at ``OPENING_INCH``."""
 OPEN_AREA = (
     0.41, 0.37, 0.45, 0.40, 0.45, 0.46, 0.51, 0.54, 0.59, 0.61,
-    0.63, 0.64, 0.66, 0.69, 0.68, 0.71, 0.72, 0.74, 0.77, 0.75,
+    0.63, 0.64, 0.66, 0.69, 0.68, 0.71, 0.72, 0.74, 0.74, 0.77, 0.75,
 )  # fmt: skip
 """Open area of the cloth of factor A."""
 OVERSIZE = (
@@ -85,15 +86,20 @@ def undersize_capacity_kg_per_m2_s(
     ratio = openings.slenderness
     shape = LONG_SLOT[1] if ratio > long_slot else SLOT[1] if ratio >= slot else 1.0
     factors = (
-        np.interp(inch, OPENING_INCH, CAPACITY),
-        np.interp(shares.oversize, np.linspace(0.05, 0.95, len(OVERSIZE)), OVERSIZE),
-        np.interp(shares.half_size, np.linspace(0.0, 0.9, len(HALF_SIZE)), HALF_SIZE),
+        _between(inch, OPENING_INCH, CAPACITY),
+        _between(shares.oversize, np.linspace(0.05, 0.95, len(OVERSIZE)), OVERSIZE),
+        _between(shares.half_size, np.linspace(0.0, 0.9, len(HALF_SIZE)), HALF_SIZE),
         bulk_kg_per_m3 / STANDARD_KG_PER_M3,
-        openings.open_share / np.interp(inch, OPENING_INCH, OPEN_AREA),
+        openings.open_share / _between(inch, OPENING_INCH, OPEN_AREA),
         shape,
-        np.interp(efficiency, np.linspace(0.70, 0.95, len(EFFICIENCY)), EFFICIENCY),
+        _between(efficiency, np.linspace(0.70, 0.95, len(EFFICIENCY)), EFFICIENCY),
     )
-    return math.prod(map(float, factors)) * SHORT_TON_PER_FT2_H
+    return math.prod(factors) * SHORT_TON_PER_FT2_H
+
+
+def _between(at: float, points: Array | tuple[float, ...], values: tuple[float, ...]) -> float:
+    """Return a table's value between its points, and beyond them that of its nearer end."""
+    return float(np.interp(at, points, values))
 
 
 def required_m2(

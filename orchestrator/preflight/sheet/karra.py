@@ -1,8 +1,8 @@
 """Karra's model of a vibrating screen: its capacity, the size of which half passes, and what passes.
 
-The undersize per area over the product of seven factors gives the cut size; the factors take apertures in mm
-and shares in per cent.  V. K. Karra, CIM Bulletin 72, April 1979, 167-171; docs/theory/sheet.md says from which
-copies the constants were read.
+The undersize per area over the product of seven factors gives the cut size; the factors take apertures in
+mm and shares in per cent.  V. K. Karra, CIM Bulletin 72, April 1979, 167-171; docs/designers-sheet.md says
+from which copies the constants were read.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The lines of the designer's sheet of a case: what handbooks would say about the whole machine.
 
 They are rules, not results: none of them is computed from a run, and no run knows of them.
-docs/theory/sheet.md has the rules, their sources and what is not among them.
+docs/designers-sheet.md has the rules, their sources and what is not among them.
 """
 
 from __future__ import annotations
