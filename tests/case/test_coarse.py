@@ -29,6 +29,18 @@ def of(folder: Path, *overrides: str) -> JudgedCase:
     return load_case(folder, CASE.replace(BALL, ""), overrides)
 
 
+def test_what_is_sampled_is_scaled_too(tmp_path: Path) -> None:
+    """The rate of the computed part stays: of diameters twice as large, the same share is sampled."""
+    lumps = FEED.replace("smallest_m=0.01,", "smallest_m=0.012,")
+    sampled = lumps.replace("sizes", "sampled_below_m=0.015, sampled_as_m=0.018, sizes")
+    rates = []
+    for coarse in ([], [COARSE]):
+        case = of(tmp_path, sampled, *coarse).case
+        rates.append(inlets(case, material_numbers(case))["chute"].rate_kg_per_s)
+    assert rates[0] < 0.95
+    assert rates[1] == pytest.approx(rates[0], rel=1e-12)
+
+
 def test_mass_stays_and_numbers_fall(tmp_path: Path) -> None:
     masses_kg, counts = [], []
     for coarse in ([], [COARSE]):

@@ -61,6 +61,17 @@ class Sample:
     computed: float
     one_in: tuple[float, float]
 
+    @property
+    def in_words(self) -> str:
+        """What is sampled, and how many particles stand for all."""
+        low_mm = 1e3 * min(row.smallest_m for row in self.sizes)
+        high_mm = 1e3 * max(row.largest_m for row in self.sizes)
+        one_in = " to ".join(dict.fromkeys(f"{number:.3g}" for number in self.one_in))
+        return (
+            f"{self.share:.1%} of the mass, of {low_mm:.3g} to {high_mm:.3g} mm, is sampled: one in {one_in} "
+            "of its particles is computed"
+        )
+
 
 def sample_of(source: Filling) -> Sample | None:
     """Return what a source samples; None if all particles are computed."""

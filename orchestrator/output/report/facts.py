@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.bed.adhesion import pull_offs
-from orchestrator.case.bed.size_distribution import given_classes, median_diameter_m
+from orchestrator.case.bed.size_distribution import given_classes, median_diameter_m, sample_of
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.bed import Filling
 from orchestrator.output.records import trust
@@ -77,7 +77,9 @@ def describe_sizes(source: Filling) -> str:
         )
     finest_mm, coarsest_mm = (1e3 * source.curve[end].diameter_m for end in (0, -1))
     middle_mm = 1e3 * median_diameter_m(given_classes(source))
-    return f"curve {finest_mm:g} to {coarsest_mm:g} mm, half of the mass below {middle_mm:.3g} mm"
+    sample = sample_of(source)
+    sampled = "" if sample is None else f"; {sample.in_words}"
+    return f"curve {finest_mm:g} to {coarsest_mm:g} mm, half of the mass below {middle_mm:.3g} mm{sampled}"
 
 
 def left_out_facts(summary: dict[str, Any]) -> Facts:

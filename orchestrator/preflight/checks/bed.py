@@ -145,11 +145,9 @@ def fines(case: Case, fate: str) -> Iterator[str]:
                 f"{source.smallest_fed_m:g} m and {done}"
             )
         if (sample := sample_of(source)) is not None:
-            one_in = " to ".join(dict.fromkeys(f"{number:.3g}" for number in sample.one_in))
             rest = sample.share - sample.computed
             yield (
-                f"{key[-1]}: {sample.share:.1%} of the mass, of {_range_mm(sample.sizes)}, is sampled: "
-                f"one in {one_in} of its particles is computed, and the others, {rest:.1%} of the mass or "
+                f"{key[-1]}: {sample.in_words}, and the others, {rest:.1%} of the mass or "
                 f"{rest * source.rate_kg_per_s:.3g} kg/s, are {done}"
             )
 

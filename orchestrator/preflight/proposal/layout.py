@@ -27,7 +27,7 @@ CLAMP_M, BEAM_GAP_M = 0.018, 0.002
 AROUND_M = 2 * CLAMP_M + BEAM_GAP_M  # from panel to panel
 LAND = 0.4  # of an opening's width, between neighbouring openings
 THINNEST_LAND_M = 0.003
-FINEST_COMPUTED = 0.4
+FINEST_COMPUTED = 0.25
 """Finest diameter that any level computes, over the smaller side of the openings."""
 CHUTE_SLOPE_DEG = 45.0
 FALL_M, FLIGHT_M, THROW_M = 0.5, 3.5, 2.5
