@@ -51,7 +51,8 @@ Examples:
 
   flipflow run cases/quickstart --set panel.solver=rigid --out runs/rigid
 
-  mpirun -n 4 flipflow run cases/quickstart            on four processes
+  mpirun -n 4 flipflow run cases/quickstart            on four processes; as root with --allow-run-as-root,
+                                                       on a busy machine with --mca mpi_yield_when_idle 1
 
   flipflow record RUN --out panels.h5                  its panels, to be played back
 
@@ -135,7 +136,8 @@ def run(
 
     Ctrl-C ends the run at the next sync point; all results are written, and the run can be resumed.
     A second Ctrl-C ends it at once.  Under mpirun, send SIGUSR1 to mpirun instead (kill -USR1),
-    which leaves the run enough time.
+    which leaves the run enough time.  As root, mpirun wants --allow-run-as-root; on a busy machine,
+    --mca mpi_yield_when_idle 1 helps.
     """
     from orchestrator.cli.launch import run as launch
 

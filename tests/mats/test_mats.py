@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.cli.overview import overview
+from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.mats import mats
 from orchestrator.preflight.mats.mats import find_mats, mat_lines, mat_tables
@@ -66,16 +67,36 @@ def test_mats_that_nothing_moves_or_whose_trial_is_long_are_not_tried(tmp_path: 
     assert find_mats(scene(stiff.case)) == ()
 
 
-def test_a_trial_that_fails_stops_no_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever goes wrong in it is said where the regime would stand, and is no warning."""
+@pytest.mark.parametrize(
+    ("error", "why"),
+    [
+        (MemoryError("Unable to allocate 8.00 PiB"), "Unable to allocate 8.00 PiB"),
+        (MemoryError(), "out of memory"),
+        (SolverFailed("no shape at rest"), "no shape at rest"),
+        (SolverMissing("no strip"), "no strip"),
+    ],
+)
+def test_a_trial_that_fails_stops_no_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception, why: str
+) -> None:
+    """What goes wrong in its solver is said where the regime would stand, and is no warning."""
 
     def fail(found: object) -> None:
-        raise MemoryError("Unable to allocate 8.00 PiB")
+        raise error
 
     monkeypatch.setattr(mats, "find_mats", fail)
     loaded = load_case(tmp_path, DRIVEN, [DAMPED])
-    assert [*mat_lines(scene(loaded.case))] == [
-        "mats: how they flip is not known: Unable to allocate 8.00 PiB"
-    ]
+    assert [*mat_lines(scene(loaded.case))] == [f"mats: how they flip is not known: {why}"]
     assert mat_tables(scene(loaded.case)) is None
     assert not [line for line in warnings(loaded) if line.startswith("mat")]
+
+
+def test_a_mistake_of_the_program_is_not_taken_for_a_trial_that_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(found: object) -> None:
+        raise TypeError("a mistake")
+
+    monkeypatch.setattr(mats, "find_mats", fail)
+    with pytest.raises(TypeError, match="a mistake"):
+        [*mat_lines(scene(load_case(tmp_path, DRIVEN, [DAMPED]).case))]

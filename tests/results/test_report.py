@@ -58,7 +58,7 @@ def test_a_browser_shows_all_of_it(folder: Path, tmp_path: Path) -> None:
     assert page.asked == []
     assert page.overflow <= 0
     screen = (folder / "particles.pvd").is_file()
-    assert len(page.images) == (11 if screen else 7)  # screen: no walls.stl, no side view
+    assert len(page.images) == (12 if screen else 8)  # screen: no walls.stl, no side view
     assert min(min(size) for size in page.images) > 100  # 0 is what does not decode
     assert len(page.tables) >= 7
     assert all(cell for table in page.tables for cell in table)
@@ -75,6 +75,8 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
     for address in re.findall(r'(?:src|href)="([^"]*)"', text):
         assert address.startswith("data:")
     assert "<h3>Designer's sheet: rule, not result</h3>" in text
+    assert "Mats: how deck-1 flips alone, before the run" in text
+    assert text.count('alt="how the mat flips over some turns') == 1
     assert "<script" not in text
     assert "url(" not in text.split("</style>")[0]
 

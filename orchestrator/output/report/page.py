@@ -31,10 +31,13 @@ from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.subprocesses import end_with_parent, python
 from orchestrator.output.views.drawings import SIDE, draw_view
+from orchestrator.output.views.mats import draw_mats
 from orchestrator.output.views.outline import outline
+from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.sheet.sheet import RULE
 
 FILM_CYCLES = 3
+MATS = "mats-"  # before the names of pictures of how mats flip
 NEEDED = ("case.toml", SUMMARY, "provenance.json", HISTORY)
 DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)
 
@@ -137,7 +140,13 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
         summary = run.summary
         animation = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
         cost = ("cost", draw_cost(summary["wall_by_part_s"]))
-        drawings = chain([cost], draw_results(results), draw_machine(run), _draw_side(run.case, folder))
+        drawings = chain(
+            [cost],
+            draw_results(results),
+            draw_machine(run),
+            _draw_side(run.case, folder),
+            ((f"{MATS}{name}", fig) for name, fig in draw_mats(scene(run.case.whole_machine))),
+        )
         return fill_template(
             "output/report/template.html",
             case=run.case,
@@ -155,6 +164,7 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             driven=run.is_driven,
             warnings=facts.collect_warnings(folder, summary, results),
             pictures={name: embed(fig) for name, fig in drawings},
+            mats=MATS,
             film=animation,
             film_uri=data_uri(animation.content, "image/webp"),
             left_out=list(facts.left_out_facts(summary)),

@@ -8,8 +8,9 @@ from itertools import product
 import numpy as np
 
 from orchestrator.ports import Array
+from orchestrator.preflight.mats.mats import remembered_regimes
 from orchestrator.preflight.mats.regime import Regime
-from orchestrator.preflight.mats.trial import Trial, regimes
+from orchestrator.preflight.mats.trial import Trial
 
 STROKES = (0.6, 0.8, 1.0, 1.2, 1.4)
 SPEEDS = (0.8, 0.9, 1.0, 1.1, 1.2)
@@ -41,7 +42,7 @@ def make_chart(trial: Trial) -> Chart:
     tried = [
         trial.at(stroke_m, speed, span_m) for span_m, speed, stroke_m in product(spans_m, speeds, strokes_m)
     ]
-    found = regimes(tried, CELLS, WATCHED_TURNS)
+    found = remembered_regimes(tried, CELLS, WATCHED_TURNS)
     rows = [tuple(found[n : n + len(strokes_m)]) for n in range(0, len(found), len(strokes_m))]
     parts = tuple(tuple(rows[n : n + len(speeds)]) for n in range(0, len(rows), len(speeds)))
     return Chart(strokes_m, speeds, spans_m - at.length_m, parts)

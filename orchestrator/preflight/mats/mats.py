@@ -12,7 +12,7 @@ import numpy as np
 
 from orchestrator.case.solver_plans import panel_plans
 from orchestrator.ports import Array
-from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
 from orchestrator.preflight.mats.regime import Regime
 from orchestrator.preflight.mats.trial import CELLS, WATCHED_TURNS, Trial, is_costly, regimes
 from orchestrator.preflight.scene.scene import Scene
@@ -130,12 +130,12 @@ def _sheet(plan: PanelPlan) -> PanelPlan:
 def mats_or_reason(scene: Scene) -> tuple[Mats, ...] | str:
     """Return the kinds of mats of a scene, or why it is not known how they flip.
 
-    A trial is no run: whatever fails in it, a command goes on.
+    A trial is no run: where its solver fails, is missing or lacks memory, a command goes on.
     """
     try:
         return find_mats(scene)
-    except Exception as error:
-        return str(error) or type(error).__name__
+    except (SolverFailed, SolverMissing, MemoryError) as error:
+        return str(error) or "out of memory"
 
 
 def mat_lines(scene: Scene) -> Iterator[str]:
