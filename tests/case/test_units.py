@@ -163,7 +163,7 @@ def test_a_deck_takes_its_tension_in_millimetres(tmp_path: Path) -> None:
         ),
         ("contacts.0.restitution=3 mm", "'3 mm' is wrong, a valid number is wanted"),
         ("screen.frames.driving.inertia_kg_m2=[2.0, '6 kg', 6.0]", "inertia_kg_m2.1: '6 kg' is a mass"),
-        ("screen.panels.deck.tension_m=2 kN", "is of another kind; a length is wanted"),
+        ("screen.panels.deck.tension_m=2 kJ", "is of another kind; a length is wanted"),
         ("screen.panels.deck.length_m=95 Shore A", "is a hardness, which only youngs_modulus_Pa takes"),
         ("materials.PU.hyperelastic.c10_Pa=95 Shore A", "is a hardness, which only youngs_modulus_Pa takes"),
         (

@@ -12,13 +12,14 @@ from scipy.integrate import solve_ivp
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan
+from tests.frames.contract import CASES
 from tests.frames.machines import ACROSS, ALONG, body, bushing, exciter, two_bodies
 
 STIFFNESS_N_PER_M, MASS_KG, MOMENT_KG_M = 4 * 225e3, 764.0, 3.5
 OWN_RAD_PER_S = np.sqrt(STIFFNESS_N_PER_M / MASS_KG)  # 34.3
 LOSS, SPEED_RAD_PER_S, RUN_UP_S = 0.1, 78.5, 0.4
 INTERVAL_S = 2.5e-4
-SOLVERS = ("two_mass", "planar", "exudyn")
+SOLVERS = sorted({case.solver for case in CASES.values()} - {"prescribed"})  # all that forces move
 
 
 def single(stop_s: float, run_down_s: float) -> FramesPlan:

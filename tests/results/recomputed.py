@@ -915,6 +915,7 @@ class Recomputed:
             "speed_rad_per_s": 2 * np.pi / self.turn_s(self.moves_s),
             "shafts_rad_per_s": self.shafts(self.moves_s),
             "ground": self.ground(),
+            "run_down": None,
             "panel_points": {
                 name: self.panel_point(name, row) for name, row in probes.items() if "panel" in row
             },
@@ -1096,7 +1097,29 @@ class Recomputed:
             "stretch_smallest_percent": 100 * stretch[rows].min(),
             "load_N": load.mean(axis=0) @ self.deck,
             **self.turns(name),
+            "strain_range_percent": 100 * self.mean_range(name),
+            "fatigue_share": None,
         }
+
+    def mean_range(self, name: str) -> float:
+        """The mean range of strain by the four-point method, which leaves a residue of half cycles."""
+        cycles = self.panel_cycles(name)
+        ends = [cycles[f"stretch_{end}"][self.begin : self.last] for end in ("least", "most")]
+        series = np.stack(ends, axis=1).ravel()
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(series))) != 0) + 1
+        left: list[float] = []
+        ranges, counts = [], []
+        for value in (series[0], *series[turns], series[-1]):
+            left.append(float(value))
+            while len(left) >= 4 and abs(left[-2] - left[-3]) <= min(
+                abs(left[-1] - left[-2]), abs(left[-3] - left[-4])
+            ):
+                ranges.append(abs(left[-2] - left[-3]))
+                counts.append(1.0)
+                del left[-3:-1]
+        ranges += list(np.abs(np.diff(left)))
+        counts += [0.5] * (len(left) - 1)
+        return float(np.average(ranges, weights=counts))
 
     def turns(self, name: str) -> dict[str, Any]:
         """The share of turns up, and after how many turns lowest and highest middle are as they were."""

@@ -44,6 +44,7 @@ KINDS = {
     "kg/m3": ("a density", "1.4 t/m3"),
     "kg m": ("an unbalance, mass times radius", "3500 kg mm"),
     "kg m2": ("a moment of inertia", "2 kg m2"),
+    "N": ("a force", "400 kN"),
     "N/m": ("a stiffness", "225 kN/m"),
     "N s/m": ("a damping, force over speed", "0.8 kN s/m"),
     "N m s": ("a torque over an angular speed", "0.5 N m s"),
@@ -203,6 +204,7 @@ def _unit(text: str) -> Unit:
 USUAL = (
     *("m", "mm", "cm", "um", "in", "ft", "kg", "g", "t", "lb", "s", "ms", "us", "min", "h", "rad", "deg"),
     *("rad/s", "rpm", "Hz", "m/s", "mm/s", "kg/s", "t/h", "kg/h", "kg/m3", "t/m3", "N/m", "N/mm", "kN/m"),
+    *("N", "kN"),
     *("Pa", "kPa", "MPa", "GPa", "bar", "psi", "J/m2", "mJ/m2", "W", "kW", "kg m", "kg mm", "kg m2"),
 )
 """The units that messages propose."""

@@ -64,15 +64,16 @@ def damage(counted: Cycles, line: FatigueLine) -> float:
 
 
 def strain_cycles(run: RunReader, name: str, least: Array, most: Array) -> dict[str, float | None]:
-    """Return the largest strain range of a panel and its damage, from the extremes of each cycle (cycles,).
+    """Return the mean strain range of a panel and its damage, from the extremes of each cycle (cycles,).
 
     ``fatigue_damage`` is None where its material has no line.
     """
     counted = rainflow(np.column_stack([least, most]).ravel().tolist())
+    total = sum(count for _, count in counted)
     material = next((p.table.material for p in single_panels(run.case) if p.name == name), "")
     line = run.case.materials[material].fatigue if material in run.case.materials else None
     return {
-        "strain_range_percent": 100 * max((size for size, _ in counted), default=0.0),
+        "strain_range_percent": 100 * sum(size * count for size, count in counted) / total if total else 0.0,
         "fatigue_damage": None if line is None else damage(counted, line),
     }
 

@@ -233,7 +233,8 @@ def _supports(whole: Scene) -> Iterator[SheetLine]:
                 f"each of {len(own)} carries {most.static_N / 1e3:.3g} kN and {most.dynamic_N / 1e3:.3g} kN "
                 f"to and fro ({most.name}, the most), without the bed",
                 LINEAR,
-                {"static_N": most.static_N, "dynamic_N": most.dynamic_N},
+                {f"{row.name}.static_N": row.static_N for row in own}
+                | {f"{row.name}.dynamic_N": row.dynamic_N for row in own},
             )
 
 
