@@ -31,7 +31,7 @@ def documented(heading: str, column: int = 1) -> set[str]:
 
 LEDGER = documented("### `energy_ledger_J`")
 WEAR = "contacts.1.specific_wear_m3_per_N_m=1e-12"
-STOPS = "screen.panels.deck.stops.flange={from_m=0.0, to_m=0.04, gap_m=0.003}"
+STOPS = "screen.panels.deck.stops.flange={from_m=0.0, to_m=0.04, gap_m=0.012}"
 CUT = "output.cut_size_m=0.017"  # the quickstart's panels have no openings that would tell it
 RECORDED = {"supplied.panel.recording"}  # tests/runs/test_recorded.py has a run
 MOTOR = (
