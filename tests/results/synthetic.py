@@ -72,7 +72,9 @@ def folder_of(place: Path, particles: bool = True, cycles: int = CYCLES) -> Path
 def _case(particles: bool, duration_s: float) -> Case:
     name = "quickstart" if particles else "empty-machine"
     sets = [f"duration_s={duration_s}", "screen.surfaces={}", "coupling.sync_interval_s=1e-3"]
-    sets += ["output.cut_size_m=0.003"] if particles else []
+    # neither taut nor slack, so that a panel's stretch is that of its centre line
+    flat = ["screen.panels.deck.length_m=0.3", "screen.panels.deck.tension_m=0.0"]
+    sets += ["output.cut_size_m=0.003", *flat] if particles else []
     return load_judged(ROOT / "cases" / name, "draft", sets).case
 
 

@@ -209,6 +209,7 @@ def test_openings_in_the_world() -> None:
     """Two panels of one opening each, at the middle of the span of a taut panel."""
     pattern = "{shape='slot', length_m=0.02, width_m=0.003, pitch_along_m=0.2, pitch_across_m=0.15}"
     sets = [f"screen.panels.deck.apertures={pattern}", "screen.panels.deck.tension_m=0.004"]
+    sets.append("screen.panels.deck.length_m=0.3")
     case = load_judged(ROOT / "cases/quickstart", "draft", sets).case
     found = openings_m(case) @ axes(case)  # in deck axes
     assert found == pytest.approx(np.array([[0.152, 0.1, 0.0], [0.338 + 0.152, 0.1, 0.0]]))
