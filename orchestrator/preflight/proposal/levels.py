@@ -23,11 +23,11 @@ from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.preflight.cost import particles_at_start, predicted_parts_s
 from orchestrator.preflight.proposal.layout import FINEST_COMPUTED, Layout
 
-DRAFT_S = 420.0  # processor time that a draft may take as predicted, which is some 1.7 times what it takes
+DRAFT_S = 500.0  # processor time that a draft may take as predicted, which is some 1.7 times what it takes
 CROSSING_M_PER_S = 0.8  # along the deck, for planned durations and times; thrown beds are faster
 BALANCED_TURNS = 30  # of the shaft, over which what leaves a draft's deck balances its feed
 LONGEST_INTERVAL_S = 2e-4
-DRAFT_PA, STUDY_PA = 4e7, 5e7  # In softer contacts, stones press grains half way into each other.
+DRAFT_PA, STUDY_PA = 6e7, 6e7  # In softer contacts, stones press grains half way into each other or the mat.
 WITHIN = 0.97  # of the longest interval that is stable and accurate
 COARSER = (
     (FINEST_COMPUTED, 0.5, 1.0, 1.0),
