@@ -53,6 +53,9 @@ DIMENSIONLESS = frozenset(
         "largest_overlap",
         "largest_penetration",
         "largest_step_share",
+        "strain_amplitude",
+        "cycles",
+        "slope",
     }
 )
 
