@@ -59,7 +59,8 @@ def test_the_motion_is_that_of_a_mass_on_a_damped_spring(tmp_path: Path) -> None
     assert motion.acceleration_g == pytest.approx(speed**2 * stroke_m / 9.80665, rel=1e-9)
     assert motion.throw_g == pytest.approx(motion.acceleration_g, rel=1e-9)
     assert motion.in_words == (
-        "driving: stroke 5.08 mm (amplitude), 3.31 g, throw 3.31 g, at 80 rad/s = 763.9 rpm = 12.7 Hz"
+        "driving: stroke 5.08 mm (amplitude), nearly a circle, 3.31 g, throw 3.31 g, "
+        "at 80 rad/s = 763.9 rpm = 12.7 Hz"
     )
     assert said(tmp_path) == ([], [])
 
@@ -218,7 +219,7 @@ def test_check_prints_one_line_for_each_frame() -> None:
     done = CliRunner().invoke(app, ["check", str(CASES / "empty-machine"), "--level", "draft"])
     lines = [line.strip() for line in done.output.splitlines() if " mm (amplitude)" in line]
     assert [line.split(":")[0] for line in lines] == ["frame driving", "frame driven"]
-    assert all(line.endswith("78.5 rad/s = 749.6 rpm = 12.5 Hz") for line in lines)
+    assert all("78.5 rad/s = 749.6 rpm = 12.5 Hz" in line for line in lines)
 
 
 def test_a_frame_that_tips_over_on_its_one_bushing_is_refused() -> None:
