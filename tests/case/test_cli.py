@@ -143,6 +143,7 @@ SMALL = "the deck is too small"  # for its feed, by handbooks
 ROLLING = "lone spheres "  # never reach a steady speed with the paper's rolling friction
 FLOWING = (  # coarse coal on a narrow slice
     "coal: ",
+    SMALL,
     MARGINS,
     ROLLING,  # at the levels of its base, whose bed is thin
     "the openings of panel deck-1 and 7 more are smaller than all particles",
