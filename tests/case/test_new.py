@@ -97,7 +97,7 @@ def test_the_case_itself_meets_the_closed_form_of_two_masses(template: str, tmp_
 @pytest.mark.solver
 def test_another_machine_has_its_own_stroke_and_a_draft_that_says_what_it_leaves_out(tmp_path: Path) -> None:
     """So many fine particles come here that the draft feeds only a part of them."""
-    answers = {"stroke": "4 mm", "speed": "850 rpm", "width": "1.2 m", "panels": "3"}
+    answers = {"stroke": "4 mm", "speed": "850 rpm", "width": "1.2 m", "panels": "15"}
     answers |= {"opening": "3 mm", "throughput": "100 t/h", "material": "iron ore"}
     proposal = propose(read_wishes("flip-flow", answers), "mine")
     assert mean_stroke_m(proposal.scene) == pytest.approx(0.004, rel=2e-3)
@@ -166,7 +166,7 @@ def test_the_impossible_is_refused_with_all_reasons(
 @pytest.mark.parametrize(
     ("option", "given", "others", "offered"),
     [
-        ("length", "0.3 m", {"opening": "2 mm"}, r"at least (\S+ m)"),
+        ("length", "0.3 m", {"opening": "2 mm", "throughput": "4 t/h"}, r"at least (\S+ m)"),
         ("stroke", "18 mm", {}, r"up to (\S+ mm)"),
         ("stroke", "19 mm", {"length": "1 m", "speed": "300 rpm"}, r"up to (\S+ mm)"),
         ("throughput", "974 t/h", {}, r"carries (\S+ t/h)"),
@@ -294,7 +294,7 @@ def test_the_inertia_of_long_and_wide_frames_is_that_of_a_body(length: str, widt
 
 @pytest.mark.solver
 @pytest.mark.parametrize(
-    ("panels", "length", "near"), [("1", "0.25 m", "+3%"), ("1", "0.2 m", "-10%"), ("2", "0.3 m", "+15%")]
+    ("panels", "length", "near"), [("1", "0.25 m", "+3%"), ("1", "0.2 m", "-11%"), ("2", "0.3 m", "+15%")]
 )
 def test_a_machine_near_resonance_is_called_doubtful(
     panels: str, length: str, near: str, tmp_path: Path
