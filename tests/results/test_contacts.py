@@ -66,7 +66,8 @@ def expected() -> float:
 
 def test_what_was_put_in_comes_out(told: dict[str, Any]) -> None:
     """Tolerances are three standard deviations by counting of some 10^4 contacts."""
-    along = told["along"]
+    along = {name: [row[name] for row in told["along"]] for name in told["along"][0]}
+    assert along["panel"] == [*NAMES]
     assert along["contacts_per_s"] == pytest.approx(CONTACTS_PER_S, rel=0.03)
     assert along["stay_s"] == pytest.approx(STAY_S, rel=1e-9)
     assert along["within_reach_percent"] == pytest.approx([100 * WITHIN] * 2, rel=1e-9)

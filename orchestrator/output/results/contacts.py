@@ -153,18 +153,21 @@ def contacts(
     passed = by_panel[:, PASSED].cumsum() / fine_kg
     elapsed_s = fines.stay_s.cumsum()
     fitted_per_s, rms = fit_rate(elapsed_s, passed)
+    along = {
+        "came_percent": 100.0 * fines.came_kg.sum(axis=0) / fine_kg,
+        "stay_s": fines.stay_s,
+        **figures(by_panel),
+        "passed_percent": 100.0 * passed,
+    }
     return {
         "particles": len(fines),
         "counted_percent": 100.0 * passed[-1],
         "rebuilt_percent": 100.0 * _rebuilt(fines, size, len(edges) - 1),
         **_whole_deck(events, fines),
-        "along": {
-            "panels": list(names),
-            "came_percent": 100.0 * fines.came_kg.sum(axis=0) / fine_kg,
-            "stay_s": fines.stay_s,
-            **figures(by_panel),
-            "passed_percent": 100.0 * passed,
-        },
+        "along": [
+            {"panel": name} | {key: float(values[place]) for key, values in along.items()}
+            for place, name in enumerate(names)
+        ],
         "fit": {
             "rate_per_s": fitted_per_s,
             "rms_percent": 100.0 * rms,
