@@ -36,6 +36,7 @@ class DeckContacts {
     width_ = line_.panels() ? kFirst + 3 * line_.panels() : 0;
     u_.resize(line_.points.size());
     z_.resize(line_.points.size());
+    cosine_.resize(line_.points.size());
     resize(particles);
   }
 
@@ -129,7 +130,9 @@ class DeckContacts {
 
   double *mutable_row(int i) { return rows_.data() + static_cast<size_t>(width_) * i; }
 
-  static bool is_counted(const double *row) { return std::fmod(row[kState], kTouched) > 0.0; }
+  static bool is_counted(const double *row) {
+    return row[kState] == kCounted || row[kState] == kCounted + kTouched;
+  }
 
   void count_contact(double *row, int panel) const {
     row[kLast] = panel;
@@ -143,6 +146,10 @@ class DeckContacts {
       u_[k] = farthest = std::max(farthest, dot(point, line_.along));  // where it folds, the upper part counts
       z_[k] = point.z;
     }
+    for (size_t k = 0; k + 1 < u_.size(); ++k) {
+      const double over = u_[k + 1] - u_[k];
+      cosine_[k] = over / std::max(std::hypot(over, z_[k + 1] - z_[k]), 1e-12);
+    }
   }
 
   // The same formula as `locate` in orchestrator/case/deck/line.py.
@@ -153,19 +160,18 @@ class DeckContacts {
     const long k = std::clamp(found, 0L, points - 2);
     const double over = u_[k + 1] - u_[k], climb = z_[k + 1] - z_[k];
     const double share = std::clamp((at - u_[k]) / std::max(over, 1e-12), 0.0, 1.0);
-    const double cosine = over / std::max(std::hypot(over, climb), 1e-12);
     const double station = line_.station_m[k] + share * (line_.station_m[k + 1] - line_.station_m[k]);
     const double across = dot(position_m, line_.across);
     const int panel = line_.panel[k];
     const double *open = &line_.open_m[4 * panel];
-    return {panel, (position_m.z - z_[k] - share * climb) * cosine, at >= u_.front() && at <= u_.back(),
+    return {panel, (position_m.z - z_[k] - share * climb) * cosine_[k], at >= u_.front() && at <= u_.back(),
             station >= open[0] && station <= open[1] && across >= open[2] && across <= open[3]};
   }
 
   DeckLine line_;
   int width_ = 0;
   std::vector<double> rows_;   // of all particles, one after the other
-  std::vector<double> u_, z_;  // of the line's points, now
+  std::vector<double> u_, z_, cosine_;  // of the line's points and the pieces behind them, now
 };
 
 }  // namespace flipflow
