@@ -70,6 +70,21 @@ class Engine:
     ) -> None:
         """Set the boxes (n, 3), (n, 3, 3), (n, 3) that take particles out, and the domain (2, 3)."""
 
+    def set_deck(
+        self,
+        *,
+        along: Array,
+        across: Array,
+        points: Ints,
+        panel: Ints,
+        station_m: Array,
+        open_m: Array,
+        reach_m: float,
+        on_deck: Ints,
+    ) -> None:
+        """Count contacts with a deck, from before the first particle: the fields of ``DeckPlan``, and of
+        each triangle (m,) whether it belongs to a panel."""
+
     def tally(self) -> Indices:
         """Return four numbers of particles of this rank: present ones, those of them whose place or velocity
         is not a number, those removed and those that went through the surface, until these are taken."""
@@ -77,7 +92,8 @@ class Engine:
     def take_removed(self) -> dict[str, npt.NDArray[Any]]:
         """Return those of this rank taken out during the last ``run``: x (at the end of the step), v
         (half a step before), omega (n, 3), radius, rmass, density, type, tag, exit (-1: left the
-        domain) and step of that run, from 1, (n,)."""
+        domain) and step of that run, from 1, (n,); and deck (n, 1 + 3 panels): the panel of the last contact,
+        or -1, then for each panel its contacts, then the seconds over each and those within reach of it."""
 
     def overlaps(self, *, position_m: Array, diameter_m: Array) -> list[bool]:
         """Tell which places overlap the surface, where it is now, or a particle of this rank."""

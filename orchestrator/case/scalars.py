@@ -247,6 +247,27 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
             1e-6,
             _of_the_whole_width(_at("results.screening.oversize_kg_per_s")),
         ),
+        "fines_stay": (
+            "time over the deck of the fines that go over its end / s",
+            1e-3,
+            _at("results.contacts.stay_s"),
+        ),
+        "contact_rate": (
+            "contacts of a fine particle with the open mat / (1/s)",
+            1e-2,
+            _at("results.contacts.contacts_per_s"),
+        ),
+        "within_reach": (
+            "time of the fines within reach of the mat / %",
+            1e-2,
+            _at("results.contacts.within_reach_percent"),
+        ),
+        "contact_chance": (
+            "chance of a fine particle to pass in a contact / %",
+            0.1,
+            _at("results.contacts.chance_percent"),
+        ),
+        "passing_rate": ("rate at which fines pass / (1/s)", 1e-3, _at("results.contacts.rate_per_s")),
         "velocity": ("speed of the bed along the deck / (m/s)", 1e-3, _at("results.bed.velocity_m_per_s")),
         "on_deck": (
             "mass on the deck, of the whole width / kg",
@@ -268,8 +289,8 @@ def value_at(summary: Summary, name: str) -> Value | None:
 
 def is_of_separation(name: str) -> bool:
     """Return whether a result describes how the screen separates the feed into its products."""
-    separated = ("efficiency", "recovery", "undersize", "oversize")
-    return name in separated or name.startswith("results.screening.")
+    separated = ("efficiency", "recovery", "undersize", "oversize", "passing_rate", "contact_chance")
+    return name in separated or name.startswith(("results.screening.", "results.contacts."))
 
 
 def is_peak(name: str) -> bool:
@@ -278,7 +299,10 @@ def is_peak(name: str) -> bool:
 
 
 _PARTS = {
-    "particles": ("material.", *(f"results.{table}." for table in ("screening", "transport", "bed", "held"))),
+    "particles": (
+        "material.",
+        *(f"results.{table}." for table in ("screening", "contacts", "transport", "bed", "held")),
+    ),
     "frames": ("results.motion.frames.", "results.motion.relative.", "results.power."),
     "panels": ("results.motion.panels.", "results.motion.panel_points.", "results.wear."),
 }

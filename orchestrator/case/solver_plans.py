@@ -34,6 +34,7 @@ from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import (
     BodyPlan,
     BushingPlan,
+    DeckPlan,
     DrivePlan,
     ExciterPlan,
     ExitPlan,
@@ -286,11 +287,16 @@ def meshes(case: Case) -> Iterator[str]:
 
 
 def particles_plan(
-    case: Case, surface: TriangleSurface, communicator: Any = None, folder: Path | None = None
+    case: Case,
+    surface: TriangleSurface,
+    communicator: Any = None,
+    folder: Path | None = None,
+    deck: DeckPlan | None = None,
 ) -> ParticlesPlan | None:
     """Return the plan for the particles' solver; None for a case without particles.
 
     ``surface`` is the surface that particles touch; ``material_numbers`` has numbered its materials.
+    ``deck`` is the deck whose contacts are counted, from ``case/deck/deck_plan.py``.
     """
     if not has_particles(case):
         return None
@@ -317,6 +323,7 @@ def particles_plan(
         sync_interval_s=case.coupling.sync_interval_s,
         feed=combine_feeds(case, numbers, particles),
         exits=exits(case),
+        deck=deck,
         periodic_y=period_m(case) > 0,
         communicator=communicator,
         folder=folder,

@@ -69,7 +69,7 @@ def _open_machine(
     surface, centres = opened_surface.triangle_surface(), opened_surface.centres()
     of_frames, points = frame_points(centres)
     # plans of the other solvers
-    plan_of_particles = particles_plan(case, surface, world, folder)
+    plan_of_particles = particles_plan(case, surface, world, folder, opened_surface.deck())
     if problems := _problems_at_rest(loaded, opened_surface, plan_of_particles):
         raise CaseError(problems)
     plan_of_frames = _plan_frames(case, surface_panel)

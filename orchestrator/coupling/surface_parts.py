@@ -16,6 +16,7 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array, identity
 
 from orchestrator.case import solvers
+from orchestrator.case.deck.deck_plan import deck_plan
 from orchestrator.case.deck.panels import SinglePanel, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
@@ -30,7 +31,7 @@ from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
 from orchestrator.ports.geometry import Edges, TriangleSurface
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
-from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.plans import DeckPlan, PanelPlan
 from orchestrator.ports.recording import RecordedGrid
 
 NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
@@ -267,6 +268,14 @@ class OpenSurface:
             edges=surface.start + part.edges.points,
             edge_length_m=part.edges.length_m,
         )
+
+    def deck(self) -> DeckPlan | None:
+        """Return the plan of the deck whose contacts with particles are counted; None without such a deck."""
+        lines = [
+            points.start + part.centre_line for part, points in zip(self.panels, self.surface, strict=False)
+        ]
+        drawn_m = [part.drawn_m[part.centre_line] for part in self.panels]
+        return deck_plan(self.case, self.together.initial().surface.position_m, lines, drawn_m)
 
     def penetrations(self) -> Penetrations:
         """Return the search for panels that penetrate a body of triangles.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.ports.interface_records import Array, Indices
 
@@ -69,6 +70,16 @@ class Removed:
         (n,) as in ``ParticleSnapshot``.
     exit
         (n,) the number of the exit that the particle was in, -1 for one that left the domain.
+    contacts
+        (n, panels of the plan's deck) the number of its contacts with the perforated part of each panel, in
+        the order of the deck; (n, 0) without one.  A contact is an episode: it begins with a touch, or
+        without one when the particle is through the mat, and is over at a sync point at which the gap below
+        the particle is a quarter of its diameter or more and nothing touched since the last one.
+    over_s, within_reach_s
+        (n, panels) the time over each panel, cross beam behind it included, from sync point to sync point,
+        and the part of it within reach of the mat.
+    last_panel
+        (n,) the panel of its last contact, -1 without one.
     """
 
     id: Indices
@@ -79,6 +90,10 @@ class Removed:
     density_kg_per_m3: Array
     material: Indices
     exit: Indices
+    contacts: npt.NDArray[np.int32]
+    over_s: npt.NDArray[np.float32]
+    within_reach_s: npt.NDArray[np.float32]
+    last_panel: Indices
 
 
 @dataclass(frozen=True)
@@ -162,11 +177,16 @@ class BedSnapshot(NamedTuple):
     overlaps: Overlaps
 
 
-def sort_removed(parts: Sequence[Removed]) -> Removed:
-    """Return the particles of several records (of none, too) in the order of time, then id."""
+def sort_removed(parts: Sequence[Removed], panels: int = 0) -> Removed:
+    """Return the particles of several records (of none, too) in the order of time, then id.
+
+    ``panels`` is the number of panels whose contacts are counted.
+    """
     nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)
-    places = np.empty((0, 3))
-    none = Removed(nobody, nothing, places, places, nothing, nothing, nobody, nobody)
+    places, by_panel = np.empty((0, 3)), np.empty((0, panels))
+    contacts, seconds = by_panel.astype(np.int32), by_panel.astype(np.float32)
+    told = (nobody, nothing, places, places, nothing, nothing, nobody, nobody)
+    none = Removed(*told, contacts=contacts, over_s=seconds, within_reach_s=seconds, last_panel=nobody)
     names = [part.name for part in fields(Removed)]
     joined = {name: np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names}
     order = np.lexsort((joined["id"], joined["time_s"]))

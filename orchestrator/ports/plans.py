@@ -351,6 +351,33 @@ class ExitPlan:
 
 
 @dataclass(frozen=True)
+class DeckPlan:
+    """A deck of panels one after the other, seen from the side, whose contacts with particles are counted.
+
+    ``along`` and ``across`` (3,) are horizontal unit vectors, the former in the direction of flow.
+    ``points`` (m,) are the numbers of the surface points of the panels' centre lines, in that direction;
+    ``panel`` (m,) is the place along the deck of each point's panel, from 0, and ``station_m`` (m,) its
+    distance along the deck in the panels' material.  ``open_m`` (panels, 4) bounds the perforated part of
+    each panel: lowest and highest station, then lowest and highest place across in the world; a panel without
+    openings has the highest below the lowest.  A particle is within reach of the deck while the gap below it
+    is less than ``reach_m``.
+    """
+
+    along: Array
+    across: Array
+    points: Indices
+    panel: Indices
+    station_m: Array
+    open_m: Array
+    reach_m: float
+
+    @property
+    def panels(self) -> int:
+        """The number of panels."""
+        return len(self.open_m)
+
+
+@dataclass(frozen=True)
 class Jkr:
     """The law of adhesion after Johnson, Kendall and Roberts: ``work_J_per_m2`` (k, k) by material.
 
@@ -382,6 +409,7 @@ class ParticlesPlan:
     communicator or None.
     With ``periodic_y`` everything repeats itself along y with the domain's width, which the
     surface spans; nothing leaves there.
+    ``deck``: the deck whose contacts with particles are counted; None counts nothing.
     """
 
     surface: TriangleSurface
@@ -401,9 +429,15 @@ class ParticlesPlan:
     predicts_load: bool = False
     feed: ParticleFeed | None = None
     exits: tuple[ExitPlan, ...] = ()
+    deck: DeckPlan | None = None
     periodic_y: bool = False
     communicator: Any = None
     folder: Path | None = None
+
+    @property
+    def counted_panels(self) -> int:
+        """The number of panels whose contacts are counted."""
+        return 0 if self.deck is None else self.deck.panels
 
 
 @dataclass(frozen=True)

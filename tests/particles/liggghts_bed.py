@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy.typing as npt
 
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan
+from orchestrator.ports.plans import DeckPlan, GrainMaterial, Jkr, ParticleList, ParticlesPlan
 from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, spheres, travel
 
 LINE_M = np.linspace(-0.05, 0.05, 26)
@@ -61,7 +62,8 @@ def bed_plan(layers: int = 4, **changes: Any) -> ParticlesPlan:
         "feed": Drizzle(),
         "step_s": 2.5e-6,
     }
-    return make_plan(SURFACE, bed(layers), **{**LAWS, **rest, **changes})
+    changes = {"surface": SURFACE, **LAWS, **rest, **changes}
+    return make_plan(changes.pop("surface"), bed(layers), **changes)
 
 
 # as wide as the sheet
@@ -74,6 +76,21 @@ WET = {"adhesion": Jkr(np.full((2, 2), 0.5), 1e-2), "step_s": 2e-6}
 
 # so soft that some go through the sheet
 SOFT = {"materials": (GrainMaterial("grain", 2e3, 0.3), GrainMaterial("panel", 2e3, 0.25))}
+
+
+def counted() -> dict[str, Any]:
+    """The sheet is one panel of a deck whose contacts are counted, but near its sides."""
+    line = np.flatnonzero(np.abs(SURFACE.position_m[:, 1] - 0.4 * LINE_M[13]) < 1e-9)
+    deck = DeckPlan(
+        *np.eye(3)[:2],
+        points=line,
+        panel=np.zeros(len(line), dtype=np.int64),
+        station_m=LINE_M - LINE_M[0],
+        open_m=np.array([[0.0, 0.1, -0.012, 0.012]]),
+        reach_m=3e-3,
+    )
+    panel = np.zeros(len(SURFACE.triangles), dtype=np.int64)
+    return {"surface": replace(SURFACE, panel=panel), "deck": deck}
 
 
 def wave(time_s: float) -> Motion:

@@ -20,7 +20,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays
 from tests.particles.contract import solver_adapter
-from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, cut_often, wave
+from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, counted, cut_often, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.saved_states import differences
 
@@ -95,7 +95,7 @@ def main() -> None:
     world: Any = MPI.COMM_WORLD
     found = resumed("liggghts", bed_plan(communicator=world), 60, 120)
     found += hesitating("liggghts", bed_plan(communicator=world), 120)
-    sticky = bed_plan(communicator=world, exits=(OPEN_END,), **PERIODIC, **WET)
+    sticky = bed_plan(communicator=world, exits=(OPEN_END,), **PERIODIC, **WET, **counted())
     found += hesitating("liggghts", sticky, 60)
     cut_often()  # where the box is cut belongs to the state
     found += resumed("liggghts", bed_plan(communicator=world), 50, 90)

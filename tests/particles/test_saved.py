@@ -14,7 +14,7 @@ import pytest
 
 from orchestrator.ports.clock import Interval
 from tests.particles.contract import solver_adapter
-from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
+from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, counted, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.particles.restored_bed import OPEN_END, astray, fed, hesitating, resumed
 from tests.reference import spheres
@@ -29,8 +29,9 @@ CHANGES: dict[str, dict[str, Any]] = {
     "cdt": {"rolling": "cdt"},
     "exit": {"exits": (OPEN_END,)},
     "wearing": WEARING,
+    "counted": {"exits": (OPEN_END,), **counted()},
 }
-OF_SPHERES = {name: CHANGES[name] for name in ("dry", "wet", "cdt", "exit", "wearing")}
+OF_SPHERES = {name: CHANGES[name] for name in ("dry", "wet", "cdt", "wearing", "counted")}
 
 
 @pytest.mark.solver

@@ -21,7 +21,7 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 from scipy.fft import dct, dst
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 from scipy.spatial.transform import Rotation
 from scipy.stats import norm as normal
 from scipy.stats import t as student
@@ -494,6 +494,85 @@ class Recomputed:
             "oversize_percent": 100 * over_kg / all_kg,
             "d50_m": self.estimate(lambda s: size_at(0.5, s), columns),
             "ep_m": self.estimate(lambda s: (size_at(0.75, s) - size_at(0.25, s)) / 2, columns),
+        }
+
+    def contacts(self) -> dict[str, Any]:
+        """Stay, contacts, reach and chance of the fines, from the records of those that left."""
+        left, (panel,) = self.removed, self.case["screen"]["panels"].values()
+        rows = (left["exit"] != LOST) & (left["diameter_m"] < self.cut_m) & self.within(left["time_s"])
+        d, kg, time_s, last = (left[name][rows] for name in ("diameter_m", "kg", "time_s", "last_panel"))
+        hits, over_s, near_s = (
+            left[name][rows].astype(float) for name in ("contacts", "over_s", "within_reach_s")
+        )
+        panels, holes = hits.shape[1], panel["apertures"]
+        gaudin = (holes["length_m"] - d) * (holes["width_m"] - d)
+        gaudin /= holes["pitch_along_m"] * holes["pitch_across_m"]
+        passed = np.array([(last == k) & self.product("undersize")[rows] for k in range(panels)]).T
+        farthest = np.array(
+            [max(np.flatnonzero(s + h), default=-1) for s, h in zip(over_s, hits, strict=True)]
+        )
+        went_on = (np.arange(panels) <= farthest[:, None]) & ~passed
+
+        def told(s: Array) -> dict[str, float]:
+            over, contacts, near, through, chances = s
+            shares = {
+                "within_reach": near / over,
+                "chance": through / contacts,
+                "geometric": chances / contacts,
+            }
+            rates = {"contacts_per_s": contacts / over, "rate_per_s": through / over}
+            return rates | {f"{name}_percent": 100 * share for name, share in shares.items()}
+
+        columns = [(kg * each.T).T for each in (over_s, hits, near_s, passed, hits * gaudin[:, None])]
+        stay_s = [np.average(over_s[on, k], weights=kg[on]) for k, on in enumerate(went_on.T)]
+        along = [
+            {
+                "panel": f"deck-{k + 1}",
+                "stay_s": stay_s[k],
+                **told(np.array([c[:, k].sum() for c in columns])),
+            }
+            | {"came_percent": 100 * kg[farthest >= k].sum() / kg.sum()}
+            | {"passed_percent": 100 * columns[3][:, : k + 1].sum() / kg.sum()}
+            for k in range(panels)
+        ]
+        edges = np.exp(np.linspace(np.log(d.min()) - 1e-9, np.log(d.max()) + 1e-9, 13))
+        number_in = np.histogram(d, edges)[0]
+        assert (number_in >= 10).all(), "or classes would be joined"
+        size = np.clip(np.digitize(d, edges) - 1, 0, 11)
+        of_size = [told(np.array([c[size == k].sum() for c in columns])) for k in range(12)]
+        sizes = {name: np.array([one[name] for one in of_size]) for name in of_size[0]}
+        hits_each = sum(row["contacts_per_s"] * row["stay_s"] for row in along)
+        left_kg = np.bincount(size, kg) * np.exp(-sizes["chance_percent"] / 100 * hits_each)
+        over_end = ~passed.any(axis=1)
+        whole = [self.by_cycle(time_s, c.sum(axis=1)) for c in columns]
+        whole += [self.by_cycle(time_s, w * over_end) for w in (kg * over_s.sum(axis=1), kg)]
+        table = self.of_window(*whole)
+        elapsed_s, shares = np.cumsum(stay_s), np.array([row["passed_percent"] for row in along]) / 100
+        found = minimize_scalar(
+            lambda k: np.sum((1 - np.exp(-k * elapsed_s) - shares) ** 2),
+            bounds=(0.0, 100.0),
+            method="bounded",
+            options={"xatol": 1e-12},
+        )
+        curve = 1 - np.exp(-found.x * elapsed_s)
+        return {
+            "particles": int(rows.sum()),
+            "counted_percent": 100 * columns[3].sum() / kg.sum(),
+            "rebuilt_percent": 100 * (1 - left_kg.sum() / kg.sum()),
+            **{name: self.estimate(lambda s, of=name: told(s[:5])[of], table) for name in of_size[0]},
+            "stay_s": self.estimate(lambda s: s[5] / s[6], table),
+            "along": along,
+            "fit": {
+                "rate_per_s": found.x,
+                "rms_percent": 100 * np.sqrt(np.mean((curve - shares) ** 2)),
+                "time_s": elapsed_s,
+                "passed_percent": 100 * curve,
+            },
+            "sizes": {
+                "mean_m": np.bincount(size, d) / number_in,
+                "particles": number_in.astype(float),
+                **sizes,
+            },
         }
 
     def whole_feed(self) -> dict[str, Any]:
@@ -1196,6 +1275,7 @@ class Recomputed:
             "slice_width_m": None,
             "steady": self.steady(),
             "screening": self.screening() | {"whole_feed": self.whole_feed()},
+            "contacts": self.contacts(),
             "transport": self.transport(),
             "bed": self.bed(),
             "held": self.held(),

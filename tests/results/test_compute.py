@@ -84,6 +84,7 @@ def test_the_manual_knows_every_key(found: dict[str, Any]) -> None:
     assert set(found["screening"]) == documented("### `results.screening`") - of_transients
     assert set(found["bed"]) - {"profile"} <= documented("### `results`", 2)
     assert set(found) == documented("### `results`")
+    assert set(found["contacts"]) == documented("### `results.contacts`")
 
 
 def test_flows(found: dict[str, Any]) -> None:
@@ -93,6 +94,20 @@ def test_flows(found: dict[str, Any]) -> None:
     assert value(screening["oversize_kg_per_s"]) == pytest.approx(OUT_KG[2].sum() / CYCLE_S)
     assert value(screening["hold_up_kg"]) == pytest.approx(FILLED * OUT_KG.sum())
     assert screening["lost_particles"] == 0
+
+
+def test_contacts(found: dict[str, Any]) -> None:
+    """Each fine grain touches the first panel once in half a second; who goes on, the second one twice
+    in a quarter."""
+    first, second = found["contacts"]["along"]
+    assert (first["contacts_per_s"], second["contacts_per_s"]) == pytest.approx((2.0, 8.0))
+    assert (first["stay_s"], second["stay_s"]) == pytest.approx((0.5, 0.25))
+    assert (first["within_reach_percent"], second["within_reach_percent"]) == pytest.approx((10.0, 10.0))
+    fines = OUT_KG[:, FINE].sum(axis=1)
+    assert first["chance_percent"] == pytest.approx(100 * fines[0] / fines.sum())
+    assert second["chance_percent"] == pytest.approx(100 * fines[1] / fines[1:].sum() / 2)
+    assert first["passed_percent"] == pytest.approx(100 * fines[0] / fines.sum())
+    assert found["contacts"]["counted_percent"] == pytest.approx(100 * fines[:2].sum() / fines.sum())
 
 
 def test_separation(found: dict[str, Any]) -> None:

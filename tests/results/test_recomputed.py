@@ -41,12 +41,24 @@ def again(folder: Path) -> Recomputed:
 @pytest.mark.slow
 @pytest.mark.parametrize("table", ["results", "probes"])
 def test_every_figure_is_found_again(folder: Path, again: Recomputed, table: str) -> None:
-    """Tolerance: rounding; partition curves are fitted by another method, which stops at 1e-5."""
+    """Tolerance: rounding; partition curves and the rate are fitted by other methods, which stop at 1e-5."""
     theirs = summary(folder)[table]
     ours = again.results() if table == "results" else again.probes()
     fits = [each.get("screening", {}).pop("whole_feed", {}) for each in (ours, theirs)]
     assert differences(*fits, tolerance=1e-4) == []
+    rates = [each.get("contacts", {}).pop("fit", {}) for each in (ours, theirs)]
+    assert differences(*rates, tolerance=1e-5) == []
     assert differences(ours, theirs, tolerance=1e-9) == []
+
+
+@pytest.mark.process
+@pytest.mark.slow
+def test_what_passes_is_rebuilt_from_stay_contacts_and_chance(folder: Path) -> None:
+    """Within two points of what was counted, the fine placement: nothing passes without contact."""
+    results = summary(folder)["results"]
+    why, placement = results["contacts"], results["screening"]["fine_placement_percent"]["value"]
+    assert why["counted_percent"] == pytest.approx(placement, abs=1e-9)
+    assert why["rebuilt_percent"] == pytest.approx(placement, abs=2.0)
 
 
 @pytest.mark.process

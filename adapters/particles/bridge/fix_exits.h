@@ -13,6 +13,7 @@
 #include "update.h"
 
 #include "../../vec3.h"
+#include "deck_contacts.h"
 #include "surface_path.h"
 #include "triangle.h"
 
@@ -57,18 +58,20 @@ class FixExits : public LAMMPS_NS::Fix {
     double velocity_behind;  // half a step inside of a run, none between two runs
     Vec3 position_m, velocity_m_per_s, spin_rad_per_s;
     double radius_m, density_kg_per_m3, mass_kg;
+    std::vector<double> deck;  // its row of DeckContacts
   };
 
   FixExits(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
 
   // The normals of the `deck`, triangles of the `surface`, point to its upper side.
   void set(std::vector<Box> exits, Vec3 low_m, Vec3 high_m, std::vector<Triangle> deck,
-           const SurfacePath &surface) {
+           const SurfacePath &surface, DeckContacts &contacts) {
     exits_ = std::move(exits);
     low_ = low_m;
     high_ = high_m;
     deck_ = std::move(deck);
     surface_ = &surface;
+    contacts_ = &contacts;
   }
 
   // What else is to be done before particles go to other ranks.
@@ -100,9 +103,12 @@ class FixExits : public LAMMPS_NS::Fix {
       const Vec3 place = from(atom->x[i]);
       const int exit = exit_of(place);
       if (exit == kStays) continue;
+      if (exit != kLost && exits_[exit].below_deck) contacts_->passes(*surface_, i, place);
+      const double *deck = contacts_->row(i);
       removed_.push_back({atom->tag[i], atom->type[i], exit, update->ntimestep, velocity_behind, place,
                           from(atom->v[i]), from(atom->omega[i]), atom->radius[i],
-                          atom->density[i], atom->rmass[i]});
+                          atom->density[i], atom->rmass[i],
+                          std::vector<double>(deck, deck + contacts_->width())});
       remove(i);
     }
     long gone = static_cast<long>(removed_.size() - before);
@@ -165,6 +171,7 @@ class FixExits : public LAMMPS_NS::Fix {
   std::vector<Box> exits_;
   std::vector<Triangle> deck_;
   const SurfacePath *surface_ = nullptr;
+  DeckContacts *contacts_ = nullptr;
   std::vector<DeckInExit> in_exit_;  // of each exit, found anew each time that particles are taken out
   Vec3 low_{}, high_{};
   std::vector<Removed> removed_;

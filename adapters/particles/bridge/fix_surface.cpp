@@ -96,6 +96,12 @@ void FixSurface::set_wear(Wear wear) {
   touch_all_ = [this] { touch_all(wear_); };
 }
 
+void FixSurface::set_deck(DeckLine line, std::vector<char> on_deck) {
+  deck_contacts_.set(std::move(line), atom->nmax);
+  on_deck_ = std::move(on_deck);
+  comm->maxexchange_fix += deck_contacts_.width();
+}
+
 void FixSurface::begin_path(const double *start_m, const double *start_m_per_s, const double *end_m,
                             const double *end_m_per_s, double length_s, int steps) {
   load_.jump(surface_, start_m);
@@ -108,6 +114,7 @@ void FixSurface::save(SavedState &saved) const {
   saved.reals["surface_m"] = surface_.positions();
   search_.save(saved);
   history_.save(atom->nlocal, saved);
+  deck_contacts_.save(atom->nlocal, saved);
   load_.save(saved);
   tangent_.save(saved);
   wear_.save(saved);
@@ -120,6 +127,7 @@ void FixSurface::restore(const SavedState &saved) {
   surface_.place(saved.real("surface_m"));
   search_.restore(saved);
   history_.restore(saved);
+  deck_contacts_.restore(saved);
   load_.restore(saved);
   tangent_.restore(saved);
   wear_.restore(saved);
@@ -148,6 +156,8 @@ void FixSurface::begin_sums(double step_s) {
 void FixSurface::end_sums(double step_s) {
   load_.end(step_s);
   mass_moment_time_ = mass_moment_time_ - 0.5 * step_s * mass_moment_;
+  const double length_s = step_s * static_cast<double>(last_step_ - first_step_);
+  deck_contacts_.observe(surface_, atom->x, atom->radius, atom->nlocal, length_s);
 }
 
 void FixSurface::post_integrate() {
@@ -319,6 +329,7 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   load_.add(surface_, corner, on_corners, step);
   deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
+    if (!on_deck_.empty() && on_deck_[touch.triangle] && !update->setupflag) deck_contacts_.touched(i);
     if (tangent_wanted_now_) add_tangent(touch, contact, history, unshared, turned);
     worn.after(before, contact, history, corner, w, touch.weight, step);
     if (last_evaluation_)

@@ -13,6 +13,7 @@
 #include "contact_history.h"
 #include "contact_tangent.h"
 #include "contact_search.h"
+#include "deck_contacts.h"
 #include "deepest_overlap.h"
 #include "jkr.h"
 #include "surface_load.h"
@@ -37,6 +38,10 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
                    double largest_radius_m);
   void set_laws(const ContactLaws &laws) { laws_ = laws; }
   void set_wear(Wear wear);
+
+  // Counts contacts with a deck; `on_deck` tells of each triangle whether it belongs to a panel.
+  void set_deck(DeckLine line, std::vector<char> on_deck);
+  DeckContacts &deck_contacts() { return deck_contacts_; }
 
   // The surface goes on after `period_m` along y (see ContactSearch).
   void repeat(double period_m, std::vector<Triangle> joined) {
@@ -92,11 +97,26 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   int max_type() override;
   double max_rad(int) override { return largest_radius_; }
 
-  void grow_arrays(int most) override { history_.resize(most); }
-  void copy_arrays(int from, int to, int) override { history_.copy(from, to); }
-  void set_arrays(int i) override { history_.forget(i); }
-  int pack_exchange(int i, double *buffer) override { return history_.pack(i, buffer); }
-  int unpack_exchange(int i, double *buffer) override { return history_.unpack(i, buffer); }
+  void grow_arrays(int most) override {
+    history_.resize(most);
+    deck_contacts_.resize(most);
+  }
+  void copy_arrays(int from, int to, int) override {
+    history_.copy(from, to);
+    deck_contacts_.copy(from, to);
+  }
+  void set_arrays(int i) override {
+    history_.forget(i);
+    deck_contacts_.forget(i);
+  }
+  int pack_exchange(int i, double *buffer) override {
+    const int used = history_.pack(i, buffer);
+    return used + deck_contacts_.pack(i, buffer + used);
+  }
+  int unpack_exchange(int i, double *buffer) override {
+    const int used = history_.unpack(i, buffer);
+    return used + deck_contacts_.unpack(i, buffer + used);
+  }
 
  private:
   void search();
@@ -126,6 +146,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   ContactSearch search_;
   std::vector<Touch> touches_;
   ContactHistory history_;
+  DeckContacts deck_contacts_;
+  std::vector<char> on_deck_;  // of each triangle; empty: nothing is counted
   SurfaceLoad load_;
   ContactTangent tangent_;
   Wear wear_;

@@ -151,7 +151,29 @@ void set_exits(Engine &engine, const Doubles &center_m, const Doubles &axes, con
   }
   engine.exits().set(std::move(boxes), flipflow::from(domain_m.data()),
                      flipflow::from(domain_m.data() + 3),
-                     corners_of("deck", deck, engine.surface().points()), engine.surface().path());
+                     corners_of("deck", deck, engine.surface().points()), engine.surface().path(),
+                     engine.surface().deck_contacts());
+}
+
+void set_deck(Engine &engine, const Doubles &along, const Doubles &across, const Ints &points,
+              const Ints &panel, const Doubles &station_m, const Doubles &open_m, double reach_m,
+              const Ints &on_deck) {
+  check_shape("along", along, {3});
+  check_shape("across", across, {3});
+  check_shape("points", points, {kAny});
+  check_shape("panel", panel, {points.size()});
+  check_shape("station_m", station_m, {points.size()});
+  check_shape("open_m", open_m, {kAny, 4});
+  flipflow::DeckLine line = {flipflow::from(along.data()), flipflow::from(across.data()), values_of(points),
+                             values_of(panel), values_of(station_m), values_of(open_m), reach_m};
+  if (line.points.size() < 2) throw py::value_error("points: the line of a deck has two or more");
+  for (const int point : line.points)
+    if (point < 0 || point >= engine.surface().points())
+      throw py::value_error("points: the deck names a point that is not there");
+  for (const int number : line.panel)
+    if (number < 0 || number >= line.panels())
+      throw py::value_error("panel: the deck names a panel that is not there");
+  engine.surface().set_deck(std::move(line), {on_deck.data(), on_deck.data() + on_deck.size()});
 }
 
 // One value, or three, of each row.
@@ -182,9 +204,22 @@ Doubles column3(const std::vector<Row> &rows, Get get) {
   return array;
 }
 
+// What was counted of each particle (DeckContacts): the panel of its last contact, then a block of each panel's
+// contacts, one of its seconds over each panel and one of those within reach.
+Doubles deck_rows(const std::vector<flipflow::FixExits::Removed> &rows, int panels) {
+  Doubles array({static_cast<py::ssize_t>(rows.size()), static_cast<py::ssize_t>(1 + 3 * panels)});
+  for (size_t i = 0; i < rows.size(); ++i) {
+    array.mutable_at(i, 0) = panels ? rows[i].deck[flipflow::DeckContacts::kLast] : -1.0;
+    for (int k = 0; k < 3 * panels; ++k)
+      array.mutable_at(i, 1 + k) = rows[i].deck[flipflow::DeckContacts::kFirst + k];
+  }
+  return array;
+}
+
 py::dict take_removed(Engine &engine) {
   using Row = flipflow::FixExits::Removed;
   const auto rows = engine.exits().take();
+  const int panels = engine.surface().deck_contacts().panels();
   const auto before = engine.surface().first_step();
   return py::dict("x"_a = column3(rows, [](const Row &r) { return r.position_m; }),
                   "v"_a = column3(rows, [](const Row &r) { return r.velocity_m_per_s; }),
@@ -194,6 +229,7 @@ py::dict take_removed(Engine &engine) {
                   "density"_a = column<double>(rows, [](const Row &r) { return r.density_kg_per_m3; }),
                   "type"_a = column<int>(rows, [](const Row &r) { return r.type; }),
                   "tag"_a = column<int>(rows, [](const Row &r) { return r.tag; }),
+                  "deck"_a = deck_rows(rows, panels),
                   "exit"_a = column<int>(rows, [](const Row &r) { return r.exit; }),
                   "velocity_behind"_a = column<double>(rows, [](const Row &r) { return r.velocity_behind; }),
                   "step"_a = column<int>(rows, [=](const Row &r) { return r.step - before; }));
@@ -337,6 +373,8 @@ PYBIND11_MODULE(_liggghts, module) {
            exactly("joined_triangles"))
       .def("set_exits", &set_exits, by_keyword, exactly("center_m"), exactly("axes"),
            exactly("half_m"), exactly("domain_m"), exactly("below_deck"), exactly("deck"))
+      .def("set_deck", &set_deck, by_keyword, exactly("along"), exactly("across"), exactly("points"),
+           exactly("panel"), exactly("station_m"), exactly("open_m"), py::arg("reach_m"), exactly("on_deck"))
       .def("tally", &tally)
       .def("take_removed", &take_removed)
       .def("overlaps", &overlaps, by_keyword, exactly("position_m"), exactly("diameter_m"))

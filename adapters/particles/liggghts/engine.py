@@ -23,7 +23,7 @@ from adapters.particles.liggghts.input import (
 from orchestrator.ports import Array, HermitePath, Indices
 from orchestrator.ports.decomposition import Grid
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan, Sjkr
+from orchestrator.ports.plans import DeckPlan, GrainMaterial, Jkr, ParticleList, ParticlesPlan, Sjkr
 
 SAME_PLACE = 1e-6  # of the period: points closer than this, one period on, are joined
 
@@ -69,7 +69,23 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         below_deck=ints([exit.product == "undersize" for exit in plan.exits]),
         deck=ints(deck),
     )
+    if plan.deck is not None:
+        _count_contacts(engine, plan.deck, surface)
     return engine
+
+
+def _count_contacts(engine: Engine, deck: DeckPlan, surface: TriangleSurface) -> None:
+    assert surface.panel is not None, "a deck has panels"
+    engine.set_deck(
+        along=floats(deck.along),
+        across=floats(deck.across),
+        points=ints(deck.points),
+        panel=ints(deck.panel),
+        station_m=floats(deck.station_m),
+        open_m=floats(deck.open_m),
+        reach_m=deck.reach_m,
+        on_deck=ints(surface.panel >= 0),
+    )
 
 
 def parts(engine: Engine) -> Grid:

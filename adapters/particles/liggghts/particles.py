@@ -143,7 +143,7 @@ class Liggghts:
     def removed(self) -> Removed:
         mine, self._removed = self._removed, []
         ranks = self._comm.gather(mine)
-        return sort_removed([part for rank in ranks or [] for part in rank])
+        return sort_removed([part for rank in ranks or [] for part in rank], self._plan.counted_panels)
 
     def overlaps(self) -> Overlaps:
         self._prepare()
@@ -182,7 +182,7 @@ class Liggghts:
             "created": np.array(self._created),
             "deepest": as_arrays(self._deepest_of_rank()),
             "crossings": as_arrays(self._crossings),
-            "removed": as_arrays(sort_removed(self._removed)),
+            "removed": as_arrays(sort_removed(self._removed, self._plan.counted_panels)),
         }
 
     def restore(self, saved: Saved) -> None:
@@ -192,7 +192,7 @@ class Liggghts:
         self._engine.take_deepest_overlaps()  # of what was evaluated to get back there
         self._deepest = like(Overlaps(), saved["deepest"])
         self._crossings = like(Crossings.none(), saved["crossings"])
-        self._removed = [like(sort_removed([]), saved["removed"])]
+        self._removed = [like(sort_removed([], self._plan.counted_panels), saved["removed"])]
         self._unprepared = False
 
     def close(self) -> None:
@@ -250,6 +250,7 @@ class Liggghts:
         mine["v"] += np.outer(filled_s, self._plan.gravity_m_per_s2)
         self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], filled_s)
         if len(mine["tag"]):
+            contacts, over_s, within_reach_s = np.split(mine["deck"][:, 1:], 3, axis=1)
             record = Removed(
                 id=mine["tag"].astype(np.int64),
                 time_s=interval.start_s + step_s * mine["step"],
@@ -259,6 +260,10 @@ class Liggghts:
                 density_kg_per_m3=mine["density"],
                 material=mine["type"].astype(np.int64) - 1,
                 exit=mine["exit"].astype(np.int64),
+                contacts=contacts.astype(np.int32),
+                over_s=over_s.astype(np.float32),
+                within_reach_s=within_reach_s.astype(np.float32),
+                last_panel=mine["deck"][:, 0].astype(np.int64),
             )
             self._removed.append(record)
 

@@ -123,7 +123,7 @@ class Column:
 
 
 ROWS_IN_MEMORY = 500
-HISTORY_FORMAT = 3
+HISTORY_FORMAT = 4
 """The version of the file's format, in its attribute ``format_version``.  Raise it with every change of
 a group's columns or of their meaning (docs/run-folder.md, "history.h5").  The oldest files have none."""
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -141,7 +141,10 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "shapes": ("position_m", "velocity_m_per_s"),
     "panels": ("centre_line_m",),
     "fed": ("id", "diameter_m", "density_kg_per_m3", "material"),
-    "removed": ("id", "position_m", "velocity_m_per_s", "diameter_m", "density_kg_per_m3", "exit"),
+    "removed": (
+        *("id", "position_m", "velocity_m_per_s", "diameter_m", "density_kg_per_m3", "exit"),
+        *("contacts", "over_s", "within_reach_s", "last_panel"),
+    ),
     "feeds": ("due_kg", "fed_kg"),
     "bed": ("particles", "mass_kg", "mean_speed_m_per_s", "mean_velocity_m_per_s", "highest_m"),
     "overlaps": ("between_m", "between_per_diameter", "surface_m", "surface_per_diameter"),

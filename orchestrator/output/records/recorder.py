@@ -116,6 +116,9 @@ class Recorder:
         if machine.wearing is not None:
             self._wear = WearRecord(machine.surface, machine.panels, rectangles)
         deck = deck_line([start.panel.surface.position_m[line] for line in lines])
+        if deck is not None and machine.material is not None:
+            along_deck = [machine.panels[number].name for number, _ in deck.panels]
+            self._history.describe("removed", "panels", along_deck)
         self._deck = DeckRecord(deck, lines, cycle_s(case), openings_m(case)) if deck else None
         if self._deck is not None:
             self._parts["held"] = self._deck.retained

@@ -271,6 +271,34 @@ def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
     return values, [e["half_width"] or 0.0 for e in estimates]
 
 
+def draw_contacts(why: dict[str, Any]) -> Any:
+    """Draw the chance of a contact by size beside the geometric one, and what has passed along the deck.
+
+    The share of the fines that has passed at each panel's end is drawn over the time that those which went on
+    spent over the deck up to there, with the curve of one rate.
+    """
+    fig, ((chances, course),) = figure(1, 2, WIDE, 3.4)
+    sizes, fit = why["sizes"], why["fit"]
+    mean_mm = 1e3 * np.array(sizes["mean_m"], float)
+    for key, style, label in (
+        ("chance_percent", "o-", "counted: passed over contacts"),
+        ("geometric_percent", "--", "geometric: straight down, untouched"),
+    ):
+        chances.plot(mean_mm, np.array(sizes[key], float), style, ms=4, label=label)
+    chances.set(title="chance of a contact", xlabel="diameter / mm", ylabel="%")
+    course.plot(
+        fit["time_s"], [row["passed_percent"] for row in why["along"]], "o", label="up to each panel's end"
+    )
+    time_s = np.linspace(0.0, fit["time_s"][-1], 50)
+    label = f"1 − exp(−k t), k = {fit['rate_per_s']:.2g} 1/s"
+    course.plot(time_s, -100.0 * np.expm1(-fit["rate_per_s"] * time_s), label=label)
+    course.set(title="fines that have passed", xlabel="time over the deck / s", ylabel="%")
+    for axes in (chances, course):
+        axes.set_ylim(bottom=0)
+        axes.legend(loc="upper left", bbox_to_anchor=(0, -0.2))
+    return fig
+
+
 def draw_along_deck(results: dict[str, Any]) -> Any:
     """Draw the bed's height, velocity, mass and, if it was counted, the passing rate along the deck.
 
@@ -351,6 +379,8 @@ def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
             yield "partition", draw_partition(screening)
         if screening["sections"]:
             yield "sections", draw_sections(screening)
+    if "contacts" in results:
+        yield "contacts", draw_contacts(results["contacts"])
     if "bed" in results:
         yield "along", draw_along_deck(results)
     if "course" in results:

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from orchestrator.output.results.events import Events, EventTable, SteadyState
+from orchestrator.output.results.events import Events, SteadyState
 
 MOST_REMAINING = 0.01
 """Largest share of a cohort's mass that is still in the machine."""
@@ -63,11 +62,11 @@ def cohort(events: Events) -> Cohort | None:
     if until_s is None:
         return None
     early = (events.fed.time_s > 0) & (events.fed.time_s <= until_s)
-    fed = _rows(events.fed, early)
+    fed = events.fed.part(early)
     inside, came_kg = ~np.isin(fed.id, events.removed.id), events.came_kg[early]
     return Cohort(
         fed,
-        _rows(events.removed, np.isin(events.removed.id, fed.id)),
+        events.removed.part(np.isin(events.removed.id, fed.id)),
         events.exits,
         events.edges_s,
         listed=events.listed,
@@ -75,9 +74,3 @@ def cohort(events: Events) -> Cohort | None:
         remaining=float(came_kg[inside].sum() / came_kg.sum()),
         state=events.steady,
     )
-
-
-def _rows(table: EventTable, mask: Any) -> EventTable:
-    """Return the rows of a table that a mask chooses."""
-    columns = vars(table).items()
-    return EventTable(**{name: column[mask] if len(column) else column for name, column in columns})

@@ -29,7 +29,8 @@ EQUAL = 1e-12  # results with a smaller relative difference are the same
 MISSING = "–"
 CUT = "screening.cut_size_m"
 OF_THE_CUT = re.compile(
-    r"(computed_)?efficiency|recovery"
+    r"(computed_)?efficiency|recovery|fines_stay|contact_rate|within_reach|contact_chance|passing_rate"
+    r"|contacts\..*"
     r"|screening\.(fine_particles|whole_feed\..*|.*(efficiency|placement|misplaced|fines_in_oversize|recovered)_percent)"
 )
 """Names of results that count what is finer or coarser than the cut."""

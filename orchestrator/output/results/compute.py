@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.openings import open_share, openings_m, smaller_sides_m
+from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.scalars import COHORT, WHOLE_FEED
 from orchestrator.case.tables.case import has_particles
 from orchestrator.case.tables.frames import Bushing
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
 from orchestrator.output.results.cohort import FEWEST, cohort
+from orchestrator.output.results.contacts import contacts
 from orchestrator.output.results.course import course
 from orchestrator.output.results.estimate import Estimate, IntervalOf, chance, remaining_drift, unknown
 from orchestrator.output.results.events import BATCH, Events, read_events
@@ -136,6 +138,7 @@ def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any])
             missing["efficiency"] = NO_CUT if one_cut else SEVERAL_CUTS
         elif early is not None:
             _add_whole_feed(run, early, cut_m, table)
+            _add_contacts(run, early, cut_m, table)
         if not table["screening"]["particles"]:
             missing["products"] = "no particle left through an exit"
 
@@ -183,6 +186,18 @@ def _add_whole_feed(run: RunReader, events: Events, cut_m: float, table: dict[st
         table["missing"][WHOLE_FEED] = completed
     else:
         table["screening"]["whole_feed"] = completed
+
+
+def _add_contacts(run: RunReader, events: Events, cut_m: float, table: dict[str, Any]) -> None:
+    """Add why so much of the fines passes, where the contacts with a deck were counted."""
+    names, panels = run.counted_panels, {panel.name: panel for panel in single_panels(run.case)}
+    if not names:
+        return
+    told = contacts(events, cut_m, names, [panels[name].apertures for name in names])
+    if isinstance(told, str):
+        table["missing"]["contacts"] = told
+    else:
+        table["contacts"] = told
 
 
 def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:

@@ -43,7 +43,9 @@ CHANCE = 2 * 2**0.5  # times the scatter of the hold-up: two standard deviations
 class EventTable:
     """Particles that came or left, in arrays (n,); particles that are present at t = 0 came at time 0.
 
-    Only particles that left have ``position_m`` (n, 3) and ``exit``, the exit's number or ``LOST`` = -1.
+    Only particles that left have ``position_m`` (n, 3), ``exit``, the exit's number or ``LOST`` = -1, and
+    what was counted of them, by panels in the order of the deck: ``contacts``, ``over_s`` and
+    ``within_reach_s`` (n, panels), and ``last_panel`` (n,), that of the last contact (``ports.Removed``).
     """
 
     id: Indices
@@ -52,6 +54,16 @@ class EventTable:
     mass_kg: Array
     position_m: Array = field(default_factory=lambda: np.empty((0, 3)))
     exit: Indices = field(default_factory=lambda: np.empty(0, dtype=int))
+    contacts: Indices = field(default_factory=lambda: np.empty((0, 0), dtype=int))
+    over_s: Array = field(default_factory=lambda: np.empty((0, 0)))
+    within_reach_s: Array = field(default_factory=lambda: np.empty((0, 0)))
+    last_panel: Indices = field(default_factory=lambda: np.empty(0, dtype=int))
+
+    def part(self, rows: Any) -> EventTable:
+        """Return the particles that a mask (n,) chooses."""
+        return EventTable(
+            **{name: column[rows] if len(column) else column for name, column in vars(self).items()}
+        )
 
 
 @dataclass(frozen=True)
@@ -76,7 +88,9 @@ def read_events(history: Any) -> tuple[EventTable, EventTable, Exits] | None:
     removed = history["removed"]
     exits = Exits(*(tuple(map(str, removed.attrs[key])) for key in ("names", "products")))
     ways = removed["position_m"][:], removed["exit"][:].astype(int)
-    return EventTable(*_particles(history["fed"])), EventTable(*_particles(removed), *ways), exits
+    kinds = {"contacts": int, "over_s": float, "within_reach_s": float, "last_panel": int}
+    counted = (removed[name][:].astype(kind) for name, kind in kinds.items())
+    return EventTable(*_particles(history["fed"])), EventTable(*_particles(removed), *ways, *counted), exits
 
 
 def _particles(group: Any) -> tuple[Indices, Array, Array, Array]:

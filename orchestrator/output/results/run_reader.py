@@ -156,6 +156,13 @@ class RunReader:
         lines_m = [self.history[f"panels/{name}/centre_line_m"][0] for name in self.names("panels")]
         return deck_line(lines_m)
 
+    @property
+    def counted_panels(self) -> list[str]:
+        """The panels whose contacts with particles were counted, in the order of the deck."""
+        if not self.history["removed/contacts"].shape[1]:
+            return []
+        return [str(name) for name in self.history["removed"].attrs["panels"]]
+
     def has(self, path: str) -> bool:
         """Return whether the time series have a group or a dataset ``path``."""
         return path in self.history

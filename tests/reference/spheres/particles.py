@@ -28,16 +28,17 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import closest_on_triangle
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
-from tests.reference.spheres.contacts import Neighbours, find_near_surface
+from tests.reference.spheres.contacts import Contacts, Neighbours, find_near_surface
 from tests.reference.spheres.crossing import find_crossings
 from tests.reference.spheres.forces import SphereForces, compute_contact_tangent, compute_forces
 from tests.reference.spheres.laws import Laws
 from tests.reference.spheres.spheres import Spheres
 from tests.reference.spheres.triangle_spin import cross
+from tests.reference.spheres.visits import Visits
 
 _BOOKS = ("_impulse_N_s", "_supplied_J", "_lost_J", "_received_J", "_came_kg_m2_per_s", "_given_kg_m2_per_s")
 _SUMS = ("_worn_m3", "_fed", "_deepest", "_crossings", "_mass_moment_time_kg_m_s", *_BOOKS)
-_STATE = ("_spheres", "_surface_m", "_near", "_now", *_SUMS)
+_STATE = ("_spheres", "_surface_m", "_near", "_now", "_visits", *_SUMS)
 
 
 class SpheresSolver:
@@ -51,6 +52,7 @@ class SpheresSolver:
         self._near = Neighbours.of(self._spheres, plan.surface, self._surface_m)
         at_rest = Motion(self._surface_m, np.zeros_like(self._surface_m))
         self._now = self._compute_forces(at_rest, None, 0.0)
+        self._visits = Visits.of(len(self._spheres), plan.counted_panels)
         self._worn_m3 = np.zeros(len(self._surface_m))
         self._fed = 0  # particles, since t = 0
         self._deepest, self._crossings = self._now.contacts.deepest(), Crossings.none()
@@ -81,6 +83,8 @@ class SpheresSolver:
             self._observe(centers_m, before_m, interval.start_s + step * step_s)
             before_m = self._surface_m
         self._remove(interval.end_s)
+        if self._plan.deck is not None:
+            self._visits.observe(self._plan.deck, self._surface_m, self._spheres, interval.length_s)
         return Load(impulse_N_s / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
@@ -88,7 +92,7 @@ class SpheresSolver:
 
     def removed(self) -> Removed:
         since, self._removed = self._removed, []
-        return sort_removed(since)
+        return sort_removed(since, self._plan.counted_panels)
 
     def overlaps(self) -> Overlaps:
         since, self._deepest = self._deepest, Overlaps()
@@ -127,11 +131,13 @@ class SpheresSolver:
         )
 
     def save(self) -> Saved:
-        return save_attributes(self, *_STATE) | {"removed": as_arrays(sort_removed(self._removed))}
+        return save_attributes(self, *_STATE) | {
+            "removed": as_arrays(sort_removed(self._removed, self._plan.counted_panels))
+        }
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_STATE)
-        self._removed = [like(sort_removed([]), saved["removed"])]
+        self._removed = [like(sort_removed([], self._plan.counted_panels), saved["removed"])]
 
     def close(self) -> None:
         pass
@@ -199,11 +205,20 @@ class SpheresSolver:
         centres and surface points were at ``centers_m`` and ``before_m``."""
         now, contacts = self._spheres, self._now.contacts
         self._deepest = self._deepest.deepest(contacts.deepest())
+        self._visits.touched[contacts.first[self._touches_deck(contacts)]] = True
         way_m = (before_m, self._surface_m)
         rows = find_crossings(now, contacts, centers_m, self._plan.surface.triangles, way_m)
         if len(rows):
             some = Crossings(len(rows), int(now.id[rows[0]]), time_s, now.position_m[rows[0]].copy())
             self._crossings = self._crossings.followed_by(some)
+
+    def _touches_deck(self, contacts: Contacts) -> npt.NDArray[np.bool_]:
+        """Tell which contacts are with a panel."""
+        surface = self._plan.surface
+        if surface.panel is None:
+            return np.zeros(len(contacts.first), dtype=bool)
+        of_deck = np.isin(np.arange(len(surface.position_m)), surface.triangles[surface.panel >= 0])
+        return np.asarray((contacts.second < 0) & of_deck[contacts.points[:, 0]])
 
     def _feed(self, interval: Interval) -> None:
         """Take in the particles that are due and overlap neither present ones nor the surface."""
@@ -244,8 +259,13 @@ class SpheresSolver:
         if stays.all():
             return
         left, stored_J = now.part(~stays), self._now.stored_J()
+        if self._plan.deck is not None:
+            below = [number for number, box in enumerate(self._plan.exits) if box.product == "undersize"]
+            passes = ~stays & np.isin(exit_of, below)
+            self._visits.passed(self._plan.deck, self._surface_m, now, passes)
+        visits = self._visits.part(~stays)
         self._replace(now.part(stays), np.where(stays, np.cumsum(stays) - 1, -1))
-        self._removed.append(left.removed(time_s, exit_of[~stays]))
+        self._removed.append(left.removed(time_s, exit_of[~stays], visits))
         ended_J = stored_J - self._now.stored_J()
         self._supplied_J["removal"] -= left.mechanical_J(self._plan.gravity_m_per_s2) + ended_J
         self._impulse_N_s -= left.momentum_kg_m_per_s()
@@ -273,5 +293,6 @@ class SpheresSolver:
     def _replace(self, new: Spheres, row: Indices) -> None:
         """Go on with ``new`` spheres; the present ones are now in rows ``row`` (< 0: gone)."""
         self._spheres = new
+        self._visits = self._visits.renumbered(row, len(new))
         self._now = self._now.renumbered(row, len(new))
         self._near = Neighbours.of(new, self._plan.surface, self._surface_m)

@@ -11,6 +11,7 @@ from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList
 from tests.reference.spheres.rows import Rows
+from tests.reference.spheres.visits import Visits
 
 
 @dataclass
@@ -47,7 +48,7 @@ class Spheres(SolidSpheres, Rows):
             material=self.material.copy(),
         )
 
-    def removed(self, time_s: float, exit_of: Indices) -> Removed:
+    def removed(self, time_s: float, exit_of: Indices, visits: Visits) -> Removed:
         """The record of all of them, taken out at ``time_s`` through ``exit_of`` (n,)."""
         return Removed(
             id=self.id,
@@ -58,4 +59,8 @@ class Spheres(SolidSpheres, Rows):
             density_kg_per_m3=self.density_kg_per_m3,
             material=self.material,
             exit=exit_of,
+            contacts=visits.contacts.astype(np.int32),
+            over_s=visits.over_s.astype(np.float32),
+            within_reach_s=visits.within_reach_s.astype(np.float32),
+            last_panel=visits.last_panel,
         )
