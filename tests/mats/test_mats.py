@@ -56,7 +56,7 @@ def test_a_mat_that_hangs_is_none(tmp_path: Path) -> None:
     assert table["panels"] == ["deck-1", "deck-2"]
     assert table["empty"]["side"] == "down"
     assert table["empty"]["turns_up"] == 0
-    assert 0 < table["empty"]["peak_100_Hz_g"] < table["empty"]["peak_g"]
+    assert 0 < table["empty"]["cycle_peak_100_Hz_g"] < table["empty"]["cycle_peak_g"]
 
 
 def test_mats_that_nothing_moves_or_whose_trial_is_long_are_not_tried(tmp_path: Path) -> None:

@@ -55,8 +55,8 @@ def _table(regime: Regime) -> dict[str, Any]:
         "turns": regime.turns,
         "turns_up": regime.turns_up,
         "repeats_after_turns": regime.repeats_after,
-        "peak_g": regime.mean_peak_g,
-        "peak_100_Hz_g": regime.mean_quoted_peak_g,
+        "cycle_peak_g": regime.mean_peak_g,
+        "cycle_peak_100_Hz_g": regime.mean_quoted_peak_g,
     }
 
 
