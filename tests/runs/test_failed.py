@@ -154,7 +154,7 @@ def test_a_frame_too_light_for_its_panels(tmp_path: Path) -> None:
     watch = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
     sets = [*QUICK, "screen.frames.driven.mass_kg=0.1", *watch]
     done = flipflow(*run_words("empty-machine", folder, sets))
-    failed(folder, done, "became unstable at t = ", "a point moves at ", "(limit 300 m/s)")
+    failed(folder, done, "strip unstable before ", "stretches are ")
     why = "the panels are too heavy for a frame that carries them; make that frame heavier"
     assert f"s: no interval is short enough: {why}" in done.stderr
     assert f"No shorter interval helps: {why} or its panels lighter." in done.stderr

@@ -151,7 +151,7 @@ def test_a_heavy_lump_is_followed_as_auto_promises(tmp_path: Path) -> None:
     """0.5 kg at 4.4 m/s on rows of 12.5 g: robin, at its limit of growth, created 7 %."""
     sets = ["coupling.scheme=auto", "coupling.sync_interval_s=1.4e-4", "output.pictures=false"]
     sets += ["duration_s=0.0784", "output.interval_s=0.0056"]
-    run(CASES / "hard/lump-drop", "draft", tmp_path / "run", sets)
+    assert run(CASES / "hard/lump-drop", "draft", tmp_path / "run", sets) == 0
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["stability"]["scheme"] == "aitken"
     assert summary["sync_intervals"] == 560

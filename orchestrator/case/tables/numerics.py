@@ -111,7 +111,7 @@ class Coupling(Table):
     tolerance: Annotated[float, Strict(), Gt(0), Le(0.1)] = 1e-3
     """Largest relative difference, in a repeated interval, between the particles' load and the load under
     which the panels moved."""
-    most_iterations: Annotated[int, Strict(), Gt(0), Le(1000)] = 20
+    most_iterations: Annotated[int, Strict(), Gt(0), Le(1000)] = 60
     """Largest number of runs of a repeated interval.  A warning appears if they do not suffice."""
 
 
