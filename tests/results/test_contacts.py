@@ -105,3 +105,10 @@ def test_too_few_fines_have_no_table() -> None:
     assert contacts(few, CUT_M, NAMES, OPENINGS) == "60 fine particles left; their contacts need 100"
     none = contacts(stream(np.zeros(3)), CUT_M, NAMES, OPENINGS)
     assert none == "no fine particle passed after a contact"
+
+
+def test_where_all_that_left_had_passed_nothing_tells_how_long_others_stay() -> None:
+    events = stream()
+    through = events.removed.part((events.removed.last_panel == 0) & (events.removed.exit == 0))
+    found = contacts(Events(events.fed, through, EXITS, events.edges_s), CUT_M, NAMES, OPENINGS)
+    assert found == "all fine particles that left had passed: nothing tells how long others stay"

@@ -147,6 +147,8 @@ def contacts(
     by_panel = fines.sums.sum(axis=0)
     if not by_panel[:, PASSED].any():
         return "no fine particle passed after a contact"
+    if not fines.stay_s.any():
+        return "all fine particles that left had passed: nothing tells how long others stay"
     edges = size_classes(fines.removed.diameter_m, cut_m)
     size = np.clip(np.searchsorted(edges, fines.removed.diameter_m, side="right") - 1, 0, len(edges) - 2)
     fine_kg = float(fines.removed.mass_kg.sum())
