@@ -37,6 +37,8 @@ SETS = (
     "contacts.1.restitution=1.0",
     "monitor.largest_created_in_total=1.0",  # coarse intervals are studied, too, not condemned
 )
+# The error of the particles' step, of first order, stays below that of the interval
+FINE_STEPS = ("coupling.scheme=particles-first", "particles.step_s=2.5e-5")
 
 
 def asked(out: Path, parameters: tuple[str, ...], *sets: str) -> StudyRequest:
@@ -64,9 +66,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def study(out: Path) -> AccuracyStudy:
-    # The error of the particles' step, of first order, stays below that of the interval.
-    sets = ("coupling.scheme=particles-first", "particles.step_s=2.5e-5")
-    return made(asked(out, ("sync", "panel-mesh"), *sets))
+    return made(asked(out, ("sync", "panel-mesh"), *FINE_STEPS))
 
 
 def family(study: AccuracyStudy, parameter: str) -> MeasuredSeries:
@@ -178,7 +178,7 @@ def test_what_is_proposed_together_keeps_what_it_promises(study: AccuracyStudy) 
 def test_called_again_nothing_is_run_and_the_files_are_there(study: AccuracyStudy, out: Path) -> None:
     """The command line finds all that was done, and the tables agree with each other."""
     before = {file: file.stat().st_mtime_ns for file in out.glob("*/summary.json")}
-    sets = [word for each in (*SETS, "coupling.scheme=particles-first") for word in ("--set", each)]
+    sets = [word for each in (*SETS, *FINE_STEPS) for word in ("--set", each)]
     words = ["study", "accuracy", str(BALL), "--level", "draft", "--out", str(out), "--quick"]
     done = flipflow(*words, "--parameters", "sync,panel-mesh", "--workers", "2", *sets)
     assert done.returncode == 0, done.stdout + done.stderr
