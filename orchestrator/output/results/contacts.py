@@ -8,7 +8,7 @@ chance.  docs/theory/screening.md has the definitions.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -33,6 +33,7 @@ OVER, CONTACTS, WITHIN, PASSED, GEOMETRIC = range(5)
 class Fines:
     """The n fine particles that left, in the averaged cycles, over the panels of a deck.
 
+    Each counts with the mass for which it stands (``Events.left_kg``), which is the mass of ``removed``.
     ``passed_at`` (n, panels) tells through which panel each one passed, which is that of its last contact.
     ``geometric`` (n, panels) is the chance that a sphere which falls straight onto a panel touches nothing.
     """
@@ -44,7 +45,8 @@ class Fines:
     @staticmethod
     def of(events: Events, cut_m: float, openings: Sequence[AperturePattern | None]) -> Fines:
         """Return the fines that left through an exit; ``openings`` are those of the panels along the deck."""
-        removed = events.removed.part(events.left_in_window & (events.removed.diameter_m < cut_m))
+        fine = events.left_in_window & (events.removed.diameter_m < cut_m)
+        removed = replace(events.removed.part(fine), mass_kg=events.left_kg[fine])
         passed = np.isin(removed.exit, events.exits.of(UNDERSIZE))
         passed_at = passed[:, None] & (removed.last_panel[:, None] == np.arange(len(openings)))
         return Fines(removed, passed_at, geometric_chance(removed.diameter_m, openings))
