@@ -19,6 +19,7 @@ import exudyn
 import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.file.slice import hindered_share_of
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.ports import Array
@@ -117,7 +118,9 @@ class Model:
         law, thickness_m = material.hyperelastic, panel.table.thickness_m
         viscosity_s = sum(branch.ratio * branch.relaxation_s for branch in law.maxwell)
         area_m2 = panel.rectangle.width_m * thickness_m
-        axial_N = 6 * (law.c10_Pa + law.c01_Pa) * area_m2
+        at = panel.rectangle
+        stiffening = 1 + hindered_share_of(at.width_m / at.length_m) / 3
+        axial_N = stiffening * 6 * (law.c10_Pa + law.c01_Pa) * area_m2
         bending_N_m2 = axial_N * thickness_m**2 / 12
         cable = self.system.AddObject(
             items.ObjectANCFCable2D(

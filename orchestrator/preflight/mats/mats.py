@@ -134,7 +134,7 @@ def mats_or_reason(scene: Scene) -> tuple[Mats, ...] | str:
     """
     try:
         return find_mats(scene)
-    except (SolverFailed, SolverMissing, MemoryError) as error:
+    except (SolverFailed, SolverMissing, MemoryError, ValueError) as error:
         return str(error) or "out of memory"
 
 
