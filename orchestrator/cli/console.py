@@ -44,7 +44,10 @@ def reported_errors() -> Iterator[None]:
         yield
     except KeyboardInterrupt as stop:
         raise typer.Exit(128 + getattr(stop, "signal", signal.SIGINT)) from None
-    except Exception as error:
+    except Exception as raised:
+        is_memory = isinstance(raised.__cause__, MemoryError)  # of a solver that could not be opened
+        error = raised.__cause__ if is_memory else raised
+        assert isinstance(error, Exception), "a cause that is out of memory, or the error itself"
         code = _code(error)
         if code is None:
             raise
