@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.cli.overview import overview
+from orchestrator.output.views.mats import draw_mats
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.mats import mats
@@ -100,3 +101,14 @@ def test_a_mistake_of_the_program_is_not_taken_for_a_trial_that_fails(
     monkeypatch.setattr(mats, "find_mats", fail)
     with pytest.raises(TypeError, match="a mistake"):
         [*mat_lines(scene(load_case(tmp_path, DRIVEN, [DAMPED]).case))]
+
+
+def test_the_picture_has_the_figures_of_check_at_the_case_s_own_place(tmp_path: Path) -> None:
+    """The chart's trials are coarser: 75 of them, and the fine one in the middle of the middle part."""
+    described = scene(load_case(tmp_path, DRIVEN, list(HANGING)).case)
+    ((_, fig),) = draw_mats(described)
+    (found,) = find_mats(described)
+    own = f"{found.empty.mean_peak_g:.0f}\n{found.empty.mean_quoted_peak_g:.0f}"
+    middle = [text.get_text() for axes in fig.axes for text in axes.texts if text.get_position() == (2, 2)]
+    assert len(middle) == 3
+    assert middle[1] == own

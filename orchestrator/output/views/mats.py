@@ -42,8 +42,8 @@ def _draw(mats: Mats, chart: Chart) -> Any:
     _draw_heights(fig.add_subplot(grid[0, :]), mats)
     for axes, tension_m, rows in zip(parts, chart.tension_m, chart.regimes, strict=True):
         for (y, row), (x, _) in ((a, b) for a in enumerate(rows) for b in enumerate(chart.stroke_m)):
-            regime = row[x]
             own = y == len(rows) // 2 and x == len(row) // 2 and axes is parts[len(parts) // 2]
+            regime = mats.empty if own else row[x]
             edge, width, order = ("black", 2.0, 3) if own else ("white", 1.0, 2)
             corner, color = (x - 0.5, y - 0.5), COLORS[regime.side]
             axes.add_patch(Rectangle(corner, 1.0, 1.0, fc=color, ec=edge, lw=width, zorder=order))

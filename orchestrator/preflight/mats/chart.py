@@ -18,7 +18,7 @@ SPEEDS = (0.8, 0.9, 1.0, 1.1, 1.2)
 STRETCH = 0.01
 """Change of the distance of the clamps, over the free length, from one part of a chart to the next."""
 CELLS, WATCHED_TURNS = 16, 12
-"""Of a trial of a chart: the sides are those of finer ones, and peaks may be off by a third."""
+"""Of a trial of a chart: the sides are those of finer ones, and peaks may be off by half."""
 
 
 @dataclass(frozen=True)
