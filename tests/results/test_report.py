@@ -8,6 +8,7 @@ import re
 import shutil
 import signal
 import tomllib
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,6 +21,7 @@ import pytest
 import tomli_w
 
 from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.figures.estimate import Estimate
 from orchestrator.output.drawing import figure
 from orchestrator.output.records.run_folder import RUN_LOCK, lock
 from orchestrator.output.report.facts import left_out_facts
@@ -118,7 +120,7 @@ def test_names_of_many_sections_and_panels_do_not_overlap(count: int) -> None:
 
 def test_the_page_of_a_slice_says_how_wide_it_is_and_what_is_scaled(tmp_path: Path) -> None:
     run = folder_of(tmp_path / "run", cycles=15)
-    found = compute_results(run) | {"share_of_width": 0.25, "slice_width_m": 0.05}
+    found = replace(compute_results(run), share_of_width=0.25, slice_width_m=0.05)
     text = re.sub(r"\s+", " ", page(run, found, lambda *_: Film(b"", reason="left out by the test")))
     assert "Computed is a slice of 50.0 mm, 25.0 % of the width" in text
     assert ">feed, of the whole width<" in text
@@ -276,7 +278,7 @@ def test_numbers(value: float | None, scale: float, text: str) -> None:
     ],
 )
 def test_intervals(value: float | None, width: float | None, text: str) -> None:
-    assert interval({"value": value, "half_width": width, "batches": 20}) == text
+    assert interval(Estimate(value, width)) == text
 
 
 def test_what_was_left_out_is_said_with_its_number() -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,12 +27,6 @@ UNIMPORTANT = {"title", "description", "default_level"}
 EQUAL = 1e-12  # results with a smaller relative difference are the same
 MISSING = "–"
 CUT = "screening.cut_size_m"
-OF_THE_CUT = re.compile(
-    r"(computed_)?efficiency|recovery|fines_stay|contact_rate|within_reach|contact_chance|passing_rate"
-    r"|contacts\..*"
-    r"|screening\.(fine_particles|whole_feed\..*|.*(efficiency|placement|misplaced|fines_in_oversize|recovered)_percent)"
-)
-"""Names of results that count what is finer or coarser than the cut."""
 ANGLES = {"rad", "degree"}
 SCALED = "masses, rates, numbers, forces and powers are compared as those of the whole width"
 
@@ -186,7 +179,7 @@ def _comparable(run: RunResults, first: RunResults) -> dict[str, Result]:
     cuts_m = [each.results[CUT].value if CUT in each.results else None for each in (run, first)]
     if cuts_m[0] == cuts_m[1]:
         return run.results
-    return {name: result for name, result in run.results.items() if not OF_THE_CUT.fullmatch(name)}
+    return {name: result for name, result in run.results.items() if not result.figure.is_of_cut}
 
 
 def _differing_cuts(runs: Sequence[RunResults]) -> Iterator[str]:

@@ -18,6 +18,7 @@ from orchestrator.case.file.folder import UnreadableFile, open_hdf5, read_json
 from orchestrator.case.file.slice import share
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.tables.case import Case
+from orchestrator.figures.results import Results, parse_results
 from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, cycle_s, is_driven, within
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, check_format
@@ -59,9 +60,9 @@ class RunReader:
         return table
 
     @property
-    def results(self) -> dict[str, Any]:
+    def results(self) -> Results:
         """The results in the summary; empty where the run has none."""
-        return self.summary.get("results") or {}
+        return parse_results(self.summary)
 
     @cached_property
     def provenance(self) -> dict[str, Any]:
