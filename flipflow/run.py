@@ -17,7 +17,7 @@ import numpy as np
 from orchestrator.case.file.errors import visible
 from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.provenance import read_provenance
-from orchestrator.figures.results import parse_results
+from orchestrator.figures.results import why_transient
 from orchestrator.figures.short_names import SHORT_NAMES, Value, named, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY
@@ -82,8 +82,7 @@ class Run:
         """The reasons why a bed that is fed is not steady and why the motion of a machine has not settled, so
         that results are of the start, too; a sentence each.
         """
-        results = parse_results(self.summary)
-        return [why for why in (results.why_unsteady, results.why_unsettled) if why]
+        return [why for why in why_transient(self.summary) if why]
 
     def __getitem__(self, name: str) -> Value:
         """Return a result with its interval, by its short name (``stroke``) or its keys in ``summary.json``

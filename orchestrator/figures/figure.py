@@ -45,7 +45,7 @@ class Figure:
     @property
     def unit(self) -> str:
         """Its unit, by its name and those of the tables around it; "1" of a pure number."""
-        return unit_along(self.path.split("."))
+        return "g" if self.path.endswith("_g") else unit_along(self.path.split("."))
 
     @property
     def floor(self) -> float:
@@ -55,7 +55,7 @@ class Figure:
     @property
     def shown_unit(self) -> str:
         """The unit in which people read it; "" of a pure number."""
-        return self.shown_in or ("" if self.unit == "1" else self.unit)
+        return self.shown_in or ("" if self.unit == "1" else self.unit.replace("m2", "m²"))
 
     @property
     def shown_scale(self) -> float:

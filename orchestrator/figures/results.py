@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from orchestrator.figures.figure import Figure, every_figure, figure, figure_along, scaled
-from orchestrator.figures.machine import Course, Motion, Orbit, PointRange, Power, Wear
+from orchestrator.figures.machine import Course, Motion, PointRange, Power, Wear
 from orchestrator.figures.material import Bed, Contacts, Held, Screening, Steady, Transport
 
+Summary = Mapping[str, Any]
+"""The table of ``summary.json``."""
 WHOLE_FEED = "whole feed"
 """The entry of ``missing`` that says why the sizes that a feed leaves out could not be completed."""
 COHORT = "cohort"
@@ -82,36 +84,57 @@ class Results:
         whole: Results = scaled(self, 1.0 / self.share_of_width)
         return whole
 
-    @property
-    def orbits(self) -> dict[str, Orbit]:
-        """The first harmonics of frames, of probes on frames, and of pairs of frames, by name."""
-        return {} if self.motion is None else {**self.motion.frames, **self.motion.relative}
-
-    @property
-    def why_no_orbits(self) -> str:
-        """Why there are no first harmonics."""
-        reasons = (self.missing.get("everything"), self.missing.get("orbits"), self.failed.get("motion"))
-        return next(filter(None, reasons), "it has no results")
-
-    @property
-    def why_unsteady(self) -> str:
-        """Why a bed that is fed is not steady; empty if it is, and for a batch, which never could be."""
-        return "" if self.steady is None or self.steady.reason == BATCH else self.steady.reason
-
-    @property
-    def why_unsettled(self) -> str:
-        """Why the motion of the machine has not settled; empty if it has."""
-        return "" if self.motion is None else self.motion.reason
-
 
 _PARSED = TypeAdapter(Results)
 FIGURES = {each.path: each for each in every_figure(Results, "results")}
 """The records of all figures of results, by path with * for names and numbers."""
 
 
-def parse_results(summary: Mapping[str, Any]) -> Results:
+def parse_results(summary: Summary) -> Results:
     """Return the results in a summary; empty ones if it has none.  Raises ValueError for a damaged table."""
-    return _PARSED.validate_python(summary.get("results") or {})
+    try:
+        return _PARSED.validate_python(summary.get("results") or {})
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise ValueError(f"results.{where}: {first['msg']} ({error.error_count()} such places)") from None
+
+
+def entry_at(table: Any, path: str) -> Any:
+    """Return the entry at a path of keys with dots; None where there is no such entry."""
+    for word in path.split("."):
+        if isinstance(table, Mapping):
+            table = table.get(word)
+        elif isinstance(table, list) and word.isdecimal() and int(word) < len(table):
+            table = table[int(word)]
+        else:
+            return None
+    return table
+
+
+def why_transient(summary: Summary) -> tuple[str, str]:
+    """Return why a bed that is fed is not steady, and why a machine has not settled; empty if they are."""
+    unsteady, unsettled = (
+        str(entry_at(summary, f"results.{part}.reason") or "") for part in ("steady", "motion")
+    )
+    return "" if unsteady == BATCH else unsteady, unsettled  # a batch never could be steady
+
+
+def orbit_places(summary: Summary) -> dict[str, str]:
+    """Return the paths of the first harmonics of frames, of probes on frames, and of pairs of frames, by
+    name."""
+    return {
+        name: f"results.motion.{kind}.{name}"
+        for kind in ("frames", "relative")
+        for name in entry_at(summary, f"results.motion.{kind}") or {}
+    }
+
+
+def why_no_orbits(summary: Summary) -> str:
+    """Return why a run has no first harmonics."""
+    places = ("missing.everything", "missing.orbits", "failed.motion")
+    reasons = (entry_at(summary, f"results.{place}") for place in places)
+    return next(filter(None, reasons), "it has no results")
 
 
 def figure_at(path: str) -> Figure | None:

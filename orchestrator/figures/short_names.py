@@ -12,13 +12,12 @@ from difflib import get_close_matches
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
+from orchestrator.case.tables.quantities import unit_along
 from orchestrator.figures.figure import Figure, Part, in_unit
-from orchestrator.figures.results import COHORT, FIGURES, WHOLE_FEED, figure_at
+from orchestrator.figures.results import COHORT, FIGURES, WHOLE_FEED, Summary, entry_at, figure_at
 
 if TYPE_CHECKING:
     from orchestrator.case.tables.case import Case
-
-Summary = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -67,19 +66,7 @@ class Named:
         value = self.take(summary)
         if value is None or not (self.is_short and self.figure.is_extensive):
             return value
-        return value.times(1.0 / (_inner(summary, "results.share_of_width") or 1.0))
-
-
-def _inner(table: Any, path: str) -> Any:
-    """Return the entry at a path of keys with dots; None where there is no such entry."""
-    for word in path.split("."):
-        if isinstance(table, Mapping):
-            table = table.get(word)
-        elif isinstance(table, list) and word.isdecimal() and int(word) < len(table):
-            table = table[int(word)]
-        else:
-            return None
-    return table
+        return value.times(1.0 / (entry_at(summary, "results.share_of_width") or 1.0))
 
 
 def _number(entry: Any) -> Value | None:
@@ -94,13 +81,13 @@ def _number(entry: Any) -> Value | None:
 
 def _at(path: str) -> Take:
     """Return a function that takes the number at a path from a summary."""
-    return lambda summary: _number(_inner(summary, path))
+    return lambda summary: _number(entry_at(summary, path))
 
 
 def _all(summary: Summary, path: str) -> list[Value]:
     """Return the numbers at a path in which a * stands for each entry of a table."""
     table, _, key = path.partition(".*.")
-    numbers = [_number(_inner(entry, key)) for entry in (_inner(summary, table) or {}).values()]
+    numbers = [_number(entry_at(entry, key)) for entry in (entry_at(summary, table) or {}).values()]
     return [number for number in numbers if number is not None]
 
 
@@ -155,9 +142,9 @@ def _stroke(summary: Summary) -> Value | None:
 
 def _efficiency(summary: Summary) -> Value | None:
     """Return the efficiency of the whole feed; None where sizes are left out that no curve completes."""
-    if _inner(summary, "results.screening.whole_feed") is not None:
+    if entry_at(summary, "results.screening.whole_feed") is not None:
         return _at("results.screening.whole_feed.efficiency_percent")(summary)
-    if {WHOLE_FEED, COHORT} & {*(_inner(summary, "results.missing") or {})}:
+    if {WHOLE_FEED, COHORT} & {*(entry_at(summary, "results.missing") or {})}:
         return None
     return _computed_efficiency(summary)
 
@@ -165,7 +152,7 @@ def _efficiency(summary: Summary) -> Value | None:
 def _computed_efficiency(summary: Summary) -> Value | None:
     """Return the efficiency of the sizes that are computed: of a run that is not steady, that of the grains
     that were fed so early that nearly all have left; None if there are none."""
-    if COHORT in (_inner(summary, "results.missing") or {}):
+    if COHORT in (entry_at(summary, "results.missing") or {}):
         return None
     cohort = _at("results.screening.cohort.efficiency_percent")(summary)
     return cohort or _at("results.screening.efficiency_percent")(summary)
@@ -173,8 +160,8 @@ def _computed_efficiency(summary: Summary) -> Value | None:
 
 def _middle(summary: Summary) -> Value | None:
     """Return the half range of the probe that moves most of all probes on panels."""
-    names = _inner(summary, "results.motion.panel_points") or {}
-    half_ranges_m = [_inner(summary, f"probes.{name}.half_range_m") for name in names]
+    names = entry_at(summary, "results.motion.panel_points") or {}
+    half_ranges_m = [entry_at(summary, f"probes.{name}.half_range_m") for name in names]
     sizes_m = [math.hypot(*vector) for vector in half_ranges_m if vector and None not in vector]
     return Value(max(sizes_m)) if sizes_m else None
 
@@ -244,7 +231,12 @@ def named(name: str) -> Named:
 
 def value_at(summary: Summary, name: str) -> Value | None:
     """Return a number of a run's summary by its short name or its path; None if the run does not have it."""
-    return named(name).of(summary) if name in SHORT_NAMES or "." in name else None
+    return (SHORT_NAMES[name].of if name in SHORT_NAMES else _at(name))(summary)
+
+
+def unit_at(name: str) -> str:
+    """Return the unit of a number of a run's summary by its short name or its path; "1" of a pure number."""
+    return SHORT_NAMES[name].figure.unit if name in SHORT_NAMES else unit_along(name.split("."))
 
 
 def is_of_separation(name: str) -> bool:

@@ -21,9 +21,8 @@ from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import Number, OneLine, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.figures.figure import Figure
-from orchestrator.figures.machine import Orbit
-from orchestrator.figures.results import FIGURES
-from orchestrator.figures.short_names import Value, named, value_at
+from orchestrator.figures.results import FIGURES, orbit_places, why_no_orbits
+from orchestrator.figures.short_names import Value, unit_at, value_at
 from orchestrator.output.cycles import cycle_numbers, cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.results import machine
@@ -95,9 +94,7 @@ def half_width_of(question: Question, run: Path) -> float | None:
             return value.half_width * unit
         return None if value.counting is None else NORMAL_95 * value.counting * unit
     if question.measure == "amplitude":
-        widths_m = _orbit(question, run).half_width_m
-        width_m = math.nan if widths_m is None else float(widths_m[AXES.get(question.axis, 0)])
-        return None if math.isnan(width_m) else width_m
+        return _first_harmonic(question, run)[1]
     return None
 
 
@@ -111,7 +108,7 @@ def _entry_at(run: Path, path: str) -> Value:
 
 def _unit_of_result(path: str) -> float:
     """Return the factor that converts a number of summary.json to SI units: percentages become shares."""
-    return 0.01 if named(path).figure.unit == "%" else 1.0
+    return 0.01 if unit_at(path) == "%" else 1.0
 
 
 def _value_at(run: Path, path: str) -> float:
@@ -136,26 +133,37 @@ def _series(question: Question, run: Path) -> float:
 
 
 def _amplitude(question: Question, run: Path) -> float:
-    return float(_orbit(question, run).amplitude_m[AXES.get(question.axis, 0)])
+    return _first_harmonic(question, run)[0]
 
 
-def _orbit(question: Question, run: Path) -> Orbit:
-    """Return the table of a point's first harmonic, in the results' cycles or those ``between_s``.
+def _first_harmonic(question: Question, run: Path) -> tuple[float, float | None]:
+    """Return the amplitude of a point's first harmonic along an axis, in the results' cycles or those
+    ``between_s``, and half the width of its interval.
 
     Raises Unknown.
     """
-    results = RunReader(run).results
-    if not (orbits := results.orbits):
-        raise Unknown(f"{run.name}: {results.why_no_orbits}")
+    summary, axis = summary_of(run), AXES.get(question.axis, 0)
+    known = orbit_places(summary)
+    if not known:
+        raise Unknown(f"{run.name}: {why_no_orbits(summary)}")
+    if question.of not in known:
+        raise Unknown(f'no point "{question.of}"; there are {", ".join(known)}')
     if question.between_s is not None:
         try:
             with RunReader(run) as reader:
-                orbits = machine.orbits(reader, *question.between_s, interval_of(reader, None)).all
+                orbit = machine.orbits(reader, *question.between_s, interval_of(reader, None)).all[
+                    question.of
+                ]
         except ValueError as error:
             raise Unknown(f"{run.name}: {error}") from None
-    if question.of not in orbits:
-        raise Unknown(f'no point "{question.of}"; there are {", ".join(orbits)}')
-    return orbits[question.of]
+        width_m = None if orbit.half_width_m is None else float(orbit.half_width_m[axis])
+        return float(orbit.amplitude_m[axis]), width_m
+    amplitude, width = (
+        value_at(summary, f"{known[question.of]}.{key}.{axis}") for key in ("amplitude_m", "half_width_m")
+    )
+    if amplitude is None:
+        raise Unknown(f"{run.name}: {question.of} has no amplitude")
+    return amplitude.value, None if width is None else width.value
 
 
 def _arch(question: Question, run: Path) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 from rich.table import Table
 
 from orchestrator.figures.figure import in_unit
-from orchestrator.figures.results import parse_results
+from orchestrator.figures.results import why_transient
 from orchestrator.figures.short_names import Value, named
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
@@ -70,9 +70,8 @@ def results_of(point: Point, wanted: Sequence[str]) -> dict[str, Value]:
 
 def transient_words(point: Point) -> tuple[str, ...]:
     """Return words for a machine that has not settled, and for a bed that is not steady."""
-    results = parse_results(summary_of(point.folder))
-    states = (("not settled", results.why_unsettled), ("not steady", results.why_unsteady))
-    return tuple(words for words, why in states if why)
+    unsteady, unsettled = why_transient(summary_of(point.folder))
+    return tuple(words for words, why in (("not settled", unsettled), ("not steady", unsteady)) if why)
 
 
 def short_keys(keys: Sequence[str]) -> list[str]:

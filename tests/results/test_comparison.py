@@ -38,11 +38,23 @@ def estimate(value: float, half_width: float | None) -> dict[str, Any]:
     return {"value": value, "half_width": half_width, "batches": 10}
 
 
+def bed_of(velocity: dict[str, Any]) -> dict[str, Any]:
+    """The table of a bed of which little more than the velocity is known."""
+    names = ("on_deck_kg", "load_kg_per_m2", "mean_depth_m", "largest_depth_m")
+    profile: dict[str, Any] = {
+        name: [] for name in ("along_m", "mass_kg_per_m", "velocity_m_per_s", "depth_m")
+    }
+    bed: dict[str, Any] = {name: {"value": None, "half_width": None, "batches": 0} for name in names}
+    bed |= {"velocity_m_per_s": velocity, "particles": 40.0, "output_times": 9, "profile": profile}
+    return bed
+
+
 def run_folder(place: Path, velocity: dict[str, Any], case: str = CASE, **summary: Any) -> Path:
     """The folder of a run of which only the case and the results are there."""
     case_folder(place, case)
-    results = {"bed": {"velocity_m_per_s": velocity, "particles": 40.0}, "missing": {}, "failed": {}}
-    results |= {"power": {"lost_W": {"frames.bushing_damping": 3.0}}}
+    results = {"bed": bed_of(velocity), "missing": {}, "failed": {}}
+    lost_W = {"frames.bushing_damping": estimate(3.0, None)}
+    results |= {"power": {"start_s": 0.0, "end_s": 1.0, "lost_W": lost_W}}
     table = {"format_version": SUMMARY_FORMAT, "status": "done", "case": "by-hand", "level": "draft"}
     text = json.dumps(table | {"results": results} | summary)
     (place / "summary.json").write_text(text)
@@ -247,7 +259,7 @@ def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
     shutil.copytree(one, two)
     for folder, speed, share in ((one, 0.3, 1.0), (two, 0.4, 0.5)):
         summary = json.loads((folder / "summary.json").read_text())
-        results: dict[str, Any] = {"bed": {"velocity_m_per_s": estimate(speed, 0.01)}}
+        results: dict[str, Any] = {"bed": bed_of(estimate(speed, 0.01))}
         results |= {"missing": {}, "failed": {}, "share_of_width": share}
         (folder / "summary.json").write_text(json.dumps(summary | {"results": results}))
         (folder / "deck.png").write_bytes(b"\x89PNG")

@@ -171,9 +171,9 @@ def test_the_whole_feed_is_completed(limit_m: float) -> None:
     assert (table.smallest_computed_m, table.smallest_m) == (pytest.approx(limit_m), 0.0005)
     one, two = table.sections
     half = replace(LAW, attempts=LAW.attempts / 2)
-    error = one["cumulative_efficiency_percent"].standard_error
-    assert abs(one["cumulative_efficiency_percent"].value - 100 * mean_passed(half)) < 4 * error
-    whole_yield = one["yield_percent"].value + two["yield_percent"].value
+    error = one.cumulative_efficiency_percent.standard_error
+    assert abs(one.cumulative_efficiency_percent.value - 100 * mean_passed(half)) < 4 * error
+    whole_yield = one.yield_percent.value + two.yield_percent.value
     assert whole_yield == pytest.approx(fines.total * placement.value, rel=1e-9)
 
 
@@ -293,7 +293,7 @@ def test_a_sampled_grain_stands_for_the_others_of_its_size() -> None:
     assert unweighed.efficiency_percent.value < truth - 10
     assert weighed.feed_kg_per_s.value == unweighed.feed_kg_per_s.value
     assert weighed.undersize_kg_per_s.value == unweighed.undersize_kg_per_s.value
-    local = weighed.sections[0]["cumulative_efficiency_percent"].value
+    local = weighed.sections[0].cumulative_efficiency_percent.value
     assert abs(local - 100 * mean_passed(replace(LAW, attempts=LAW.attempts / 2))) < 4 * error
     fines = feed_fines([Feed.model_validate(table | {"smallest_fed_m": 0.001})], OPENING_M)
     coarser = there & (every.removed.diameter_m >= 0.001)

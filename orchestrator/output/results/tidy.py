@@ -12,7 +12,7 @@ from typing import Any
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.figures.figure import AXES, Figure
-from orchestrator.figures.results import parse_results
+from orchestrator.figures.results import entry_at, why_transient
 from orchestrator.figures.short_names import SHORT_NAMES, named
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY
@@ -194,9 +194,9 @@ def _read(folder: Path) -> RunResults:
         raise FolderUnusable(f"{folder}: is no run that has ended: it has no {SUMMARY}")
     summary = RunReader(admit(folder)).summary
     status = str(summary.get("status", "unknown"))
-    results, tables = tidy_results(summary), parse_results(summary)
+    results, (unsteady, unsettled) = tidy_results(summary), why_transient(summary)
     if results.keys() <= OF_THE_WIDTH:
-        why = json.dumps(tables.missing or {"status": status})
+        why = json.dumps(entry_at(summary, "results.missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
     return RunResults(
         folder=folder,
@@ -204,9 +204,9 @@ def _read(folder: Path) -> RunResults:
         level=str(summary.get("level") or ""),
         status=status,
         results=results,
-        share_of_width=tables.share_of_width,
-        unsteady=tables.why_unsteady,
-        unsettled=tables.why_unsettled,
+        share_of_width=entry_at(summary, "results.share_of_width") or 1.0,
+        unsteady=unsteady,
+        unsettled=unsettled,
     )
 
 

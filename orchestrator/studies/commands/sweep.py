@@ -12,8 +12,8 @@ import typer
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable
-from orchestrator.figures.results import FIGURES, parse_results
-from orchestrator.figures.short_names import named
+from orchestrator.figures.results import FIGURES, entry_at, orbit_places, why_no_orbits
+from orchestrator.figures.short_names import named, value_at
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
 from orchestrator.output.results.machine import LARGEST_DRIFT
@@ -190,19 +190,19 @@ def sweep_rows(vary: Vary | SweepPlan, points: Sequence[Point], wanted: Sequence
 
 def _motion(summary: dict[str, Any]) -> Row:
     """Return the columns of the motion: whether it had settled, and the amplitudes with their half widths."""
-    results = parse_results(summary)
-    motion = results.motion
-    if motion is None or not results.orbits:
-        return {"settled": f"unknown: {results.why_no_orbits}"}
-    row: Row = {"settled": SETTLED if motion.is_settled else NOT_SETTLED}
-    row["speed_rad_per_s"] = motion.speed_rad_per_s or 2 * math.pi / summary["cycle_s"]
-    if motion.drift is not None:
-        row["drift"] = motion.drift
-    for name, orbit in results.orbits.items():
+    places = orbit_places(summary)
+    if not places:
+        return {"settled": f"unknown: {why_no_orbits(summary)}"}
+    motion = entry_at(summary, "results.motion")
+    row: Row = {"settled": SETTLED if motion["is_settled"] else NOT_SETTLED}
+    row["speed_rad_per_s"] = motion.get("speed_rad_per_s", 2 * math.pi / summary["cycle_s"])
+    if motion["drift"] is not None:
+        row["drift"] = motion["drift"]
+    for name, place in places.items():
         for axis, letter in AXES.items():
-            row[f"{name}.{letter}_m"] = float(orbit.amplitude_m[axis])
-            if orbit.half_width_m is not None:
-                row[f"{name}.{letter}_m.half_width"] = float(orbit.half_width_m[axis])
+            for key, ending in (("amplitude_m", ""), ("half_width_m", ".half_width")):
+                if (number := value_at(summary, f"{place}.{key}.{axis}")) is not None:
+                    row[f"{name}.{letter}_m{ending}"] = number.value
     return row
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.figures.results import parse_results
+from orchestrator.figures.results import entry_at, why_transient
 from orchestrator.figures.short_names import Value, part_of, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
@@ -133,8 +133,7 @@ class Runs:
         if state != trust.DONE:
             why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or state)
             return Outcome(trial, state, why, **cost)
-        steady = parse_results(summary).steady  # of the material
-        responses, unsteady = {}, not (steady and steady.is_steady)
+        responses, unsteady = {}, not entry_at(summary, "results.steady.is_steady")  # of the material
         for name, table in self._study.file.responses.items():
             if table.steady and unsteady:
                 continue
@@ -146,9 +145,8 @@ class Runs:
     def _not_steady(self, summary: dict[str, Any], responses: Iterable[str]) -> str:
         """Say why the bed, of which frames and panels tell nothing, or the machine is not steady."""
         results = [self._study.file.responses[name].result or name for name in responses]
-        told = parse_results(summary)
-        motion = told.why_unsettled
-        bed = told.why_unsteady if any(map(self._is_of_the_bed, results)) else ""
+        bed, motion = why_transient(summary)
+        bed = bed if any(map(self._is_of_the_bed, results)) else ""
         return "; ".join(filter(None, (bed, motion and f"the machine has not settled: {motion}")))
 
     def _is_of_the_bed(self, result: str) -> bool:
