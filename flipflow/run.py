@@ -7,7 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,7 +57,7 @@ class Run:
         """Open a folder.  Raises FolderUnusable if it does not hold an ended run of this version."""
         self.folder = Path(folder).absolute()  # whatever the current folder will be
         try:
-            self.summary: dict[str, Any] = RunReader(admit(self.folder)).summary
+            self.summary: Mapping[str, Any] = RunReader(admit(self.folder)).summary
         except (OSError, ValueError) as error:
             why = _why_open(self.folder) or f"holds no run that has ended ({error})"
             raise FolderUnusable(f"{self.folder}: {why}") from None

@@ -101,15 +101,15 @@ def parse_results(summary: Summary) -> Results:
 
 
 def entry_at(table: Any, path: str) -> Any:
-    """Return the entry at a path of keys with dots; None where there is no such entry."""
-    for word in path.split("."):
-        if isinstance(table, Mapping):
-            table = table.get(word)
-        elif isinstance(table, list) and word.isdecimal() and int(word) < len(table):
-            table = table[int(word)]
-        else:
-            return None
-    return table
+    """Return the entry at a path of keys with dots; None where there is no such entry.  The last key may have
+    dots of its own."""
+    word, _, rest = path.partition(".")
+    if isinstance(table, Mapping):
+        inner = table.get(path, table.get(word) if rest else None)
+        return inner if path in table or not rest else entry_at(inner, rest)
+    if isinstance(table, list) and word.isdecimal() and int(word) < len(table):
+        return entry_at(table[int(word)], rest) if rest else table[int(word)]
+    return None
 
 
 def why_transient(summary: Summary) -> tuple[str, str]:

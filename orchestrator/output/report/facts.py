@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -83,7 +83,7 @@ def describe_sizes(source: Filling) -> str:
     return f"curve {finest_mm:g} to {coarsest_mm:g} mm, half of the mass below {middle_mm:.3g} mm{sampled}"
 
 
-def left_out_facts(summary: dict[str, Any]) -> Facts:
+def left_out_facts(summary: Mapping[str, Any]) -> Facts:
     """Yield the reason why each effect was left out, and its verdicts before and after the run."""
     for name, why in summary["left_out"].items():
         yield name, why
@@ -94,7 +94,7 @@ def left_out_facts(summary: dict[str, Any]) -> Facts:
                 yield f"{when} the run", f"{describe_verdict(verdict['matters'])}: {deciding}"
 
 
-def collect_warnings(folder: Path, summary: dict[str, Any], results: Results) -> list[str]:
+def collect_warnings(folder: Path, summary: Mapping[str, Any], results: Results) -> list[str]:
     """Return warnings about doubts, the run's end, unsteady states, missing results, and from the log."""
     warnings = [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
     if not trust.came_to_its_end(summary["status"]):

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -113,7 +113,7 @@ class Comparison:
         """The number of comparisons by intervals that show a difference."""
         return sum(verdict == MORE for row in self.distinct for verdict in row.verdicts)
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> Mapping[str, Any]:
         """Return the comparison as a table of lists, with an entry for each run in each list."""
         return {
             "runs": [{"folder": str(run.folder), "status": run.status} for run in self.runs],
@@ -222,7 +222,7 @@ def _programs(folder: Path) -> dict[str, str | None]:
         return {}
 
 
-def _with_checksums(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+def _with_checksums(table: MutableMapping[str, Any], folder: Path) -> MutableMapping[str, Any]:
     """Return a resolved case with the beginning of its checksum beside the name of each file.
 
     The folder of a run has copies of all files of the case under names that are always the same.

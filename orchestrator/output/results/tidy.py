@@ -110,7 +110,7 @@ def single_numbers(value: Any, where: str = "") -> Iterator[tuple[str, float]]:
     their ``exit`` or their number as key.  Words, and results along the deck, by size or over time, are left
     out, whatever their length.
     """
-    parts: dict[str, Any] = {}
+    parts: Mapping[str, Any] = {}
     if isinstance(value, int | float):
         yield where.removeprefix("."), value
     elif isinstance(value, dict) and set(value) >= {"value", "half_width", "batches"}:
@@ -125,7 +125,7 @@ def single_numbers(value: Any, where: str = "") -> Iterator[tuple[str, float]]:
         yield from single_numbers(part, where + key)
 
 
-def _entries(table: dict[str, Any]) -> dict[str, Any]:
+def _entries(table: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the entries of a table of results, without lists that run along the deck, by size or over time.
 
     A vector with half widths beside it becomes a table of estimates by component.
@@ -137,7 +137,7 @@ def _entries(table: dict[str, Any]) -> dict[str, Any]:
     widths = table[ITS_WIDTHS] or [None] * len(AXES)
     rows = zip(AXES, table[VECTOR], widths, strict=True)
     estimates = {axis: {"value": size, "half_width": width, "batches": None} for axis, size, width in rows}
-    return {key: part for key, part in table.items() if key != ITS_WIDTHS} | {VECTOR: estimates}
+    return {**{key: part for key, part in table.items() if key != ITS_WIDTHS}, VECTOR: estimates}
 
 
 def tidy_results(summary: Mapping[str, Any]) -> dict[str, Result]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -188,7 +188,7 @@ def sweep_rows(vary: Vary | SweepPlan, points: Sequence[Point], wanted: Sequence
     return rows
 
 
-def _motion(summary: dict[str, Any]) -> Row:
+def _motion(summary: Mapping[str, Any]) -> Row:
     """Return the columns of the motion: whether it had settled, and the amplitudes with their half widths."""
     places = orbit_places(summary)
     if not places:

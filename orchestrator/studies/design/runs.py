@@ -142,7 +142,7 @@ class Runs:
         why = self._why_off_scale(responses) if responses else self._why_nothing(unsteady)
         return Outcome(trial, state, why, responses, **cost, not_steady=self._not_steady(summary, responses))
 
-    def _not_steady(self, summary: dict[str, Any], responses: Iterable[str]) -> str:
+    def _not_steady(self, summary: Mapping[str, Any], responses: Iterable[str]) -> str:
         """Say why the bed, of which frames and panels tell nothing, or the machine is not steady."""
         results = [self._study.file.responses[name].result or name for name in responses]
         bed, motion = why_transient(summary)
@@ -182,7 +182,7 @@ def _deviation(result: Value) -> float | None:
     return result.half_width / NORMAL_95
 
 
-def _cost(summary: dict[str, Any]) -> dict[str, Any]:
+def _cost(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a run cost, as ``Outcome`` has it."""
     particles_s = worked_by_part_s(summary)["particles"] if "wall_by_part_s" in summary else 0.0
     return {
