@@ -86,18 +86,18 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     unsteady = not (state and state["is_steady"])
     screening, bed = results.get("screening", {}), results.get("bed")
     whole_feed, missing = screening.get("whole_feed"), results.get("missing", {})
+    cohort = screening.get("cohort")
+    told_of = _describe_cohort(cohort) if cohort else lasting
     why_not = missing.get(COHORT) or missing.get(WHOLE_FEED, "")
     if whole_feed:
-        over = f"{_describe_continuation(whole_feed)}, {lasting}"
+        over = f"{_describe_continuation(whole_feed)}, {told_of}"
         yield _tile(EFFICIENCY, whole_feed["efficiency_percent"], "%", over, unsteady)
     elif why_not:
         yield Tile(EFFICIENCY, UNKNOWN, "", "", why_not, unsteady=False)
     computed = COMPUTED if whole_feed or WHOLE_FEED in missing else ""
-    if cohort := screening.get("cohort"):
-        over = f"{cohort['particles']} particles that were fed until {number(cohort['fed_until_s'])} s"
-        for key in (key for key in SCREENING if key in cohort):
-            title, unit, _ = SCREENING[key]
-            yield _tile(title + computed, cohort[key], unit, over, unsteady)
+    for key in (key for key in SCREENING if key in (cohort or {})):
+        title, unit, _ = SCREENING[key]
+        yield _tile(title + computed, cohort[key], unit, told_of, unsteady)
     for key, (title, unit, kind) in SCREENING.items() if not (cohort or COHORT in missing) else ():
         if key in screening and not (key == RECOVERY and _is_efficiency(screening)):
             name = title + computed
@@ -114,12 +114,19 @@ def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
         yield _tile(HEIGHT, bed["mean_depth_m"], "mm", over, unsteady, 1e3)
 
 
+def _describe_cohort(cohort: dict[str, Any]) -> str:
+    """Return which grains tell the separation of a run that is not steady."""
+    return f"{cohort['particles']} particles that were fed until {number(cohort['fed_until_s'])} s"
+
+
 def _describe_continuation(whole_feed: dict[str, Any]) -> str:
     """Return what the partition curve adds, how far it is continued, and by what it is wrong there."""
     computed_mm, listed_mm = (1e3 * whole_feed[key] for key in ("smallest_computed_m", "smallest_m"))
+    has_interval = whole_feed["efficiency_percent"]["half_width"] is not None
     return (
         f"{whole_feed['left_out_percent']:.3g} % of the feed by the partition curve, continued from "
-        f"{computed_mm:.3g} to {listed_mm:.3g} mm; the interval has the error of that, some "
+        f"{computed_mm:.3g} to {listed_mm:.3g} mm; "
+        f"{'the interval has the error of that, some' if has_interval else 'the error of that is some'} "
         f"{abs(whole_feed['continuation']['error_percent']):.2g} points"
     )
 

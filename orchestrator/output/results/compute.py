@@ -28,7 +28,7 @@ from orchestrator.output.results.listed_feed import listed_feed
 from orchestrator.output.results.power import power_metrics
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
-from orchestrator.output.results.screening import screening
+from orchestrator.output.results.screening import screening, shares
 from orchestrator.output.results.wear import wear_metrics
 from orchestrator.output.results.whole_feed import feed_fines, whole_feed
 
@@ -155,13 +155,13 @@ def _add_cohort(events: Events, cut_m: float | None, table: dict[str, Any]) -> E
     if early is None:
         table["missing"][COHORT] = TOO_EARLY
         return None
-    told = screening(early, cut_m)
-    shares = ("efficiency_percent", "fine_placement_percent", "oversize_yield_percent")
+    told = shares(early, cut_m)
+    names = ("efficiency_percent", "fine_placement_percent", "oversize_yield_percent")
     table["screening"]["cohort"] = {
         "fed_until_s": early.until_s,
         "remaining_percent": 100.0 * early.remaining,
-        "particles": told["particles"],
-        **{name: told[name] for name in shares if name in told},
+        "particles": int(early.left_in_window.sum()),
+        **{name: told[name] for name in names if name in told},
     }
     return early
 
