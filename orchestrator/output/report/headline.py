@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from orchestrator.figures.estimate import Estimate
 from orchestrator.figures.machine import Motion
-from orchestrator.figures.material import Screening, Steady, WholeFeed
+from orchestrator.figures.material import CohortShares, Screening, Steady, WholeFeed
 from orchestrator.figures.results import COHORT, FIGURES, WHOLE_FEED, Results
 from orchestrator.output.report.formatting import NONE, interval, number
 
@@ -124,7 +124,7 @@ def _screening_tiles(screening: Screening, missing: dict[str, str], told: Teller
     whole_feed, cohort = screening.whole_feed, screening.cohort
     why_not = missing.get(COHORT) or missing.get(WHOLE_FEED, "")
     if whole_feed:
-        over = f"{_describe_continuation(whole_feed)}, {told.over}"
+        over = f"{_describe_continuation(whole_feed)}, {_describe_cohort(cohort) if cohort else told.over}"
         path = "screening.whole_feed.efficiency_percent"
         yield replace(told, over=over).tile(path, whole_feed.efficiency_percent)
     elif why_not:
@@ -136,19 +136,26 @@ def _screening_tiles(screening: Screening, missing: dict[str, str], told: Teller
         words = FIGURES[f"results.screening.{name}"].words + computed
         if cohort:
             estimate = getattr(cohort, name, None)
-            over = f"{cohort.particles} particles that were fed until {number(cohort.fed_until_s)} s"
+            over = _describe_cohort(cohort)
         else:
             estimate = None if name == RECOVERY and _is_efficiency(screening) else getattr(screening, name)
             over = f"{getattr(screening, counted)} {counted.replace('_', ' ')} that left, {told.over}"
         yield replace(told, over=over).tile(f"screening.{name}", estimate, words)
 
 
+def _describe_cohort(cohort: CohortShares) -> str:
+    """Return which grains tell the separation of a run that is not steady."""
+    return f"{cohort.particles} particles that were fed until {number(cohort.fed_until_s)} s"
+
+
 def _describe_continuation(whole_feed: WholeFeed) -> str:
     """Return what the partition curve adds, how far it is continued, and by what it is wrong there."""
     computed_mm, listed_mm = 1e3 * whole_feed.smallest_computed_m, 1e3 * whole_feed.smallest_m
+    has_interval = whole_feed.efficiency_percent.half_width is not None
     return (
         f"{whole_feed.left_out_percent:.3g} % of the feed by the partition curve, continued from "
-        f"{computed_mm:.3g} to {listed_mm:.3g} mm; the interval has the error of that, some "
+        f"{computed_mm:.3g} to {listed_mm:.3g} mm; "
+        f"{'the interval has the error of that, some' if has_interval else 'the error of that is some'} "
         f"{abs(whole_feed.continuation.error_percent):.2g} points"
     )
 

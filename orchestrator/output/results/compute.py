@@ -27,7 +27,7 @@ from orchestrator.output.results.listed_feed import listed_feed
 from orchestrator.output.results.power import power_metrics
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
-from orchestrator.output.results.screening import screening
+from orchestrator.output.results.screening import screening, shares
 from orchestrator.output.results.wear import wear_metrics
 from orchestrator.output.results.whole_feed import feed_fines, whole_feed
 
@@ -156,16 +156,16 @@ def _with_cohort(
     if early is None:
         missing[COHORT] = TOO_EARLY
         return None, told
-    of_these = screening(early, cut_m)
-    shares = CohortShares(
+    of_these = shares(early, cut_m)
+    grains = CohortShares(
         fed_until_s=early.until_s,
         remaining_percent=100.0 * early.remaining,
-        particles=of_these.particles,
-        efficiency_percent=of_these.efficiency_percent,
-        fine_placement_percent=of_these.fine_placement_percent,
-        oversize_yield_percent=of_these.oversize_yield_percent,
+        particles=int(early.left_in_window.sum()),
+        efficiency_percent=of_these.get("efficiency"),
+        fine_placement_percent=of_these.get("fine_placement"),
+        oversize_yield_percent=of_these.get("oversize_yield"),
     )
-    return early, replace(told, cohort=shares)
+    return early, replace(told, cohort=grains)
 
 
 def _whole_feed(run: RunReader, events: Events, cut_m: float, missing: dict[str, str]) -> WholeFeed | None:

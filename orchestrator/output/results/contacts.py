@@ -19,7 +19,7 @@ from orchestrator.case.deck.openings import straight_passing
 from orchestrator.figures.estimate import Estimate
 from orchestrator.figures.material import Contacts, ContactSizes, PanelContacts, RateFit
 from orchestrator.output.results.estimate import share
-from orchestrator.output.results.events import UNDERSIZE, Events, EventTable, per_cycle
+from orchestrator.output.results.events import UNDERSIZE, Events, EventTable, sums_by
 from orchestrator.output.results.screening import size_classes
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern
@@ -34,6 +34,7 @@ OVER, CONTACTS, WITHIN, PASSED, GEOMETRIC = range(5)
 class Fines:
     """The n fine particles that left, in the averaged cycles, over the panels of a deck.
 
+    ``counted`` (removed,) is the mask of them among all particles that left.
     Each counts with the mass for which it stands (``Events.left_kg``), which is the mass of ``removed``.
     ``passed_at`` (n, panels) tells through which panel each one passed, which is that of its last contact.
     ``geometric`` (n, panels) is the chance that a sphere which falls straight onto a panel touches nothing.
@@ -42,6 +43,7 @@ class Fines:
     removed: EventTable
     passed_at: npt.NDArray[np.bool_]
     geometric: Array
+    counted: npt.NDArray[np.bool_]
 
     @staticmethod
     def of(events: Events, cut_m: float, openings: Sequence[AperturePattern | None]) -> Fines:
@@ -50,7 +52,7 @@ class Fines:
         removed = replace(events.removed.part(fine), mass_kg=events.left_kg[fine])
         passed = np.isin(removed.exit, events.exits.of(UNDERSIZE))
         passed_at = passed[:, None] & (removed.last_panel[:, None] == np.arange(len(openings)))
-        return Fines(removed, passed_at, geometric_chance(removed.diameter_m, openings))
+        return Fines(removed, passed_at, geometric_chance(removed.diameter_m, openings), fine)
 
     def __len__(self) -> int:
         return len(self.removed.id)
@@ -207,7 +209,8 @@ def _whole_deck(events: Events, fines: Fines) -> dict[str, Estimate]:
     sums = fines.sums.sum(axis=1)
     stay = np.where(over, own.mass_kg, 0.0)
     columns = np.column_stack([sums, stay * own.over_s.sum(axis=1), stay])
-    cycles = np.hstack([per_cycle(own.time_s, column, events.edges_s) for column in columns.T])
+    part = events.part[fines.counted]
+    cycles = np.hstack([sums_by(part, events.parts, column) for column in columns.T])
 
     def of_contacts(name: str, kg: Array) -> float:
         return float(figures(kg[: len(sums[0])])[name])

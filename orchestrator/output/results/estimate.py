@@ -179,6 +179,18 @@ def chance(values: Array) -> Interval:
     return Interval(float(stdtrit(COSINES, (1 + CONFIDENCE) / 2)) * error, error)  # Student's distribution
 
 
+def independent(values: Array) -> Interval:
+    """Return the 95 % confidence interval of the mean of independent values (n,) of one distribution.
+
+    Values that are all alike have none: so few of them do not show their scatter.
+    """
+    n = len(values)
+    error = float(values.std(ddof=1)) / n**0.5
+    if error <= ROUNDING * float(np.abs(values).max()):
+        return Interval(None)
+    return Interval(float(stdtrit(n - 1, (1 + CONFIDENCE) / 2)) * error, error)  # Student's distribution
+
+
 def controlled(values: Array) -> Interval:
     """Return the 95 % confidence interval of the mean of a series (n,) whose sum is controlled.
 

@@ -143,50 +143,55 @@ def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
 
 def screening(events: Events, cut_m: float | None) -> Screening:
     """Return every metric that follows from the particles that came and left."""
-    removed, exits, counted = events.removed, events.exits, events.left_in_window
-    fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
-    group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
-    count = len(exits.names)
+    removed, counted = events.removed, events.left_in_window
+    group, count = _way_and_kind(events, cut_m), len(events.exits.names)
     out_kg, flow_kg = (
-        per_cycle(removed.time_s, kg, events.edges_s, group, 2 * count).reshape(-1, count, 2)
-        for kg in (events.left_kg, removed.mass_kg)
+        events.sums(kg, group, 2 * count).reshape(-1, count, 2) for kg in (events.left_kg, removed.mass_kg)
     )
-
-    def placement(name: str) -> Estimate:
-        return events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out_kg)
-
-    chance = counting_deviations(events.left_kg[counted], group[counted], exits)
-
-    def counted_placement(name: str) -> Estimate:
-        counting = 100.0 * chance[name] if np.isfinite(chance[name]) else None
-        return replace(placement(name), counting=counting)
-
-    rates = _rates(events, flow_kg)
-    told = Screening(
+    rates, placed = _rates(events, flow_kg), shares(events, cut_m)
+    return Screening(
         cut_size_m=cut_m,
         lost_particles=int((removed.exit == LOST).sum()),
         particles=int(counted.sum()),
-        fine_particles=None if cut_m is None else int((counted & (fine == FINE)).sum()),
+        fine_particles=None if cut_m is None else int((counted & (group % 2 == FINE)).sum()),
         feed_kg_per_s=rates["feed"],
         undersize_kg_per_s=rates[UNDERSIZE],
         oversize_kg_per_s=rates[OVERSIZE],
         hold_up_kg=_hold_up(events),
         in_time=_flows_in_time(events, flow_kg),
-        oversize_yield_percent=counted_placement("oversize_yield"),
+        oversize_yield_percent=placed["oversize_yield"],
+        efficiency_percent=placed.get("efficiency"),
+        fine_placement_percent=placed.get("fine_placement"),
+        coarse_placement_percent=placed.get("coarse_placement"),
+        misplaced_percent=placed.get("misplaced"),
+        fines_in_oversize_percent=placed.get("fines_in_oversize"),
+        recovered_percent=None if cut_m is None else _recovery(events, out_kg, cut_m),
         sections=_sections(events, out_kg, cut_m is not None),
         partition=_partition(events, cut_m),
     )
-    if cut_m is None:
-        return told
-    return replace(
-        told,
-        efficiency_percent=counted_placement("efficiency"),
-        fine_placement_percent=counted_placement("fine_placement"),
-        coarse_placement_percent=counted_placement("coarse_placement"),
-        misplaced_percent=counted_placement("misplaced"),
-        fines_in_oversize_percent=counted_placement("fines_in_oversize"),
-        recovered_percent=_recovery(events, out_kg, cut_m),
-    )
+
+
+def shares(events: Events, cut_m: float | None) -> dict[str, Estimate]:
+    """Return the shares of the separation in per cent by the names of ``placements``; without a cut size, the
+    yield of the oversize alone."""
+    exits, counted, group = events.exits, events.left_in_window, _way_and_kind(events, cut_m)
+    count = len(exits.names)
+    out_kg = events.sums(events.left_kg, group, 2 * count).reshape(-1, count, 2)
+    chance = counting_deviations(events.left_kg[counted], group[counted], exits)
+
+    def share_of(name: str) -> Estimate:
+        found = events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out_kg)
+        return replace(found, counting=100.0 * chance[name] if np.isfinite(chance[name]) else None)
+
+    return {name: share_of(name) for name in (chance if cut_m is not None else ("oversize_yield",))}
+
+
+def _way_and_kind(events: Events, cut_m: float | None) -> Indices:
+    """Return a number (removed,) for each particle that left: twice its exit's, plus ``COARSE`` or ``FINE``;
+    negative for those that are lost."""
+    removed = events.removed
+    fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
+    return np.where(removed.exit == LOST, -2 + fine, 2 * removed.exit + fine)
 
 
 def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
@@ -261,8 +266,7 @@ def _partition(events: Events, cut_m: float | None) -> Partition | None:
     size = np.clip(np.searchsorted(edges, removed.diameter_m, side="right") - 1, 0, classes - 1)
     over = np.isin(removed.exit, events.exits.of(OVERSIZE))
     group = np.where(removed.exit == LOST, -1, 2 * size + over)
-    mass_kg = per_cycle(removed.time_s, events.left_kg, events.edges_s, group, 2 * classes)
-    mass_kg = mass_kg.reshape(-1, classes, 2)
+    mass_kg = events.sums(events.left_kg, group, 2 * classes).reshape(-1, classes, 2)
     number = np.bincount(size[counted], minlength=classes)
     summed_m = np.bincount(size[counted], removed.diameter_m[counted], classes)
     mean_m = np.divide(summed_m, number, out=np.full(classes, np.nan), where=number > 0)

@@ -32,7 +32,7 @@ from orchestrator.case.tables.bed import Feed
 from orchestrator.figures.estimate import Estimate
 from orchestrator.figures.material import Continuation, Curve, WholeFeed, WholeFeedSection
 from orchestrator.output.results.estimate import share
-from orchestrator.output.results.events import LOST, UNDERSIZE, Events, per_cycle
+from orchestrator.output.results.events import LOST, UNDERSIZE, Events
 from orchestrator.output.results.listed_feed import ListedFeed, feed_parts, listed_feed, mass_between
 from orchestrator.ports import Array
 
@@ -263,9 +263,9 @@ def _course(curve: PartitionCurve, smallest_m: float) -> Curve:
 
 
 def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]:
-    """Return the mean diameter (bins,) of fine particles, and what left in each cycle by size and exit.
+    """Return the mean diameter (bins,) of fine particles, and what left by size and exit, part by part.
 
-    The latter are numbers and masses, (cycles, bins + 1, exits, 2); the last size is all that is coarse.
+    The latter are numbers and masses, (parts, bins + 1, exits, 2); the last size is all that is coarse.
     Masses are those for which the particles stand in the feed as it is listed.
     """
     removed, exits = events.removed, len(events.exits.names)
@@ -278,8 +278,5 @@ def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]
     summed_m = np.bincount(size[fine], diameter_m, BINS)
     mean_m = np.divide(summed_m, number, out=np.sqrt(edges_m[1:] * edges_m[:-1]), where=number > 0)
     group = np.where(left, exits * size + removed.exit, -1)
-    tables = [
-        per_cycle(removed.time_s, each, events.edges_s, group, (BINS + 1) * exits)
-        for each in (np.ones(len(group)), events.left_kg)
-    ]
+    tables = [events.sums(each, group, (BINS + 1) * exits) for each in (np.ones(len(group)), events.left_kg)]
     return mean_m, np.stack(tables, axis=-1).reshape(-1, BINS + 1, exits, 2)
