@@ -14,7 +14,18 @@ from scipy.sparse import csr_array
 
 from orchestrator.coupling._kernel import NormalOffsets, PointMatrix
 from orchestrator.coupling.wrappers import PanelWrapper
-from orchestrator.ports import Account, Inertia, Interpolation, Known, Load, Motion, Panel, PanelState, Saved
+from orchestrator.ports import (
+    Account,
+    Inertia,
+    Interpolation,
+    Known,
+    Load,
+    Motion,
+    Panel,
+    PanelState,
+    Saved,
+    check_point_count,
+)
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import restore_attributes, save_attributes
 
@@ -80,6 +91,7 @@ class OffsetPanel(MappedPanel):
         self._seen = self._motion(self._own)
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        check_point_count("points of a panel: load", load, len(self._seen))
         middle_m = self._own.position_m + interval.length_s / 2 * self._own.velocity_m_per_s
         own_load_N = self._matrix.transposed_times(load.force_N)
         self._offsets.add_load(middle_m, load.force_N, own_load_N)
