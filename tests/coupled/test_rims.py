@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +15,9 @@ from orchestrator.ports import Array
 from tests.cases import load_case
 from tests.coupled.machines import Coupled, opened
 from tests.coupled.screen import EXCITER, MACHINE
+from tests.docs.pages import code_on
 
-HALF_M = 0.003
+DEPTH_M = 0.006
 BALL_KG = 1430.0 * np.pi / 6 * 0.006**3
 OPENINGS = """
 [screen.panels.deck.apertures]
@@ -35,23 +36,11 @@ BALLS = [
 ]
 
 
-def deep(flat: TriangleGrid) -> TriangleGrid:
-    """The grid's upper and lower side, 6 mm apart, and walls between them along all edges."""
-    points = len(flat.coordinates_m)
-    directed = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in flat.triangles for k in range(3))
-    rims = np.array([(a, b) for a, b in directed if (b, a) not in directed])
-    first, second = rims.T
-    walls = [(first, first + points, second + points), (first, second + points, second)]
-    offset_m = np.repeat([HALF_M, -HALF_M], points)[:, None]
-    coordinates_m = np.hstack([np.tile(flat.coordinates_m, (2, 1)), offset_m])
-    coordinates_m[flat.centre_line, 2] = 0.0  # observed points, which belong to no triangle
-    lower = flat.triangles[:, ::-1] + points
-    triangles = np.vstack([flat.triangles, lower, *(np.column_stack(wall) for wall in walls)])
-    return TriangleGrid(coordinates_m, triangles, flat.centre_line)
-
-
 def deep_grids(case: Case) -> dict[str, TriangleGrid]:
-    return {name: deep(grid) for name, grid in surface_grids(case).items()}
+    """Every panel 6 mm deep, by the function of the page."""
+    page: dict[str, Any] = {}
+    exec(code_on("how-to/give-openings-a-depth.md")[0], page)
+    return {name: page["deep"](grid, DEPTH_M) for name, grid in surface_grids(case).items()}
 
 
 def depth_m(run: Coupled) -> Array:
@@ -81,6 +70,6 @@ def test_balls_strike_the_walls_of_openings_and_the_books_close(
         angular = run.angular_momentum_residual()
         assert angular["particles"] < 1e-11
         assert angular["particles-panel"] < 1e-5
-        assert depth_m(run) == pytest.approx(np.full(len(depth_m(run)), 2 * HALF_M), abs=1e-12)
+        assert depth_m(run) == pytest.approx(np.full(len(depth_m(run)), DEPTH_M), abs=1e-12)
         if solver == "rigid":
             assert abs(run.energy_J("defect")["defect.panel"]) < 1e-6 * 4 * BALL_KG * 0.64**2 / 2
