@@ -81,8 +81,8 @@ class PointMatrix {
     Doubles product({rows(), size_t{3}});
     double *to = product.mutable_data();
     for (size_t row = 0; row < rows(); ++row, to += 3) {
-      const Vec sum = row_times(row, from);
-      std::copy(sum.begin(), sum.end(), to);
+      const auto [x, y, z] = row_times(row, from);
+      to[0] = x, to[1] = y, to[2] = z;
     }
     return product;
   }
