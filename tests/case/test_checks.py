@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.case.solver_plans import panel_plans
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
@@ -321,6 +322,22 @@ def test_a_panel_step_above_the_solvers_limit_is_refused_with_the_limit(tmp_path
     assert "panel.step_s: 0.001 s is above the limit" in said
     assert "or 0 for the solver's own" in said
     assert not complaints(tmp_path, *strip, "panel.step_s=1e-6")
+
+
+def test_the_shortest_panel_limits_the_step(tmp_path: Path) -> None:
+    """A strip's limit is that of a wave through a cell: cells of half the length have half of it."""
+    sets = ["panel.solver=strip", "panel.cells=[22, 1]"]
+    short = (
+        'screen.panels.short={material="PU", frames=["driving", "ground"], corner_m=[0, 0, -0.5], '
+        "length_m=0.15, width_m=0.2, thickness_m=0.004, clamp_m=0.019, tension_m=0.001}"
+    )
+    case = loaded(tmp_path, sets).case
+    limit = case.panel.adapter.largest_step_s
+    assert limit is not None
+    (limit_s,) = map(limit, panel_plans(case))
+    step = f"panel.step_s={0.8 * limit_s}"
+    assert not complaints(tmp_path, *sets, step)
+    assert only_complaint(tmp_path, *sets, short, step).startswith("--set panel.step_s: ")
 
 
 def test_a_solver_without_a_resting_shape_is_not_asked_for_its_limit(

@@ -11,7 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli.main import app
-from tests.cases import LEVEL, case_folder
+from tests.case.test_cost import FEED as FED
+from tests.cases import CASE, LEVEL, case_folder
 
 CALL = CliRunner()
 PAGE = (Path(__file__).parents[2] / "docs/json-output.md").read_text(encoding="utf-8")
@@ -41,6 +42,26 @@ def test_check(tmp_path: Path) -> None:
     assert table["particles_at_start"] == 1
     assert table["sync_intervals"] == round(table["duration_s"] / table["sync_interval_s"])
     assert "panel-deformation" in table["left_out"]
+
+
+def test_all_warnings_of_the_words_are_there(tmp_path: Path) -> None:
+    """With an interval that is too long to be stable, and to be accurate."""
+    words = ["check", str(case_folder(tmp_path)), "--set", "coupling.sync_interval_s=2e-4"]
+    words += ["--set", "panel.solver=strip", "--set", "frames.solver=two-mass"]
+    words += ["--set", "coupling.scheme=particles-first"]
+    table = printed(*words)
+    assert table["stability"]["safe_interval_s"] < 2e-4
+    begin = "warning: "
+    lines = CALL.invoke(app, words).stdout.splitlines()
+    assert table["warnings"] == [line.removeprefix(begin) for line in lines if line.startswith(begin)]
+    assert len(table["warnings"]) > 2
+
+
+def test_a_thick_bed_takes_longer_than_a_thin_one(tmp_path: Path) -> None:
+    """It stays longer on the deck, so that more particles move."""
+    words = ["check", str(case_folder(tmp_path, CASE + FED)), *SETS, "--set", "duration_s=4"]
+    times_s = printed(*words)["predicted_processor_s"]
+    assert 0.0 < times_s["thin_bed"] < times_s["thick_bed"]
 
 
 def test_explain(tmp_path: Path) -> None:

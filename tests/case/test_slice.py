@@ -39,6 +39,39 @@ def test_extensive_quantities_take_their_share(tmp_path: Path) -> None:
     np.testing.assert_allclose(panel.corner_m, [0.0, 0.05, 0.0])
 
 
+def test_a_motor_and_bearings_take_their_share(tmp_path: Path) -> None:
+    """Half of the width has half of the unbalance: the shaft then turns, and the bearings last, as long."""
+    motor = (
+        "rated_power_W=15e3, synchronous_speed_rad_per_s=80.0, rated_slip=0.03, moment_of_inertia_kg_m2=2.0, "
+        "bearing_loss_N_m_s=0.6"
+    )
+    given = [f"screen.exciters.shaft.motor={{{motor}}}", "frames.solver=planar"]
+    given += ["screen.exciters.shaft.bearings={dynamic_rating_N=4e5, count=4}"]
+    shaft = loaded(tmp_path, [*SLICE, *given]).case.screen.exciters["shaft"]
+    assert shaft.motor is not None
+    assert shaft.motor.rated_power_W == pytest.approx(7500.0)
+    assert shaft.motor.moment_of_inertia_kg_m2 == pytest.approx(1.0)
+    assert shaft.motor.bearing_loss_N_m_s == pytest.approx(0.3)
+    assert (shaft.motor.synchronous_speed_rad_per_s, shaft.motor.rated_slip) == (80.0, 0.03)
+    assert shaft.bearings is not None
+    assert (shaft.bearings.dynamic_rating_N, shaft.bearings.count) == (pytest.approx(2e5), 4)
+
+
+def test_margins_of_openings_are_solid_in_a_slice(tmp_path: Path) -> None:
+    """18 pitches of 9 mm between margins of 15 mm on 200 mm: 38 mm are solid, 19 % of any slice's width."""
+    pattern = OPENINGS.replace("margin_along_m", "margin_across_m=0.015, margin_along_m")
+    case = loaded(tmp_path, [*SLICE, pattern, "slice.width_m=0.09"]).case
+    apertures = case.screen.panels["deck"].apertures
+    assert apertures is not None
+    assert apertures.margin_across_m == 0.0
+    assert apertures.margin_share == pytest.approx(0.19)
+    solid = pattern.replace("margin_along", "margin_share=0.1, margin_along")  # and a tenth of the rest
+    case = loaded(tmp_path, [*SLICE, solid, "slice.width_m=0.09"]).case
+    apertures = case.screen.panels["deck"].apertures
+    assert apertures is not None
+    assert apertures.margin_share == pytest.approx(1 - 0.9 * 0.81)
+
+
 def test_the_bed_is_cut_and_shared(tmp_path: Path) -> None:
     block = BLOCK.replace("count=1", "count=10").replace("0.1, 0.1, 0.2", "0.1, 0.2, 0.2")
     case = loaded(tmp_path, [*SLICE, block, FEED]).case
