@@ -13,13 +13,13 @@ from typer.testing import CliRunner
 
 from orchestrator.case.file.base import level_names
 from orchestrator.case.scalars import SCALARS
-from orchestrator.cli.explain import COLUMNS, effects_table, judge_effects
+from orchestrator.cli import explain
+from orchestrator.cli.explain import COLUMNS, effects_table
 from orchestrator.cli.main import app
 from orchestrator.preflight import effects
 from orchestrator.preflight.check import find_table_problems
 from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.judgement import catalogue
-from orchestrator.preflight.judgement.catalogue import EFFECTS, find_dispensable
+from orchestrator.preflight.judgement.catalogue import EFFECTS, find_dispensable, judge_effects
 from orchestrator.preflight.judgement.weighing import weigh_effects
 from tests.cases import CASE, case_folder, load_case
 from tests.effects.verdicts import STILL_CASE
@@ -36,7 +36,7 @@ CALL = CliRunner()
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
     loaded = load_judged(CASES / case, level)
-    verdicts = catalogue.judge_effects(loaded.case).values()
+    verdicts = judge_effects(loaded.case).values()
     names = [one.effect for one in verdicts]
     assert len(names) == len(set(names))
     present = {one.effect: one.present for one in verdicts}
@@ -59,7 +59,7 @@ def test_every_case_can_do_without_what_may_be_left_out(case: str, level: str, e
 
 def test_the_column_auto_is_what_auto_does() -> None:
     """The empty machine has effects that do not matter: with "auto" the case no longer has them."""
-    judged = judge_effects(load_judged(CASES / "empty-machine", "default"))
+    judged = explain.judge_effects(load_judged(CASES / "empty-machine", "default"))
     table = effects_table(judged, COLUMNS)
     names, words = (table.columns[COLUMNS.index(column)].cells for column in ("effect", "auto"))
     marked = {str(name) for name, word in zip(names, words, strict=True) if word == "leaves out"}
@@ -125,7 +125,7 @@ material = "PU"
 
 
 def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
-    judged = catalogue.judge_effects(load_case(tmp_path).case)
+    judged = judge_effects(load_case(tmp_path).case)
     assert len(effects_table(judged, COLUMNS).columns) == 8
     console = Console(width=100, record=True, file=StringIO())
     console.print(effects_table(judged, COLUMNS[:-1]))
