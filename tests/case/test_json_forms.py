@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.case.file.errors import Kind
 from orchestrator.cli.main import app
 from tests.case.test_cost import FEED as FED
 from tests.cases import CASE, LEVEL, case_folder
@@ -90,8 +91,29 @@ def test_list(tmp_path: Path) -> None:
     }
 
 
-def test_a_wrong_case_leaves_standard_output_empty(tmp_path: Path) -> None:
-    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--json", "--set", "panel.solver=rigd"])
+def test_the_problems_of_a_wrong_case_are_told(tmp_path: Path) -> None:
+    wrong = ["--set", "panel.solver=rigd", "--set", "duration_s=-1", "--set", "titel=x"]
+    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--json", *wrong])
     assert done.exit_code == 2
-    assert done.stdout == ""
-    assert 'did you mean "rigid"?' in done.stderr
+    table = json.loads(done.stdout)
+    assert set(table) == {"format_version", "problems"}
+    places = {(each["file"], each["key"], each["kind"]) for each in table["problems"]}
+    assert places == {
+        ("--set", "panel.solver", "unknown-name"),
+        ("--set", "duration_s", "out-of-range"),
+        ("--set", "titel", "unknown-key"),
+    }
+    lines = done.stderr.splitlines()
+    for each in table["problems"]:
+        assert any(each["what"] in line and each["hint"] in line for line in lines)
+
+
+def test_every_kind_of_problem_is_documented() -> None:
+    rows = re.findall(r'^\| "([a-z-]+)" \|', PAGE, flags=re.M)
+    assert rows == [*get_args(Kind)]
+
+
+@pytest.mark.parametrize("command", ["explain", "list"])
+def test_standard_output_of_a_wrong_call_is_empty(tmp_path: Path, command: str) -> None:
+    done = CALL.invoke(app, [command, str(tmp_path / "absent"), "--json"])
+    assert (done.exit_code, done.stdout) == (2, "")
