@@ -7,7 +7,7 @@ def draw() -> None:
     axes = canvas(9.0, 2.8)
     rows = (
         (2.05, "panel", PANELS, ("rigid", "recorded", "strip", "sheet", "solid")),
-        (1.25, "frames", FRAMES, ("prescribed", "two-mass", "planar", "exudyn")),
+        (1.25, "frames", FRAMES, ("prescribed", "two-mass", "exudyn")),
         (0.45, "particles", PARTICLES, ("none", "coarser", "softer", "liggghts", "stiffer")),
     )
     for y, part, color, models in rows:

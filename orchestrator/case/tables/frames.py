@@ -71,7 +71,7 @@ class Drive(Table):
 class Frame(Table):
     """A rigid body.  A free frame has mass, and exciters, bushings and panels move it; a driven frame
     moves as its ``drive`` prescribes, whatever pushes it.  One machine may have both kinds with the
-    solvers "planar" and "exudyn"."""
+    solver "exudyn"."""
 
     center_of_mass_m: Vector | None = None
     """Centre of mass at t = 0.  A free frame needs it, unless its solver knows no rotation.  For a driven
@@ -128,7 +128,7 @@ class MaxwellElement(Table):
 class BushingCurve(Table):
     """Measured stiffness and loss of one bushing over amplitude and frequency.  A spring with friction and
     Maxwell elements in parallel is fitted to the points when the case is read, unless
-    ``elastic_N_per_m`` gives them.  The solvers "planar" and "exudyn" move frames by this law."""
+    ``elastic_N_per_m`` gives them.  The solver "exudyn" moves frames by this law."""
 
     axes: Annotated[str, StringConstraints(pattern=r"^[xyz]{1,3}$")] = "x"
     """Axes of the bushing to which the curve belongs, such as "xz"."""
@@ -166,7 +166,7 @@ class Bushing(Table):
 
 class Motor(Table):
     """An induction motor on the ground that turns an exciter's shaft, whose speed then drops under load.
-    The solvers "planar" and "exudyn" compute it; other solvers turn the shaft at ``speed_rad_per_s``."""
+    The solver "exudyn" computes it; other solvers turn the shaft at ``speed_rad_per_s``."""
 
     rated_power_W: Positive
     """Rated power of all motors of the shaft together."""
