@@ -54,7 +54,6 @@ Examples:
   mpirun -n 4 flipflow run cases/quickstart            on four processes; as root with --allow-run-as-root,
                                                        on a busy machine with --mca mpi_yield_when_idle 1
 
-  flipflow record RUN --out panels.h5                  its panels, to be played back
 
   flipflow resume runs/quickstart-1                    go on with it, if it was interrupted
 
@@ -356,39 +355,6 @@ def compare(
     from orchestrator.cli.compare import print_comparison
 
     print_comparison(runs, out, as_json)
-
-
-@app.command()
-def record(
-    run: RunPath,
-    out: Annotated[Path, typer.Option("--out", help="file to write")],
-    cycles: Annotated[
-        int | None, typer.Option(min=1, help="cycles to record [default: until the panels repeat, up to 8]")
-    ] = None,
-) -> None:
-    """Record the panels of a run for playback by panel.solver = "recorded".
-
-    The run must have been made with --set output.shapes_s=<time between rows>, and must last until
-    the machine moves steadily.  Another case whose panels have the same lengths plays the file back
-    with --set panel.solver=recorded --set panel.recording=<file>, a path from that case's folder.
-
-    Exit code 0: the file is written; 2: the folder lacks what the recording needs.
-    """
-    from orchestrator.case import recordings
-    from orchestrator.output.records.run_folder import SUMMARY
-    from orchestrator.output.records.trust import is_trusted
-    from orchestrator.studies.points import status
-    from orchestrator.studies.record import record as record_panels
-
-    with reported_errors():
-        recording, state = record_panels(run, cycles), status(run)
-        recordings.write(out, recording.file)
-    if not is_trusted(state):
-        CONSOLE.print(f"warning: the run is {state}: {run / SUMMARY} says why")
-    for name, share in recording.change.items():
-        what = f"{recording.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
-        CONSOLE.print(f"{name}: {what}")
-    CONSOLE.print(f"written: {out}")
 
 
 @app.command(name="list")

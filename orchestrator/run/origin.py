@@ -18,7 +18,7 @@ from orchestrator.case.file.errors import show_value
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
-from orchestrator.output.records.run_folder import RECORDING, resolved_case
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.judge import JudgedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
@@ -97,5 +97,5 @@ def _flatten(value: Any, within: str = "") -> dict[str, Any]:
 
 def _checksums(run: Path) -> dict[str, str]:
     """Return the SHA-256 checksums of the files that the case names."""
-    named = [*run.glob("*.stl"), *run.glob(RECORDING), *run.glob(BED)]
+    named = [*run.glob("*.stl"), *run.glob(BED)]
     return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in named}

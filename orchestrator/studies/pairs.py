@@ -22,9 +22,9 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.base import level_names
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.origin import CHEAP_LEVEL
-from orchestrator.case.recordings import turning
 from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
+from orchestrator.case.turning import turning
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
 from orchestrator.ports.clock import exact

@@ -31,7 +31,7 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.acceleration import acceleration_m_per_s2
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
-from orchestrator.ports.recording import RecordedGrid
+from orchestrator.ports.shape_grid import ShapeGrid
 from orchestrator.studies.points import summary_of
 
 
@@ -426,7 +426,7 @@ def _panel_metrics(
     shapes = history[f"shapes/{panel.name}"]
     time_s = shapes["time_s"][:]
     last = time_s >= start_s - 1e-9
-    grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
+    grid, at = ShapeGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
     turn = np.stack([at.along, at.across, at.normal], axis=1)
     place_m, velocity_m_per_s = shapes["position_m"][:], shapes["velocity_m_per_s"][:]
     carried = grid.carried(at)

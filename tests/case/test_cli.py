@@ -54,7 +54,7 @@ def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
     assert done.exit_code == 2
     assert done.stdout == ""
     assert done.stderr == (
-        "1 problem in the case:\n  --set panel.solver: 'rigd' is not one of 'recorded', 'rigid', "
+        "1 problem in the case:\n  --set panel.solver: 'rigd' is not one of 'rigid', "
         "'sheet', 'solid' or 'strip'; did you mean \"rigid\"?\n"
     )
 

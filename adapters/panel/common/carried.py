@@ -1,5 +1,5 @@
 """Surfaces whose clamps determine the places of all points: walls, chutes and probes on frames, and the
-common parts of rigid and recorded panels."""
+common parts of rigid panels."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class Origin:
     def read(self) -> dict[str, Any]:
         """Read everything that defines the case except its choice of effects.
 
-        The result has tables, overrides, and checksums of the files that these name: STL files, recordings,
+        The result has tables, overrides, and checksums of the files that these name: STL files,
         tables of particles, and the last state of a run from which particles come.  Raises CaseError for a
         level that cannot be read.
         """

@@ -264,5 +264,9 @@ def cost(work: FramesWork) -> Cost:
 
 
 ADAPTER = FramesAdapter(
-    about="rigid bodies in the vertical plane, free or driven", build=build, cost=cost, objections=objections
+    about="rigid bodies in the vertical plane, free or driven",
+    build=build,
+    cost=cost,
+    objections=objections,
+    fidelity=2,
 )
