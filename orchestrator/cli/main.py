@@ -174,10 +174,9 @@ def check(
         bool, typer.Option("--detail", help="all that limits the sync interval, with its numbers")
     ] = False,
     ranks: Annotated[
-        int | None, typer.Option(min=1, help="predict the wall time on 1, 2, 4, ... and on so many MPI ranks")
+        int | None,
+        typer.Option(min=1, max=64, help="predict the wall time on 1, 2, 4, ... and on so many MPI ranks"),
     ] = None,
-    latency: Annotated[float, typer.Option(min=0, help="with --ranks: time of a message / s")] = 2e-6,
-    bandwidth: Annotated[float, typer.Option(min=1, help="with --ranks: of the network / (byte/s)")] = 5e9,
     as_json: AsJson = False,
     html: Annotated[
         Path | None, typer.Option("--html", metavar="PAGE", help="writes a page with all this and drawings")
@@ -186,18 +185,16 @@ def check(
 ) -> None:
     """Check a case without running it, and print what is in it.
 
-    With --ranks, a table predicts the wall time of mpirun -n N flipflow run on ever more ranks, and says
-    beyond how many they no longer pay.  Each rank is one process on a core of its own.
+    With --ranks, a table predicts the wall time of mpirun -n N flipflow run on ever more ranks of one
+    computer, and says beyond how many they no longer pay.  Each rank is one process on a core of its own.
 
       flipflow check cases/ffs0827-slice --ranks 64
-
-    Plain Ethernet is --latency 3e-5 --bandwidth 1e8.
 
     Exit code 0: the case can be run; 2: it cannot, and one message has every problem.
     """
     from orchestrator.cli.overview import overview
     from orchestrator.preflight.cost import particles_at_start
-    from orchestrator.preflight.scaling import Network, scaling_lines
+    from orchestrator.preflight.scaling import scaling_lines
 
     if as_json and ranks is not None:
         raise typer.BadParameter("--ranks prints a table: leave out --json", param_hint="--ranks")
@@ -209,8 +206,7 @@ def check(
             print_json(check_form(loaded))
         parts = [overview(loaded, detail)] if html is not None or not as_json else []
         if ranks is not None:
-            network = Network(latency, bandwidth)
-            parts.append(scaling_lines(loaded.case, particles_at_start(loaded.case), ranks, network))
+            parts.append(scaling_lines(loaded.case, particles_at_start(loaded.case), ranks))
         lines = []
         for line in chain.from_iterable(parts):
             lines.append(line)

@@ -369,7 +369,7 @@ def _stepping_s(time_s: Mapping[str, float]) -> float:
 
 
 SHARED = ("particles", "panel")  # parts whose work the ranks share
-MOST_RANKS = 1024
+MOST_RANKS = 64  # the cores of a workstation
 
 
 @dataclass(frozen=True)
