@@ -7,7 +7,6 @@ A name with dots that is not in the table is a path of keys in ``summary.json``,
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -278,8 +277,6 @@ _ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]
     },
 }
 SCALARS = {name: Scalar(*row, part) for part, rows in _ROWS.items() for name, row in rows.items()}
-RENAMED = {"peak_g": "cycle_peak_g", "middle_amplitude": "middle_half_range"}
-"""Short names of earlier versions, with those of now."""
 
 
 def value_at(summary: Summary, name: str) -> Value | None:
@@ -331,13 +328,8 @@ def scalar(name: str) -> Scalar:
     """Return the result with a short name or a path.  Raises KeyError, which suggests a similar name."""
     if name in SCALARS:
         return SCALARS[name]
-    if re.fullmatch(r"probes\..*\.amplitude_m\..*", name):
-        new = name.replace(".amplitude_m.", ".half_range_m.")
-        raise KeyError(f'"{name}" is half a range, whatever its harmonics, and is called "{new}" now')
     if "." in name:
         return Scalar(name, 1e-12, _at(name))
-    if name in RENAMED:
-        raise KeyError(f'"{name}" is called "{RENAMED[name]}" now')
     near = get_close_matches(name, SCALARS, 1)
     hint = f'; did you mean "{near[0]}"?' if near else "."
     raise KeyError(f'no result "{name}"{hint} There are: {", ".join(SCALARS)}')

@@ -150,7 +150,6 @@ def resume(
     checkpoint: Annotated[
         int | None, typer.Option(min=0, help="sync point of the checkpoint [default: the last]")
     ] = None,
-    save: Annotated[int | None, typer.Option(hidden=True)] = None,
 ) -> None:
     """Go on with a run from its last checkpoint.
 
@@ -161,8 +160,6 @@ def resume(
     """
     from orchestrator.cli.launch import resume as go_on
 
-    if save is not None:
-        raise typer.BadParameter(f"it is called --checkpoint now: --checkpoint {save}", param_hint="--save")
     raise typer.Exit(go_on(run, overrides or [], checkpoint))
 
 

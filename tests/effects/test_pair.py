@@ -93,8 +93,6 @@ def test_results_have_one_table_of_names_and_paths_besides() -> None:
     assert all(one.words for one in SCALARS.values())
     with pytest.raises(KeyError, match='did you mean "efficiency"'):
         scalar("eficiency")
-    with pytest.raises(KeyError, match='"peak_g" is called "cycle_peak_g" now'):
-        scalar("peak_g")
 
 
 def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:

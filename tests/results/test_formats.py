@@ -72,7 +72,7 @@ def test_what_is_not_in_the_schema_is_not_written(tmp_path: Path) -> None:
 def test_another_version_of_a_runs_file_is_refused(tmp_path: Path, name: str, version: int | None) -> None:
     folder = folder_of(tmp_path / "run", particles=False, cycles=2)
     _set_version(folder / name, version)
-    has = "no version of its format" if version is None else f"format {version}"
+    has = f"format {version}"
     with RunReader(folder) as run, pytest.raises(OtherFormat, match=f"{name}: has {has}.*run the case again"):
         getattr(run, "history" if name == "history.h5" else "summary")
 

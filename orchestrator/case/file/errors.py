@@ -17,27 +17,6 @@ from orchestrator.case.file.units import why_refused
 Key = tuple[str | int, ...]
 MOST = 50  # A message shows at most so many problems.
 LONGEST = 600  # The line about a problem has at most so many characters.
-# These keys of earlier versions were renamed in 2026-11.
-RENAMED = {
-    "damping_N_s_m": "damping_N_s_per_m",
-    "density_kg_m3": "density_kg_per_m3",
-    "fitted": "ours",
-    "gravity_m_s2": "gravity_m_per_s2",
-    "hand_over": "exchange",
-    "rate_kg_s": "rate_kg_per_s",
-    "save": "checkpoint",
-    "specific_wear_m3_N_m": "specific_wear_m3_per_N_m",
-    "speed_rad_s": "speed_rad_per_s",
-    "spin_rad_s": "spin_rad_per_s",
-    "stiffness_N_m": "stiffness_N_per_m",
-    "stiffness_Pa_m": "stiffness_Pa_per_m",
-    "synchronous_speed_rad_s": "synchronous_speed_rad_per_s",
-    "velocity_m_s": "velocity_m_per_s",
-    "watch": "monitor",
-    "work_of_adhesion_J_m2": "work_of_adhesion_J_per_m2",
-}
-# These values of earlier versions were replaced in 2026-11.
-REPLACED = {"spheres": "liggghts"}
 
 
 @dataclass(frozen=True)
@@ -132,12 +111,6 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
         if detail["type"] == "extra_forbidden":
             *table, key = detail["loc"]
             known = _keys_at(model, table)
-            renamed = RENAMED.get(str(key), "")
-            if renamed in known:
-                meant.add((*table, renamed))
-                hint = f'it is called "{renamed}" now'
-                problems.append(CaseProblem(detail["loc"], "the name of an earlier version", hint))
-                continue
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
             what = f"unknown key (its value: {show_value(detail['input'])})"
@@ -167,8 +140,6 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in expected.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
-        if REPLACED.get(word) in allowed:
-            return CaseProblem(key, f"{value} is of an earlier version", f'use "{REPLACED[word]}"')
         return CaseProblem(key, f"{value} is not one of {expected}", did_you_mean(word, allowed))
     if isinstance(detail["input"], str) and (why := why_refused(detail["input"], key)):
         return CaseProblem(key, f"{value} {why}")

@@ -53,9 +53,8 @@ class OtherFormat(FolderUnusable):
 def check_format(file: Path, version: Any, expected: int) -> None:
     """Raise OtherFormat if the ``version`` of a file's format is not the ``expected`` version."""
     if version != expected:
-        description = "no version of its format, as older ones" if version is None else f"format {version}"
         raise OtherFormat(
-            f"{file}: has {description}; this flipflow reads format {expected}: run the case again, or "
+            f"{file}: has format {version}; this flipflow reads format {expected}: run the case again, or "
             "read it with the flipflow that wrote it (provenance.json names its version)"
         )
 

@@ -81,7 +81,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
 def slice_in_words(summary: dict[str, Any]) -> str:
     """Return the slice that was run, such as "in the slice of 126 mm"; empty for the whole width.
 
-    Results of less than a cycle, and older ones, lack the width; its share of the machine's stands for it.
+    Results of less than a cycle lack the width; its share of the machine's stands for it.
     """
     if summary["share_of_width"] == 1.0:
         return ""

@@ -182,7 +182,7 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
     if model is None or not decisive:
         return verdict
-    widths = model.get("half_width", {})  # absent from studies of older versions
+    widths = model.get("half_width", {})
     known = {name: widths.get(name) or 0.0 for name in decisive}
     surely = any(value - known[name] > TENTH for name, value in decisive.items())
     if not surely and any(value + known[name] > TENTH for name, value in decisive.items()):
