@@ -450,15 +450,6 @@ app.command()(new)
 app.add_typer(study, name="study")
 
 
-@app.command(hidden=True, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
-def ladder() -> None:
-    """Name the command that compares models now."""
-    raise typer.BadParameter(
-        "flipflow ladder is a part of study accuracy now: flipflow study accuracy CASE "
-        "--parameters panel-mesh,panel-model,frames-model,particles-model,stiffness,number"
-    )
-
-
 def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     """Return the given study of accuracy, or the study in the case's folder; None if there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.front import hypervolume, improvements, nondominated
-from tests.design.functions import BNH, ZDT1, Problem
+from orchestrator.studies.design.front import improvements, nondominated
+from tests.design.functions import BNH, ZDT1, Problem, hypervolume
 
 
 def gains_of(problem: Problem, settings: Array) -> Array:

@@ -5,7 +5,6 @@ All of them are in deck axes, which screen.py defines.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le
@@ -46,26 +45,6 @@ class Drive(Table):
     def moves(self) -> bool:
         """Whether any amplitude is not zero; a drive without amplitude holds its frame."""
         return any((*self.amplitude_m, *self.rotation_rad))
-
-    @property
-    def largest_phase_rad(self) -> float:
-        """The phase of the component with the largest amplitude, a translation where there is any."""
-        size, phase_rad, _ = self._largest
-        return phase_rad if size > 0 else phase_rad + math.pi
-
-    @property
-    def largest_component(self) -> str:
-        """The component with the largest amplitude in words, such as "along z" and "about y"."""
-        return self._largest[2]
-
-    @property
-    def _largest(self) -> tuple[float, float, str]:
-        """Amplitude, phase and name of the largest component, a translation where there is any."""
-        sizes, phases_rad, way = self.amplitude_m, self.phase_rad, "along"
-        if not any(sizes):
-            sizes, phases_rad, way = self.rotation_rad, self.rotation_phase_rad, "about"
-        names = (f"{way} {axis}" for axis in "xyz")
-        return max(zip(sizes, phases_rad, names, strict=True), key=lambda component: abs(component[0]))
 
 
 class Frame(Table):
