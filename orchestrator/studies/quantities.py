@@ -134,10 +134,6 @@ def _series(question: Question, run: Path) -> float:
     return TAKES[question.take](time_s[inside], values[inside])
 
 
-def _amplitude(question: Question, run: Path) -> float:
-    return float(_orbit(question, run)["amplitude_m"][AXES.get(question.axis, 0)])
-
-
 def _orbit(question: Question, run: Path) -> Mapping[str, Any]:
     """Return the table of a point's first harmonic, in the results' cycles or those ``between_s``.
 
@@ -470,7 +466,10 @@ ABOUT_TRUST = ("trusted", "clear")
 MEASURES: dict[str, Callable[[Question, Path], float]] = {
     "result": lambda question, run: _value_at(run, question.of),
     "series": _series,
-    "amplitude": _amplitude,  # the first harmonic of a point's motion, in m
+    # the first harmonic of a point's motion, in m
+    "amplitude": lambda question, run: float(
+        _orbit(question, run)["amplitude_m"][AXES.get(question.axis, 0)]
+    ),
     # the largest distance, in m, of a panel's middle line from the straight line between its ends, on
     # either side, in the cycles that end in the run's second half
     "arch": _arch,

@@ -116,7 +116,10 @@ def parse_quantity(text: str, key: str) -> float:
     except ValueError:
         raise ValueError(f'has the unknown unit "{match[2]}"; {_nearest(match[2], own)}') from None
     if given.dimensionality != own.dimensionality:
-        raise ValueError(f"is {_kind_of(given)}; {_wanted(key)}")
+        kinds = (
+            kind for unit, (kind, _) in KINDS.items() if _unit(unit).dimensionality == given.dimensionality
+        )
+        raise ValueError(f"is {next(kinds, 'of another kind')}; {_wanted(key)}")
     return float(_registry().Quantity(number, given).to(own).magnitude)
 
 
@@ -163,12 +166,6 @@ def _wanted(key: str) -> str:
         return f"{own} is wanted"
     kind, example = KINDS[own]
     return f'{kind} is wanted, such as "{example}"'
-
-
-def _kind_of(given: Unit) -> str:
-    """Return the kind of quantity that a unit measures, for a message."""
-    kinds = [kind for unit, (kind, _) in KINDS.items() if _unit(unit).dimensionality == given.dimensionality]
-    return kinds[0] if kinds else "of another kind"
 
 
 def _nearest(text: str, own: Unit) -> str:

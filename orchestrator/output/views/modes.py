@@ -79,8 +79,9 @@ def _cell(machine: MachineOutline, mode: FrameMode, excited_Hz: Sequence[float])
         if len(points) < 2:
             continue
         own = frame_color(machine, name)
-        hull = _hull_rows(cell.of(points))
-        outline = _listed(cell.of(points)[hull])
+        drawn = cell.of(points)
+        hull = [int(np.linalg.norm(drawn - corner, axis=1).argmin()) for corner in convex_hull(drawn)]
+        outline = _listed(drawn[hull])
         yield f'<polygon points="{outline}" fill="none" stroke="#b5bcc4" stroke-dasharray="3 3"/>'
         path = [cell.of(points + share * factor * moved[name])[hull] for share in SHARES]
         yield _moving(path, f'fill="{own}" fill-opacity="0.18" stroke="{own}" stroke-width="1.5"')
@@ -121,12 +122,6 @@ def _fit(machine: MachineOutline, view: View) -> Cell:
     middle = (low + high) / 2
     center = np.array([CELL_PX[0] / 2, HEAD_PX + CELL_PX[1] / 2])
     return Cell(view, scale, center - middle * scale * [1.0, -1.0])
-
-
-def _hull_rows(points: Array) -> list[int]:
-    """Return the numbers of the points on the convex hull, in order."""
-    corners = convex_hull(points)
-    return [int(np.argmin(np.linalg.norm(points - corner, axis=1))) for corner in corners]
 
 
 def _two_lines(shape: str) -> tuple[str, str]:

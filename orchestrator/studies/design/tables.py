@@ -50,7 +50,8 @@ def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
     write_json(file, to_json(fit_table(findings)))  # what is not defined is no number in JSON
     yield file
     if len(findings.front):
-        yield write_csv([_setting_row(findings, x) for x in findings.front], folder / "front.csv")
+        rows = [{**study.actual(x), **_intervals(findings.predict(x), "")} for x in findings.front]
+        yield write_csv(rows, folder / "front.csv")
     if best := best_rows(findings):
         yield write_csv(best, folder / "best.csv")
     if effects := effect_rows(findings):
@@ -165,11 +166,6 @@ def term_name(term: Term, factors: Sequence[str]) -> str:
     if len(term) == 2 and term[0] == term[1]:
         return f"{factors[term[0]]}**2"
     return "*".join(factors[i] for i in term) or "1"
-
-
-def _setting_row(findings: Findings, setting: Array) -> Row:
-    """Return a setting and its predicted responses."""
-    return findings.campaign.study.actual(setting) | _intervals(findings.predict(setting), "")
 
 
 def best_rows(findings: Findings) -> list[Row]:
