@@ -425,7 +425,6 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
 
 
 def _print_and_log(line: str, console: Console) -> None:
-    """Print a line on the console and in the log."""
     LOG.info(line)
     console.print(line)
 

@@ -257,7 +257,6 @@ def _check_format(file: Path, about: Mapping[str, Any]) -> None:
 
 
 def _in_order(run: Path) -> list[Path]:
-    """Return the folders of all checkpoints in order of time."""
     return sorted(folder for folder in (run / FOLDER).glob("*") if folder.name.isdigit())
 
 

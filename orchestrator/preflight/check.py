@@ -81,7 +81,6 @@ def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
 
 def _rule_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Return the problems of the first round."""
     problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole_machine)]
     return _as_given(loaded, [*loaded.choice.problems, *problems])
 

@@ -153,7 +153,6 @@ class Pairs:
 
 
 def _processor_time_of_children_s() -> float:
-    """Return the processor time of all processes that this one has waited for."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -220,7 +219,6 @@ def _load(folder: Path, level: str, sets: Sets) -> JudgedCase:
 
 
 def _present(folder: Path, level: str, sets: Sets) -> list[str]:
-    """Return the effects that the case describes."""
     case = _load(folder, level, (*sets, AUTO)).described
     return [name for name in EFFECTS if has_effect(case, name)]
 

@@ -209,7 +209,6 @@ def read_dataset(run: Path, name: str) -> Array:
 
 
 def _energy_J(run: Path) -> dict[str, Array]:
-    """Return the accounts of the energy ledger at all output times."""
     with RunReader(run) as reader:
         return {name: reader.read(f"energy/{name}") for name in reader.names("energy")}
 

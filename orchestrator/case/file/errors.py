@@ -124,7 +124,6 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
 
 def _problem(detail: ErrorDetails) -> CaseProblem:
-    """Return the case problem for one error of pydantic's validation."""
     kind, key, value = detail["type"], detail["loc"], show_value(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
@@ -155,7 +154,6 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
 
 
 def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
-    """Return the keys that the table at a place in the model may have."""
     place: Any = model
     for part in table:
         place = _inside(place, part)

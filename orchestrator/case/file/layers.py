@@ -132,7 +132,6 @@ class Layers:
         return [m if m.file else replace(m, file=self.source(m.key)) for m in told]
 
     def _value(self, words: Sequence[str]) -> Any:
-        """Return what stands at a key, or None."""
         value: Any = self.merged
         for word in words:
             if isinstance(value, list) and word.isdecimal() and int(word) < len(value):

@@ -94,7 +94,6 @@ def read_sieve_analyses(table: dict[str, Any], folder: Path, source: str) -> dic
 
 
 def _sources(table: dict[str, Any]) -> Iterator[tuple[Key, dict[str, Any]]]:
-    """Yield the key and the table of each block and feed."""
     bed = table.get("bed")
     for kind in ("blocks", "feeds"):
         rows = bed.get(kind) if isinstance(bed, dict) else None

@@ -78,7 +78,6 @@ def keys_with_units(table: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str
 
 
 def _converted(value: Any, key: str) -> Any:
-    """Return the value of a key in the key's unit."""
     if isinstance(value, Mapping):
         return in_own_units(value, key)
     if isinstance(value, list):
@@ -169,7 +168,6 @@ def _wanted(key: str) -> str:
 
 
 def _nearest(text: str, own: Unit) -> str:
-    """Return a hint at the nearest unit of the kind that is wanted."""
     same_kind = [word for word in USUAL if _unit(word).dimensionality == own.dimensionality]
     if near := get_close_matches(text, same_kind, n=1):
         return f'did you mean "{near[0]}"?'

@@ -145,7 +145,6 @@ def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
 
 
 def _particles(number: int) -> str:
-    """Return a number of particles in words."""
     return "1 particle" if number == 1 else f"{number} particles"
 
 

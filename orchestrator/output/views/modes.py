@@ -59,7 +59,6 @@ def modes_svg(machine: MachineOutline, modes: Sequence[FrameMode], excited_Hz: S
 
 
 def _cell(machine: MachineOutline, mode: FrameMode, excited_Hz: Sequence[float]) -> Iterator[str]:
-    """Yield the elements of a mode's cell."""
     view = VIEWS[int(np.argmax(mode.energy.sum(axis=0)))]
     cell = _fit(machine, view)
     near = [f for f in excited_Hz if abs(mode.frequency_Hz - f) <= 0.15 * f]
@@ -125,7 +124,6 @@ def _fit(machine: MachineOutline, view: View) -> Cell:
 
 
 def _two_lines(shape: str) -> tuple[str, str]:
-    """Return the name of a shape as two lines."""
     for word in (" against ", " with "):
         if word in shape:
             first, second = shape.split(word, 1)

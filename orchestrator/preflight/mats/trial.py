@@ -186,7 +186,6 @@ def _move(trials: Sequence[Trial], panels: Sequence[MeshedPanel], rows: int) -> 
 
 
 def _concatenate(states: Sequence[PanelState]) -> PanelState:
-    """Return the states of several panels as one, one panel after the other."""
     motions = [state.surface for state in states]
     surface = Motion(
         np.concatenate([motion.position_m for motion in motions]),

@@ -290,13 +290,11 @@ def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> Refin
 
 
 def _model(port: solvers.Port, setting: Setting) -> RefinementSeries:
-    """Return the series of one model, which is named after its solver."""
     rank, is_choice = _adapter(port, setting.label).fidelity, not setting.needs_drives
     return RefinementSeries(port, setting.label, (setting,), rank=rank, is_choice=is_choice)
 
 
 def _by_fidelity(port: solvers.Port) -> list[str]:
-    """Return the solvers of a port in ascending order of fidelity."""
     return sorted(solvers.names(port), key=lambda name: _adapter(port, name).fidelity)
 
 
@@ -336,7 +334,6 @@ def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ..
 
 
 def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the series of every model of the frames."""
     driven = all(frame.drive for frame in case.screen.frames.values())
     for name in _by_fidelity("frames"):
         own = name == case.frames.solver
@@ -346,7 +343,6 @@ def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the series without particles, and the series of every solver of particles."""
     own, without = case.particles.solver, Setting(solvers.NONE, (f"particles.solver={solvers.NONE}",))
     yield RefinementSeries("particles", solvers.NONE, (without,), rank=-1.0, is_choice=False)
     for name in _by_fidelity("particles"):
@@ -354,7 +350,6 @@ def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _particle_step(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the series of the particles' step, its half and its quarter."""
     settings = _steps(case, "particles.step_s", particle_step_s(case), points)
     note = DAMPED_STEPS if damped_contacts(case) else JUMPING if _surface_jumps(case) else ""
     yield RefinementSeries("particle-step", "", settings, "step / s", 1.0 if note else 2.0, note=note)
