@@ -128,7 +128,7 @@ def workers_that_fit() -> int:
     return max(1, min(processors, int(free_MiB / PER_RUN_MIB)))
 
 
-def summary_of(folder: Path) -> dict[str, Any]:
+def summary_of(folder: Path) -> Mapping[str, Any]:
     """Return the content of ``summary.json`` in a run's folder, or {} without a readable file.
 
     Raises OtherFormat where another version of flipflow wrote it.
@@ -288,7 +288,7 @@ def run_in_scratch(
         if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and more:
             raise NoResult(f"took more than {limit_s} s of processor time and was ended")
         try:
-            return RunReader(folder).summary
+            return dict(RunReader(folder).summary)
         except (OSError, ValueError):
             last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
             raise NoResult(f"left nothing: {last[0]}") from None

@@ -65,7 +65,7 @@ def test_a_transient_is_told_without_bias(end_s: float, stuck: int) -> None:
     assert 0.2 < early.until_s < end_s - STAY_S + 0.05
     assert early.remaining <= MOST_REMAINING
     assert early.steady == events.steady
-    biased, told = screening(events, CUT_M)["efficiency_percent"], shares(early, CUT_M)["efficiency_percent"]
+    biased, told = screening(events, CUT_M).efficiency_percent, shares(early, CUT_M)["efficiency_percent"]
     assert biased.value > 100 * PASSED + 10
     assert told.value == pytest.approx(100 * PASSED, abs=4 * told.counting + 100 * MOST_REMAINING)
 

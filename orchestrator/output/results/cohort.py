@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.output.results.estimate import Estimate, IntervalOf, estimate, independent
+from orchestrator.figures.estimate import Estimate
+from orchestrator.output.results.estimate import IntervalOf, estimate, independent
 from orchestrator.output.results.events import LOST, Events, SteadyState
 from orchestrator.ports import Array, Indices
 

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from orchestrator.case.deck.openings import straight_passing
-from orchestrator.output.results.estimate import Estimate, share
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.material import Contacts, ContactSizes, PanelContacts, RateFit
+from orchestrator.output.results.estimate import share
 from orchestrator.output.results.events import UNDERSIZE, Events, EventTable, sums_by
 from orchestrator.output.results.screening import size_classes
 from orchestrator.ports import Array, Indices
@@ -141,7 +142,7 @@ def fit_rate(time_s: Array, passed: Array) -> tuple[float, float]:
 
 def contacts(
     events: Events, cut_m: float, names: Sequence[str], openings: Sequence[AperturePattern | None]
-) -> dict[str, Any] | str:
+) -> Contacts | str:
     """Return why so much of the fines passes; the reason if there is no such table.
 
     ``names`` and ``openings`` are those of the panels along the deck.
@@ -166,43 +167,40 @@ def contacts(
         **figures(by_panel),
         "passed_percent": 100.0 * passed,
     }
-    return {
-        "particles": len(fines),
-        "counted_percent": 100.0 * passed[-1],
-        "rebuilt_percent": 100.0 * _rebuilt(fines, size, len(edges) - 1),
+    return Contacts(
+        particles=len(fines),
+        counted_percent=float(100.0 * passed[-1]),
+        rebuilt_percent=100.0 * _rebuilt(fines, size, len(edges) - 1),
         **_whole_deck(events, fines),
-        "along": [
-            {"panel": name} | {key: float(values[place]) for key, values in along.items()}
+        along=[
+            PanelContacts(panel=name, **{key: float(values[place]) for key, values in along.items()})
             for place, name in enumerate(names)
         ],
-        "fit": {
-            "rate_per_s": fitted_per_s,
-            "rms_percent": 100.0 * rms,
-            "time_s": elapsed_s,
-            "passed_percent": 100.0 * -np.expm1(-fitted_per_s * elapsed_s),
-        },
-        "sizes": _sizes(fines, size, len(edges) - 1),
-    }
+        fit=RateFit(
+            rate_per_s=fitted_per_s,
+            rms_percent=100.0 * rms,
+            time_s=elapsed_s,
+            passed_percent=100.0 * -np.expm1(-fitted_per_s * elapsed_s),
+        ),
+        sizes=_sizes(fines, size, len(edges) - 1),
+    )
 
 
 def _rebuilt(fines: Fines, size: Indices, classes: int) -> float:
     """Return the share by mass that passes, from the tables of panels and of sizes alone."""
     table = _sizes(fines, size, classes)
     mass_kg = np.bincount(size, fines.removed.mass_kg, classes).astype(float)
-    chance = np.nan_to_num(table["chance_percent"]) / 100.0
+    chance = np.nan_to_num(table.chance_percent) / 100.0
     return rebuilt(mass_kg, chance, figures(fines.sums.sum(axis=0))["contacts_per_s"], fines.stay_s)
 
 
-def _sizes(fines: Fines, size: Indices, classes: int) -> dict[str, Array]:
+def _sizes(fines: Fines, size: Indices, classes: int) -> ContactSizes:
     """Return the figures of the size classes over the whole deck."""
     sums = np.zeros((classes, fines.sums.shape[2]))
     np.add.at(sums, size, fines.sums.sum(axis=1))
     number = np.bincount(size, minlength=classes).astype(float)
-    return {
-        "mean_m": ratio(np.bincount(size, fines.removed.diameter_m, classes).astype(float), number),
-        "particles": number,
-        **figures(sums),
-    }
+    summed_m = np.bincount(size, fines.removed.diameter_m, classes).astype(float)
+    return ContactSizes(mean_m=ratio(summed_m, number), particles=number, **figures(sums))
 
 
 def _whole_deck(events: Events, fines: Fines) -> dict[str, Estimate]:
@@ -214,8 +212,9 @@ def _whole_deck(events: Events, fines: Fines) -> dict[str, Estimate]:
     columns = np.column_stack([sums, stay * own.over_s.sum(axis=1), stay])
     part = events.part[fines.counted]
     cycles = np.hstack([sums_by(part, events.parts, column) for column in columns.T])
-    statistics: dict[str, Any] = {
-        name: lambda kg, name=name: float(figures(kg[: len(sums[0])])[name]) for name in figures(sums[0])
-    }
-    statistics["stay_s"] = lambda kg: share(kg[-2], kg[-1])
-    return {name: events.figure(statistic, cycles) for name, statistic in statistics.items()}
+
+    def of_contacts(name: str, kg: Array) -> float:
+        return float(figures(kg[: len(sums[0])])[name])
+
+    estimates = {name: events.figure(partial(of_contacts, name), cycles) for name in figures(sums[0])}
+    return estimates | {"stay_s": events.figure(lambda kg: share(kg[-2], kg[-1]), cycles)}

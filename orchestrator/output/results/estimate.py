@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
+from orchestrator.figures.estimate import Estimate
 from orchestrator.ports import Array, Indices
 
 BATCHES = (20, 40)  # enough for the slow part of a series
@@ -48,32 +49,6 @@ class Interval:
         """Return an interval that is ``factor`` times as wide."""
         half_width, error = (size and factor * size for size in (self.half_width, self.standard_error))
         return Interval(half_width, error, self.reason)
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A value with the half width of its interval (``Interval``).
-
-    ``value`` is None if it is not defined.  ``counting`` is the standard deviation of a share that its number
-    of particles alone explains; it is None for what is no share.
-    """
-
-    value: float | None
-    half_width: float | None = None
-    batches: int = 0
-    counting: float | None = None
-    standard_error: float | None = None
-    reason: str = ""
-
-    def table(self) -> dict[str, float | int | str | None]:
-        """Return the estimate as a table of the results."""
-        table = {"value": self.value, "half_width": self.half_width, "batches": self.batches}
-        told = {
-            "counting": self.counting,
-            "standard_error": self.standard_error,
-            "reason": self.reason or None,
-        }
-        return table | {name: value for name, value in told.items() if value is not None}
 
 
 IntervalOf = Callable[[Array], Interval]

@@ -18,20 +18,15 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.results import BATCH
 from orchestrator.output.cycles import cycle_numbers, within
-from orchestrator.output.results.estimate import (
-    FEWEST_INDEPENDENT,
-    Estimate,
-    IntervalOf,
-    batch_sums,
-    estimate,
-)
+from orchestrator.output.results.estimate import FEWEST_INDEPENDENT, IntervalOf, batch_sums, estimate
 from orchestrator.output.results.listed_feed import ListedFeed
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_mass_kg
 
 LOST = -1
-BATCH = "nothing is fed: a batch is never steady"
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
 FEWEST_CYCLES = 20
 LARGEST_IMBALANCE = 0.02
