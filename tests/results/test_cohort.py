@@ -65,7 +65,7 @@ def test_a_transient_is_told_without_bias(end_s: float, stuck: int) -> None:
     assert 0.2 < early.until_s < end_s - STAY_S + 0.05
     assert early.remaining <= MOST_REMAINING
     assert early.steady == events.steady
-    biased, told = screening(events, CUT_M).efficiency_percent, shares(early, CUT_M)["efficiency_percent"]
+    biased, told = screening(events, CUT_M).efficiency_percent, shares(early, CUT_M)["efficiency"]
     assert biased.value > 100 * PASSED + 10
     assert told.value == pytest.approx(100 * PASSED, abs=4 * told.counting + 100 * MOST_REMAINING)
 
@@ -85,7 +85,7 @@ def test_the_chance_of_a_cohort_holds_the_true_share() -> None:
     for seed in range(400):
         early = cohort(transient(2.2, per_s=320, seed=seed))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency_percent"]
+        told = shares(early, CUT_M)["efficiency"]
         assert told.standard_error is not None
         assert told.counting is not None
         held.append(abs(told.value - 100 * PASSED) <= STUDENT_9 * told.standard_error)
@@ -103,7 +103,7 @@ def test_grains_that_go_together_widen_the_chance_of_a_cohort() -> None:
     for seed in range(200):
         early = cohort(transient(2.2, per_s=2000, together=10, seed=seed))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency_percent"]
+        told = shares(early, CUT_M)["efficiency"]
         assert told.standard_error is not None
         assert told.counting is not None
         off = abs(told.value - 100 * PASSED)
@@ -121,6 +121,6 @@ def test_a_cohort_has_no_interval_and_says_why() -> None:
     ):
         early = cohort(transient(2.2, per_s=320, rate_per_s=rate_per_s))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency_percent"]
+        told = shares(early, CUT_M)["efficiency"]
         assert told.half_width is None
         assert re.search(reason, told.reason)

@@ -106,22 +106,19 @@ def test_the_whole_feed_says_how_far_its_curve_is_continued(steady: dict[str, An
 
 def test_the_grains_that_tell_the_separation_of_a_transient_are_named(steady: dict[str, Any]) -> None:
     """Instead of a window of cycles, which has others, and with why there is no interval."""
-    alone = {
-        "half_width": None,
-        "batches": 10,
-        "reason": "no interval: the deck was still filling; by chance alone ± 9.0",
-    }
-    cohort: dict[str, Any] = {"fed_until_s": 0.95, "remaining_percent": 0.4, "particles": 104}
-    cohort["efficiency_percent"] = {"value": 64.6} | alone
-    whole_feed = WHOLE_FEED | {"efficiency_percent": {"value": 70.0} | alone}
-    screening = steady["screening"] | {"cohort": cohort, "whole_feed": whole_feed}
+    cohort = {"fed_until_s": 0.95, "remaining_percent": 0.4, "particles": 104}
+    reason = {"half_width": None, "reason": "no interval: the deck was still filling; by chance alone ± 9.0"}
+    cohort["efficiency_percent"] = {"value": 64.6, **reason}
+    continuation = WHOLE_FEED["continuation"] | {"error_percent": 1.2}  # type: ignore[operator]
+    added = WHOLE_FEED | {"continuation": continuation, "efficiency_percent": {"value": 70.0, **reason}}
+    screening = steady["screening"] | {"cohort": cohort, "whole_feed": added}
     transient = steady["steady"] | {"is_steady": False, "reason": "too short"}
     told = [*headline_lines(parsed(steady | {"screening": screening, "steady": transient}))]
     (whole,) = (line for line in told if f"{EFFICIENCY}: 70.0 %" in line)
     (computed,) = (line for line in told if f"{EFFICIENCY}{COMPUTED}: 64.6 %" in line)
     assert "; the error of that is some 1.2 points, 104 particles" in whole
     for line in (whole, computed):
-        assert line.endswith(f"104 particles that were fed until 0.950 s; {alone['reason']})")
+        assert line.endswith(f"104 particles that were fed until 0.950 s; {reason['reason']})")
         assert "cycles" not in line
 
 

@@ -123,9 +123,8 @@ def _screening_tiles(screening: Screening, missing: dict[str, str], told: Teller
     """Yield the efficiency of the whole feed, and the shares of the sizes that are computed."""
     whole_feed, cohort = screening.whole_feed, screening.cohort
     why_not = missing.get(COHORT) or missing.get(WHOLE_FEED, "")
-    of_cohort = _describe_cohort(cohort) if cohort else ""
     if whole_feed:
-        over = f"{_describe_continuation(whole_feed)}, {of_cohort or told.over}"
+        over = f"{_describe_continuation(whole_feed)}, {_describe_cohort(cohort) if cohort else told.over}"
         path = "screening.whole_feed.efficiency_percent"
         yield replace(told, over=over).tile(path, whole_feed.efficiency_percent)
     elif why_not:
@@ -137,7 +136,7 @@ def _screening_tiles(screening: Screening, missing: dict[str, str], told: Teller
         words = FIGURES[f"results.screening.{name}"].words + computed
         if cohort:
             estimate = getattr(cohort, name, None)
-            over = of_cohort
+            over = _describe_cohort(cohort)
         else:
             estimate = None if name == RECOVERY and _is_efficiency(screening) else getattr(screening, name)
             over = f"{getattr(screening, counted)} {counted.replace('_', ' ')} that left, {told.over}"

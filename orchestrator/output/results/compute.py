@@ -157,14 +157,15 @@ def _with_cohort(
         missing[COHORT] = TOO_EARLY
         return None, told
     of_these = shares(early, cut_m)
-    names = ("efficiency_percent", "fine_placement_percent", "oversize_yield_percent")
-    figures = CohortShares(
+    grains = CohortShares(
         fed_until_s=early.until_s,
         remaining_percent=100.0 * early.remaining,
         particles=int(early.left_in_window.sum()),
-        **{name: of_these[name] for name in names if name in of_these},
+        efficiency_percent=of_these.get("efficiency"),
+        fine_placement_percent=of_these.get("fine_placement"),
+        oversize_yield_percent=of_these.get("oversize_yield"),
     )
-    return early, replace(told, cohort=figures)
+    return early, replace(told, cohort=grains)
 
 
 def _whole_feed(run: RunReader, events: Events, cut_m: float, missing: dict[str, str]) -> WholeFeed | None:

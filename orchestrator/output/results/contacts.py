@@ -35,7 +35,6 @@ class Fines:
     """The n fine particles that left, in the averaged cycles, over the panels of a deck.
 
     ``counted`` (removed,) is the mask of them among all particles that left.
-
     Each counts with the mass for which it stands (``Events.left_kg``), which is the mass of ``removed``.
     ``passed_at`` (n, panels) tells through which panel each one passed, which is that of its last contact.
     ``geometric`` (n, panels) is the chance that a sphere which falls straight onto a panel touches nothing.

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -24,10 +23,6 @@ from orchestrator.ports import Array, Indices
 
 FINE, COARSE = 0, 1
 CLASSES, FEWEST_IN_CLASS = 12, 10
-PLACEMENTS = (  # all but the first need a cut size
-    *("oversize_yield", "efficiency", "fine_placement", "coarse_placement", "misplaced"),
-    "fines_in_oversize",
-)
 
 
 def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
@@ -148,32 +143,37 @@ def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
 
 def screening(events: Events, cut_m: float | None) -> Screening:
     """Return every metric that follows from the particles that came and left."""
-    removed, exits, counted = events.removed, events.exits, events.left_in_window
-    group, count = _way_and_kind(events, cut_m), len(exits.names)
+    removed, counted = events.removed, events.left_in_window
+    group, count = _way_and_kind(events, cut_m), len(events.exits.names)
     out_kg, flow_kg = (
         events.sums(kg, group, 2 * count).reshape(-1, count, 2) for kg in (events.left_kg, removed.mass_kg)
     )
-    fine, rates = group % 2 == FINE, _rates(events, flow_kg)
-    of_mass: dict[str, Any] = {**shares(events, cut_m)}
+    rates, placed = _rates(events, flow_kg), shares(events, cut_m)
     return Screening(
         cut_size_m=cut_m,
         lost_particles=int((removed.exit == LOST).sum()),
         particles=int(counted.sum()),
-        fine_particles=None if cut_m is None else int((counted & fine).sum()),
+        fine_particles=None if cut_m is None else int((counted & (group % 2 == FINE)).sum()),
         feed_kg_per_s=rates["feed"],
         undersize_kg_per_s=rates[UNDERSIZE],
         oversize_kg_per_s=rates[OVERSIZE],
         hold_up_kg=_hold_up(events),
         in_time=_flows_in_time(events, flow_kg),
+        oversize_yield_percent=placed["oversize_yield"],
+        efficiency_percent=placed.get("efficiency"),
+        fine_placement_percent=placed.get("fine_placement"),
+        coarse_placement_percent=placed.get("coarse_placement"),
+        misplaced_percent=placed.get("misplaced"),
+        fines_in_oversize_percent=placed.get("fines_in_oversize"),
+        recovered_percent=None if cut_m is None else _recovery(events, out_kg, cut_m),
         sections=_sections(events, out_kg, cut_m is not None),
         partition=_partition(events, cut_m),
-        recovered_percent=None if cut_m is None else _recovery(events, out_kg, cut_m),
-        **of_mass,
     )
 
 
 def shares(events: Events, cut_m: float | None) -> dict[str, Estimate]:
-    """Return the shares of the separation, ``PLACEMENTS``; without a cut size the first alone."""
+    """Return the shares of the separation in per cent by the names of ``placements``; without a cut size, the
+    yield of the oversize alone."""
     exits, counted, group = events.exits, events.left_in_window, _way_and_kind(events, cut_m)
     count = len(exits.names)
     out_kg = events.sums(events.left_kg, group, 2 * count).reshape(-1, count, 2)
@@ -183,8 +183,7 @@ def shares(events: Events, cut_m: float | None) -> dict[str, Estimate]:
         found = events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out_kg)
         return replace(found, counting=100.0 * chance[name] if np.isfinite(chance[name]) else None)
 
-    names = PLACEMENTS if cut_m is not None else PLACEMENTS[:1]
-    return {f"{name}_percent": share_of(name) for name in names}
+    return {name: share_of(name) for name in (chance if cut_m is not None else ("oversize_yield",))}
 
 
 def _way_and_kind(events: Events, cut_m: float | None) -> Indices:
