@@ -17,6 +17,7 @@ from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
 from orchestrator.preflight.mats.regime import Regime
 from orchestrator.preflight.mats.trial import CELLS, SETTLING_TURNS, WATCHED_TURNS, Trial, is_costly, regimes
 from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.scene import scene as describe
 from orchestrator.preflight.scene.shaking import Shaking, free_frames
 from orchestrator.preflight.scene.starting import find_transients_m, run_up_turns
 
@@ -99,10 +100,14 @@ def trials_of(scene: Scene) -> Iterator[tuple[tuple[str, ...], Trial]]:
     trial of this one.
 
     Neighbours on two frames are no such panels: one opens while it goes up, the other while it goes down.
+    The frames of a slice move as those of the whole machine.
     """
-    if not scene.shaken:
-        return
+    if scene.case.whole_machine is not scene.case:
+        whole = describe(scene.case.whole_machine)
+        scene = replace(scene, plan=whole.plan, springs=whole.springs, shaken=whole.shaken)
     starts = {shaking.speed_rad_per_s: _start_m(scene, shaking) for shaking in scene.shaken}
+    if not starts:
+        return
     sheets: dict[bytes, list[Trial]] = {}
     for plan in panel_plans(scene.case):
         shaking = max(scene.shaken, key=lambda shaking: _stroke_m(shaking, plan))

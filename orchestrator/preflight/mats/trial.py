@@ -42,7 +42,7 @@ class Trial:
     """A mat between clamps that move by Re(``amplitude_m`` exp(i w t)), (2, 3), the first and the second.
 
     ``transient_m`` (n, 2, 3) is what they differ from that by, ``STEPS`` to a turn from the start of the
-    machine on; its last ``SETTLING_TURNS`` turns fade.  ``added_kg_per_m2`` is a load that moves with the mat.
+    machine on; its last ``SETTLING_TURNS`` turns fade.  ``added_kg_per_m2`` is a load that moves along.
     """
 
     plan: PanelPlan
