@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.panel import MeshedPanel
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.mats.mats import trials_of
 from orchestrator.preflight.mats.regime import PHASES, Regime
 from orchestrator.preflight.mats.trial import INTERVAL_S, Trial, regimes
@@ -18,6 +20,7 @@ from orchestrator.preflight.proposal import mounting
 from orchestrator.preflight.proposal.proposal import Proposal
 from orchestrator.preflight.proposal.propose import propose
 from orchestrator.preflight.proposal.wishes import ImpossibleWishes, read_wishes
+from orchestrator.preflight.scene.scene import scene
 
 pytestmark = pytest.mark.solver
 
@@ -78,6 +81,17 @@ def test_as_soft_as_its_free_edges_the_default_hangs_too() -> None:
     """Strips with free sides of 16, 32 and 48 cells."""
     soft = [replace(trial, plan=replace(trial.plan, hindered_share=0.0)) for trial in own_trials()]
     assert {regime.side for cells in (16, 32, 48) for regime in regimes(soft, cells)} == {"down"}
+
+
+def test_mats_of_a_slice_are_tried_between_the_frames_of_the_whole_machine(tmp_path: Path) -> None:
+    for file, text in proposed().files.items():
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    case = load_judged(tmp_path, "draft").case
+    assert case.whole_machine is not case
+    for (_, of_slice), of_whole in zip(trials_of(scene(case)), own_trials(), strict=True):
+        assert of_slice.amplitude_m == pytest.approx(of_whole.amplitude_m, rel=1e-6)
+        assert of_slice.plan.rectangle.width_m < of_whole.plan.rectangle.width_m
 
 
 def flat(peak_g: float, side: float) -> Regime:
