@@ -23,10 +23,12 @@ from orchestrator.preflight.proposal.layout import Mounting
 from orchestrator.preflight.proposal.wishes import Wishes, down, problem
 from orchestrator.preflight.scene.scene import Scene
 
-THICKNESSES_M, ANGLES_DEG = (0.004, 0.005, 0.006), (15.0, 20.0, 25.0, 30.0)
+THICKNESSES_M, ANGLES_DEG = (0.004, 0.0045, 0.005, 0.0055, 0.006), (15.0, 20.0, 25.0)
 SLACKS = (0.0, 0.005, 0.01, 0.015, 0.02)
 """What is tried; slacks over the distance of the clamps."""
-MOST_SLACK = 0.505  # of the stroke, which is known to a hundredth: a mat is taut for a third of each turn
+MOST_SLACK = (
+    0.26  # of the stroke: the scene's mats pull nothing while slack, and real ones pull by their inertia
+)
 LEAST_G, MOST_G = 30.0, 50.0
 SHORT_LIST = 4
 FIRST_CELLS, FIRST_TURNS, CELLS, TURNS = 16, 8, 24, 12
