@@ -7,6 +7,7 @@ All other tests ask for exit codes, keys, kinds and numbers.
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -88,7 +89,9 @@ def overrides() -> list[list[str]]:
     ]
     several = [[*row] for row in rows(test_slice.test_a_slice_that_makes_no_sense_is_refused)]
     openings = [[SLOTTED, f"{KEY}{row}"] for row in rows(test_apertures.test_patterns_that_cannot_be)]
-    return [*([str(row)] for row in single), *several, *openings]
+    table = tomllib.loads((Path(__file__).parent / "mistakes.toml").read_text(encoding="utf-8"))
+    listed = [row["sets"] for row in table["mistakes"]]
+    return [*([str(row)] for row in single), *several, *openings, *listed]
 
 
 @pytest.mark.slow
