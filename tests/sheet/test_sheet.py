@@ -146,6 +146,13 @@ def test_check_warns_of_a_small_deck_at_the_case_s_own_rate() -> None:
     assert all(line.source for line in lines.values())
 
 
+def test_the_sheet_is_of_the_rate_that_set_gives() -> None:
+    judged = load_judged(CASES / "ffs0827", "draft", ["bed.feeds.coal.rate_kg_per_s=20 t/h"])
+    duty = duty_of(judged.case.original, given_rates_kg_per_s(judged))
+    assert duty is not None
+    assert duty.fed_kg_per_s == pytest.approx(20 / 3.6)
+
+
 def test_the_bulk_of_two_feeds_fills_the_sum_of_their_volumes(tmp_path: Path) -> None:
     """1 kg/s of 1500 kg/m3 and 3 kg/s of 3000 kg/m3, of which a bed has 0.6: 4 kg in 1/900 + 3/1800 m3."""
     feed = (
