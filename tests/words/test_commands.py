@@ -15,6 +15,7 @@ import pytest
 from syrupy.assertion import SnapshotAssertion
 from typer.testing import CliRunner
 
+from orchestrator.cli import console
 from orchestrator.cli.main import app
 from tests.case import test_apertures, test_checks, test_slice, test_units
 from tests.case.test_apertures import KEY, SLOTTED
@@ -40,9 +41,11 @@ Said = Callable[..., str]
 def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Said:
     """A function that returns what a command says in an empty folder, with its exit code.
 
-    Lists that grow, and the regime of a mat, which is chaotic, are left out.
+    Lists that grow, the regime of a mat, which is chaotic, and the rules of tables are left out.
     """
     monkeypatch.chdir(tmp_path)
+    for each in (console.CONSOLE, console.ERRORS):
+        monkeypatch.setattr(each, "width", 200)
 
     def call(*words: str) -> str:
         done = CALL.invoke(app, words)
@@ -51,7 +54,10 @@ def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Said:
         text = "\n".join([f"flipflow {' '.join(words)}", f"exit code {done.exit_code}", *told])
         text = text.replace(str(ROOT), "PROGRAM").replace(str(tmp_path), "HERE")
         text = re.sub(r"(shipped cases: |There are: |mat deck, empty: |move with it: ).*", r"\1...", text)
-        return re.sub(r" +$", "", text, flags=re.M)
+        text = re.sub(
+            r"^[\s\u2500-\u257f+=|-]*[\u2500-\u257f+=-]{3}[\s\u2500-\u257f+=|-]*\n", "", text, flags=re.M
+        )
+        return re.sub(r" +$", "", re.sub(r"[\u2500-\u257f]", "|", text), flags=re.M)
 
     return call
 
