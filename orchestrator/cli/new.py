@@ -213,7 +213,6 @@ def _ask(
 
 
 def _command(folder: Path, template: str, answers: Mapping[str, str]) -> str:
-    """Return the command that gives all answers, for a shell."""
     given = {"template": template} | {name: text.strip() for name, text in answers.items()}
     words = [word for name, text in given.items() if text for word in (f"--{name}", text)]
     return shlex.join(["flipflow", "new", str(folder), *words, "--yes"])

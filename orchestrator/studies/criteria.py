@@ -37,8 +37,6 @@ from orchestrator.studies.quantities import (
 )
 
 FILE = "criteria.toml"
-FORMER = ("paper.toml", "expected.toml", "answers.toml")
-"""The names of the file in earlier versions."""
 UNITS = {name: 1.0 for name in ("1", "m", "m/s", "rad/s", "N", "J", "kg", "kg/m2", "kg/s", "s", "W")}
 UNITS |= {"mm": 1e-3, "%": 0.01}
 Band = tuple[Number | None, Number | None]
@@ -132,8 +130,6 @@ def read_criteria(case: Path) -> Criteria:
     """Return the criteria of a case, given its folder or its file.  Raises CaseError."""
     folder = case if case.is_dir() else case.parent
     file = folder / FILE
-    if not file.exists():
-        refuse_former(folder)
     try:
         criteria = Criteria.model_validate(read_toml(file, folder))
     except ValidationError as error:
@@ -196,14 +192,6 @@ def _over_base(criteria: Criteria, folder: Path) -> Criteria:
     return criteria.model_copy(update={**merged, "source": criteria.source or below.source})
 
 
-def refuse_former(folder: Path) -> None:
-    """Raise CaseError for a folder with a file that only an earlier version read."""
-    for name in FORMER:
-        if (folder / name).exists():
-            what = f"is {FILE} now, in one language for papers, benchmarks and answers"
-            raise CaseError([CaseProblem((), what, "docs/criteria.md", str(folder / name), kind="renamed")])
-
-
 def known_answers(case: Path) -> tuple[Criterion, ...]:
     """Return the criteria of a case whose reference is the exact answer for the unchanged case.
 
@@ -211,7 +199,6 @@ def known_answers(case: Path) -> tuple[Criterion, ...]:
     """
     folder = case if case.is_dir() else case.parent
     if not (folder / FILE).is_file():
-        refuse_former(folder)
         return ()
     criteria = read_criteria(folder)
     as_it_is = [name for name, run in criteria.runs.items() if run == WantedRun()]

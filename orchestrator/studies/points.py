@@ -496,7 +496,6 @@ def _last_name(key: str) -> str:
 
 
 def _split(values: str) -> list[str]:
-    """Split text at the commas outside of brackets."""
     parts, depth = [""], 0
     for letter in values:
         depth += (letter in "[{") - (letter in "]}")

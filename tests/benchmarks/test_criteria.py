@@ -147,14 +147,6 @@ def test_answers_are_exact_and_of_the_case_as_it_is(tmp_path: Path) -> None:
     assert len(known_answers(tmp_path)) == 1
 
 
-@pytest.mark.parametrize("name", ["paper.toml", "expected.toml", "answers.toml"])
-def test_the_files_of_earlier_versions_are_refused_with_the_new_name(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_text("")
-    for read in (read_criteria, known_answers):
-        with pytest.raises(CaseError, match=r"is criteria\.toml now"):
-            read(tmp_path)
-
-
 @pytest.mark.parametrize(
     ("figures", "expected"),
     [

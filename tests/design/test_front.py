@@ -7,8 +7,8 @@ import pytest
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim, Goal, Limit
-from orchestrator.studies.design.front import hypervolume, improvements, nondominated
-from tests.design.functions import BNH, ZDT1, Problem
+from orchestrator.studies.design.front import improvements, nondominated
+from tests.design.functions import BNH, ZDT1, Problem, hypervolume
 
 
 def gains_of(problem: Problem, settings: Array) -> Array:

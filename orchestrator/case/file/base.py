@@ -138,7 +138,7 @@ def _file_keys(table: Mapping[str, Any]) -> list[tuple[str, ...]]:
     screen = table.get("screen")
     surfaces = screen.get("surfaces") if isinstance(screen, Mapping) else None
     names = [*surfaces] if isinstance(surfaces, Mapping) else []
-    keys = [("panel", "recording"), *BEDS, *(("screen", "surfaces", name, "stl") for name in names)]
+    keys = [*BEDS, *(("screen", "surfaces", name, "stl") for name in names)]
     return [key for key in keys if isinstance(_value_at(table, key), str)]
 
 

@@ -244,7 +244,6 @@ def _measure(elements: Elements, points: Sequence[Point]) -> CurveFit:
 
 
 def _fitted(curve: BushingCurve) -> BushingCurve:
-    """Return a curve with elements."""
     if curve.elastic_N_per_m is not None:
         return curve
     elements = fit_points(curve_points(curve)).elements
@@ -255,7 +254,6 @@ def _fitted(curve: BushingCurve) -> BushingCurve:
 
 
 def _loss_factor(point: CurvePoint) -> float:
-    """Return the loss factor of a point that gives it, or the damping in its place."""
     if point.loss_factor is not None:
         return point.loss_factor
     assert point.damping_N_s_per_m is not None, "_faults refuses points without a loss"

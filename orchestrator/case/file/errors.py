@@ -18,7 +18,6 @@ Key = tuple[str | int, ...]
 Kind = Literal[
     "unknown-key",
     "unknown-name",
-    "renamed",
     "missing",
     "wrong-type",
     "unit",
@@ -29,7 +28,7 @@ Kind = Literal[
     "conflict",
 ]
 """The kind of a problem: a key that its table does not have; a name that nothing has, or a word that is not
-one of those wanted; a key or word of an earlier version; a value that is not there; a value of another
+one of those wanted; a value that is not there; a value of another
 type, form or number of elements; a number with a wrong unit; a number beyond its limits; parts or particles
 where they cannot be; a file that cannot be read or written; a solver that cannot do it; values that do not
 go together."""
@@ -37,27 +36,6 @@ BEYOND = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", 
 """The kinds of pydantic's errors that are of a number beyond its limits."""
 MOST = 50  # A message shows at most so many problems.
 LONGEST = 600  # The line about a problem has at most so many characters.
-# These keys of earlier versions were renamed in 2026-11.
-RENAMED = {
-    "damping_N_s_m": "damping_N_s_per_m",
-    "density_kg_m3": "density_kg_per_m3",
-    "fitted": "ours",
-    "gravity_m_s2": "gravity_m_per_s2",
-    "hand_over": "exchange",
-    "rate_kg_s": "rate_kg_per_s",
-    "save": "checkpoint",
-    "specific_wear_m3_N_m": "specific_wear_m3_per_N_m",
-    "speed_rad_s": "speed_rad_per_s",
-    "spin_rad_s": "spin_rad_per_s",
-    "stiffness_N_m": "stiffness_N_per_m",
-    "stiffness_Pa_m": "stiffness_Pa_per_m",
-    "synchronous_speed_rad_s": "synchronous_speed_rad_per_s",
-    "velocity_m_s": "velocity_m_per_s",
-    "watch": "monitor",
-    "work_of_adhesion_J_m2": "work_of_adhesion_J_per_m2",
-}
-# These values of earlier versions were replaced in 2026-11.
-REPLACED = {"spheres": "liggghts"}
 
 
 @dataclass(frozen=True)
@@ -159,14 +137,6 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
         if detail["type"] == "extra_forbidden":
             *table, key = detail["loc"]
             known = _keys_at(model, table)
-            renamed = RENAMED.get(str(key), "")
-            if renamed in known:
-                meant.add((*table, renamed))
-                hint = f'it is called "{renamed}" now'
-                problems.append(
-                    CaseProblem(detail["loc"], "the name of an earlier version", hint, kind="renamed")
-                )
-                continue
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
             what = f"unknown key (its value: {show_value(detail['input'])})"
@@ -182,7 +152,6 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
 
 def _problem(detail: ErrorDetails) -> CaseProblem:
-    """Return the case problem for one error of pydantic's validation."""
     kind, key, value = detail["type"], detail["loc"], show_value(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
@@ -202,10 +171,6 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in expected.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
-        if REPLACED.get(word) in allowed:
-            return CaseProblem(
-                key, f"{value} is of an earlier version", f'use "{REPLACED[word]}"', kind="renamed"
-            )
         return CaseProblem(
             key, f"{value} is not one of {expected}", did_you_mean(word, allowed), kind="unknown-name"
         )
@@ -230,7 +195,6 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
 
 
 def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
-    """Return the keys that the table at a place in the model may have."""
     place: Any = model
     for part in table:
         place = _inside(place, part)

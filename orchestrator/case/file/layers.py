@@ -125,11 +125,13 @@ class Layers:
 
     def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
         """Return the problems with their files filled in, without guesses at units that the user gave."""
-        told = [replace(m, hint="") if m.guesses_unit and self._has_unit(m.key) else m for m in problems]
+        told = [
+            replace(m, hint="") if m.guesses_unit and tuple(map(str, m.key)) in self._with_units else m
+            for m in problems
+        ]
         return [m if m.file else replace(m, file=self.source(m.key)) for m in told]
 
     def _value(self, words: Sequence[str]) -> Any:
-        """Return what stands at a key, or None."""
         value: Any = self.merged
         for word in words:
             if isinstance(value, list) and word.isdecimal() and int(word) < len(value):
@@ -137,10 +139,6 @@ class Layers:
             else:
                 value = value.get(word) if isinstance(value, Mapping) else None
         return value
-
-    def _has_unit(self, key: Key) -> bool:
-        """Return whether the last layer that gave this number gave it with a unit."""
-        return tuple(str(part) for part in key) in self._with_units
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
         """Return ``overlay`` merged over ``below`` at ``key``, and change neither of them."""

@@ -124,7 +124,6 @@ def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:
 
 
 def _floats(value: Any, key: Key) -> Iterator[tuple[Key, float]]:
-    """Yield each float of a table with its key."""
     if isinstance(value, float):
         yield key, value
     elif isinstance(value, dict | tuple):
@@ -137,7 +136,6 @@ def _inside(value: float, limits: Limits) -> bool:
 
 
 def _range(limits: Limits) -> str:
-    """Return a range as text for a message."""
     low, high = limits
     return f"{low:g} to {high:g}" if low else f"up to {high:g}"
 

@@ -231,7 +231,6 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
 
 
 def _sides_m(panel: PanelTable) -> tuple[float, float]:
-    """Return the lower and upper y of a panel."""
     near_m = panel.corner_m[1]
     far_m = near_m + (panel.width_m if panel.across[1] > 0 else -panel.width_m)
     return min(near_m, far_m), max(near_m, far_m)

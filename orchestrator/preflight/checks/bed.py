@@ -79,7 +79,6 @@ def complete_materials(case: Case) -> Iterator[CaseProblem]:
 
 
 def _grains(case: Case) -> set[str]:
-    """Return the materials of the particles."""
     carried = case.bed.carried.materials if case.bed.carried is not None else ()
     return {row.material for row in (*case.bed.particles.values(), *case.bed.sources)} | {*carried}
 
@@ -357,7 +356,6 @@ def rounded_counts(case: Case) -> Iterator[str]:
 
 
 def _range_mm(sizes: Sequence[SizeClass]) -> str:
-    """Return the range of diameters of size classes in words."""
     smallest_m, largest_m = min(row.smallest_m for row in sizes), max(row.largest_m for row in sizes)
     return f"{1e3 * smallest_m:.3g} to {1e3 * largest_m:.3g} mm"
 

@@ -95,8 +95,7 @@ def frame_weights(case: Case) -> Iterator[CaseProblem]:
     able = case.frames.adapter
     if not (able.moved_by_forces and case.screen.drawn_at_rest):
         return
-    rotating = linear_frames.PLANE if "sideways-motion" in able.leaves_out else linear_frames.SPACE
-    coordinates = rotating if able.rotates else linear_frames.TRANSLATIONS
+    coordinates = linear_frames.SPACE if able.rotates else linear_frames.TRANSLATIONS
     plan = frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
     free = [plan.bodies[number] for number in linear_frames.free(plan)]
     if not free:

@@ -1,19 +1,16 @@
-"""The checks of panels: their tables, openings, meshes and recordings, and the beams below them."""
+"""The checks of panels: their tables, openings and meshes, and the beams below them."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case import recordings, solvers
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.file.layers import is_outside
-from orchestrator.case.recordings import NoMatch, playbacks, turning
 from orchestrator.case.solver_plans import UNKNOWNS, memory_GiB, mesh_sizes
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.case.tables.screen import PanelTable
@@ -25,8 +22,6 @@ from orchestrator.preflight.checks.names import rows
 DEEPEST_SAG = 0.2  # moulded, over the free length: its slope is 40 degrees
 THINNEST_LAND = 0.02  # over the longer pitch: no unit cell's mesh resolves thinner lands
 PLATE = 3.0  # ratio of thickness to the openings' longer pitch above which a panel is a block, no plate
-RECORDING = ("panel", "recording")
-OTHER_SPEED = 0.01
 GIB = 2**30
 
 
@@ -222,51 +217,3 @@ def stops(case: Case) -> Iterator[CaseProblem]:
             what = f"is too stiff for a sync interval of {interval_s:g} s: the panel would be kicked"
             hint = f"at most {most_Pa_per_m:.3g} Pa/m, or a shorter coupling.sync_interval_s"
             yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint, kind="out-of-range")
-
-
-def named_recording(case: Case) -> Iterator[CaseProblem]:
-    """Check that a solver that plays back has a file, and a machine whose angle it can follow."""
-    if not case.panel.adapter.plays_back:
-        return
-    if case.panel.recording is None:
-        what = "missing: what is to be played back?"
-        yield CaseProblem(RECORDING, what, "flipflow record makes a file", kind="missing")
-    if turning(case) is None:
-        yield CaseProblem(
-            ("panel", "solver"), f"{case.panel.solver} needs an exciter or a drive to follow", kind="solver"
-        )
-
-
-def own_recording(case: Case, folder: Path, source: str) -> Iterator[CaseProblem]:
-    """Check that only the user names a recording outside of the case's folder.
-
-    ``source`` is the file or option that gave the key.
-    """
-    if not case.panel.adapter.plays_back or case.panel.recording is None or source == "--set":
-        return
-    file = folder / case.panel.recording
-    if file.is_file() and is_outside(file, folder):
-        yield CaseProblem(
-            RECORDING, "is outside of the case's folder", "copy it there, or name it by --set", kind="file"
-        )
-
-
-def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """Check that the file is a recording of panels like those of the case."""
-    try:
-        playbacks(case, folder)
-    except (NoMatch, recordings.UnreadableRecording) as error:
-        yield CaseProblem(RECORDING, str(error), kind="file")
-
-
-def other_speed(case: Case, folder: Path) -> Iterator[str]:
-    """Yield a warning if a recording was made at another speed than the one of its playback."""
-    machine = turning(case)
-    if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
-        return
-    recorded = recordings.read(folder / case.panel.recording).speed_rad_per_s
-    if abs(machine.speed_rad_per_s / recorded - 1) > OTHER_SPEED:
-        yield (
-            f"panel.recording was made at {recorded:.4g} rad/s and is played back at "
-            f"{machine.speed_rad_per_s:.4g} rad/s: panels would move otherwise there"
-        )

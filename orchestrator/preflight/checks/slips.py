@@ -86,7 +86,6 @@ def _is_usual(motion: FrameMotion) -> bool:
 
 
 def _shakers(case: Case) -> Iterator[tuple[Key, Exciter | Drive]]:
-    """Yield the exciters that move frames, and the drives that move, with their keys."""
     if has_moved_by_forces(case) and case.frames.adapter.moved_by_forces:
         for name, exciter in case.screen.exciters.items():
             yield ("screen", "exciters", name), exciter

@@ -42,7 +42,6 @@ def command(
         str, typer.Option(help="which errors decide, with commas [default: what repeats itself]")
     ] = "",
     dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
-    knobs: Annotated[str, typer.Option(hidden=True)] = "",
 ) -> StudyOutput:
     """Measure the cost of accuracy: run a case over its refinement parameters.
 
@@ -54,14 +53,6 @@ def command(
 
     Exit code 4: a run failed; 2: the case is wrong.
     """
-    if knobs:
-        raise CaseError(
-            [
-                CaseProblem(
-                    (), "is called --parameters now", f"--parameters {knobs}", "--knobs", kind="renamed"
-                )
-            ]
-        )
     duration_sets = [f"duration_s={duration!r}"] if duration else []
     request = StudyRequest(
         replace(study, sets=(*study.sets, *duration_sets)),

@@ -27,7 +27,7 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.drawing import save
 from orchestrator.output.records.run_folder import study_folder
 from orchestrator.preflight.scene.scene import bed_kg
-from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
+from orchestrator.studies.criteria import FILE, interval_sets
 from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
 from orchestrator.studies.quantities import is_over, outcome
@@ -124,9 +124,6 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
     Raises CaseError if one of them is wrong or there is none, and FolderUnusable where its runs would go into
     a case's folder.
     """
-    for case in folder.glob("*/"):
-        if not (case / FILE).exists():
-            refuse_former(case)
     cases = [file.parent for file in sorted(folder.glob(f"*/{FILE}"))]
     for case in cases:
         check_folder(out / case.name, "stability")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Ge, Gt, Len, Lt
+from annotated_types import Ge, Len, Lt
 from pydantic import Field, Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation, show_value
@@ -27,7 +27,6 @@ from orchestrator.studies.design.aim import Aim, Goal, Limit
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS
-from orchestrator.studies.design.published import term
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.space import SimplerSpace, Space
 
@@ -120,20 +119,14 @@ class SearchTable(Table):
 
 
 class PublishedTable(Table):
-    """Printed results for the surface of a response, to be compared with the data."""
+    """Published runs for a response, whose effects stand beside those of the study."""
 
     source: OneLine
     """Where the results are printed."""
     response: Name
     """Name of the response."""
-    table: OneLine = ""
-    """CSV file with the published runs, in the format of ``table`` of a study; its effects are put beside
-    those of this study."""
-    p: dict[Name, Annotated[float, Strict(), Gt(0), Lt(1)]] = Field(default_factory=dict)
-    """Probability, printed for the linear term of each factor, that chance alone makes its effect."""
-    coefficients: dict[OneLine, Number] = Field(default_factory=dict)
-    """Printed coefficients of terms such as ``1``, ``slope``, ``slope*stroke`` and ``slope**2``, in the
-    factors' own units."""
+    table: OneLine
+    """CSV file with the published runs, in the format of ``table`` of a study."""
 
 
 class StudyFile(Table):
@@ -388,18 +381,6 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
             hint = did_you_mean(table.response, file.responses)
             key = ("published", place, "response")
             problems.append(CaseProblem(key, f'no response "{table.response}"', hint, kind="unknown-name"))
-        for name in table.p.keys() - file.factors.keys():
-            hint = did_you_mean(name, file.factors)
-            problems.append(
-                CaseProblem(("published", place, "p", name), f'no factor "{name}"', hint, kind="unknown-name")
-            )
-        for text in table.coefficients:
-            try:
-                term(text, list(file.factors))
-            except BadFormula as error:
-                problems.append(
-                    CaseProblem(("published", place, "coefficients", text), str(error), kind="wrong-type")
-                )
 
 
 def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProblem]:

