@@ -99,5 +99,5 @@ def open_solver(port: Port, solver: str, plan: Any) -> Any:
         with solver_failure_context(f"{port} ({solver})", None):
             return build(plan)
     except ValueError as error:
-        refusal = CaseProblem((port,), f"{solver} cannot take this case", str(error))
+        refusal = CaseProblem((port,), f"{solver} cannot take this case", str(error), kind="solver")
         raise CaseError([refusal]) from error

@@ -195,7 +195,7 @@ def check(
 
     if as_json and ranks is not None:
         raise typer.BadParameter("--ranks prints a table: leave out --json", param_hint="--ranks")
-    loaded = check_or_report(case, level, overrides, find_all_problems_when_open)
+    loaded = check_or_report(case, level, overrides, find_all_problems_when_open, as_json)
     with reported_errors():
         if as_json:
             from orchestrator.cli.json_forms import check_form, print_json

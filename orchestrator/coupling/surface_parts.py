@@ -139,7 +139,9 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
         return StoppedPanel(panel, plan)
     except ValueError as error:
         key = ("screen", "panels", plan.name, "stops")
-        raise CaseError([CaseProblem(key, str(error), "lower it, or tighten the panel")]) from error
+        raise CaseError(
+            [CaseProblem(key, str(error), "lower it, or tighten the panel", kind="misplaced")]
+        ) from error
 
 
 def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:

@@ -15,6 +15,7 @@ from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import SUMMARY_FORMAT, write_summary
 from orchestrator.output.results.compute import compute_results
 from orchestrator.studies.criteria import (
+    OVER_VALUES,
     Criterion,
     Runs,
     answer_error,
@@ -290,6 +291,14 @@ def test_too_few_values_of_a_varied_key_are_unknown(
     result = judge("a", criterion(measure="result", of="n", **given), varied)
     assert (result.measured, result.verdict) == (None, "no number")
     assert said in result.value_in_words
+
+
+def test_the_place_of_a_minimum_is_that_of_the_parabola(runs: dict[str, Runs]) -> None:
+    """3 + 2 (x - 2.3)^2 at the values 1 to 4 is least at 2.3."""
+    (point,) = runs["one"].points
+    chosen = Runs(tuple(replace(point, value=value) for value in "1234"))
+    numbers = 3.0 + 2.0 * (chosen.values - 2.3) ** 2
+    assert OVER_VALUES["lowest-at"](numbers, chosen) == pytest.approx(2.3)
 
 
 def test_the_mean_of_cycles_counts_the_last_one() -> None:

@@ -89,7 +89,7 @@ def _set_version(file: Path, version: int | None) -> None:
             history.attrs["format_version"] = version
 
 
-def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
+def _write_checkpoint(folder: Path, sync_points: int, good: int) -> None:
     provenance = dict.fromkeys(checkpoints.ORIGIN_KEYS, 1)
     about = {
         "name": "x",
@@ -98,10 +98,21 @@ def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
         "files": {},
         "left_out": {},
         "provenance": provenance,
-        "good": 3,
+        "good": good,
     }
-    about |= {"sync_points": 3, "progress": {"figures": {"simulated_s": 0.1}}}
-    checkpoints.write(tmp_path, {"place_m": np.zeros(3)}, [], about, None)
+    about |= {"sync_points": sync_points, "progress": {"figures": {"simulated_s": 0.1}}}
+    checkpoints.write(folder, {"place_m": np.zeros(3)}, [], about, None)
+
+
+def test_the_last_two_checkpoints_and_the_last_without_trouble_stay(tmp_path: Path) -> None:
+    for sync_points, good in ((10, 10), (20, 20), (30, 20), (40, 20), (50, 20)):
+        _write_checkpoint(tmp_path, sync_points, good)
+    left = {n: checkpoints.find_at_sync_point(tmp_path, n) is not None for n in range(10, 60, 10)}
+    assert left == {10: False, 20: True, 30: False, 40: True, 50: True}
+
+
+def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
+    _write_checkpoint(tmp_path, 3, 3)
     found = checkpoints.find_newest(tmp_path)
     assert found is not None
     assert checkpoints.array_names(found.state(None)) == {"place_m"}

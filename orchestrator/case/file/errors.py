@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -15,6 +15,25 @@ from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.case.file.units import why_refused
 
 Key = tuple[str | int, ...]
+Kind = Literal[
+    "unknown-key",
+    "unknown-name",
+    "missing",
+    "wrong-type",
+    "unit",
+    "out-of-range",
+    "misplaced",
+    "file",
+    "solver",
+    "conflict",
+]
+"""The kind of a problem: a key that its table does not have; a name that nothing has, or a word that is not
+one of those wanted; a value that is not there; a value of another
+type, form or number of elements; a number with a wrong unit; a number beyond its limits; parts or particles
+where they cannot be; a file that cannot be read or written; a solver that cannot do it; values that do not
+go together."""
+BEYOND = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number")
+"""The kinds of pydantic's errors that are of a number beyond its limits."""
 MOST = 50  # A message shows at most so many problems.
 LONGEST = 600  # The line about a problem has at most so many characters.
 
@@ -23,9 +42,10 @@ LONGEST = 600  # The line about a problem has at most so many characters.
 class CaseProblem:
     """A problem at a key of the case; an empty ``key`` stands for the whole file.
 
-    ``what`` says what is wrong, and ``hint`` how to correct it.  ``Layers.named`` fills in ``file``,
-    because the layers know which file gave a key.  ``guesses_unit`` says that the hint takes the value for
-    one without a unit; ``Layers.named`` leaves out such a hint where the user gave a unit.
+    ``what`` says what is wrong, ``hint`` how to correct it, and ``kind`` is for programs.
+    ``Layers.named`` fills in ``file``, because the layers know which file gave a key. ``guesses_unit``
+    says that the hint takes the value for one without a unit; ``Layers.named`` leaves out such a hint
+    where the user gave a unit.
     """
 
     key: Key
@@ -33,6 +53,7 @@ class CaseProblem:
     hint: str = ""
     file: str = ""
     guesses_unit: bool = False
+    kind: Kind = "conflict"
 
     def __str__(self) -> str:
         place = " ".join(part for part in (self.file, dotted_key(self.key)) if part)
@@ -42,6 +63,11 @@ class CaseProblem:
     def what_helps(self) -> str:
         """What is wrong and how to correct it, without the place."""
         return f"{self.what}; {self.hint}" if self.hint else self.what
+
+    def as_json(self) -> dict[str, str]:
+        """Return the problem as a table of texts (docs/json-output.md)."""
+        texts = {"what": visible(self.what), "hint": visible(self.hint)}
+        return {"kind": self.kind, "file": self.file, "key": dotted_key(self.key), **texts}
 
 
 class CaseError(Exception):
@@ -114,7 +140,9 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
             what = f"unknown key (its value: {show_value(detail['input'])})"
-            problems.append(CaseProblem(detail["loc"], what, did_you_mean(str(key), known)))
+            problems.append(
+                CaseProblem(detail["loc"], what, did_you_mean(str(key), known), kind="unknown-key")
+            )
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
             continue
@@ -127,30 +155,43 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
     kind, key, value = detail["type"], detail["loc"], show_value(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
-            return CaseProblem(key[:-1], f"{value} has too few values")
-        return CaseProblem(key, "missing")
+            return CaseProblem(key[:-1], f"{value} has too few values", kind="wrong-type")
+        return CaseProblem(key, "missing", kind="missing")
     if kind == "too_long" and isinstance(detail["input"], list | tuple):
-        return CaseProblem(key, f"{value} has more than {detail['ctx']['max_length']} values")
+        return CaseProblem(
+            key, f"{value} has more than {detail['ctx']['max_length']} values", kind="wrong-type"
+        )
     if key and key[-1] == "[key]":
-        return CaseProblem(key[:-1], "a name is made of letters, digits, _ and -, at most 60")
+        return CaseProblem(
+            key[:-1], "a name is made of letters, digits, _ and -, at most 60", kind="wrong-type"
+        )
     if kind == "string_pattern_mismatch":
-        return CaseProblem(key, f"{value} has characters that cannot be shown")
+        return CaseProblem(key, f"{value} has characters that cannot be shown", kind="wrong-type")
     expected = re.sub("^(Input|String) should (be )?", "", detail["msg"])
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in expected.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
-        return CaseProblem(key, f"{value} is not one of {expected}", did_you_mean(word, allowed))
+        return CaseProblem(
+            key, f"{value} is not one of {expected}", did_you_mean(word, allowed), kind="unknown-name"
+        )
     if isinstance(detail["input"], str) and (why := why_refused(detail["input"], key)):
-        return CaseProblem(key, f"{value} {why}")
+        return CaseProblem(key, f"{value} {why}", kind="unit")
     if kind == "model_type":
         expected = "a table"
     if kind == "tuple_type":
         expected = "a list"
         if isinstance(detail["input"], dict) and all(str(word).isdecimal() for word in detail["input"]):
             return CaseProblem(
-                key, "is not in the case, so that it has no elements to change", "give all of it"
+                key,
+                "is not in the case, so that it has no elements to change",
+                "give all of it",
+                kind="wrong-type",
             )
-    return CaseProblem(key, f"{value} is wrong, {expected} is wanted")
+    return CaseProblem(
+        key,
+        f"{value} is wrong, {expected} is wanted",
+        kind="out-of-range" if kind in BEYOND else "wrong-type",
+    )
 
 
 def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:

@@ -50,7 +50,7 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
         what = TOO_DEEP
     except RuntimeError:
         what = "is a link to itself"
-    raise CaseError([CaseProblem((), what, file=str(file))])
+    raise CaseError([CaseProblem((), what, file=str(file), kind="file")])
 
 
 def is_too_deep(given: Any) -> bool:
@@ -185,7 +185,7 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
         return int(word)
     what = f'"{word}" is no element of this list'
     hint = f"its elements are numbered 0 to {len(below) - 1}" if below else "it is empty"
-    raise CaseError([CaseProblem((*key, word), what, hint, source)])
+    raise CaseError([CaseProblem((*key, word), what, hint, source, kind="unknown-name")])
 
 
 def parse_override(override: str) -> dict[str, Any]:
@@ -197,12 +197,12 @@ def parse_override(override: str) -> dict[str, Any]:
     words = [word.strip() for word in path.split(".")]
     if not equals or not all(words):
         hint = "for example --set panel.solver=rigid"
-        raise CaseError([CaseProblem((), "is not key=value", hint, f"--set {override}")])
+        raise CaseError([CaseProblem((), "is not key=value", hint, f"--set {override}", kind="wrong-type")])
     value: Any = _value(text.strip())
     for word in reversed(words):
         value = {word: value}
     if is_too_deep(value):
-        raise CaseError([CaseProblem((), TOO_DEEP, file=f"--set {override}")])
+        raise CaseError([CaseProblem((), TOO_DEEP, file=f"--set {override}", kind="wrong-type")])
     return dict(value)
 
 

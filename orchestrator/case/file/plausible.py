@@ -102,7 +102,7 @@ def wrong_sizes(case: Case) -> Iterator[CaseProblem]:
     for key, value, limits, hint, refused in _outside(case):
         if refused:
             what = f"{value:g} is out of the range {_range(limits)}"
-            yield CaseProblem(key, what, hint, guesses_unit=bool(hint))
+            yield CaseProblem(key, what, hint, guesses_unit=bool(hint), kind="out-of-range")
 
 
 def unusual_sizes(case: Case) -> Iterator[str]:

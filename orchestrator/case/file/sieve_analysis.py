@@ -112,7 +112,7 @@ def read_sieve_analysis(folder: Path, name: str, key: Key, source: str) -> list[
     try:
         return curve_of(text)
     except ValueError as error:
-        raise CaseError([CaseProblem(key, str(error), file=name)]) from None
+        raise CaseError([CaseProblem(key, str(error), file=name, kind="file")]) from None
 
 
 def curve_of(text: str) -> list[dict[str, float]]:

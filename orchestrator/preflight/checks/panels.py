@@ -29,11 +29,15 @@ def panel_rows(case: Case) -> Iterator[CaseProblem]:
     """Check that each row gives one of tension and span, a pitch, and the directions of a rectangle that does
     not lie on its back."""
     if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
-        yield CaseProblem(("screen", "panels"), "missing: there is nothing for particles to touch")
+        yield CaseProblem(
+            ("screen", "panels"), "missing: there is nothing for particles to touch", kind="missing"
+        )
     for key, panel in rows(case, "screen.panels"):
         yield from _one_span(key, panel)
         if panel.count > 1 and panel.pitch_m is None:
-            yield CaseProblem((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
+            yield CaseProblem(
+                (*key, "pitch_m"), f"missing: count = {panel.count} panels need it", kind="missing"
+            )
         yield from right_angle(key, panel, "along", "across")
         normal = np.cross(panel.along, panel.across)
         if normal[2] < -1e-9 * np.linalg.norm(normal):
@@ -47,17 +51,19 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
         what = "contradicts tension_m, which gives the span, too"
         yield CaseProblem((*key, "span_m"), what, "give one of the two")
     if panel.tension_m is None and panel.span_m is None:
-        yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m")
+        yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m", kind="missing")
     span = panel.span_m or panel.length_m + (panel.tension_m or 0.0)
     yield from _mounting(key, panel)
     if not 0.5 * panel.length_m <= span <= 1.5 * panel.length_m:
         given = "span_m" if panel.span_m is not None else "tension_m"
         what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
-        yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted")
+        yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted", kind="out-of-range")
     needed_m = span + 2 * panel.clamp_m * math.cos(math.radians(panel.clamp_angle_deg))
     if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < needed_m:
         what = f"{panel.pitch_m:g} m lets neighbours overlap"
-        yield CaseProblem((*key, "pitch_m"), what, f"span and two clamps need {needed_m:g} m")
+        yield CaseProblem(
+            (*key, "pitch_m"), what, f"span and two clamps need {needed_m:g} m", kind="misplaced"
+        )
 
 
 def _mounting(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
@@ -68,7 +74,9 @@ def _mounting(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
     deepest_m = DEEPEST_SAG * panel.length_m
     if panel.moulded_sag_m > deepest_m:
         what = f"{panel.moulded_sag_m:g} m is too deep for a free length of {panel.length_m:g} m"
-        yield CaseProblem((*key, "moulded_sag_m"), what, f"at most {deepest_m:.3g} m is allowed")
+        yield CaseProblem(
+            (*key, "moulded_sag_m"), what, f"at most {deepest_m:.3g} m is allowed", kind="out-of-range"
+        )
 
 
 def panel_integrator(case: Case) -> Iterator[CaseProblem]:
@@ -78,7 +86,7 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
         others = solvers.names_able_to("panel", lambda panel: asked in panel.integrators)
         hint = f'take "{able[0]}", or panel.solver = {others}'
         what = f"the {case.panel.solver} is {' or '.join(able)} only"
-        yield CaseProblem(("panel", "integrator"), what, hint)
+        yield CaseProblem(("panel", "integrator"), what, hint, kind="solver")
 
 
 def openings(case: Case) -> Iterator[CaseProblem]:
@@ -95,7 +103,9 @@ def openings(case: Case) -> Iterator[CaseProblem]:
             what = (
                 f"the panel is {thickness_m:g} m thick, its openings are only {longest_m:g} m apart: no plate"
             )
-            yield CaseProblem((*key, "thickness_m"), what, f"at most {PLATE * longest_m:g} m is wanted")
+            yield CaseProblem(
+                (*key, "thickness_m"), what, f"at most {PLATE * longest_m:g} m is wanted", kind="out-of-range"
+            )
 
 
 def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[CaseProblem]:
@@ -106,11 +116,13 @@ def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[Cas
         land_m = pitch_m - size_m
         if land_m <= 0:
             what = f"{pitch_m:g} m leaves no land between openings of {size_m:g} m {way}"
-            yield CaseProblem((*key, f"pitch_{way}_m"), what, f"more than {size_m:g} m is wanted")
+            yield CaseProblem(
+                (*key, f"pitch_{way}_m"), what, f"more than {size_m:g} m is wanted", kind="out-of-range"
+            )
         elif land_m < THINNEST_LAND * longest_m:
             what = f"leaves lands of {land_m:.3g} m, too thin for a mesh"
             hint = f"at least {THINNEST_LAND:g} of the longer pitch is wanted"
-            yield CaseProblem((*key, f"pitch_{way}_m"), what, hint)
+            yield CaseProblem((*key, f"pitch_{way}_m"), what, hint, kind="out-of-range")
 
 
 def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[CaseProblem]:
@@ -122,11 +134,13 @@ def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[Ca
     ):
         if count == 0 and pitch_m > whole_m:
             what = f"{pitch_m:g} m is larger than the panel, {whole_m:g} m"
-            yield CaseProblem((*key, f"pitch_{way}_m"), what)
+            yield CaseProblem((*key, f"pitch_{way}_m"), what, kind="out-of-range")
         elif count == 0:
             left_m = max(whole_m - 2 * margin_m, 0.0)
             what = f"{margin_m:g} m at both ends leaves {left_m:.3g} m of the panel's {whole_m:g} m"
-            yield CaseProblem((*key, f"margin_{way}_m"), what, f"one pitch needs {pitch_m:g} m")
+            yield CaseProblem(
+                (*key, f"margin_{way}_m"), what, f"one pitch needs {pitch_m:g} m", kind="out-of-range"
+            )
 
 
 def triangles(case: Case) -> Iterator[CaseProblem]:
@@ -141,7 +155,7 @@ def triangles(case: Case) -> Iterator[CaseProblem]:
     try:
         surface_grids(case)
     except BadMesh as bad:
-        yield CaseProblem(("panel", "surface_cells"), str(bad))
+        yield CaseProblem(("panel", "surface_cells"), str(bad), kind="out-of-range")
     except SolverMissing:
         return
 
@@ -156,13 +170,13 @@ def mesh_memory(case: Case) -> Iterator[CaseProblem]:
     if not sizes:
         along, across = case.panel.cells
         what = f"{along} x {across} cells on each of {len(panels)} panels need {allowed}"
-        yield CaseProblem(("panel", "cells"), what, "some ten to thirty along are usual")
+        yield CaseProblem(("panel", "cells"), what, "some ten to thirty along are usual", kind="out-of-range")
         return
     cells, unknowns = sum(size.cells for size in sizes), UNKNOWNS * sum(size.nodes for size in sizes)
     fits = max(panel.rectangle.width_m for panel in panels) * LARGEST_MESHES_GIB / needed_GiB
     hint = f'panels {int(1e3 * fits)} mm wide would fit: take a slice, or panel.solver = "sheet"'
     what = f"{cells} cells and {unknowns} unknowns on all panels need {allowed}"
-    yield CaseProblem(("panel", "solver"), what, hint)
+    yield CaseProblem(("panel", "solver"), what, hint, kind="out-of-range")
 
 
 def machine_memory(case: Case) -> Iterator[str]:
@@ -190,9 +204,11 @@ def stops(case: Case) -> Iterator[CaseProblem]:
         free_m = panel.table.length_m
         if stop.to_m > free_m * (1 + 1e-9):
             what = f"lies beyond the free length of {free_m:g} m"
-            yield CaseProblem((*key, "to_m"), what, "stops lie between the clamps' inner edges")
+            yield CaseProblem(
+                (*key, "to_m"), what, "stops lie between the clamps' inner edges", kind="out-of-range"
+            )
         if stop.from_m >= stop.to_m:
-            yield CaseProblem((*key, "from_m"), f"is not before to_m = {stop.to_m:g} m")
+            yield CaseProblem((*key, "from_m"), f"is not before to_m = {stop.to_m:g} m", kind="out-of-range")
         if panel.table.material not in case.materials or stop.stiffness_Pa_per_m is None:
             continue
         most_Pa_per_m = stiffest_Pa_per_m(case, panel)
@@ -200,4 +216,4 @@ def stops(case: Case) -> Iterator[CaseProblem]:
             interval_s = case.coupling.sync_interval_s
             what = f"is too stiff for a sync interval of {interval_s:g} s: the panel would be kicked"
             hint = f"at most {most_Pa_per_m:.3g} Pa/m, or a shorter coupling.sync_interval_s"
-            yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint)
+            yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint, kind="out-of-range")

@@ -228,7 +228,7 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     """
 
     def problem(file: Path, what: str) -> CaseError:
-        return CaseError([CaseProblem((), what, file=str(file))])
+        return CaseError([CaseProblem((), what, file=str(file), kind="file")])
 
     if given and not given.is_file():
         raise problem(given, "no such file")
@@ -336,7 +336,11 @@ def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
     base = study.table["base"]
     if not study.table["short"]:
         raise CaseError(
-            [CaseProblem((), "has no times: its short run was not to be trusted", file=str(study.file))]
+            [
+                CaseProblem(
+                    (), "has no times: its short run was not to be trusted", file=str(study.file), kind="file"
+                )
+            ]
         )
     (short,) = study.table["short"].values()
     here = time_run(case, level, [*study.table["sets"], *study.table["shared"], *short["sets"]])

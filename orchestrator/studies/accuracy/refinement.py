@@ -162,7 +162,13 @@ def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> li
     for name in variants:
         if name not in known:
             hint = did_you_mean(name, filter(None, known))
-            raise CaseError([CaseProblem((), f'no variant "{name}" for this case', hint, "--parameters")])
+            raise CaseError(
+                [
+                    CaseProblem(
+                        (), f'no variant "{name}" for this case', hint, "--parameters", kind="unknown-name"
+                    )
+                ]
+            )
     return [each for each in series if each.variant in variants]
 
 

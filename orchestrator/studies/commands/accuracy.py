@@ -81,7 +81,9 @@ def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) 
     for name in names:
         word = name.partition("=")[0] if option == "--parameters" else name  # scheme=aitken+robin
         if word not in known:
-            raise CaseError([CaseProblem((), f'no "{name}"', did_you_mean(name, known), option)])
+            raise CaseError(
+                [CaseProblem((), f'no "{name}"', did_you_mean(name, known), option, kind="unknown-name")]
+            )
     return tuple(names)
 
 

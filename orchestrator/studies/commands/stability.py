@@ -77,7 +77,9 @@ def command(
     """
     parts = {word.strip() for word in part.split(",")}
     if unknown := parts - {"hard", "map"}:
-        raise CaseError([CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part")])
+        raise CaseError(
+            [CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part", kind="unknown-name")]
+        )
     benchmarks = find_benchmarks(cases, out / "hard") if "hard" in parts else []
     spots = map_spots(cases / base, out / "map") if "map" in parts else []
     points = [*(p for each in benchmarks for p in each.points), *(spot.run for spot in spots)]
@@ -127,7 +129,7 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
         check_folder(out / case.name, "stability")
     benchmarks = [benchmark(case, out) for case in cases]
     if not benchmarks:
-        raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder))])
+        raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder), kind="file")])
     return sorted(benchmarks, key=lambda each: each.criteria.number or 0)
 
 
