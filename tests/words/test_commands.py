@@ -154,8 +154,8 @@ def test_run(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
 
 @pytest.mark.parametrize("command", ["resume", "report"])
 def test_commands_of_a_run(said: Said, case: str, command: str, snapshot: SnapshotAssertion) -> None:
-    assert said(command, "absent", *out) == snapshot(name="no folder")
-    assert said(command, case, *out) == snapshot(name="the folder of a case")
+    assert said(command, "absent") == snapshot(name="no folder")
+    assert said(command, case) == snapshot(name="the folder of a case")
 
 
 def test_results(said: Said, runs: list[str], snapshot: SnapshotAssertion) -> None:
