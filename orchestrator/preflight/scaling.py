@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import largest_length_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
@@ -159,7 +159,7 @@ def _borders(case: Case, ranks: int) -> tuple[float, int]:
     """Return the particles at the borders of a rank's part over those in it, and the number of sides along
     which the deck is cut, for the best grid of parts."""
     length_m, width_m = _bed_sides_m(case)
-    reach_m = LISTED_DIAMETERS * largest_diameter_m(case)
+    reach_m = LISTED_DIAMETERS * largest_length_m(case)
 
     def bordering(grid: tuple[int, int, int]) -> float:
         return bordering_share((length_m / grid[0], width_m / grid[1], 1.0), grid, reach_m)

@@ -104,7 +104,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (FEED.replace("0, 0.1]", "0, -0.1]"), "chute.box_m: panel deck reaches into it"),
         (FEED.replace("sizes", "start_s=0.1, sizes"), "start_s: 0.1 s is not before the end"),
         (FEED.replace("0.02, mass", "0.12, mass"), "box_m: particles of 0.12 m do not fit in 0.1 m"),
-        (FEED.replace("sizes=", "curve=[{diameter_m=0.1, passing=1}], sizes="), "contradicts sizes"),
+        (FEED.replace("sizes=", "curve=[{sieve_size_m=0.1, passing=1}], sizes="), "contradicts sizes"),
         # exits
         (EXIT.replace("-0.3]]", "-0.6]]"), "under.box_m: is empty"),
         (EXIT.replace("-0.5], [1, 1, -0.3", "-1.5], [1, 1, -1.3"), "is outside domain_m"),
@@ -116,7 +116,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("screen.bushings.isolation.stiffness_N_per_m.0=0.225", "looks like N/mm: that is 225"),
         ("materials.coal.youngs_modulus_Pa=990", "looks like MPa: that is 9.9e+08"),
         ("materials.PU.hyperelastic.c10_Pa=0.7", "looks like MPa: that is 700000"),
-        ("bed.particles.ball.diameter_m=20", "looks like mm: that is 0.02"),
+        ("bed.particles.ball.sieve_size_m=20", "looks like mm: that is 0.02"),
         ("screen.exciters.shaft.speed_rad_per_s=1500", "looks like rpm: that is 157.08"),
         ("duration_s=2e4", "looks like ms: that is 20"),
         ("bed.particles.ball.spin_rad_per_s=[0, 1e300, 0]", "1e+300 is out of the range"),
@@ -216,7 +216,7 @@ def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
 
 
 def test_overlapping_particles_are_named(tmp_path: Path) -> None:
-    other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], diameter_m=0.02, material="coal"}'
+    other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], sieve_size_m=0.02, material="coal"}'
     said = only_complaint(tmp_path, other)
     assert '"ball" overlaps "other" by 0.001 m' in said
     assert not complaints(tmp_path, other.replace("0.069", "0.0701"))

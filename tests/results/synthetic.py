@@ -190,13 +190,13 @@ def _events(path: Path, cycles: int) -> None:
     case = load_judged(ROOT / "cases/quickstart", "draft").case
     position = np.column_stack([station, 0 * station + 0.1, 0 * station]) @ axes(case).T
     tables = {
-        "fed": {"id": ids, "time_s": fed_s, "diameter_m": SIZES_M[size], "material": 0 * ids},
+        "fed": {"id": ids, "time_s": fed_s, "sieve_size_m": SIZES_M[size]},
         "removed": {
             "id": ids[left],
             "time_s": (fed_s + FILLED * CYCLE_S)[left],
             "position_m": position[left],
             "velocity_m_per_s": 0 * position[left],
-            "diameter_m": SIZES_M[size][left],
+            "sieve_size_m": SIZES_M[size][left],
             "exit": out[left],
             **_contacts(out[left]),
         },
@@ -204,8 +204,11 @@ def _events(path: Path, cycles: int) -> None:
     with h5py.File(path, "a") as history:
         for name, table in tables.items():
             table["density_kg_per_m3"] = np.full(len(table["id"]), DENSITY)
+            table["material"] = table["shape"] = 0 * table["id"]
             for key, values in table.items():
                 history[f"{name}/{key}"] = values
+        for name in tables:
+            history[name].attrs["shapes"] = ["sphere"]
         history["removed"].attrs["names"] = ["one", "two", "end"]
         history["removed"].attrs["products"] = ["undersize", "undersize", "oversize"]
         history["removed"].attrs["panels"] = ["deck-1", "deck-2"]
@@ -257,9 +260,7 @@ def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
                         world,
                         np.tile([0.3, 0.0, 0.0], (n, 1)),
                         still,
-                        np.full(n, 0.01),
-                        np.full(n, DENSITY),
-                        np.zeros(n, dtype=np.int64),
+                        spheres(np.full(n, 0.01), DENSITY),
                     )
                 ),
             )

@@ -212,7 +212,7 @@ def draw_balance(results: dict[str, Any]) -> Any:
 
 
 def draw_partition(screening: dict[str, Any]) -> Any:
-    """Draw the partition number over the diameter, with the cut size, d50 and the sizes of the feed."""
+    """Draw the partition number over the size, with the cut size, d50 and the sizes of the feed."""
     table = screening["partition"]
     mean, number = np.array(table["mean_m"], float), np.array(table["oversize_percent"], float)
     edges = 1e3 * np.array(table["edges_m"], float)
@@ -222,13 +222,13 @@ def draw_partition(screening: dict[str, Any]) -> Any:
     there = np.isfinite(number)
     axes.plot(1e3 * mean[there], number[there], "o-", color=HELD, ms=4, label="to the oversize")
     if (whole := screening.get("whole_feed")) and (curve := whole["curve"]):
-        sizes = 1e3 * np.array(curve["diameter_m"])
+        sizes = 1e3 * np.array(curve["sieve_size_m"])
         axes.plot(sizes, curve["oversize_percent"], ":", color=HELD, label="continued to finer sizes")
     if screening["cut_size_m"]:
         axes.axvline(1e3 * screening["cut_size_m"], color=OVER, ls="--", label="cut size")
     if table["d50_m"]["value"] is not None:
         axes.plot(1e3 * table["d50_m"]["value"], 50, "D", color="#a23b72", label="d50")
-    axes.set(title="partition curve", xlabel="diameter / mm", ylabel="share of mass / %", ylim=(0, 105))
+    axes.set(title="partition curve", xlabel="size / mm", ylabel="share of mass / %", ylim=(0, 105))
     axes.legend(loc="upper left", ncols=2, bbox_to_anchor=(0, -0.18))
     return fig
 
@@ -285,7 +285,7 @@ def draw_contacts(why: dict[str, Any]) -> Any:
         ("geometric_percent", "--", "geometric: straight down, untouched"),
     ):
         chances.plot(mean_mm, np.array(sizes[key], float), style, ms=4, label=label)
-    chances.set(title="chance of a contact", xlabel="diameter / mm", ylabel="%")
+    chances.set(title="chance of a contact", xlabel="size / mm", ylabel="%")
     course.plot(
         fit["time_s"], [row["passed_percent"] for row in why["along"]], "o", label="up to each panel's end"
     )

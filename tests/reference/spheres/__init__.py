@@ -29,5 +29,5 @@ def cost(work: ParticlesWork) -> Cost:
 
 
 ADAPTER = ParticlesAdapter(
-    about="a few spheres, in NumPy", build=build, cost=cost, periodic=False, fidelity=1
+    about="a few spheres, in NumPy", build=build, cost=cost, periodic=False, clumps=False, fidelity=1
 )

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices, Overlaps
 from orchestrator.ports.geometry import TriangleSurface, closest_on_triangle
-from tests.reference.spheres.rows import Rows
+from orchestrator.ports.rows import Rows
 from tests.reference.spheres.smooth_patches import Places, find_minima, share_force
 from tests.reference.spheres.spheres import Spheres
 from tests.reference.spheres.triangle_spin import TriangleSpin, cross
@@ -210,7 +210,7 @@ def find_contacts(
     decide which hold beyond zero overlap."""
     on_surface = _find_on_surface(spheres, surface, surface_m, near, law, before)
     pairs = _find_between_spheres(spheres, near, law, before)
-    return pairs.followed_by(on_surface) if len(pairs.first) else on_surface
+    return Contacts.joined([pairs, on_surface]) if len(pairs.first) else on_surface
 
 
 def _find_between_spheres(

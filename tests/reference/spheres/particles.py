@@ -92,7 +92,7 @@ class SpheresSolver:
 
     def removed(self) -> Removed:
         since, self._removed = self._removed, []
-        return sort_removed(since, self._plan.counted_panels)
+        return self._sorted(since)
 
     def overlaps(self) -> Overlaps:
         since, self._deepest = self._deepest, Overlaps()
@@ -131,16 +131,17 @@ class SpheresSolver:
         )
 
     def save(self) -> Saved:
-        return save_attributes(self, *_STATE) | {
-            "removed": as_arrays(sort_removed(self._removed, self._plan.counted_panels))
-        }
+        return save_attributes(self, *_STATE) | {"removed": as_arrays(self._sorted(self._removed))}
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_STATE)
-        self._removed = [like(sort_removed([], self._plan.counted_panels), saved["removed"])]
+        self._removed = [like(self._sorted([]), saved["removed"])]
 
     def close(self) -> None:
         pass
+
+    def _sorted(self, removed: list[Removed]) -> Removed:
+        return sort_removed(removed, self._plan.particles.grains.shapes, self._plan.counted_panels)
 
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
         """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
@@ -236,7 +237,7 @@ class SpheresSolver:
         self._supplied_J["feed"] += new.mechanical_J(self._plan.gravity_m_per_s2)
         self._impulse_N_s += new.momentum_kg_m_per_s()
         self._came_kg_m2_per_s = self._came_kg_m2_per_s + new.angular_momentum_kg_m2_per_s()
-        self._replace(self._spheres.followed_by(new), np.arange(len(self._spheres)))
+        self._replace(Spheres.joined([self._spheres, new]), np.arange(len(self._spheres)))
 
     def _find_room(self, offered: Spheres) -> npt.NDArray[np.bool_]:
         from scipy.spatial.distance import cdist

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.particles.liggghts.ledger import SolidSpheres
-from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed
-from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.ports import Indices, ParticleSnapshot, Removed
+from orchestrator.ports.grains import Grains
 from orchestrator.ports.plans import ParticleList
-from tests.reference.spheres.rows import Rows
+from orchestrator.ports.rows import Rows
 from tests.reference.spheres.visits import Visits
 
 
@@ -19,21 +19,24 @@ class Spheres(SolidSpheres, Rows):
     """n solid spheres sorted by id."""
 
     id: Indices
-    density_kg_per_m3: Array
-    material: Indices
+    grains: Grains
+
+    @property
+    def material(self) -> Indices:
+        """The numbers of their materials (n,)."""
+        return np.asarray(self.grains.material)
 
     @staticmethod
     def of(particles: ParticleList, first_id: int) -> Spheres:
         """The spheres of a list, with ids in order from ``first_id``."""
         return Spheres(
-            mass_kg=sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3),
-            radius_m=particles.diameter_m / 2.0,
+            mass_kg=particles.grains.mass_kg,
+            radius_m=particles.grains.bounding_radius_m,
             position_m=particles.position_m.copy(),
             velocity_m_per_s=particles.velocity_m_per_s.copy(),
             spin_rad_per_s=particles.spin_rad_per_s.copy(),
             id=first_id + np.arange(len(particles)),
-            density_kg_per_m3=particles.density_kg_per_m3.copy(),
-            material=particles.material.copy(),
+            grains=particles.grains,
         )
 
     def snapshot(self) -> ParticleSnapshot:
@@ -43,9 +46,7 @@ class Spheres(SolidSpheres, Rows):
             position_m=self.position_m.copy(),
             velocity_m_per_s=self.velocity_m_per_s.copy(),
             spin_rad_per_s=self.spin_rad_per_s.copy(),
-            diameter_m=2.0 * self.radius_m,
-            density_kg_per_m3=self.density_kg_per_m3.copy(),
-            material=self.material.copy(),
+            grains=self.grains,
         )
 
     def removed(self, time_s: float, exit_of: Indices, visits: Visits) -> Removed:
@@ -55,9 +56,7 @@ class Spheres(SolidSpheres, Rows):
             time_s=np.full(len(self), time_s),
             position_m=self.position_m,
             velocity_m_per_s=self.velocity_m_per_s,
-            diameter_m=2.0 * self.radius_m,
-            density_kg_per_m3=self.density_kg_per_m3,
-            material=self.material,
+            grains=self.grains,
             exit=exit_of,
             contacts=visits.contacts.astype(np.int32),
             over_s=visits.over_s.astype(np.float32),
