@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from orchestrator.ports.adapters import Adapter
     from orchestrator.ports.grains import Shape
 
-Port = Literal["panel", "frames", "particles", "shapes"]
+Port = Literal["panel", "frames", "particles"]
+Door = Port | Literal["shapes"]
 NONE = "none"
 """The value of ``particles.solver`` for a machine that runs empty."""
 
@@ -37,7 +38,7 @@ class SolverName:
     """An annotation for a field of a case's table whose value is the name of a solver of ``port``, or of a
     shape."""
 
-    port: Port
+    port: Door
 
     @property
     def allowed(self) -> tuple[str, ...]:
@@ -56,7 +57,7 @@ class SolverName:
 
 
 @cache
-def names(port: Port) -> tuple[str, ...]:
+def names(port: Door) -> tuple[str, ...]:
     """Return the names of a port's solvers, as cases give them, in alphabetical order."""
     folder = import_module(f"adapters.{port}")
     own = {module.name for module in iter_modules(folder.__path__)} - folder.SHARED
@@ -65,7 +66,7 @@ def names(port: Port) -> tuple[str, ...]:
 
 
 @cache
-def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
+def adapter(port: Door, solver: str) -> Adapter[Any, Any, Any]:
     """Return the adapter of a solver.
 
     Raises SolverMissing if the solver belongs to an installed package and cannot be loaded.

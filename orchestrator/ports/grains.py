@@ -79,8 +79,8 @@ class ShapeTable(Rows):
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
-        """Return the one table that all grains of a plan have."""
-        return parts[0]
+        """Return the one table that all grains of a plan have; none at all may lack it."""
+        return max(parts, key=lambda table: len(table.name))
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +120,9 @@ class Grain(Rows, Generic[Number]):
 
     def _of_shape(self, name: str) -> Number:
         """Return a number of the shape, or of each grain's."""
-        number: Number = getattr(self.shapes, name)[self.shape]
-        return number
+        number = getattr(self.shapes, name)[self.shape]
+        told: Number = number if number.ndim else number.item()
+        return told
 
     @property
     def mass_kg(self) -> Number:

@@ -258,18 +258,7 @@ def saved_run(folder: Path, coarse_graining: float = 1.0) -> Path:
         checkpoint.mkdir(parents=True)
         place_m = np.array([[0.1, 0.1, time_s]])
         spin = np.array([[1.0, 2.0, 3.0]])
-        bed = CarriedBed(
-            ("coal",),
-            np.zeros(1, dtype=np.int64),
-            place_m,
-            -place_m,
-            spin,
-            np.array([0.01]),
-            np.array([1430.0]),
-            time_s,
-            coarse_graining,
-            "",
-        )
+        bed = CarriedBed(("coal",), place_m, -place_m, spin, spheres([0.01]), time_s, coarse_graining, "")
         saved_bed.write(checkpoint / saved_bed.BED, bed)
     return folder / "run"
 

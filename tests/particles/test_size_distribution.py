@@ -10,10 +10,10 @@ import pytest
 from orchestrator.case.bed.size_distribution import (
     CurveClass,
     classes,
-    diameters_m,
     faults,
     finer_share,
     mean_cube_m3,
+    random_sizes_m,
     sample_of,
     share_between,
     share_left_out,
@@ -42,7 +42,7 @@ def sizes(*rows: tuple[float, float, float], **given: Any) -> Block:
 
 def passing(block: Block, at_m: float) -> float:
     """By mass, of many particles."""
-    drawn_m = diameters_m(classes(block), 200_000, np.random.default_rng(1))
+    drawn_m = random_sizes_m(classes(block), 200_000, np.random.default_rng(1))
     return float(np.sum(drawn_m[drawn_m <= at_m] ** 3) / np.sum(drawn_m**3))
 
 

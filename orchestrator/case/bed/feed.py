@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.packing import equal_particles, find_places
+from orchestrator.case.bed.packing import equal_particles, find_places, no_particles
 from orchestrator.case.bed.size_distribution import shares, size_m
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports import Array, Indices, Saved
@@ -171,7 +171,7 @@ class Feeds:
     """
 
     def __init__(self, inlets: Sequence[Inlet], every: int = 1, first: ParticleList | None = None) -> None:
-        """Prepare the feeds of at least one inlet, with a batch in every ``every``-th sync interval.
+        """Prepare the feeds of the inlets, with a batch in every ``every``-th sync interval.
 
         Raises ValueError for overlapping boxes, because their particles could overlap, too.
         """
@@ -181,18 +181,16 @@ class Feeds:
         self._every = every
         self.feeds = [RateFeed(inlet) for inlet in inlets]
         self._count = 0
-        none = inlets[0].grain.of_sizes(np.empty(0))
-        self._none = equal_particles(np.empty((0, 3)), np.zeros(3), none)
         self._since: list[Fed] = []
         self._offers: list[ParticleList] = []
-        self._note(first or self._none, 0.0)
+        self._note(first or no_particles(), 0.0)
 
     def due(self, interval: Interval) -> ParticleList:
         """Return the particles that all feeds offer at the start of an interval."""
         self._time_s = interval.start_s
         if interval.index % (self._every * interval.parts):
             self._offers = []
-            return self._none
+            return no_particles()
         self._offers = [feed.due(interval) for feed in self.feeds]
         return ParticleList.joined(self._offers)
 
@@ -208,7 +206,7 @@ class Feeds:
     def take_fed(self) -> Fed:
         """Return the particles that came in since the last call."""
         since, self._since = Fed.joined(self._since), []
-        self._note(self._none, 0.0)
+        self._note(no_particles(), 0.0)
         return since
 
     def save(self) -> Saved:

@@ -8,7 +8,7 @@ or an earlier proposal tries again.  Equal spheres can fill some 38 % of a large
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -121,6 +121,7 @@ def equal_particles(position_m: Array, velocity_m_per_s: Array, grains: Grains) 
     )
 
 
+@cache
 def no_particles() -> ParticleList:
     """Return an empty list of particles, of no shape."""
     none = Grain(np.empty(0), np.empty(0), np.empty(0, int), np.empty(0, int), ShapeTable.of([]))

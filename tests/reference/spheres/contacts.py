@@ -44,6 +44,8 @@ class Neighbours:
         if len(spheres) > 1:
             pairs = cKDTree(center_m).query_pairs(2.0 * largest_m + skin_m, output_type="ndarray")
             i, j = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].astype(np.int64).T
+            apart = spheres.body[i] != spheres.body[j]  # not of one grain
+            i, j = i[apart], j[apart]
         near = np.linalg.norm(center_m[i] - center_m[j], axis=1) < radius_m[i] + radius_m[j] + skin_m
         sphere, triangle = find_near_surface(spheres, skin_m, surface_m[surface.triangles])
         return Neighbours(i[near], j[near], sphere, triangle, center_m.copy(), surface_m.copy(), skin_m)
