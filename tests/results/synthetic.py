@@ -28,6 +28,7 @@ from orchestrator.output.records.wear_record import PATCHES
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
 from tests.cases import case_folder
+from tests.grains import spheres
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5
@@ -229,7 +230,7 @@ def _contacts(out: Array) -> dict[str, Array]:
 
 def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
     surface = Series(place, "surface")
-    spheres = Series(place, "particles") if particles else None
+    cloud = Series(place, "particles") if particles else None
     rng = np.random.default_rng(1)
     for i in range(6):
         time = cycles * CYCLE_S - (5 - i) * CYCLE_S / 6
@@ -245,14 +246,14 @@ def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
         position = np.vstack(points)
         motion = Motion(position, np.zeros_like(position))
         surface.add(time, surface_mesh(motion, np.vstack(triangles), np.concatenate(panel), {}, {}))
-        if spheres is not None:
+        if cloud is not None:
             n = 60
             place_m = np.column_stack(
                 [rng.uniform(0, 0.6, n), rng.uniform(0, 0.2, n), 0.02 + 0 * rng.uniform(size=n)]
             )
             world = place_m @ axes(case).T
             still = np.zeros((n, 3))
-            spheres.add(
+            cloud.add(
                 time,
                 particle_mesh(
                     ParticleSnapshot(

@@ -101,7 +101,7 @@ class Bodies(Rows):
             momentum, start = self._turned(self.spin_rad_per_s, inertia_kg_m2), self.rotation[tumbles]
             for part_s in (step_s / 2.0, step_s):
                 turn = Rotation.from_rotvec(part_s * self.spin_rad_per_s[tumbles]).as_matrix()
-                self.rotation[tumbles] = turn @ start
+                self.rotation[tumbles] = Rotation.from_matrix(turn @ start).as_matrix()  # no scale creeps in
                 self.spin_rad_per_s[tumbles] = self._turned(momentum, 1.0 / inertia_kg_m2)[tumbles]
         self.carry(spheres)
 
