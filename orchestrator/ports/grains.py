@@ -125,6 +125,11 @@ class Grain(Rows, Generic[Number]):
         return told
 
     @property
+    def volume_m3(self) -> Number:
+        """The volume."""
+        return self._of_shape("volume") * self.sieve_size_m**3
+
+    @property
     def mass_kg(self) -> Number:
         """The mass."""
         return self._of_shape("volume") * self.density_kg_per_m3 * self.sieve_size_m**3

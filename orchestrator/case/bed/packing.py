@@ -33,8 +33,7 @@ def place_block(block: Block, grain: Grain[float]) -> ParticleList:
     sieve_size_m, position_m, placed = _places(block, grain.resized(1.0).bounding_radius_m)
     grains = grain.of_sizes(sieve_size_m)
     if not placed.all():
-        solid_m3 = np.sum(grains.mass_kg) / grain.density_kg_per_m3
-        share = solid_m3 / np.prod(np.ptp(block.box_m, axis=0))
+        share = np.sum(grains.volume_m3) / np.prod(np.ptp(block.box_m, axis=0))
         raise ValueError(
             f"the box has room for {placed.sum()} of {block.count} particles: all would fill "
             f"{share:.0%} of it, random places end at 25 to 35 %; enlarge the box"

@@ -181,7 +181,7 @@ def classes_of_grains(grains: Grains) -> tuple[SizeClass, ...]:
 
     The limits of a class are the smallest and the largest of its particles.
     """
-    size_m, volume = grains.sieve_size_m, grains.equivalent_diameter_m**3
+    size_m, volume = grains.sieve_size_m, grains.volume_m3
     number = np.digitize(size_m, np.geomspace(size_m.min(), size_m.max(), RANGES + 1)[1:-1])
     parts = [number == k for k in np.unique(number)]
     return tuple(

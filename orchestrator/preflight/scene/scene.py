@@ -245,8 +245,8 @@ def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[flo
     if (carried := case.bed.carried) is not None:
         for name in carried.materials:
             grains = carried.of_material(name)
-            solid_m3 = math.pi / 6 * float((grains.equivalent_diameter_m**3).sum())
-            yield solid_m3 * case.materials[name].density_kg_per_m3, classes_of_grains(grains)
+            mass_kg = case.materials[name].density_kg_per_m3 * float(grains.volume_m3.sum())
+            yield mass_kg, classes_of_grains(grains)
 
 
 def layer_kg_per_m2(case: Case) -> float:
