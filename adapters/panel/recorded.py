@@ -22,7 +22,7 @@ import numpy as np
 
 from adapters.panel.common.carried import CarriedSurface
 from adapters.panel.common.grid import locate
-from orchestrator.ports import Account, Array, HermitePath, Motion, Mount
+from orchestrator.ports import Account, Array, HermitePath, Interpolation, Motion, Mount
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 from orchestrator.ports.recording import Playback, RecordedGrid, both_ways, hats
@@ -69,11 +69,18 @@ class RecordedPanel(CarriedSurface):
     def account(self) -> Account:
         return replace(super().account(), supplied_J={"recording": self._supplied_J})
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
         """Return shape functions, cubic between the grid's points and linear under the clamps."""
         from scipy.sparse import csr_array
 
-        return csr_array(interpolation_matrix(self._grid, self._edges_m, coordinates_m))
+        def values(at_m: Array) -> csr_array:
+            return csr_array(interpolation_matrices(self._grid, self._edges_m, at_m)[0])
+
+        def slopes(at_m: Array) -> tuple[csr_array, csr_array]:
+            _, along, across = interpolation_matrices(self._grid, self._edges_m, at_m)
+            return csr_array(along), csr_array(across)
+
+        return Interpolation.of(coordinates_m, values, slopes)
 
     def _place(self, clamps: Motion, time_s: float) -> Motion:
         shape_m, rate_m_per_s = self._player.shape(time_s)
@@ -141,21 +148,28 @@ class Player:
         return (1 - math.cos(turn)) / 2, math.pi / (2 * run_up_s) * math.sin(turn)
 
 
-def interpolation_matrix(grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m: Array) -> Array:
-    """Return H (n, points), rows of which sum to one.  Raises ValueError for coordinates off the grid."""
+def interpolation_matrices(
+    grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m: Array
+) -> tuple[Array, Array, Array]:
+    """Return H (n, points), rows of which sum to one, and its derivatives with respect to s and y.  Raises
+    ValueError for coordinates off the grid."""
     s, y = coordinates_m.T
     rows, columns = grid.rows_m, grid.columns_m
     slack_m = 1e-9 * (rows[-1] - rows[0])
     locate(rows, s, slack_m)
-    along = hats(s, rows)
+    along, slope = hats(s, rows), np.zeros((len(s), len(rows)))
     free_rows = (rows >= edges_m[0]) & (rows <= edges_m[1])
-    free = (s > edges_m[0]) & (s < edges_m[1])
-    along[np.ix_(free, free_rows)] = cubic_shapes(s[free], rows[free_rows], slack_m)
-    return both_ways(along, cubic_shapes(y, columns, slack_m))
+    free = (s > edges_m[0]) & (s < edges_m[1]) if not free_rows.all() else np.full(len(s), True)
+    for under, link in ((s <= edges_m[0], slice(0, 2)), (s >= edges_m[1], slice(-2, None))):
+        slope[under, link] = np.array([-1.0, 1.0]) / np.ptp(rows[link])
+    at = np.ix_(free, free_rows)
+    along[at], slope[at] = cubic_shapes(s[free], rows[free_rows], slack_m)
+    across, slope_across = cubic_shapes(y, columns, slack_m)
+    return both_ways(along, across), both_ways(slope, across), both_ways(along, slope_across)
 
 
-def cubic_shapes(places: Array, nodes: Array, slack_m: float) -> Array:
-    """Return cubic Hermite shape functions (places, nodes).
+def cubic_shapes(places: Array, nodes: Array, slack_m: float) -> tuple[Array, Array]:
+    """Return cubic Hermite shape functions (places, nodes) and their derivatives.
 
     Their slopes are central differences through the nodes (at the ends one-sided).  They are C1, and exact
     for parabolas.  Raises ValueError for places that are outside by more than ``slack_m``.
@@ -166,7 +180,9 @@ def cubic_shapes(places: Array, nodes: Array, slack_m: float) -> Array:
     first, second = np.eye(len(nodes))[cell], np.eye(len(nodes))[cell + 1]
     value = (1 + 2 * t) * (1 - t) ** 2 * first + t**2 * (3 - 2 * t) * second
     value += length * (t * (1 - t) ** 2 * slopes[cell] + t**2 * (t - 1) * slopes[cell + 1])
-    return np.asarray(value)
+    rate = 6 * t * (1 - t) / length * (second - first)
+    rate += (1 - t) * (1 - 3 * t) * slopes[cell] + t * (3 * t - 2) * slopes[cell + 1]
+    return np.asarray(value), np.asarray(rate)
 
 
 def cost(work: PanelsWork) -> Cost:

@@ -511,12 +511,12 @@ def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Return runs with and without effects for the results ``asked`` for; None if none are asked for."""
-    from orchestrator.case.scalars import scalar
+    from orchestrator.figures.short_names import named
     from orchestrator.studies.pairs import RUNS_IN_BUDGET, Pairs, try_all_effects
 
     try:
         for name in asked:
-            scalar(name)
+            named(name)
     except KeyError as error:
         refuse(f"--for: {error.args[0]}")
     if not asked:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, identity
+from scipy.sparse import csr_array, identity
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.grains import material_numbers
@@ -25,11 +25,11 @@ from orchestrator.case.recordings import playbacks
 from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import PanelPoints, PlacedProbe
-from orchestrator.coupling.mapping import MappedPanel
+from orchestrator.coupling.mapping import mapped
 from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
-from orchestrator.ports import Array, Indices, MeshedPanel, Panel
+from orchestrator.ports import Array, Indices, Interpolation, MeshedPanel, Panel
 from orchestrator.ports.geometry import Edges, TriangleSurface
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import DeckPlan, PanelPlan
@@ -59,13 +59,13 @@ class SurfacePart:
 class PanelPart(SurfacePart):
     """A panel, seen through the triangles that particles touch.
 
-    ``open`` opens the panel, and returns it with the matrix H (n, panel's surface points) that takes its
-    motion to the part's points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
+    ``open`` opens the panel, and returns it with the interpolation that takes its motion to the part's
+    points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
     (the points of its ``RecordedGrid`` if it is recorded) hold the part's own point numbers.  The last three
     times ``stops`` clamp points belong to beams below the part.
     """
 
-    open: Callable[[], tuple[Panel, csr_array]]
+    open: Callable[[], tuple[Panel, Interpolation]]
     edges: Edges
     centre_line: Indices
     shape: Indices
@@ -99,12 +99,12 @@ def _panel(
     }
     recorded = RecordedGrid.of(plan.rectangle, case.panel.surface_cells).points_m
     shape_m = recorded if case.output.shapes_s > 0 else np.empty((0, 2))
-    coordinates = np.vstack([touched.coordinates_m, *at.values(), shape_m])
+    coordinates = _with_offsets(touched.coordinates_m, *at.values(), shape_m)
     solver = case.panel.solver
     # load the adapter on every rank, even on ranks without a panel: PETSc starts up collectively
     solvers.adapter("panel", solver).load()
 
-    def open_panel() -> tuple[Panel, csr_array]:
+    def open_panel() -> tuple[Panel, Interpolation]:
         own = cast(MeshedPanel, solvers.open_solver("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
@@ -124,6 +124,14 @@ def _panel(
         centre_line=touched.centre_line,
         shape=np.arange(len(coordinates) - len(shape_m), len(coordinates)),
     )
+
+
+def _with_offsets(touched_m: Array, *observed_m: Array) -> Array:
+    """Return the coordinates of all points of a panel, (n, 3) if those that particles touch have an offset;
+    points that are only observed have none."""
+    observed = np.vstack([np.empty((0, 2)), *observed_m])
+    offsets = np.zeros((len(observed), touched_m.shape[1] - 2))
+    return np.vstack([touched_m, np.hstack([observed, offsets])])
 
 
 def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
@@ -187,14 +195,14 @@ class OpenSurface:
     def of(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any) -> OpenSurface:
         """Open the surface of a case, on every rank of ``world``.
 
-        All rigid parts are one member of the set of panels, and one matrix maps the whole surface.
+        All rigid parts are one member of the set of panels, and one interpolation maps the whole surface.
         """
         panels = panel_parts(case, case_folder, stopwatch, world)
         rigid = [
             *wall_parts(case, case_folder),
             *(_frame_points(case, frame) for frame in case.screen.frames),
         ]
-        opened: dict[int, csr_array] = {}
+        opened: dict[int, Interpolation] = {}
 
         def open_member(number: int) -> Panel:
             if number == len(panels):
@@ -204,10 +212,10 @@ class OpenSurface:
             return panel
 
         members = PanelSet(len(panels) + 1, open_member, world)
-        H = csr_array(block_diag(members.exchange(opened)))
+        together = mapped(members, Interpolation.joined(members.exchange(opened)))
         lengths = [part.stop - part.start for part in members.clamps[:-1]]
         lengths += [len(part.drawn_m) for part in rigid]
-        return OpenSurface(case, panels, rigid, MappedPanel(members, H), consecutive_slices(lengths))
+        return OpenSurface(case, panels, rigid, together, consecutive_slices(lengths))
 
     @property
     def parts(self) -> list[SurfacePart]:
@@ -330,9 +338,9 @@ def _free_pairs(single: SinglePanel, part: PanelPart) -> Indices:
     return np.asarray(pairs[free])
 
 
-def _open_rigid(parts: list[RigidPart]) -> tuple[Panel, csr_array]:
+def _open_rigid(parts: list[RigidPart]) -> tuple[Panel, Interpolation]:
     """Open all rigid parts as one surface; return it with the identity as its mapping."""
     points_m = np.concatenate([np.empty((0, 3)), *(part.drawn_m for part in parts)])
     frames = tuple(part.frame for part in parts for _ in part.drawn_m)
     surface = import_module("adapters.panel.common.carried").build(points_m, frames)
-    return cast(Panel, surface), csr_array(identity(len(points_m)))
+    return cast(Panel, surface), Interpolation.on_surface(csr_array(identity(len(points_m))))

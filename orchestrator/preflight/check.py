@@ -128,9 +128,8 @@ def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProbl
 
 
 def given_rates_kg_per_s(loaded: JudgedCase) -> dict[str, float]:
-    """Return the rates of the case's own feeds, which a level may reduce."""
-    feeds = loaded.origin.given.get("bed", {}).get("feeds", {})
-    return {name: feed[bed.RATE] for name, feed in feeds.items() if isinstance(feed.get(bed.RATE), float)}
+    """Return the rates of the case's own feeds that its level reduces."""
+    return bed.rates_above_the_level(loaded.origin.given, loaded.layers)
 
 
 def warnings(loaded: JudgedCase) -> list[str]:

@@ -20,8 +20,8 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_m
 from orchestrator.case.file.layers import Layers, find_changes
 from orchestrator.case.file.origin import Origin
 from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, read_tables, validate
-from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
+from orchestrator.figures.short_names import SHORT_NAMES, named
 from orchestrator.preflight.checks import TABLE_RULES
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
@@ -145,7 +145,7 @@ def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
     bare, case, asked = read_tables(layers.merged, loaded.folder), loaded.case, loaded.asked.effects
     source = f"effects in {loaded.asked.file}"
     if asked == "auto":
-        results = tuple(loaded.asked.effects_for) or (*SCALARS,)
+        results = tuple(loaded.asked.effects_for) or (*SHORT_NAMES,)
         choice, spare = _choose_by_verdicts(case, loaded.origin, results)
     else:
         without = loaded.level.without if loaded.level is not None else ()
@@ -211,7 +211,7 @@ def _effects_problems(asked: AskedEffects) -> Iterator[CaseProblem]:
     # the check of the tables reports an effects_for that is no list
     for name in asked.effects_for if isinstance(asked.effects_for, list | tuple) else ():
         try:
-            scalar(str(name))  # a short name, or a path of keys with dots
+            named(str(name))  # a short name, or a path of keys with dots
         except KeyError as error:
             yield CaseProblem(("effects_for",), str(error.args[0]))
 

@@ -23,8 +23,8 @@ from orchestrator.case.file.base import level_names
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.origin import CHEAP_LEVEL
 from orchestrator.case.recordings import turning
-from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
+from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
 from orchestrator.ports.clock import exact
@@ -358,7 +358,7 @@ def try_before_run(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
             f"each, at most {BUDGET_S:g} s of processor time"
         )
     pairs = try_effects(loaded, names, Pairs(LIMIT_S, say, budget_s=BUDGET_S)).pairs
-    asked = loaded.choice.asked or (*SCALARS,)
+    asked = loaded.choice.asked or (*SHORT_NAMES,)
     judged = weigh_effects(loaded.described, pairs, asked)
     for name, pair in pairs.items():
         if pair.refused:

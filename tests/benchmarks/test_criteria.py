@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.figures.figure import to_json
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import SUMMARY_FORMAT, write_summary
 from orchestrator.output.results.compute import compute_results
@@ -233,7 +234,9 @@ def test_an_amplitude_is_that_of_the_cycles_it_is_asked_for(tmp_path: Path) -> N
         late = file["frames/driven/time_s"][:] > half_s
         halved_m = driving[:] + 0.5 * (driven[:] - driving[:])
         driven[:] = np.where(late[:, None], halved_m, driven[:])
-    write_summary(folder, DONE | {"format_version": SUMMARY_FORMAT, "results": compute_results(folder)})
+    write_summary(
+        folder, DONE | {"format_version": SUMMARY_FORMAT, "results": to_json(compute_results(folder))}
+    )
     stroke = {"measure": "amplitude", "of": "driven-driving", "band": None}
     runs = {"one": run_in(folder)}
     early = criterion(**stroke, between_s=(0.0, half_s))

@@ -232,6 +232,10 @@ def test_scales_of_hardness_agree_where_both_are_used() -> None:
         ("screen.panels.deck.thickness_m=4 mm:5 mm:0.5 mm", ("0.004", "0.0045", "0.005")),
         ("screen.panels.deck.thickness_m=1e-3:3e-3:1e-3", ("0.001", "0.002", "0.003")),
         ("bed.particles.ball.position_m.2=5 cm", ("0.05",)),
+        ("screen.panels.deck.thickness_m=4,5 mm", ("0.004", "0.005")),
+        ("screen.panels.deck.thickness_m=4 mm,5", ("0.004", "0.005")),
+        ("screen.panels.deck.thickness_m=4 mm,0.5 cm", ("0.004", "0.005")),
+        ("title=4,5 mm", ("4", "5 mm")),
         ("screen.panels.deck.thickness_m=0.004,0.005", ("0.004", "0.005")),
         ("panel.solver=strip,rigid", ("strip", "rigid")),
     ],
@@ -250,6 +254,7 @@ def test_random_sweeps_take_units(ends: str) -> None:
     ("text", "said"),
     [
         ("screen.panels.deck.thickness_m=4 mm:6 cm:1 mm", "has several units"),
+        ("screen.panels.deck.thickness_m=4,5 mm,0.6 cm", "has several units, and a number without one"),
         ("screen.panels.deck.thickness_m=4 mm,0.4 cm", "has an empty value or one twice"),
         ("title=a b,a_b", "has two values whose folders would have the same name"),
     ],

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.case.scalars import SCALARS
+from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.account import account
 from orchestrator.preflight.judgement.catalogue import (
@@ -197,7 +197,7 @@ def test_a_run_without_openings_says_the_same_of_them() -> None:
 
 def test_names_of_results_are_in_the_manual() -> None:
     text = (CASES.parent / "docs" / "theory" / "effects.md").read_text()
-    assert all(f"`{name}`" in text for name in SCALARS)
+    assert all(f"`{name}`" in text for name in SHORT_NAMES)
 
 
 def test_auto_takes_what_two_runs_said_and_asks_no_more(

@@ -28,9 +28,9 @@ def rate(angle_rad: float) -> Array:
     return np.array([2e-3 * np.cos(2 * angle_rad), 0.0, 1e-2 * np.cos(angle_rad)])
 
 
-def playback(plan: PanelPlan, moving: float, sag_m: float = 2e-3) -> Playback:
+def playback(plan: PanelPlan, moving: float, sag_m: float = 2e-3, cells: tuple[int, int] = CELLS) -> Playback:
     """An arch that sags at rest and moves by ``moving`` times ``moved`` around there."""
-    grid = RecordedGrid.of(plan.rectangle, CELLS)
+    grid = RecordedGrid.of(plan.rectangle, cells)
     shape = arch(plan, grid.points_m)[:, None]
     angles = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     rest_m = shape * np.array([0.0, 0.0, -sag_m])

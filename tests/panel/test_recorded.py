@@ -70,11 +70,15 @@ def test_the_surface_has_no_kinks_and_goes_through_the_grid() -> None:
     s = np.linspace(0.0, plan.rectangle.length_m, 401)
     places = np.column_stack([s, np.full_like(s, 0.013)])
     heights = arch(plan, grid.points_m)
-    met = recorded.build(plan).interpolation(places) @ heights
+    met = recorded.build(plan).interpolation(places).values @ heights
     assert met == pytest.approx(arch(plan, places), abs=2e-2)
     row = grid.rows_m[len(grid.rows_m) // 2 - 2]
     h = 1e-7
-    near = recorded.build(plan).interpolation(np.array([[row - h, 0.013], [row, 0.013], [row + h, 0.013]]))
+    near = (
+        recorded.build(plan)
+        .interpolation(np.array([[row - h, 0.013], [row, 0.013], [row + h, 0.013]]))
+        .values
+    )
     below, at, above = near @ heights
     assert (above - at) / h == pytest.approx((at - below) / h, rel=1e-4)
 
@@ -130,7 +134,7 @@ def test_a_recording_of_a_flat_panel_is_a_rigid_one() -> None:
         time_s = (index + 1) * INTERVAL_S
         middles, firsts = [], []
         for panel in panels:
-            H = panel.interpolation(places)
+            H = panel.interpolation(places).values
             moved_m = np.array([4e-3, 0.0, 5e-3]) * np.sin(78.5 * time_s) ** 2
             rate_m_per_s = np.array([4e-3, 0.0, 5e-3]) * 78.5 * np.sin(2 * 78.5 * time_s)
             end = shifted(panel, moved_m, rate_m_per_s)

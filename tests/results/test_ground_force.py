@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.output.results.compute import compute_results
 from tests.cases import CASE, LEVEL, case_folder
+from tests.results.synthetic import results_table
 from tests.runs.outside import QUICK, flipflow, run_words
 
 pytestmark = pytest.mark.solver
@@ -46,7 +46,7 @@ def test_one_mass_passes_on_what_its_transmissibility_says(
     sets.append(f"screen.bushings.isolation.rotation_deg=[0, {turn_deg}, 0]")
     done = flipflow(*run_words(str(case), tmp_path / "run", sets), "--level", "draft")
     assert done.returncode == 0, done.stderr
-    results = compute_results(tmp_path / "run")
+    results = results_table(tmp_path / "run")
     ground, force_N = results["motion"]["ground"], UNBALANCE_KG_M * SPEED_RAD_PER_S**2
     damping = (DAMPING_N_S_PER_M * SPEED_RAD_PER_S) ** 2
     for along, stiffness in STIFFNESS_N_PER_M.items():

@@ -93,7 +93,7 @@ def test_a_shaft_that_lags_tells_the_speed(tmp_path: Path) -> None:
         found = observed_scene(scene(case), with_case(data, case), results)
     assert [panel.stroke_m for panel in found.panels] == pytest.approx([0.006, 0.006], rel=1e-3)
     assert found.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-3)
-    assert results["motion"]["speed_rad_per_s"] == pytest.approx(78.5, rel=1e-9)
+    assert results.motion.speed_rad_per_s == pytest.approx(78.5, rel=1e-9)
 
 
 def test_shapes_of_panels_by_hand(data: RunReader, figures: dict[str, Any]) -> None:

@@ -85,10 +85,10 @@ def test_the_keys_of_the_results(folder: Path) -> None:
     done = flipflow(*run_words("quickstart", cycles, [*QUICK, "duration_s=0.17", CUT, WEAR]))
     assert done.returncode == 0, done.stderr
     found = summary(cycles)["results"]
-    longer = {"course", "contacts"}  # eighteen cycles; a hundred fines that left
-    assert set(found) == documented("### `results`") - longer
+    others = {"course", "contacts", "slice_width_m"}  # eighteen cycles; a hundred fines that left; a slice
+    assert set(found) == documented("### `results`") - others
     for name in ("steady", "motion", "screening", "wear"):
-        of_feeds = {"cohort"}  # of what was fed
+        of_feeds = {"cohort", "whole_feed"}  # of what was fed
         assert set(found[name]) == documented(f"### `results.{name}`") - of_feeds
     with h5py.File(cycles / "history.h5") as history:
         assert set(history["results"]) == set(found)

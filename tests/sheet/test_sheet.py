@@ -145,6 +145,13 @@ def test_check_warns_of_a_small_deck_at_the_case_s_own_rate() -> None:
     assert all(line.source for line in lines.values())
 
 
+def test_the_sheet_is_of_the_rate_that_set_gives() -> None:
+    judged = load_judged(CASES / "ffs0827", "draft", ["bed.feeds.coal.rate_kg_per_s=20 t/h"])
+    duty = duty_of(judged.case.original, given_rates_kg_per_s(judged))
+    assert duty is not None
+    assert duty.fed_kg_per_s == pytest.approx(20 / 3.6)
+
+
 def test_bearings_of_an_exciter(tmp_path: Path) -> None:
     sets = ["screen.exciters.shaft.bearings={dynamic_rating_N=4e5, count=2}"]
     moved = scene(load_judged(CASES / "ffs0827-empty", None, sets).case)

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.loss_curve import moduli
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter
+from orchestrator.figures.results import Results
 from orchestrator.output.cycles import count_whole_cycles
 from orchestrator.output.records.panel_lines import panel_pull_N
 from orchestrator.output.results.events import read_events
@@ -44,7 +44,7 @@ STILL_M = 1e-9  # a smaller stretch counts as none
 
 
 def check_effects_by_run(
-    entries: Mapping[str, Entry], described: Case, folder: Path, results: Mapping[str, Any]
+    entries: Mapping[str, Entry], described: Case, folder: Path, results: Results
 ) -> dict[str, Entry]:
     """Return the entries, with verdicts from the run's own numbers where the run has them.
 
@@ -61,7 +61,7 @@ def check_effects_by_run(
     return table
 
 
-def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any]) -> Scene:
+def observed_scene(estimated: Scene, run: RunReader, results: Results) -> Scene:
     """Return the scene with the numbers of the run.
 
     They are the motion over the window of ``results``, and the bed over the whole run.  The motion is left
@@ -74,13 +74,13 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
         products=products(run),
         closed=not has_effect(run.case, "apertures"),
     )
-    window = results.get("motion")
+    window = results.motion
     seldom = rows_too_seldom(run.series_s(), run.cycle_s, run.case.coupling.sync_interval_s)
     if window is None or seldom or not estimated.speed_rad_per_s > 0:
         return replace(estimated, observed=bed)
-    if not count_whole_cycles(window["end_s"] - window["start_s"], 2 * np.pi / estimated.speed_rad_per_s):
+    if not count_whole_cycles(window.end_s - window.start_s, 2 * np.pi / estimated.speed_rad_per_s):
         return replace(estimated, observed=bed)
-    motion = ObservedMotion(estimated, run, window["start_s"], window["end_s"])
+    motion = ObservedMotion(estimated, run, window.start_s, window.end_s)
     springs = motion.springs()
     whole = replace(
         bed,
@@ -90,7 +90,7 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
         panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
         exciter_load=motion.exciter_load(),
-        bearing=bearing(estimated, run, window["start_s"], window["end_s"]),
+        bearing=bearing(estimated, run, window.start_s, window.end_s),
     )
     moved = replace(estimated, panels=motion.panels(), observed=whole)
     if not springs:
@@ -108,10 +108,9 @@ def bed_kg_per_m2(run: RunReader) -> float | None:
     return float(np.nansum(mass_kg.reshape(len(mass_kg), -1), axis=1).max() / area_m2)
 
 
-def transport_m_per_s(results: Mapping[str, Any]) -> float | None:
+def transport_m_per_s(results: Results) -> float | None:
     """Return the speed of the bed along the deck (at least 0), or None if the results have none."""
-    bed = results.get("bed")
-    speed_m_per_s = bed["velocity_m_per_s"]["value"] if bed else None
+    speed_m_per_s = results.bed.velocity_m_per_s.value if results.bed else None
     return None if speed_m_per_s is None else max(0.0, float(speed_m_per_s))
 
 

@@ -206,7 +206,7 @@ def _amplitudes_m(trial: Trial, panel: MeshedPanel) -> Array:
 def _middle(trial: Trial, panel: MeshedPanel) -> csr_array:
     """Return the matrix (1, surface points) that takes values at the surface points to the mat's middle."""
     at = trial.plan.rectangle
-    return panel.interpolation(np.array([[at.length_m / 2, at.width_m / 2]]))
+    return panel.interpolation(np.array([[at.length_m / 2, at.width_m / 2]])).values
 
 
 def _watch(trial: Trial, time_s: Array, middle_m: Array, middle_m_per_s: Array, watched_turns: int) -> Regime:

@@ -19,8 +19,8 @@ from pydantic import Field, Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation, show_value
 from orchestrator.case.file.layers import read_toml
-from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Table, Whole, same_unit
+from orchestrator.figures.short_names import SHORT_NAMES, named
 from orchestrator.ports import Array
 from orchestrator.studies.design import formulas, plans
 from orchestrator.studies.design.aim import Aim, Goal, Limit
@@ -400,8 +400,8 @@ def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProbl
     Raises KeyError where there is no such result.
     """
     result = response.result or name
-    unit = scalar(result).unit
-    if unit == "1" or not (result in SCALARS or result.startswith(("results.", "probes."))):
+    unit = named(result).figure.unit
+    if unit == "1" or not (result in SHORT_NAMES or result.startswith(("results.", "probes."))):
         return
     if response.unit and not same_unit(response.unit, unit):
         what = f'"{response.unit}" is not the unit of {result}, which is in {unit}'
