@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from adapters.panel.common import bilinear
-from adapters.panel.common.carried import CarriedSurface
+from adapters.panel.common.carried import RigidSurface
 from adapters.panel.common.grid import clamped_rows_m
 from orchestrator.ports import Array, Interpolation, Mount
 from orchestrator.ports.adapters import PanelAdapter
@@ -28,7 +28,7 @@ def build(plan: PanelPlan) -> RigidPanel:
     return RigidPanel(plan)
 
 
-class RigidPanel(CarriedSurface):
+class RigidPanel(RigidSurface):
     """A ``MeshedPanel`` whose surface points are its clamp points, row by row: y = 0 before y = width."""
 
     def __init__(self, plan: PanelPlan) -> None:

@@ -66,7 +66,6 @@ def print_explanation(
 def _judge_with_measurements(
     loaded: JudgedCase, study: StoredStudy | None, tried: TriedEffects | None, asked: Sequence[str]
 ) -> dict[str, Judged]:
-    """Return the judgements of the effects by name, by measurements where there are any."""
     effects = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
     if study is not None:
         from orchestrator.studies.accuracy.plan import measured_verdict

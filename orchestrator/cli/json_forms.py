@@ -1,7 +1,7 @@
 """The output of ``check``, ``explain`` and ``list`` for other programs (docs/json-output.md).
 
-All numbers are in SI units, and names end with their unit.  Errors are no JSON: their message goes to
-standard error, and the exit code tells their kind.
+All numbers are in SI units, and names end with their unit.  The message of an error goes to standard
+error, and the exit code tells its kind; ``check`` has the problems of a case as JSON, too.
 """
 
 from __future__ import annotations

@@ -172,11 +172,6 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
             f"{folder}: has no whole checkpoint of sync point {sync_point}; they are in "
             f"{folder / checkpoints.FOLDER}"
         )
-    if checkpoint is None and (folder / checkpoints.FORMER_FOLDER).is_dir():
-        raise OtherCheckpoint(
-            f"{folder}: its checkpoints are in {checkpoints.FORMER_FOLDER}/, as an older flipflow wrote "
-            "them; resume the run with that version (provenance.json names it), or run the case again"
-        )
     if checkpoint is None:
         raise FolderUnusable(
             f"{folder}: nothing was saved; [checkpoint] in a case says when that is done, and what ends "
@@ -430,7 +425,6 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
 
 
 def _print_and_log(line: str, console: Console) -> None:
-    """Print a line on the console and in the log."""
     LOG.info(line)
     console.print(line)
 

@@ -21,7 +21,6 @@ from orchestrator.case.deck.deck_plan import deck_plan
 from orchestrator.case.deck.panels import SinglePanel, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.recordings import playbacks
 from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import PanelPoints, PlacedProbe
@@ -33,7 +32,7 @@ from orchestrator.ports import Array, Indices, Interpolation, MeshedPanel, Panel
 from orchestrator.ports.geometry import Edges, TriangleSurface
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import DeckPlan, PanelPlan
-from orchestrator.ports.recording import RecordedGrid
+from orchestrator.ports.shape_grid import ShapeGrid
 
 NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
 NO_POINTS = np.empty(0, dtype=np.int64)
@@ -61,7 +60,7 @@ class PanelPart(SurfacePart):
 
     ``open`` opens the panel, and returns it with the interpolation that takes its motion to the part's
     points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
-    (the points of its ``RecordedGrid`` if it is recorded) hold the part's own point numbers.  The last three
+    (the points of its ``ShapeGrid`` if it is recorded) hold the part's own point numbers.  The last three
     times ``stops`` clamp points belong to beams below the part.
     """
 
@@ -79,9 +78,9 @@ class RigidPart(SurfacePart):
     frame: str
 
 
-def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[PanelPart]:
+def panel_parts(case: Case, stopwatch: Stopwatch, world: Any = None) -> list[PanelPart]:
     """Return a part for each panel, in the order of the case; every rank of ``world`` gets the same parts."""
-    plans = panel_plans(case, playbacks(case, case_folder))
+    plans = panel_plans(case)
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
         _panel(case, plan, single.table.material, grids[plan.name], stopwatch)
@@ -97,7 +96,7 @@ def _panel(
         for name, probe in case.probes.items()
         if probe.panel == plan.name and probe.at is not None
     }
-    recorded = RecordedGrid.of(plan.rectangle, case.panel.surface_cells).points_m
+    recorded = ShapeGrid.of(plan.rectangle, case.panel.surface_cells).points_m
     shape_m = recorded if case.output.shapes_s > 0 else np.empty((0, 2))
     coordinates = _with_offsets(touched.coordinates_m, *at.values(), shape_m)
     solver = case.panel.solver
@@ -141,7 +140,9 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
         return StoppedPanel(panel, plan)
     except ValueError as error:
         key = ("screen", "panels", plan.name, "stops")
-        raise CaseError([CaseProblem(key, str(error), "lower it, or tighten the panel")]) from error
+        raise CaseError(
+            [CaseProblem(key, str(error), "lower it, or tighten the panel", kind="misplaced")]
+        ) from error
 
 
 def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:
@@ -197,7 +198,7 @@ class OpenSurface:
 
         All rigid parts are one member of the set of panels, and one interpolation maps the whole surface.
         """
-        panels = panel_parts(case, case_folder, stopwatch, world)
+        panels = panel_parts(case, stopwatch, world)
         rigid = [
             *wall_parts(case, case_folder),
             *(_frame_points(case, frame) for frame in case.screen.frames),

@@ -255,7 +255,7 @@ class Power:
     end_s: float = figure("the sync point at which the last one ends")
     drives_W: Estimate | None = figure(
         "power of the drives",
-        "mean of all exciters, motors and drives; not where frames move as told (`prescribed`, `playback`) "
+        "mean of all exciters, motors and drives; not where frames move as told (`prescribed`) "
         "and have "
         "bushings with damping or curves, whose losses are in no account",
         optional=True,

@@ -60,14 +60,8 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
             bed.exits(whole),
             bed.crowded_boxes(case),
             bed.narrow_slice(case),
-            panels.own_recording(case, folder, loaded.layers.source(panels.RECORDING)),
         ),
-        (
-            panels.fitting_recording(case, folder),
-            panels.triangles(case),
-            panels.mesh_memory(case),
-            bed.adhesive_contacts(case),
-        ),
+        (panels.triangles(case), panels.mesh_memory(case), bed.adhesive_contacts(case)),
         (
             steps.particle_step(case),
             steps.panel_step(case),
@@ -88,7 +82,6 @@ def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
 
 def _rule_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Return the problems of the first round."""
     problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole_machine)]
     return _as_given(loaded, [*loaded.choice.problems, *problems])
 
@@ -177,7 +170,6 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *bed.other_adhesion(case),
         *bed.soft_contacts(loaded.described),
         *bed.rounded_counts(case),
-        *panels.other_speed(case, loaded.folder),
         *bed.doubtful_slice(case, loaded.folder),
         *panels.machine_memory(case),
         *mat_warnings(shaken),

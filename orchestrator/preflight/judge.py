@@ -213,18 +213,25 @@ def _effects_problems(asked: AskedEffects) -> Iterator[CaseProblem]:
         try:
             named(str(name))  # a short name, or a path of keys with dots
         except KeyError as error:
-            yield CaseProblem(("effects_for",), str(error.args[0]))
+            yield CaseProblem(("effects_for",), str(error.args[0]), kind="unknown-name")
 
 
 def _unknown_effects(asked: Any) -> Iterator[CaseProblem]:
     """Yield problems of a value that is no list of effects' names, and of laws that exclude each other."""
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
-        yield CaseProblem(KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted')
+        yield CaseProblem(
+            KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted', kind="wrong-type"
+        )
         return
     chosen: dict[str, str] = {}
     for word in dict.fromkeys(asked):
         if word not in EFFECTS and word not in OF_LAW:
-            yield CaseProblem(KEY, f"no effect {show_value(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
+            yield CaseProblem(
+                KEY,
+                f"no effect {show_value(word)}",
+                did_you_mean(word, [*EFFECTS, *OF_LAW]),
+                kind="unknown-name",
+            )
         elif word in OF_LAW and (other := chosen.setdefault(OF_LAW[word], word)) != word:
             what = f'"{other}" and "{word}" exclude each other: both are laws of {OF_LAW[word]}'
             yield CaseProblem(KEY, what, "name one of them")

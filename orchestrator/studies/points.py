@@ -496,7 +496,6 @@ def _last_name(key: str) -> str:
 
 
 def _split(values: str) -> list[str]:
-    """Split text at the commas outside of brackets."""
     parts, depth = [""], 0
     for letter in values:
         depth += (letter in "[{") - (letter in "]}")
@@ -509,7 +508,7 @@ def _split(values: str) -> list[str]:
 
 def _wrong(text: str, what: str) -> CaseError:
     hint = "for example --vary screen.exciters.shaft.speed_rad_per_s=58:110:4"
-    return CaseError([CaseProblem((), what, hint, f"--vary {text}")])
+    return CaseError([CaseProblem((), what, hint, f"--vary {text}", kind="wrong-type")])
 
 
 def seed_sets(case: Case, number: int) -> tuple[str, ...]:

@@ -33,7 +33,7 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.acceleration import acceleration_m_per_s2
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
-from orchestrator.ports.recording import RecordedGrid
+from orchestrator.ports.shape_grid import ShapeGrid
 from orchestrator.studies.points import summary_of
 
 
@@ -133,10 +133,6 @@ def _series(question: Question, run: Path) -> float:
     return TAKES[question.take](time_s[inside], values[inside])
 
 
-def _amplitude(question: Question, run: Path) -> float:
-    return _first_harmonic(question, run)[0]
-
-
 def _first_harmonic(question: Question, run: Path) -> tuple[float, float | None]:
     """Return the amplitude of a point's first harmonic along an axis, in the results' cycles or those
     ``between_s``, and half the width of its interval.
@@ -221,7 +217,6 @@ def read_dataset(run: Path, name: str) -> Array:
 
 
 def _energy_J(run: Path) -> dict[str, Array]:
-    """Return the accounts of the energy ledger at all output times."""
     with RunReader(run) as reader:
         return {name: reader.read(f"energy/{name}") for name in reader.names("energy")}
 
@@ -448,7 +443,7 @@ def _panel_metrics(
     shapes = history[f"shapes/{panel.name}"]
     time_s = shapes["time_s"][:]
     last = time_s >= start_s - 1e-9
-    grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
+    grid, at = ShapeGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
     turn = np.stack([at.along, at.across, at.normal], axis=1)
     place_m, velocity_m_per_s = shapes["position_m"][:], shapes["velocity_m_per_s"][:]
     carried = grid.carried(at)
@@ -492,7 +487,8 @@ ABOUT_TRUST = ("trusted", "clear")
 MEASURES: dict[str, Callable[[Question, Path], float]] = {
     "result": lambda question, run: _value_at(run, question.of),
     "series": _series,
-    "amplitude": _amplitude,  # the first harmonic of a point's motion, in m
+    # the first harmonic of a point's motion, in m
+    "amplitude": lambda question, run: _first_harmonic(question, run)[0],
     # the largest distance, in m, of a panel's middle line from the straight line between its ends, on
     # either side, in the cycles that end in the run's second half
     "arch": _arch,

@@ -31,7 +31,7 @@ domain_m = [[-2.0, -2.0, -2.0], [2.0, 2.0, 2.0]]
 gravity_m_per_s2 = [0.0, 0.0, 0.0]
 [materials]
 [frames]
-solver = "planar"
+solver = "exudyn"
 [coupling]
 sync_interval_s = 1e-3
 [output]

@@ -240,14 +240,14 @@ def test_two_runs_take_the_place_of_an_estimate() -> None:
         motion = {"frames": {"a": {"amplitude_m": [stroke_m, 0.0, 0.0]}}}
         return {"results": {"motion": motion}}
 
-    pair = Pair("sideways-motion", summary_with=run(0.006), summary_without=run(0.00606))
+    pair = Pair("frame-rotation", summary_with=run(0.006), summary_without=run(0.00606))
     described = load_judged(CASES / "ffs0827-empty", "draft").described
-    found = weigh_effects(described, {"sideways-motion": pair}, ("stroke",))["sideways-motion"]
+    found = weigh_effects(described, {"frame-rotation": pair}, ("stroke",))["frame-rotation"]
     assert found.verdict.measured
     assert found.verdict.value == pytest.approx(0.01)
     assert found.verdict.matters is False
-    nothing = weigh_effects(described, {"sideways-motion": pair}, ("efficiency",))
-    assert not nothing["sideways-motion"].verdict.measured
+    nothing = weigh_effects(described, {"frame-rotation": pair}, ("efficiency",))
+    assert not nothing["frame-rotation"].verdict.measured
 
 
 def test_a_surface_that_carries_particles_slowly_is_not_left_out() -> None:

@@ -30,7 +30,6 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import PanelPlan
 from tests.panel.elastic_plans import plan
-from tests.panel.recordings import playback
 
 INTERVAL_S = 1e-4
 # enough damping for a small panel to settle within 0.3 s
@@ -162,14 +161,8 @@ def pierced() -> PanelPlan:
     return replace(small("implicit", (3, 1)), apertures=opening)
 
 
-def still(given: PanelPlan) -> PanelPlan:
-    """With a recording of a panel that stays flat."""
-    return replace(given, playback=playback(given, 0.0, sag_m=0.0))
-
-
 CASES = {
     "rigid": Case("rigid", small("explicit"), 1e-12),
-    "recorded": Case("recorded", still(small("explicit")), 1e-12),
     "strip": Case("strip", small("explicit"), 1e-9),
     "sheet-explicit": Case("sheet", small("explicit", (6, 1)), 1e-4),
     "sheet-implicit": Case("sheet", small("implicit", (6, 1)), 1e-4),
@@ -181,14 +174,12 @@ CASES = {
     "sheet-hinged": Case("sheet", hinged("explicit", (6, 1)), 1e-4),
     "solid-hinged": Case("solid", hinged("implicit", (4, 1)), 1e-4),
     "rigid-mounted": Case("rigid", mounted("explicit"), 1e-12),
-    "recorded-mounted": Case("recorded", still(mounted("explicit")), 1e-12),
     "strip-mounted": Case("strip", mounted("explicit"), 1e-9),
     "sheet-explicit-mounted": Case("sheet", mounted("explicit", (6, 1)), 1e-4),
     "sheet-implicit-mounted": Case("sheet", mounted("implicit", (6, 1)), 1e-4),
     "solid-mounted": Case("solid", mounted("implicit", (4, 1)), 1e-4),
     "sheet-openings": Case("sheet", perforated("explicit", (6, 3)), 1e-4),
     "rigid-rims": Case("rigid", perforated("explicit"), 1e-12, rims=True),
-    "recorded-rims": Case("recorded", still(small("explicit")), 1e-12, rims=True),
     "strip-rims": Case("strip", perforated("explicit"), 1e-9, rims=True),
     "sheet-rims": Case("sheet", perforated("explicit", (6, 3)), 1e-4, rims=True),
     "solid-rims": Case("solid", pierced(), 1e-4, rims=True),

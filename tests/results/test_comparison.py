@@ -391,6 +391,18 @@ def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: P
     assert f"{one}: the machine" not in done.stderr
 
 
+@pytest.mark.parametrize("command", ["results", "compare"])
+@pytest.mark.parametrize(("status", "count"), [("done", 0), ("doubtful", 1)])
+def test_a_doubtful_run_is_warned_of(tmp_path: Path, command: str, status: str, count: int) -> None:
+    one = run_folder(tmp_path / "one", estimate(0.3, 0.03))
+    other = run_folder(tmp_path / "other", estimate(0.3, 0.03), status=status)
+    done = CALL.invoke(app, [command, str(one), str(other)])
+    assert done.exit_code == 0
+    warned = "".join(done.stderr.split()).count("warning:")
+    assert warned == count
+    assert (str(other) in "".join(done.stderr.split())) is bool(count)
+
+
 def test_units_are_those_of_the_nearest_key() -> None:
     assert unit_along(["results", "power", "lost_W", "frames.bushing_damping"]) == "W"
     assert unit_along(["results", "bed", "velocity_m_per_s"]) == "m/s"

@@ -177,7 +177,7 @@ mass_moment_kg_m = 0.004
 speed_rad_per_s = 60.0
 run_up_s = 0.2
 [frames]
-solver = "planar"
+solver = "exudyn"
 [particles]
 solver = "none"
 [coupling]

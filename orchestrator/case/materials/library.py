@@ -246,12 +246,10 @@ def _coefficients(one: LibraryMaterial, other: LibraryMaterial) -> dict[str, flo
 
 
 def _quantities(row: Mapping[str, Any]) -> dict[str, Quantity]:
-    """Return the quantities of a row of the library by key."""
     return {key: _quantity(key, **each) for key, each in row.items() if isinstance(each, Mapping)}
 
 
 def _quantity(key: str, value: float, range: tuple[float, float], source: str, note: str = "") -> Quantity:
-    """Return a quantity from its inline table in the library."""
     low, high = range
     return Quantity(key, value, low, high, sources()[source], source, note)
 

@@ -81,7 +81,7 @@ def closing_lines(summary: Mapping[str, Any]) -> list[str]:
 def slice_in_words(summary: Mapping[str, Any]) -> str:
     """Return the slice that was run, such as "in the slice of 126 mm"; empty for the whole width.
 
-    Results of less than a cycle, and older ones, lack the width; its share of the machine's stands for it.
+    Results of less than a cycle lack the width; its share of the machine's stands for it.
     """
     if summary["share_of_width"] == 1.0:
         return ""
@@ -145,7 +145,6 @@ def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
 
 
 def _particles(number: int) -> str:
-    """Return a number of particles in words."""
     return "1 particle" if number == 1 else f"{number} particles"
 
 

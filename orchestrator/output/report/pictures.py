@@ -434,7 +434,6 @@ def write_pictures(folder: Path) -> None:
 
 
 def _write_deck(folder: Path, end_s: float) -> None:
-    """Write the picture of the deck if the run has a surface."""
     if any((folder / "surface").glob("*.vtu")):
         from orchestrator.output.report.rendering import render_deck
 

@@ -228,8 +228,7 @@ def _with_checksums(table: MutableMapping[str, Any], folder: Path) -> MutableMap
     The folder of a run has copies of all files of the case under names that are always the same.
     """
     surfaces = table.get("screen", {}).get("surfaces", {}).values()
-    places = [(table.get("bed", {}), "table"), (table.get("panel", {}), "recording")]
-    for row, key in (*places, *((surface, "stl") for surface in surfaces)):
+    for row, key in ((table.get("bed", {}), "table"), *((surface, "stl") for surface in surfaces)):
         if key in row and (file := folder / row[key]).is_file():
             with file.open("rb") as content:
                 row[key] += f" (sha256 {hashlib.file_digest(content, 'sha256').hexdigest()[:12]})"

@@ -28,12 +28,7 @@ from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
 from orchestrator.preflight.judgement.account import Entry
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
-from orchestrator.preflight.scene.clamp_motion import (
-    MotionPart,
-    clamp_arms_m,
-    motion_by_rotation,
-    motion_out_of_plane,
-)
+from orchestrator.preflight.scene.clamp_motion import clamp_arms_m
 from orchestrator.preflight.scene.moved_panel import MovedPanel
 from orchestrator.preflight.scene.observed import Bearing, Deepest, ExciterLoad, Observed, Products, Shape
 from orchestrator.preflight.scene.scene import Scene, deck_m2, scene
@@ -85,8 +80,7 @@ def observed_scene(estimated: Scene, run: RunReader, results: Results) -> Scene:
     whole = replace(
         bed,
         frames_throw=motion.frames_throw(),
-        rotation=motion.largest_at_clamps("frame-rotation", motion_by_rotation),
-        sideways=motion.largest_at_clamps("sideways-motion", motion_out_of_plane),
+        rotation=motion.rotation(),
         panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
         exciter_load=motion.exciter_load(),
@@ -246,17 +240,17 @@ class ObservedMotion:
         spent_J, over_s = np.ptp(given_J[inside]), np.ptp(time_s[inside])
         return ExciterLoad(float(spent_J / over_s), float(torque_N_m.max()))
 
-    def largest_at_clamps(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
-        """Return the largest part of the motion at a clamp over its frame's translation, and its place.
+    def rotation(self) -> tuple[float, str] | None:
+        """Return the largest motion of a clamp by rotation over its frame's translation, and its place.
 
-        Return None if the case leaves out the effect, or if nothing moves.
+        Return None if the case leaves out rotations, or if nothing moves.
         """
         ratios = []
-        for name in free_frames(self._scene.plan) if has_effect(self._run.case, effect) else ():
+        for name in free_frames(self._scene.plan) if has_effect(self._run.case, "frame-rotation") else ():
             moved_m = self.phasor(name)
             if size_m := np.linalg.norm(moved_m):
                 arms_m = clamp_arms_m(self._scene, name)
-                at_clamps_m = part(moved_m, self.phasor(name, "rotation_rad"), arms_m)
+                at_clamps_m = np.cross(self.phasor(name, "rotation_rad"), arms_m)
                 ratios.append((float(np.linalg.norm(at_clamps_m, axis=-1).max() / size_m), name))
         if not ratios:
             return None

@@ -112,7 +112,6 @@ def compute_change(with_it: Value | None, without: Value | None, floor: float) -
 
 
 def _memory() -> Path:
-    """Return the folder of all remembered pairs."""
     home = Path(os.getenv("XDG_CACHE_HOME") or Path.home() / ".cache")
     return home / "flipflow" / "pairs"
 

@@ -140,7 +140,7 @@ def _check_results(names: Sequence[str] | None) -> tuple[str, ...]:
         try:
             named(name)
         except KeyError as error:
-            problems.append(CaseProblem((), str(error.args[0]), file=f"--result {name}"))
+            problems.append(CaseProblem((), str(error.args[0]), file=f"--result {name}", kind="unknown-name"))
     if problems:
         raise CaseError(problems)
     return tuple(names or ())
