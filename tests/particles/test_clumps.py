@@ -15,6 +15,7 @@ from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.grains import Shape, ShapeTable
 from orchestrator.ports.plans import ParticleFeed, ParticleList, ParticlesPlan
+from tests.docs.pages import code_on
 from tests.particles import test_contract
 from tests.particles.contract import G_M_PER_S2, WEIGHTLESS, Run, energy_defect_J, particles, plan, plate
 from tests.particles.test_contract import OnceAt
@@ -69,6 +70,12 @@ def test_the_contract_holds_for_a_dumbbell(build: Build, test: Callable[[Build],
     """As light as a sphere of its sieve size, whose mass the contract expects."""
     hollow = replace(DUMBBELL, volume=pi / 6, inertia=tuple(np.array(DUMBBELL.inertia) / 2))
     test(lambda plan: build(dumbbells(hollow, plan)))
+
+
+def test_the_page_has_this_dumbbell() -> None:
+    page: dict[str, object] = {}
+    exec(code_on("how-to/add-a-shape.md")[0], page)
+    assert page["ADAPTER"] == DUMBBELL
 
 
 def test_mass_and_inertia_are_those_of_two_spheres() -> None:
