@@ -215,7 +215,7 @@ def test_check_tells_what_openings_cost_and_let_through(tmp_path: Path) -> None:
     assert "none of the particles of 20 to 20 mm can pass" in openings[1]
     triangles = len(surface_grids(loaded(tmp_path, [SLOTTED]).case)["deck"].triangles)
     assert any(f"{triangles} on each panel" in line for line in lines)
-    small = [SLOTTED, "bed.particles.ball.diameter_m=0.001"]
+    small = [SLOTTED, "bed.particles.ball.sieve_size_m=0.001"]
     assert any("probability 0.25" in line for line in overview(loaded(tmp_path, small)))
 
 

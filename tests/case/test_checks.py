@@ -121,7 +121,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (FEED.replace("sizes", "start_s=0.1, sizes"), "bed.feeds.chute.start_s: out-of-range"),
         (FEED.replace("0.02, mass", "0.12, mass"), "bed.feeds.chute.box_m: out-of-range"),
         (
-            FEED.replace("sizes=", "curve=[{diameter_m=0.1, passing=1}], sizes="),
+            FEED.replace("sizes=", "curve=[{sieve_size_m=0.1, passing=1}], sizes="),
             "bed.feeds.chute.curve: conflict",
         ),
         # exits
@@ -138,7 +138,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ),
         ("materials.coal.youngs_modulus_Pa=990", "materials.coal.youngs_modulus_Pa: out-of-range"),
         ("materials.PU.hyperelastic.c10_Pa=0.7", "materials.PU.hyperelastic.c10_Pa: out-of-range"),
-        ("bed.particles.ball.diameter_m=20", "bed.particles.ball.diameter_m: out-of-range"),
+        ("bed.particles.ball.sieve_size_m=20", "bed.particles.ball.sieve_size_m: out-of-range"),
         ("screen.exciters.shaft.speed_rad_per_s=1500", "screen.exciters.shaft.speed_rad_per_s: out-of-range"),
         ("duration_s=2e4", "duration_s: out-of-range"),
         (
@@ -235,7 +235,7 @@ def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
 
 
 def test_overlapping_particles_are_named(tmp_path: Path) -> None:
-    other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], diameter_m=0.02, material="coal"}'
+    other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], sieve_size_m=0.02, material="coal"}'
     said = only_complaint(tmp_path, other)
     assert '"ball" overlaps "other" by 0.001 m' in said
     assert not complaints(tmp_path, other.replace("0.069", "0.0701"))

@@ -117,7 +117,7 @@ def test_removal_and_feed_stay_where_material_may_reach_the_exits() -> None:
 def test_what_passes_the_openings_leaves_in_the_shortest_run(tmp_path: Path) -> None:
     """Closed mats keep what lies on them for as long as it takes to go over the deck."""
     short = (TILTED, "duration_s=0.001")
-    ball = "bed.particles.ball.diameter_m=0.005"
+    ball = "bed.particles.ball.sieve_size_m=0.005"
 
     def removal(*sets: str) -> Verdict:
         case = loaded(tmp_path, [*short, *sets]).case
