@@ -1,13 +1,13 @@
 """The surface of a machine: its parts, and the indices of their points and triangles in the whole.
 
-The parts are panels, seen through the particles' triangles; walls that a frame carries; and points on frames
-that are only observed.  The coupling treats all of them together as one ``Panel``.
+The parts are panels, seen through the particles' triangles, and walls that a frame carries.  The coupling
+treats all of them together as one ``Panel``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, cast
@@ -43,15 +43,13 @@ class SurfacePart:
     """A part of the surface, as far as it is known before anything opens.
 
     ``drawn_m`` (n, 3) are its surface points as drawn; a panel is drawn straight between its clamps.
-    ``triangles`` (m, 3) holds the part's own point numbers.  ``points`` maps the names of observed points
-    (probes, centres of mass) to their numbers.
+    ``triangles`` (m, 3) holds the part's own point numbers.
     """
 
     name: str
     drawn_m: Array
-    points: dict[str, int] = field(default_factory=dict)
-    triangles: Indices = field(default_factory=lambda: NO_TRIANGLES)
-    material: str = ""
+    triangles: Indices
+    material: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,20 +58,21 @@ class PanelPart(SurfacePart):
 
     ``open`` opens the panel, and returns it with the matrix H (n, panel's surface points) that takes its
     motion to the part's points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
-    (the points of its ``RecordedGrid`` if it is recorded) hold the part's own point numbers.  The last three
-    times ``stops`` clamp points belong to beams below the part.
+    (the points of its ``RecordedGrid`` if it is recorded) hold the part's own point numbers, and ``probes``
+    those of probes by name.  The last three times ``stops`` clamp points belong to beams below the part.
     """
 
     open: Callable[[], tuple[Panel, csr_array]]
     edges: Edges
     centre_line: Indices
     shape: Indices
+    probes: dict[str, int]
     stops: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class RigidPart(SurfacePart):
-    """Points that ``frame`` carries: a wall, or points of the frame that are only observed."""
+    """A wall that ``frame`` carries."""
 
     frame: str
 
@@ -115,7 +114,7 @@ def _panel(
         name=plan.name,
         open=open_panel,
         drawn_m=plan.rectangle.mounted(coordinates),
-        points={name: first + number for number, name in enumerate(at)},
+        probes={name: first + number for number, name in enumerate(at)},
         stops=len(plan.stops),
         triangles=touched.triangles,
         edges=Edges.of(touched.coordinates_m, touched.triangles),
@@ -149,31 +148,12 @@ def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:
     ]
 
 
-def _frame_points(case: Case, frame: str) -> RigidPart:
-    """Return the part of a frame's points that are only observed.
-
-    They are its centre of mass (under the frame's name), the ends of three arms of 1 m from there along the
-    world's axes, which show its rotation, and its probes.
-    """
-    probes = {
-        name: probe.point_m
-        for name, probe in case.probes.items()
-        if probe.frame == frame and probe.point_m is not None
-    }
-    centre_m = to_world(case, case.screen.frames[frame].recorded_point_m)
-    probes_m = to_world(case, np.array(list(probes.values())).reshape(-1, 3))
-    position_m = np.vstack([centre_m, centre_m + np.eye(3), probes_m])
-    points = {frame: 0} | {name: number for number, name in enumerate(probes, start=4)}
-    return RigidPart(name=frame, drawn_m=position_m, points=points, frame=frame)
-
-
 @dataclass(frozen=True)
 class OpenSurface:
     """The open surface of a machine: ``together`` has the points of all parts, part by part.
 
-    The parts are the panels in the case's order, the walls, and the observed points of the frames; part i
-    has the points ``surface[i]`` and ``clamps[i]`` of the whole.  Particles touch the parts that have a
-    material; points on frames belong to the surface, but to no triangle.
+    The parts are the panels in the case's order and the walls; part i has the points ``surface[i]`` and
+    ``clamps[i]`` of the whole.
     """
 
     case: Case
@@ -189,10 +169,7 @@ class OpenSurface:
         All rigid parts are one member of the set of panels, and one matrix maps the whole surface.
         """
         panels = panel_parts(case, case_folder, stopwatch, world)
-        rigid = [
-            *wall_parts(case, case_folder),
-            *(_frame_points(case, frame) for frame in case.screen.frames),
-        ]
+        rigid = wall_parts(case, case_folder)
         opened: dict[int, csr_array] = {}
 
         def open_member(number: int) -> Panel:
@@ -228,12 +205,11 @@ class OpenSurface:
     def triangle_surface(self) -> TriangleSurface:
         """Return the surface that particles touch, at rest."""
         number = material_numbers(self.case)
-        touched = [part for part in self.parts if part.material]
         return TriangleSurface(
             self.together.initial().surface.position_m,
             np.concatenate([NO_TRIANGLES, *(body.triangles for body in self.bodies())]),
             np.concatenate(
-                [NO_POINTS, *(np.full(len(part.triangles), number[part.material]) for part in touched)]
+                [NO_POINTS, *(np.full(len(part.triangles), number[part.material]) for part in self.parts)]
             ),
             self.panel_of_triangle(),
         )
@@ -289,27 +265,24 @@ class OpenSurface:
         ]
         return Penetrations(np.concatenate([part.drawn_m for part in self.parts]), self.bodies(), probed)
 
-    def centres(self) -> dict[str, int]:
-        """Return the number of each frame's centre of mass among the carried points."""
-        frames = self.case.screen.frames
-        places = zip(self.parts, self.clamps, strict=True)
-        return {part.name: clamps.start for part, clamps in places if part.name in frames}
-
     def probes(self) -> tuple[PlacedProbe, ...]:
-        """Return the case's probes; probes on frames use the clamp points, which are exact."""
+        """Return the case's probes."""
+        number = {name: place for place, name in enumerate(self.case.screen.frames)}
+        on_panels = {
+            name: points.start + point
+            for part, points in zip(self.panels, self.surface, strict=False)
+            for name, point in part.probes.items()
+        }
         placed = []
-        for number, part in enumerate(self.parts):
-            on_frame = part.name in self.case.screen.frames
-            points = self.clamps[number] if on_frame else self.surface[number]
-            for name, point in part.points.items():
-                if name in self.case.probes:
-                    on = "clamps" if on_frame else "surface"
-                    placed.append(PlacedProbe(name, on, points.start + point))
-        placed += [
-            PlacedProbe(name, "particle", probe.particle)
-            for name, probe in self.case.probes.items()
-            if probe.particle is not None
-        ]
+        for name, probe in self.case.probes.items():
+            if probe.particle is not None:
+                placed.append(PlacedProbe(name, "particle", probe.particle))
+            elif probe.frame is not None and probe.point_m is not None:
+                centre_m = self.case.screen.frames[probe.frame].recorded_point_m
+                arm_m = to_world(self.case, np.subtract(probe.point_m, centre_m))
+                placed.append(PlacedProbe(name, "frame", number[probe.frame], arm_m))
+            else:
+                placed.append(PlacedProbe(name, "surface", on_panels[name]))
         return tuple(placed)
 
 

@@ -111,8 +111,7 @@ def surface_mesh(
     """Return the mesh of the triangles (n, 3), with the number of the ``panel`` (n,) in each cell.
 
     Its points have their velocity and the fields ``at_points``, by name; its cells have the fields
-    ``of_triangles``.  Points without a triangle
-    (probes, arms of frames) are left out: they would enlarge a viewer's view.
+    ``of_triangles``.  Points without a triangle (probes) are left out: they would enlarge a viewer's view.
     """
     points, corners = np.unique(triangles, return_inverse=True)
     return meshio.Mesh(
