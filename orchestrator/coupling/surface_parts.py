@@ -29,7 +29,7 @@ from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
-from orchestrator.ports.geometry import Edges, TriangleSurface
+from orchestrator.ports.geometry import Edges, RigidVertices, TriangleSurface, shares_in, tetrahedron_m
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import DeckPlan, PanelPlan
 from orchestrator.ports.recording import RecordedGrid
@@ -72,9 +72,17 @@ class PanelPart(SurfacePart):
 
 @dataclass(frozen=True, kw_only=True)
 class RigidPart(SurfacePart):
-    """A wall that ``frame`` carries."""
+    """A wall that ``frame`` carries by the four points ``drawn_m``.
+
+    Its triangles have the numbers of its own ``vertices_m`` (k, 3).
+    """
 
     frame: str
+    vertices_m: Array
+
+    def vertices(self, first: int) -> RigidVertices:
+        """Return the vertices, whose four points begin with the number ``first``."""
+        return RigidVertices(np.full(len(self.vertices_m), first), shares_in(self.drawn_m, self.vertices_m))
 
 
 def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[PanelPart]:
@@ -139,7 +147,8 @@ def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:
     return [
         RigidPart(
             name=wall.name,
-            drawn_m=wall.position_m,
+            drawn_m=tetrahedron_m(wall.position_m),
+            vertices_m=wall.position_m,
             triangles=wall.triangles,
             material=wall.material,
             frame=wall.frame,
@@ -196,11 +205,26 @@ class OpenSurface:
         return consecutive_slices([len(part.drawn_m) for part in self.parts])
 
     def bodies(self) -> list[SurfaceBody]:
-        """Return the triangles of every part, in points of the whole surface."""
+        """Return the triangles of every part, in vertices of the whole surface."""
+        starts = [points.start for points in self.surface[: len(self.panels)]]
+        starts += [of.start + self.surface[-1].stop for of in self._rigid_vertices()]
         return [
-            SurfaceBody(part.name, part.triangles + points.start)
-            for part, points in zip(self.parts, self.surface, strict=True)
+            SurfaceBody(part.name, part.triangles + start)
+            for part, start in zip(self.parts, starts, strict=True)
         ]
+
+    def _rigid_vertices(self) -> tuple[slice, ...]:
+        """Return the vertices of each wall among those of all walls."""
+        return consecutive_slices([len(part.vertices_m) for part in self.rigid])
+
+    def rigid_vertices(self) -> RigidVertices:
+        """Return the vertices of all walls."""
+        points = self.surface[len(self.panels) :]
+        each = [part.vertices(at.start) for part, at in zip(self.rigid, points, strict=True)]
+        return RigidVertices(
+            np.concatenate([NO_POINTS, *(one.first for one in each)]),
+            np.concatenate([np.empty((0, 3)), *(one.share for one in each)]),
+        )
 
     def triangle_surface(self) -> TriangleSurface:
         """Return the surface that particles touch, at rest."""
@@ -212,6 +236,7 @@ class OpenSurface:
                 [NO_POINTS, *(np.full(len(part.triangles), number[part.material]) for part in self.parts)]
             ),
             self.panel_of_triangle(),
+            self.rigid_vertices(),
         )
 
     def panel_of_triangle(self) -> Indices:
@@ -263,7 +288,8 @@ class OpenSurface:
             ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
             for number, (single, part, points) in enumerate(singles)
         ]
-        return Penetrations(np.concatenate([part.drawn_m for part in self.parts]), self.bodies(), probed)
+        drawn_m = np.concatenate([part.drawn_m for part in self.parts])
+        return Penetrations(drawn_m, self.bodies(), probed, self.rigid_vertices())
 
     def probes(self) -> tuple[PlacedProbe, ...]:
         """Return the case's probes."""
@@ -303,7 +329,7 @@ def _free_pairs(single: SinglePanel, part: PanelPart) -> Indices:
 
 
 def _open_rigid(parts: list[RigidPart]) -> tuple[Panel, csr_array]:
-    """Open all rigid parts as one surface; return it with the identity as its mapping."""
+    """Open the points of all walls as one surface; return it with the identity as its mapping."""
     points_m = np.concatenate([np.empty((0, 3)), *(part.drawn_m for part in parts)])
     frames = tuple(part.frame for part in parts for _ in part.drawn_m)
     surface = import_module("adapters.panel.common.carried").build(points_m, frames)
