@@ -150,7 +150,7 @@ def load(path: str | Path, level: str | Path | None = None, overrides: str | Seq
     if not file.is_file() or file.name != CASE_FILE:
         what = f"no such case: there is no {CASE_FILE}" if not file.is_file() else f"is no {CASE_FILE}"
         hint = shipped.no_such_case_hint(path) or "name the folder of a case"
-        raise CaseError([CaseProblem((), what, hint, file=str(path))])
+        raise CaseError([CaseProblem((), what, hint, file=str(path), kind="file")])
     chain = read_chain(file)
     folder, wanted = chain[0].folder, None if level is None else str(level)
     lines = (overrides,) if isinstance(overrides, str) else tuple(overrides)

@@ -7,7 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,11 +17,11 @@ import numpy as np
 from orchestrator.case.file.errors import visible
 from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.provenance import read_provenance
-from orchestrator.case.scalars import SCALARS, Value, scalar, value_at
+from orchestrator.figures.results import why_transient
+from orchestrator.figures.short_names import SHORT_NAMES, Value, named, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.output.results.tidy import why_transient
 from orchestrator.run.progress import ProgressReport, parse_report
 from orchestrator.studies.points import MAIN
 
@@ -57,7 +57,7 @@ class Run:
         """Open a folder.  Raises FolderUnusable if it does not hold an ended run of this version."""
         self.folder = Path(folder).absolute()  # whatever the current folder will be
         try:
-            self.summary: dict[str, Any] = RunReader(admit(self.folder)).summary
+            self.summary: Mapping[str, Any] = RunReader(admit(self.folder)).summary
         except (OSError, ValueError) as error:
             why = _why_open(self.folder) or f"holds no run that has ended ({error})"
             raise FolderUnusable(f"{self.folder}: {why}") from None
@@ -82,7 +82,7 @@ class Run:
         """The reasons why a bed that is fed is not steady and why the motion of a machine has not settled, so
         that results are of the start, too; a sentence each.
         """
-        return [why for why in why_transient(self.summary.get("results") or {}) if why]
+        return [why for why in why_transient(self.summary) if why]
 
     def __getitem__(self, name: str) -> Value:
         """Return a result with its interval, by its short name (``stroke``) or its keys in ``summary.json``
@@ -92,7 +92,7 @@ class Run:
         ``counting`` (the standard deviation that the number of particles explains); the last two are None
         where they are unknown. Raises KeyError if there is no such result, or the run does not have it.
         """
-        scalar(name)
+        named(name)
         value = value_at(self.summary, name)
         if value is None:
             raise KeyError(f"the run does not have the result {name}")
@@ -105,12 +105,12 @@ class Run:
         """
         import pandas
 
-        rows = {name: value for name in SCALARS if (value := value_at(self.summary, name)) is not None}
+        rows = {name: value for name in SHORT_NAMES if (value := value_at(self.summary, name)) is not None}
         table = {
             "value": [row.value for row in rows.values()],
             "half_width": [row.half_width for row in rows.values()],
             "counting": [row.counting for row in rows.values()],
-            "meaning": [SCALARS[name].words for name in rows],
+            "meaning": [SHORT_NAMES[name].words for name in rows],
         }
         return pandas.DataFrame(table, index=pandas.Index(rows, name="result")).astype(
             {"half_width": float, "counting": float}

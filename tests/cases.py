@@ -12,7 +12,7 @@ from typing import Any
 
 import tomli_w
 
-from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.errors import CaseError, CaseProblem, dotted_key
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase, load_judged
 
@@ -119,12 +119,22 @@ def loaded(folder: Path, overrides: Sequence[str] = (), level: str | None = None
     return load_case(folder, CASE, overrides, level)
 
 
+def problems(folder: Path, *overrides: str) -> list[CaseProblem]:
+    """Return the problems that loading and checking find in the test case with some keys changed."""
+    try:
+        return find_problems(loaded(folder, overrides))
+    except CaseError as error:
+        return [*error.problems]
+
+
+def kinds(folder: Path, *overrides: str) -> list[str]:
+    """Return the key and the kind of each of these problems, such as "duration_s: out-of-range"."""
+    return [f"{dotted_key(problem.key)}: {problem.kind}" for problem in problems(folder, *overrides)]
+
+
 def complaints(folder: Path, *overrides: str) -> list[str]:
     """What loading and checking say of the test case with some keys changed."""
-    try:
-        return [str(mistake) for mistake in find_problems(loaded(folder, overrides))]
-    except CaseError as error:
-        return [str(mistake) for mistake in error.problems]
+    return [str(problem) for problem in problems(folder, *overrides)]
 
 
 def only_complaint(folder: Path, *overrides: str) -> str:

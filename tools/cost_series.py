@@ -89,7 +89,6 @@ def models(case: Case) -> dict[str, tuple[str, ...]]:
         "panel sheet coarse": panel("sheet", along // 2, across // 2),
         "panel sheet": panel("sheet", along, across),
         "panel sheet fine": panel("sheet", *fine),
-        "frames planar": ("frames.solver=planar",),
         "frames exudyn": ("frames.solver=exudyn",),
     }
     if not any(frame.drive for frame in case.screen.frames.values()):  # two-mass frames cannot be driven

@@ -43,11 +43,11 @@ class TwoMassFrames(RigidFrames):
     def __init__(self, plan: FramesPlan) -> None:
         if plan.drives:
             raise ValueError(
-                f"two_mass moves bodies by forces; the drive of {plan.drives[0].body!r} needs planar, "
-                "exudyn or, where every body is driven, prescribed"
+                f"two_mass moves bodies by forces; the drive of {plan.drives[0].body!r} needs exudyn "
+                "or, where every body is driven, prescribed"
             )
         if any(bushing.hysteresis for bushing in plan.bushings):
-            raise ValueError("two_mass has linear bushings; measured curves need planar or exudyn")
+            raise ValueError("two_mass has linear bushings; measured curves need exudyn")
         super().__init__(plan)
         self._unbalances = Unbalances(plan, plan.exciters)
         self._onto_excited = onto_bodies(plan, self._unbalances.body)

@@ -13,19 +13,14 @@ the panel's own centre is not (edges too heavy by a factor of up to 3).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from adapters.panel.common import bilinear
-from adapters.panel.common.carried import CarriedSurface
+from adapters.panel.common.carried import RigidSurface
 from adapters.panel.common.grid import clamped_rows_m
-from orchestrator.ports import Array, Mount
+from orchestrator.ports import Array, Interpolation, Mount
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 
 def build(plan: PanelPlan) -> RigidPanel:
@@ -33,7 +28,7 @@ def build(plan: PanelPlan) -> RigidPanel:
     return RigidPanel(plan)
 
 
-class RigidPanel(CarriedSurface):
+class RigidPanel(RigidSurface):
     """A ``MeshedPanel`` whose surface points are its clamp points, row by row: y = 0 before y = width."""
 
     def __init__(self, plan: PanelPlan) -> None:
@@ -53,7 +48,7 @@ class RigidPanel(CarriedSurface):
             plan.gravity_m_per_s2,
         )
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
         """Return bilinear shape functions in (s, y) within each of the panel's one or three rectangles."""
         return bilinear.interpolation(self._rows_m, self._width_m, coordinates_m)
 

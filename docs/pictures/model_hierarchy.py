@@ -6,8 +6,8 @@ from drawing import FRAMES, PANELS, PARTICLES, arrow, box, canvas, say
 def draw() -> None:
     axes = canvas(9.0, 2.8)
     rows = (
-        (2.05, "panel", PANELS, ("rigid", "recorded", "strip", "sheet", "solid")),
-        (1.25, "frames", FRAMES, ("prescribed", "two-mass", "planar", "exudyn")),
+        (2.05, "panel", PANELS, ("rigid", "strip", "sheet", "solid")),
+        (1.25, "frames", FRAMES, ("prescribed", "two-mass", "exudyn")),
         (0.45, "particles", PARTICLES, ("none", "coarser", "softer", "liggghts", "stiffer")),
     )
     for y, part, color, models in rows:

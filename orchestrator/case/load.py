@@ -105,7 +105,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     file = path if path.is_file() else path / CASE_FILE
     if not file.is_file():
         what = f"no such case: there is no {CASE_FILE}"
-        raise CaseError([CaseProblem((), what, no_such_case_hint(path), file=str(path))])
+        raise CaseError([CaseProblem((), what, no_such_case_hint(path), file=str(path), kind="file")])
     chain = read_chain(file)
     folder, layers = chain[0].folder, lay_chain(chain)
     given = layers.merged
@@ -147,7 +147,9 @@ def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
         hint = did_you_mean(str(wanted), known, say="levels")
         file = "case.toml" if level is None else "--level"
         key = ("default_level",) if level is None else ()
-        raise CaseError([CaseProblem(key, f"no level {show_value(wanted)}", hint, file=file)])
+        raise CaseError(
+            [CaseProblem(key, f"no level {show_value(wanted)}", hint, file=file, kind="unknown-name")]
+        )
     return str(wanted)
 
 
@@ -195,5 +197,5 @@ def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
     layers.lay(overlay, source)
     if not isinstance(without, list) or not all(isinstance(word, str) for word in without):
         what = f"{show_value(without)} is wrong, a list of names is wanted"
-        raise CaseError([CaseProblem(("without",), what, file=source)])
+        raise CaseError([CaseProblem(("without",), what, file=source, kind="wrong-type")])
     return Level(name, tuple(without), before, dict(layers.merged))

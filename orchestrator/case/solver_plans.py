@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +49,6 @@ from orchestrator.ports.plans import (
     ParticlesPlan,
     PointMass,
 )
-from orchestrator.ports.recording import Playback
 
 LOG = logging.getLogger("flipflow")
 
@@ -222,8 +221,8 @@ def _turn_oscillation(case: Case, size: Sequence[float], phase_rad: Sequence[flo
     return np.abs(phasor), np.angle(phasor)
 
 
-def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> tuple[PanelPlan, ...]:
-    """Return a plan for each panel, in the order of the case; ``playbacks`` has the panels' names as keys."""
+def panel_plans(case: Case) -> tuple[PanelPlan, ...]:
+    """Return a plan for each panel, in the order of the case."""
     return tuple(
         PanelPlan(
             name=panel.name,
@@ -237,7 +236,6 @@ def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> 
             integrator=case.panel.integrator,
             sync_interval_s=case.coupling.sync_interval_s,
             apertures=panel.apertures,
-            playback=(playbacks or {}).get(panel.name),
             stops=planned_stops(case, panel),
             point_masses=sensors(case, panel),
             joined_sides=joins_sides(case, panel.rectangle.length_m),

@@ -77,7 +77,7 @@ def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
 
 
 def names_able_to(port: Port, can: Callable[[Any], bool]) -> str:
-    """Return text for a hint, such as '"planar" or "exudyn"', that names the solvers which pass ``can``."""
+    """Return text for a hint, such as '"sheet" or "solid"', that names the solvers which pass ``can``."""
     able = [f'"{name}"' for name in names(port) if can(adapter(port, name))]
     return " or ".join(able)
 
@@ -99,5 +99,5 @@ def open_solver(port: Port, solver: str, plan: Any) -> Any:
         with solver_failure_context(f"{port} ({solver})", None):
             return build(plan)
     except ValueError as error:
-        refusal = CaseProblem((port,), f"{solver} cannot take this case", str(error))
+        refusal = CaseProblem((port,), f"{solver} cannot take this case", str(error), kind="solver")
         raise CaseError([refusal]) from error

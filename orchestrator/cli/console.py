@@ -101,18 +101,26 @@ def check_or_report(
     level: str | None,
     overrides: list[str] | None,
     find: Callable[[JudgedCase], list[CaseProblem]] = find_all_problems,
+    as_json: bool = False,
 ) -> JudgedCase:
     """Return the case at a level if ``find`` finds no problem in it.
 
-    Otherwise report all problems and end the program.
+    Otherwise report all problems, as JSON on standard output, too, if that is asked for, and end the program.
     """
     from orchestrator.case.file.errors import CaseError
     from orchestrator.preflight.judge import load_judged
 
     with reported_errors():
-        loaded = load_judged(case, level, overrides or [])
-        if problems := find(loaded):
-            raise CaseError(problems)
+        try:
+            loaded = load_judged(case, level, overrides or [])
+            if problems := find(loaded):
+                raise CaseError(problems)
+        except CaseError as error:
+            if as_json:
+                from orchestrator.cli.json_forms import print_json
+
+                print_json({"problems": [problem.as_json() for problem in error.problems]})
+            raise
     return loaded
 
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from rich import box
 from rich.table import Table
 
-from orchestrator.case.scalars import SCALARS
 from orchestrator.cli.console import TextConsole
 from orchestrator.cli.json_forms import explain_form, print_json
+from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, find_dispensable, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
@@ -66,7 +66,6 @@ def print_explanation(
 def _judge_with_measurements(
     loaded: JudgedCase, study: StoredStudy | None, tried: TriedEffects | None, asked: Sequence[str]
 ) -> dict[str, Judged]:
-    """Return the judgements of the effects by name, by measurements where there are any."""
     effects = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
     if study is not None:
         from orchestrator.studies.accuracy.plan import measured_verdict
@@ -84,7 +83,7 @@ def judge_effects(
     ``pairs`` of runs decide for the results ``asked`` for.  By default, the remembered pairs decide.
     """
     if pairs is None:
-        pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
+        pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SHORT_NAMES,)
     effects = weigh_effects(loaded.described, pairs, asked)
     return {
         name: with_doubt(replace(judged, present=judged.present and name not in loaded.left_out))

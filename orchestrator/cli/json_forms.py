@@ -1,14 +1,14 @@
 """The output of ``check``, ``explain`` and ``list`` for other programs (docs/json-output.md).
 
-All numbers are in SI units, and names end with their unit.  Errors are no JSON: their message goes to
-standard error, and the exit code tells their kind.
+All numbers are in SI units, and names end with their unit.  The message of an error goes to standard
+error, and the exit code tells its kind; ``check`` has the problems of a case as JSON, too.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -24,10 +24,10 @@ FORMAT = 1
 """Version of all these forms, their entry ``format_version``."""
 
 
-def print_json(table: dict[str, Any]) -> None:
+def print_json(table: Mapping[str, Any]) -> None:
     """Print a table as JSON on standard output, with ``format_version`` first; numbers that are not finite
     become null, and characters that a terminal could obey are escaped."""
-    text = json.dumps(_finite({"format_version": FORMAT} | table), indent=2, ensure_ascii=False)
+    text = json.dumps(_finite({"format_version": FORMAT, **table}), indent=2, ensure_ascii=False)
     typer.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
 
 

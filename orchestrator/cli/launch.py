@@ -29,6 +29,7 @@ from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit,
 from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, TextConsole, find_all_problems
 from orchestrator.cli.overview import adhesion_lines
 from orchestrator.coupling import mpi
+from orchestrator.figures.results import parse_results
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint, OtherCheckpoint
 from orchestrator.output.records import run_folder, summary, trust
@@ -170,11 +171,6 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
         raise FolderUnusable(
             f"{folder}: has no whole checkpoint of sync point {sync_point}; they are in "
             f"{folder / checkpoints.FOLDER}"
-        )
-    if checkpoint is None and (folder / checkpoints.FORMER_FOLDER).is_dir():
-        raise OtherCheckpoint(
-            f"{folder}: its checkpoints are in {checkpoints.FORMER_FOLDER}/, as an older flipflow wrote "
-            "them; resume the run with that version (provenance.json names it), or run the case again"
         )
     if checkpoint is None:
         raise FolderUnusable(
@@ -384,8 +380,7 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
         figures = run.finish(status, reason)
         if trust.came_to_its_end(figures["status"]):
             console.print(summary.closing_table(figures))
-            results = figures.get("results") or {}
-            for line in (*summary.closing_lines(figures), *headline_lines(results)):
+            for line in (*summary.closing_lines(figures), *headline_lines(parse_results(figures))):
                 _print_and_log(line, console)
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)
@@ -430,7 +425,6 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
 
 
 def _print_and_log(line: str, console: Console) -> None:
-    """Print a line on the console and in the log."""
     LOG.info(line)
     console.print(line)
 

@@ -54,7 +54,6 @@ Examples:
   mpirun -n 4 flipflow run cases/quickstart            on four processes; as root with --allow-run-as-root,
                                                        on a busy machine with --mca mpi_yield_when_idle 1
 
-  flipflow record RUN --out panels.h5                  its panels, to be played back
 
   flipflow resume runs/quickstart-1                    go on with it, if it was interrupted
 
@@ -151,7 +150,6 @@ def resume(
     checkpoint: Annotated[
         int | None, typer.Option(min=0, help="sync point of the checkpoint [default: the last]")
     ] = None,
-    save: Annotated[int | None, typer.Option(hidden=True)] = None,
 ) -> None:
     """Go on with a run from its last checkpoint.
 
@@ -162,8 +160,6 @@ def resume(
     """
     from orchestrator.cli.launch import resume as go_on
 
-    if save is not None:
-        raise typer.BadParameter(f"it is called --checkpoint now: --checkpoint {save}", param_hint="--save")
     raise typer.Exit(go_on(run, overrides or [], checkpoint))
 
 
@@ -175,10 +171,9 @@ def check(
         bool, typer.Option("--detail", help="all that limits the sync interval, with its numbers")
     ] = False,
     ranks: Annotated[
-        int | None, typer.Option(min=1, help="predict the wall time on 1, 2, 4, ... and on so many MPI ranks")
+        int | None,
+        typer.Option(min=1, max=64, help="predict the wall time on 1, 2, 4, ... and on so many MPI ranks"),
     ] = None,
-    latency: Annotated[float, typer.Option(min=0, help="with --ranks: time of a message / s")] = 2e-6,
-    bandwidth: Annotated[float, typer.Option(min=1, help="with --ranks: of the network / (byte/s)")] = 5e9,
     as_json: AsJson = False,
     html: Annotated[
         Path | None, typer.Option("--html", metavar="PAGE", help="writes a page with all this and drawings")
@@ -187,22 +182,20 @@ def check(
 ) -> None:
     """Check a case without running it, and print what is in it.
 
-    With --ranks, a table predicts the wall time of mpirun -n N flipflow run on ever more ranks, and says
-    beyond how many they no longer pay.  Each rank is one process on a core of its own.
+    With --ranks, a table predicts the wall time of mpirun -n N flipflow run on ever more ranks of one
+    computer, and says beyond how many they no longer pay.  Each rank is one process on a core of its own.
 
       flipflow check cases/ffs0827-slice --ranks 64
-
-    Plain Ethernet is --latency 3e-5 --bandwidth 1e8.
 
     Exit code 0: the case can be run; 2: it cannot, and one message has every problem.
     """
     from orchestrator.cli.overview import overview
     from orchestrator.preflight.cost import particles_at_start
-    from orchestrator.preflight.scaling import Network, scaling_lines
+    from orchestrator.preflight.scaling import scaling_lines
 
     if as_json and ranks is not None:
         raise typer.BadParameter("--ranks prints a table: leave out --json", param_hint="--ranks")
-    loaded = check_or_report(case, level, overrides, find_all_problems_when_open)
+    loaded = check_or_report(case, level, overrides, find_all_problems_when_open, as_json)
     with reported_errors():
         if as_json:
             from orchestrator.cli.json_forms import check_form, print_json
@@ -210,8 +203,7 @@ def check(
             print_json(check_form(loaded))
         parts = [overview(loaded, detail)] if html is not None or not as_json else []
         if ranks is not None:
-            network = Network(latency, bandwidth)
-            parts.append(scaling_lines(loaded.case, particles_at_start(loaded.case), ranks, network))
+            parts.append(scaling_lines(loaded.case, particles_at_start(loaded.case), ranks))
         lines = []
         for line in chain.from_iterable(parts):
             lines.append(line)
@@ -358,39 +350,6 @@ def compare(
     print_comparison(runs, out, as_json)
 
 
-@app.command()
-def record(
-    run: RunPath,
-    out: Annotated[Path, typer.Option("--out", help="file to write")],
-    cycles: Annotated[
-        int | None, typer.Option(min=1, help="cycles to record [default: until the panels repeat, up to 8]")
-    ] = None,
-) -> None:
-    """Record the panels of a run for playback by panel.solver = "recorded".
-
-    The run must have been made with --set output.shapes_s=<time between rows>, and must last until
-    the machine moves steadily.  Another case whose panels have the same lengths plays the file back
-    with --set panel.solver=recorded --set panel.recording=<file>, a path from that case's folder.
-
-    Exit code 0: the file is written; 2: the folder lacks what the recording needs.
-    """
-    from orchestrator.case import recordings
-    from orchestrator.output.records.run_folder import SUMMARY
-    from orchestrator.output.records.trust import is_trusted
-    from orchestrator.studies.points import status
-    from orchestrator.studies.record import record as record_panels
-
-    with reported_errors():
-        recording, state = record_panels(run, cycles), status(run)
-        recordings.write(out, recording.file)
-    if not is_trusted(state):
-        CONSOLE.print(f"warning: the run is {state}: {run / SUMMARY} says why")
-    for name, share in recording.change.items():
-        what = f"{recording.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
-        CONSOLE.print(f"{name}: {what}")
-    CONSOLE.print(f"written: {out}")
-
-
 @app.command(name="list")
 def list_cases(
     folder: Annotated[
@@ -491,15 +450,6 @@ app.command()(new)
 app.add_typer(study, name="study")
 
 
-@app.command(hidden=True, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
-def ladder() -> None:
-    """Name the command that compares models now."""
-    raise typer.BadParameter(
-        "flipflow ladder is a part of study accuracy now: flipflow study accuracy CASE "
-        "--parameters panel-mesh,panel-model,frames-model,particles-model,stiffness,number"
-    )
-
-
 def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     """Return the given study of accuracy, or the study in the case's folder; None if there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():
@@ -511,12 +461,12 @@ def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Return runs with and without effects for the results ``asked`` for; None if none are asked for."""
-    from orchestrator.case.scalars import scalar
+    from orchestrator.figures.short_names import named
     from orchestrator.studies.pairs import RUNS_IN_BUDGET, Pairs, try_all_effects
 
     try:
         for name in asked:
-            scalar(name)
+            named(name)
     except KeyError as error:
         refuse(f"--for: {error.args[0]}")
     if not asked:

@@ -95,7 +95,9 @@ def shape_form(material: LibraryMaterial) -> dict[str, Any] | None:
 def explanation(named: NamedMaterial) -> Iterator[str | Table]:
     """Yield the lines and tables that explain a material."""
     material = named.material
-    yield f"{material.name}: {material.about}"
+    yield f"{material.name}: {material.about}" + (
+        f" (also {', '.join(material.also)})" if material.also else ""
+    )
     yield _table("quantity", [("", quantity) for quantity in material.quantities.values()])
     if material.kind == "elastomer" and named.hardness is None:
         yield ELASTOMER.format(material.name)

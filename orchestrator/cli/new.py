@@ -104,7 +104,7 @@ def new(
             write_files(proposal.files, folder)
         except OSError as error:
             what = f"{folder} cannot be written: {error.strerror}"
-            raise ImpossibleWishes([CaseProblem((), what, file="NAME")]) from None
+            raise ImpossibleWishes([CaseProblem((), what, file="NAME", kind="file")]) from None
     if taken:
         CONSOLE.print(f"no terminal to ask in; taken: {shlex.join(taken)}")
     _report(proposal, folder)
@@ -139,11 +139,11 @@ def _wrong_folder(folder: Path) -> Iterator[CaseProblem]:
 
     if not NAME.fullmatch(folder.name):
         hint = "letters, digits, _, - and dots make a name, at most 60"
-        yield CaseProblem((), f"{str(folder)!r} is no name of a folder", hint, file="NAME")
+        yield CaseProblem((), f"{str(folder)!r} is no name of a folder", hint, file="NAME", kind="wrong-type")
     elif folder.exists() or folder.is_symlink():
-        yield CaseProblem((), f"{folder} exists already", "take another name", file="NAME")
+        yield CaseProblem((), f"{folder} exists already", "take another name", file="NAME", kind="file")
     elif not (above := next(place for place in folder.absolute().parents if place.exists())).is_dir():
-        yield CaseProblem((), f"{above} is no folder", "take another place", file="NAME")
+        yield CaseProblem((), f"{above} is no folder", "take another place", file="NAME", kind="file")
 
 
 def can_ask() -> bool:
@@ -213,7 +213,6 @@ def _ask(
 
 
 def _command(folder: Path, template: str, answers: Mapping[str, str]) -> str:
-    """Return the command that gives all answers, for a shell."""
     given = {"template": template} | {name: text.strip() for name, text in answers.items()}
     words = [word for name, text in given.items() if text for word in (f"--{name}", text)]
     return shlex.join(["flipflow", "new", str(folder), *words, "--yes"])

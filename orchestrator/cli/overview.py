@@ -107,7 +107,6 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
 
 
 def _sheet(loaded: JudgedCase) -> Iterator[str]:
-    """Yield the designer's sheet of the whole machine."""
     lines = sheet(scene(loaded.case.original), given_rates_kg_per_s(loaded))
     if lines:
         yield f"  designer's sheet of the whole machine ({RULE}: docs/designers-sheet.md)"
@@ -150,7 +149,6 @@ def _damping(case: Case) -> Iterator[str]:
 
 
 def _triangles_on_panels(case: Case) -> str:
-    """Return a text with the number of triangles on the panels."""
     try:
         counts = [len(grid.triangles) for grid in surface_grids(case).values()]
     except SolverMissing:

@@ -26,6 +26,34 @@ class PointMatrix:
     def transposed_times(self, values: Array) -> Array:
         """Return the transposed matrix times ``values`` (rows, 3), (width, 3)."""
 
+class NormalOffsets:
+    """Points at an offset from a surface along its normal.
+
+    The surface's own points are at x (own points, 3).  Point i is ``offset_m[i]`` times the unit normal
+
+        n = a / |a|,    a = (along[i] x) x (across[i] x)
+
+    from its foot on the surface.  ``along`` and ``across`` are matrices (points, own points).
+    """
+
+    def __init__(self, along: PointMatrix, across: PointMatrix, offset_m: Array) -> None: ...
+    def add_motion(
+        self, own_m: Array, own_m_per_s: Array, position_m: Array, velocity_m_per_s: Array
+    ) -> None:
+        """Add the offsets, of a surface with own points at ``own_m`` that move with ``own_m_per_s``, to
+        ``position_m`` and their rates to ``velocity_m_per_s`` (points, 3) of the points' feet.
+
+        A point where the surface has no normal becomes NaN.
+        """
+
+    def add_load(self, own_m: Array, force_N: Array, own_force_N: Array) -> None:
+        """Add to ``own_force_N`` (own points, 3) the couples of forces ``force_N`` (points, 3) at the points
+        about the points' feet, with the surface's own points at ``own_m``.
+
+        Their sum is zero, and their power on any motion of the own points is that of the forces on the rates
+        that ``add_motion`` adds.
+        """
+
 def add_handed_over(sums: Array, load: Load, start: Motion, end: Motion, length_s: float) -> None:
     """Add to ``sums`` (7,) what a mean load hands over in an interval in which its points move from ``start``
     to ``end``.

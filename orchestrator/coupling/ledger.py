@@ -44,13 +44,8 @@ def created_shares(terms_J: Mapping[str, float], exchanged_J: Mapping[str, float
 
 
 def share_created(summary: Mapping[str, Any]) -> float:
-    """Return the share of a run's ``summary.json`` at the interface where most energy was created.
-
-    Summaries of older versions lack the exchanged energy; their share is relative to the lost energy alone.
-    """
-    nothing = dict.fromkeys(LOSING, 0.0)
-    exchanged_J = summary.get("energy_exchanged_J", nothing)
-    shares = created_shares(summary["energy_ledger_J"], exchanged_J)
+    """Return the share of a run's ``summary.json`` at the interface where most energy was created."""
+    shares = created_shares(summary["energy_ledger_J"], summary.get("energy_exchanged_J", {}))
     return max(shares.values(), key=abs, default=0.0)
 
 

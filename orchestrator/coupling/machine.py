@@ -20,7 +20,7 @@ from orchestrator.ports.penetration import Penetrations
 class PanelPoints:
     """The place of one panel in the concatenated surface and clamps.
 
-    ``centre_line`` and ``shape`` (its points that are recorded for playback) index the surface;
+    ``centre_line`` and ``shape`` (the points that show its shape) index the surface;
     ``first_clamp``, ``second_clamp`` and ``stops`` (points of beams below it) index the clamps. ``edges`` (n,
     2) of its triangles index the surface, too; ``edge_length_m`` (n,) is their stress-free length.
     """

@@ -94,7 +94,7 @@ class StoppedPanel(PanelWrapper):
         at = plan.rectangle
         cell_m = np.divide((at.length_m, at.width_m), plan.cells)
         self._tops = tops(plan.stops, at, cell_m / POINTS_PER_CELL)
-        self._H = panel.interpolation(self._tops.coordinates_m)
+        self._H = panel.interpolation(self._tops.coordinates_m).values
         self._HT = csr_array(self._H.T)
         corners = np.concatenate([corners_m(stop, at) for stop in plan.stops])
         frames = tuple(stop.frame for stop in plan.stops for _ in range(3))

@@ -13,26 +13,25 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, identity
+from scipy.sparse import csr_array, identity
 
 from orchestrator.case import solvers
 from orchestrator.case.deck.deck_plan import deck_plan
 from orchestrator.case.deck.panels import SinglePanel, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.recordings import playbacks
 from orchestrator.case.solver_plans import material_numbers, panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import PanelPoints, PlacedProbe
-from orchestrator.coupling.mapping import MappedPanel
+from orchestrator.coupling.mapping import mapped
 from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
-from orchestrator.ports import Array, Indices, MeshedPanel, Panel
+from orchestrator.ports import Array, Indices, Interpolation, MeshedPanel, Panel
 from orchestrator.ports.geometry import Edges, RigidVertices, TriangleSurface, shares_in, tetrahedron_m
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import DeckPlan, PanelPlan
-from orchestrator.ports.recording import RecordedGrid
+from orchestrator.ports.shape_grid import ShapeGrid
 
 NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
 NO_POINTS = np.empty(0, dtype=np.int64)
@@ -56,13 +55,13 @@ class SurfacePart:
 class PanelPart(SurfacePart):
     """A panel, seen through the triangles that particles touch.
 
-    ``open`` opens the panel, and returns it with the matrix H (n, panel's surface points) that takes its
-    motion to the part's points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
-    (the points of its ``RecordedGrid`` if it is recorded) hold the part's own point numbers, and ``probes``
+    ``open`` opens the panel, and returns it with the interpolation that takes its motion to the part's
+    points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
+    (the points of its ``ShapeGrid`` if it is recorded) hold the part's own point numbers, and ``probes``
     those of probes by name.  The last three times ``stops`` clamp points belong to beams below the part.
     """
 
-    open: Callable[[], tuple[Panel, csr_array]]
+    open: Callable[[], tuple[Panel, Interpolation]]
     edges: Edges
     centre_line: Indices
     shape: Indices
@@ -85,9 +84,9 @@ class RigidPart(SurfacePart):
         return RigidVertices(np.full(len(self.vertices_m), first), shares_in(self.drawn_m, self.vertices_m))
 
 
-def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[PanelPart]:
+def panel_parts(case: Case, stopwatch: Stopwatch, world: Any = None) -> list[PanelPart]:
     """Return a part for each panel, in the order of the case; every rank of ``world`` gets the same parts."""
-    plans = panel_plans(case, playbacks(case, case_folder))
+    plans = panel_plans(case)
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
         _panel(case, plan, single.table.material, grids[plan.name], stopwatch)
@@ -103,14 +102,14 @@ def _panel(
         for name, probe in case.probes.items()
         if probe.panel == plan.name and probe.at is not None
     }
-    recorded = RecordedGrid.of(plan.rectangle, case.panel.surface_cells).points_m
+    recorded = ShapeGrid.of(plan.rectangle, case.panel.surface_cells).points_m
     shape_m = recorded if case.output.shapes_s > 0 else np.empty((0, 2))
-    coordinates = np.vstack([touched.coordinates_m, *at.values(), shape_m])
+    coordinates = _with_offsets(touched.coordinates_m, *at.values(), shape_m)
     solver = case.panel.solver
     # load the adapter on every rank, even on ranks without a panel: PETSc starts up collectively
     solvers.adapter("panel", solver).load()
 
-    def open_panel() -> tuple[Panel, csr_array]:
+    def open_panel() -> tuple[Panel, Interpolation]:
         own = cast(MeshedPanel, solvers.open_solver("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
@@ -132,6 +131,14 @@ def _panel(
     )
 
 
+def _with_offsets(touched_m: Array, *observed_m: Array) -> Array:
+    """Return the coordinates of all points of a panel, (n, 3) if those that particles touch have an offset;
+    points that are only observed have none."""
+    observed = np.vstack([np.empty((0, 2)), *observed_m])
+    offsets = np.zeros((len(observed), touched_m.shape[1] - 2))
+    return np.vstack([touched_m, np.hstack([observed, offsets])])
+
+
 def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
     from orchestrator.coupling.stopped_panel import StoppedPanel
 
@@ -139,7 +146,9 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
         return StoppedPanel(panel, plan)
     except ValueError as error:
         key = ("screen", "panels", plan.name, "stops")
-        raise CaseError([CaseProblem(key, str(error), "lower it, or tighten the panel")]) from error
+        raise CaseError(
+            [CaseProblem(key, str(error), "lower it, or tighten the panel", kind="misplaced")]
+        ) from error
 
 
 def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:
@@ -175,11 +184,11 @@ class OpenSurface:
     def of(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any) -> OpenSurface:
         """Open the surface of a case, on every rank of ``world``.
 
-        All rigid parts are one member of the set of panels, and one matrix maps the whole surface.
+        All rigid parts are one member of the set of panels, and one interpolation maps the whole surface.
         """
-        panels = panel_parts(case, case_folder, stopwatch, world)
+        panels = panel_parts(case, stopwatch, world)
         rigid = wall_parts(case, case_folder)
-        opened: dict[int, csr_array] = {}
+        opened: dict[int, Interpolation] = {}
 
         def open_member(number: int) -> Panel:
             if number == len(panels):
@@ -189,10 +198,10 @@ class OpenSurface:
             return panel
 
         members = PanelSet(len(panels) + 1, open_member, world)
-        H = csr_array(block_diag(members.exchange(opened)))
+        together = mapped(members, Interpolation.joined(members.exchange(opened)))
         lengths = [part.stop - part.start for part in members.clamps[:-1]]
         lengths += [len(part.drawn_m) for part in rigid]
-        return OpenSurface(case, panels, rigid, MappedPanel(members, H), consecutive_slices(lengths))
+        return OpenSurface(case, panels, rigid, together, consecutive_slices(lengths))
 
     @property
     def parts(self) -> list[SurfacePart]:
@@ -328,9 +337,9 @@ def _free_pairs(single: SinglePanel, part: PanelPart) -> Indices:
     return np.asarray(pairs[free])
 
 
-def _open_rigid(parts: list[RigidPart]) -> tuple[Panel, csr_array]:
+def _open_rigid(parts: list[RigidPart]) -> tuple[Panel, Interpolation]:
     """Open the points of all walls as one surface; return it with the identity as its mapping."""
     points_m = np.concatenate([np.empty((0, 3)), *(part.drawn_m for part in parts)])
     frames = tuple(part.frame for part in parts for _ in part.drawn_m)
     surface = import_module("adapters.panel.common.carried").build(points_m, frames)
-    return cast(Panel, surface), csr_array(identity(len(points_m)))
+    return cast(Panel, surface), Interpolation.on_surface(csr_array(identity(len(points_m))))

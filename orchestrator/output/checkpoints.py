@@ -31,7 +31,6 @@ from orchestrator.ports import Saved
 
 KEPT = 2
 FOLDER, ABOUT = "checkpoints", "checkpoint.json"
-FORMER_FOLDER = "saves"  # of checkpoints up to format 3, which cannot be resumed
 FORMAT = 14
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
 them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
@@ -258,7 +257,6 @@ def _check_format(file: Path, about: Mapping[str, Any]) -> None:
 
 
 def _in_order(run: Path) -> list[Path]:
-    """Return the folders of all checkpoints in order of time."""
     return sorted(folder for folder in (run / FOLDER).glob("*") if folder.name.isdigit())
 
 

@@ -48,6 +48,7 @@ from orchestrator.ports.interface_records import (
     Pose,
     check_point_count,
 )
+from orchestrator.ports.interpolation import Interpolation
 from orchestrator.ports.panel import Following, Inert, MeshedPanel, Panel
 from orchestrator.ports.particle_records import Crossings, Overlaps, ParticleSnapshot, Removed, sort_removed
 from orchestrator.ports.particles import Particles, Predicting, Wearing

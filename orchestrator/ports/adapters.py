@@ -70,8 +70,7 @@ class Adapter(Generic[Plan, Work, Solver]):
     needs
         Modules that ``build`` imports, which raise SolverMissing without the solver's library.
     fidelity
-        Place in the hierarchy of the port's models, the better the higher; None for a solver that
-        is no model of its own.
+        Place in the hierarchy of the port's models, the better the higher.
     """
 
     about: str
@@ -80,7 +79,7 @@ class Adapter(Generic[Plan, Work, Solver]):
     leaves_out: Mapping[str, str] = field(default_factory=dict)
     objections: Callable[[Plan], Iterable[Objection]] = _no_objections
     needs: tuple[str, ...] = ()
-    fidelity: float | None = None
+    fidelity: float
 
     def load(self) -> None:
         """Import what ``build`` needs.  Raises SolverMissing where the library is not installed."""
@@ -104,8 +103,6 @@ class PanelAdapter(Adapter[PanelPlan, PanelsWork, MeshedPanel]):
     joins_sides
         Explicit steps join the sides of a panel that goes on beyond them (``PanelPlan.joined_sides``); False
         where sides are free.
-    plays_back
-        The shape comes from a recording, which the case names.
     integrators
         What ``panel.integrator`` may be.
     largest_step_s
@@ -127,7 +124,6 @@ class PanelAdapter(Adapter[PanelPlan, PanelsWork, MeshedPanel]):
     yields: bool = True
     varies_across: bool = True
     joins_sides: bool = False
-    plays_back: bool = False
     integrators: tuple[str, ...] = ("explicit", "implicit")
     largest_step_s: Callable[[PanelPlan], float] | None = None
     mesh_size: Callable[[PanelPlan], MeshSize] | None = None

@@ -42,15 +42,27 @@ class Rectangle:
         return np.cross(self.along, self.across)
 
     def mounted(self, coordinates_m: Array) -> Array:
-        """Return the places (n, 3) of points of material coordinates (n, 2), with the panel straight between
-        its clamps.  A slack panel is compressed to ``span_m`` here; solvers find its sag."""
+        """Return the places (n, 3) of points of material coordinates (n, 2), or (n, 3) with an offset along
+        the normal, with the panel straight between its clamps.  A slack panel is compressed to ``span_m``
+        here; solvers find its sag."""
         s, y = coordinates_m[:, 0], coordinates_m[:, 1]
         free = np.clip(s, 0.0, self.length_m)
         beyond = s - free
         cosine, sine = self._clamp_turn
         x = free * (self.span_m / self.length_m) + cosine * beyond
-        places_m = self.corner_m + np.outer(x, self.along) + np.outer(y, self.across)
-        return np.asarray(places_m + np.outer(sine * np.abs(beyond), self.normal) if sine else places_m)
+        places_m = np.asarray(self.corner_m + np.outer(x, self.along) + np.outer(y, self.across))
+        if sine:
+            places_m = places_m + np.outer(sine * np.abs(beyond), self.normal)
+        if coordinates_m.shape[1] == 3:
+            places_m = places_m + coordinates_m[:, 2:] * self._normals(np.sign(beyond))
+        return np.asarray(places_m)
+
+    def _normals(self, clamp: Array) -> Array:
+        """Return the normals (n, 3) of the straight panel: -1 in the first clamp, 0 between them, 1 in the
+        second one, as ``clamp`` (n,) says."""
+        cosine, sine = self._clamp_turn
+        upright = np.where(clamp == 0.0, 1.0, cosine)
+        return np.outer(upright, self.normal) - np.outer(sine * clamp, self.along)
 
     @property
     def clamp_tangents(self) -> Array:

@@ -16,8 +16,6 @@ from orchestrator.ports.plans import BodyPlan, FramesPlan
 
 IN_BALANCE = 1e-6  # of the forces in play: ten times what panels at rest are out of balance by
 TRANSLATIONS = (0, 1, 2)
-PLANE = (2, 0, 4)
-"""Up, along and about the cross axis: all that stays in the plane normal to y."""
 SPACE = (0, 1, 2, 3, 4, 5)
 
 

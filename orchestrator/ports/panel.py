@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.interface_records import Array, Inertia, Known, Load, Motion, Mount, PanelState
+from orchestrator.ports.interpolation import Interpolation
 from orchestrator.ports.state import Solver
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 Ahead = Callable[[Interval, Known], Known]
 JointAdvance = Callable[[Interval, Motion, Load], PanelState]
@@ -131,18 +129,25 @@ class Panel(Solver, Protocol):
 class MeshedPanel(Panel, Protocol):
     """A panel with a mesh of its own, to which the particles' triangles are mapped."""
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Return the matrix that takes values at the surface points to other points of the panel.
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
+        """Return how other points of the panel, and points beside it, follow from the surface points.
 
         Parameters
         ----------
         coordinates_m
-            Material coordinates (n, 2) in m, as ``geometry.Rectangle`` defines them.
+            Material coordinates in m, as ``geometry.Rectangle`` defines them: (n, 2), or (n, 3) with the
+            offset from the surface along the panel's normal, positive on the side of the bed.  A wall of an
+            opening has points with offsets of both signs.
 
         Returns
         -------
-        csr_array
-            H of shape (n, surface points).  Its rows sum to one, so H.T hands over load without loss.
+        Interpolation
+            The matrix H of the points' feet, and the slopes of the surface under points with an offset.
+
+        Raises
+        ------
+        ValueError
+            A coordinate is outside of the panel.
         """
         ...
 

@@ -20,7 +20,6 @@ from orchestrator.ports.failures import SolverFailed as SolverFailed
 from orchestrator.ports.failures import SolverMissing as SolverMissing
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
 from orchestrator.ports.interface_records import Array, Indices
-from orchestrator.ports.recording import Playback
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,7 @@ class PanelPlan:
 
     ``frames`` names the frames that hold the first and the second clamp.  ``cells`` along the
     free length and across; ``step_s`` the largest step (0: the solver's own limit with margin).
-    ``apertures``: its openings, if any; only particles see each of them.  ``playback``: the
-    recorded motion that it follows, where its shape is prescribed.  ``stops``: beams that it can
+    ``apertures``: its openings, if any; only particles see each of them.  ``stops``: beams that it can
     come to lie on (``orchestrator/coupling/stopped_panel.py``, no matter of the solver).
     ``point_masses``: what is fixed to it.  ``joined_sides``: it goes on beyond its sides, along world y,
     as it is between them, so that the two sides move alike.  ``hindered_share``: how much of its
@@ -103,7 +101,6 @@ class PanelPlan:
     integrator: str
     sync_interval_s: float
     apertures: AperturePattern | None = None
-    playback: Playback | None = None
     stops: tuple[StopPlan, ...] = ()
     point_masses: tuple[PointMass, ...] = ()
     joined_sides: bool = False

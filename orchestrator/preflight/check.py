@@ -59,14 +59,8 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
             bed.exits(whole),
             bed.crowded_boxes(case),
             bed.narrow_slice(case),
-            panels.own_recording(case, folder, loaded.layers.source(panels.RECORDING)),
         ),
-        (
-            panels.fitting_recording(case, folder),
-            panels.triangles(case),
-            panels.mesh_memory(case),
-            bed.adhesive_contacts(case),
-        ),
+        (panels.triangles(case), panels.mesh_memory(case), bed.adhesive_contacts(case)),
         (
             steps.particle_step(case),
             steps.panel_step(case),
@@ -87,7 +81,6 @@ def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
 
 def _rule_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Return the problems of the first round."""
     problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole_machine)]
     return _as_given(loaded, [*loaded.choice.problems, *problems])
 
@@ -127,9 +120,8 @@ def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProbl
 
 
 def given_rates_kg_per_s(loaded: JudgedCase) -> dict[str, float]:
-    """Return the rates of the case's own feeds, which a level may reduce."""
-    feeds = loaded.origin.given.get("bed", {}).get("feeds", {})
-    return {name: feed[bed.RATE] for name, feed in feeds.items() if isinstance(feed.get(bed.RATE), float)}
+    """Return the rates of the case's own feeds that its level reduces."""
+    return bed.rates_above_the_level(loaded.origin.given, loaded.layers)
 
 
 def warnings(loaded: JudgedCase) -> list[str]:
@@ -177,7 +169,6 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *bed.other_adhesion(case),
         *bed.soft_contacts(loaded.described),
         *bed.rounded_counts(case),
-        *panels.other_speed(case, loaded.folder),
         *bed.doubtful_slice(case, loaded.folder),
         *panels.machine_memory(case),
         *mat_warnings(shaken),

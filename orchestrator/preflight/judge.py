@@ -20,8 +20,8 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_m
 from orchestrator.case.file.layers import Layers, find_changes
 from orchestrator.case.file.origin import Origin
 from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, read_tables, validate
-from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
+from orchestrator.figures.short_names import SHORT_NAMES, named
 from orchestrator.preflight.checks import TABLE_RULES
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
@@ -145,7 +145,7 @@ def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
     bare, case, asked = read_tables(layers.merged, loaded.folder), loaded.case, loaded.asked.effects
     source = f"effects in {loaded.asked.file}"
     if asked == "auto":
-        results = tuple(loaded.asked.effects_for) or (*SCALARS,)
+        results = tuple(loaded.asked.effects_for) or (*SHORT_NAMES,)
         choice, spare = _choose_by_verdicts(case, loaded.origin, results)
     else:
         without = loaded.level.without if loaded.level is not None else ()
@@ -211,20 +211,27 @@ def _effects_problems(asked: AskedEffects) -> Iterator[CaseProblem]:
     # the check of the tables reports an effects_for that is no list
     for name in asked.effects_for if isinstance(asked.effects_for, list | tuple) else ():
         try:
-            scalar(str(name))  # a short name, or a path of keys with dots
+            named(str(name))  # a short name, or a path of keys with dots
         except KeyError as error:
-            yield CaseProblem(("effects_for",), str(error.args[0]))
+            yield CaseProblem(("effects_for",), str(error.args[0]), kind="unknown-name")
 
 
 def _unknown_effects(asked: Any) -> Iterator[CaseProblem]:
     """Yield problems of a value that is no list of effects' names, and of laws that exclude each other."""
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
-        yield CaseProblem(KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted')
+        yield CaseProblem(
+            KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted', kind="wrong-type"
+        )
         return
     chosen: dict[str, str] = {}
     for word in dict.fromkeys(asked):
         if word not in EFFECTS and word not in OF_LAW:
-            yield CaseProblem(KEY, f"no effect {show_value(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
+            yield CaseProblem(
+                KEY,
+                f"no effect {show_value(word)}",
+                did_you_mean(word, [*EFFECTS, *OF_LAW]),
+                kind="unknown-name",
+            )
         elif word in OF_LAW and (other := chosen.setdefault(OF_LAW[word], word)) != word:
             what = f'"{other}" and "{word}" exclude each other: both are laws of {OF_LAW[word]}'
             yield CaseProblem(KEY, what, "name one of them")

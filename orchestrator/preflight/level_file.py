@@ -28,12 +28,14 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
     """
     if not NAME.fullmatch(name):
         what = f"{show_value(name)} is no name of a level"
-        raise CaseError([CaseProblem((), what, "letters, digits, - and _", file="--write")])
+        raise CaseError(
+            [CaseProblem((), what, "letters, digits, - and _", file="--write", kind="wrong-type")]
+        )
     file = loaded.folder / "levels" / f"{name}.toml"
     if file.exists():
-        raise CaseError([CaseProblem((), "exists already; nothing was written", file=str(file))])
+        raise CaseError([CaseProblem((), "exists already; nothing was written", file=str(file), kind="file")])
     if is_outside(file, loaded.folder):
-        raise CaseError([CaseProblem((), "lies outside of the case's folder", file=str(file))])
+        raise CaseError([CaseProblem((), "lies outside of the case's folder", file=str(file), kind="file")])
     text = level_text(loaded, sets, about)
     file.parent.mkdir(exist_ok=True)
     with written_whole(file) as aside:

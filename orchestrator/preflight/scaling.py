@@ -1,10 +1,9 @@
-"""How the time of a run falls with the number of MPI ranks, and where more ranks no longer pay.
+"""How the time of a run falls with the number of MPI ranks of one computer, and where more no longer pay.
 
 LIGGGHTS's particles are divided among the ranks, and each panel belongs to one rank.  Frames, mapping,
 coupling, monitor and output are not divided: Amdahl's law (G. M. Amdahl, AFIPS Conf. Proc. 30 (1967) 483-485,
-doi 10.1145/1465482.1465560) with the borders between the ranks' parts, and with messages that take a latency
-and their length over a bandwidth (R. W. Hockney, Parallel Comput. 20 (1994) 389-398,
-doi 10.1016/S0167-8191(06)80021-9).  Equations and measurements: docs/how-large-how-long.md.
+doi 10.1145/1465482.1465560) with the borders between the ranks' parts.  Messages within a computer take no
+time in it.  Equations and measurements: docs/how-large-how-long.md.
 """
 
 from __future__ import annotations
@@ -15,48 +14,17 @@ from dataclasses import dataclass
 
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
-from orchestrator.ports.clock import steps_in
 from orchestrator.ports.decomposition import BORDER_COST, bordering_share, grids
-from orchestrator.preflight.cost import (
-    TRIES,
-    RankShare,
-    Tries,
-    bed_cost,
-    in_words,
-    likely_transport_m_per_s,
-    predicted_parts_s,
-    surface_triangles,
-)
+from orchestrator.preflight.cost import RankShare, in_words, likely_transport_m_per_s, predicted_parts_s
 from orchestrator.preflight.stability.report import case_with_scheme
 
 UNEVENNESS = 1.15
 """Particles of the fullest rank over the mean, between 1 and the ratio above which the box is cut again."""
 LISTED_DIAMETERS = 1.3
 """The distance up to which particles are listed as neighbours, over the largest diameter."""
-BORDER_BYTES = 72
-"""What is sent of a particle at a border in every step: place, velocity and spin."""
-POINT_BYTES = 48 + 2 * 24
-"""What is sent of a surface point in every tried interval: its motion once, its load to a sum and back."""
-SMALL_MESSAGES = 6
-"""Number of messages of a tried interval, each to or from all ranks: motions, load, numbers of particles."""
 WORTH = 0.75
 """Time on twice as many ranks over the time before, above which more ranks do not pay."""
-
-
-@dataclass(frozen=True)
-class Network:
-    """The time of a message between two ranks, and how many bytes per second it carries besides.
-
-    The values are those of a usual InfiniBand cluster; within a computer, messages are faster.
-    """
-
-    latency_s: float = 2e-6
-    bandwidth_B_per_s: float = 5e9
-
-
-CLUSTER = Network()
 
 
 @dataclass(frozen=True)
@@ -67,39 +35,33 @@ class RankTime:
     particles_s: float
     panels_s: float
     undivided_s: float
-    messages_s: float
 
     @property
     def run_s(self) -> float:
         """The wall time of the whole run."""
-        return self.particles_s + self.panels_s + self.undivided_s + self.messages_s
+        return self.particles_s + self.panels_s + self.undivided_s
 
 
-def rank_time(case: Case, at_start: int, ranks: int, network: Network = CLUSTER) -> RankTime:
+def rank_time(case: Case, at_start: int, ranks: int) -> RankTime:
     """Return the predicted wall time of a case with ``at_start`` particles at t = 0 on so many ranks."""
     case = case_with_scheme(case)
     transport_m_per_s = likely_transport_m_per_s(case, at_start)
-    panels, bordering, cut_sides = len(single_panels(case)), 0.0, 0
-    if ranks > 1 and has_particles(case):
-        bordering, cut_sides = _borders(case, ranks)
+    panels = len(single_panels(case))
+    bordering = _bordering(case, ranks) if ranks > 1 and has_particles(case) else 0.0
     share = RankShare(
         panels=math.ceil(panels / ranks) / max(panels, 1),
         particles=1.0 if ranks == 1 else min(1.0, UNEVENNESS * (1.0 + BORDER_COST * bordering) / ranks),
     )
     parts_s = predicted_parts_s(case, at_start, transport_m_per_s, share)
     particles_s, panels_s = parts_s.pop("particles"), parts_s.pop("panel")
-    messages_s = 0.0
-    if ranks > 1:
-        mean = bed_cost(case, at_start, transport_m_per_s).mean if has_particles(case) else 0.0
-        messages_s = _messages_s(case, ranks, bordering * mean / ranks, cut_sides, network)
-    return RankTime(ranks, particles_s, panels_s, sum(parts_s.values()), messages_s)
+    return RankTime(ranks, particles_s, panels_s, sum(parts_s.values()))
 
 
-def rank_times(case: Case, at_start: int, most: int, network: Network = CLUSTER) -> list[RankTime]:
+def rank_times(case: Case, at_start: int, most: int) -> list[RankTime]:
     """Return the predicted times on 1, 2, 4, ... ranks and on ``most``."""
     case = case_with_scheme(case)  # which takes a while to choose
     doubled = [2**k for k in range(most.bit_length()) if 2**k < most]
-    return [rank_time(case, at_start, ranks, network) for ranks in [*doubled, most]]
+    return [rank_time(case, at_start, ranks) for ranks in [*doubled, most]]
 
 
 def last_worth(times: list[RankTime]) -> RankTime:
@@ -116,21 +78,20 @@ def last_worth(times: list[RankTime]) -> RankTime:
     return best
 
 
-def scaling_lines(case: Case, at_start: int, most: int, network: Network = CLUSTER) -> Iterator[str]:
+def scaling_lines(case: Case, at_start: int, most: int) -> Iterator[str]:
     """Yield lines with the predicted wall times on up to ``most`` ranks, and where more no longer pay."""
     intervals = case.duration_s / case.coupling.sync_interval_s
-    times = rank_times(case, at_start, most, network)
+    times = rank_times(case, at_start, most)
     yield (
-        f"on up to {most} ranks, each with a core of its own, messages of {1e6 * network.latency_s:g} us "
-        f"and {1e-9 * network.bandwidth_B_per_s:g} GB/s (docs/how-large-how-long.md):"
+        f"on up to {most} ranks of one computer, each with a core of its own (docs/how-large-how-long.md):"
     )
-    yield "   ranks        run   per interval  speed-up   particles  panels  undivided  messages"
+    yield "   ranks        run   per interval  speed-up   particles  panels  undivided"
     for time in times:
-        parts_s = (time.particles_s, time.panels_s, time.undivided_s, time.messages_s)
-        particles, panels, undivided, messages = (f"{100 * part_s / time.run_s:.0f} %" for part_s in parts_s)
+        parts_s = (time.particles_s, time.panels_s, time.undivided_s)
+        particles, panels, undivided = (f"{100 * part_s / time.run_s:.0f} %" for part_s in parts_s)
         yield (
             f"  {time.ranks:6d} {in_words(time.run_s):>10} {1e3 * time.run_s / intervals:11.3g} ms "
-            f"{times[0].run_s / time.run_s:9.1f}   {particles:>9}  {panels:>6}  {undivided:>9}  {messages:>8}"
+            f"{times[0].run_s / time.run_s:9.1f}   {particles:>9}  {panels:>6}  {undivided:>9}"
         )
     worth = last_worth(times)
     if worth is times[-1]:
@@ -148,24 +109,21 @@ def _hindrance(case: Case, at_start: int, time: RankTime) -> str:
     on_every_rank_s = predicted_parts_s(case, at_start, transport_m_per_s, RankShare(particles=0.0))
     causes = {
         "every rank makes all of LIGGGHTS's steps and moves the whole surface": on_every_rank_s["particles"],
-        "messages take most of the rest": time.messages_s,
         "frames, mapping, coupling and output are not divided among ranks": time.undivided_s,
         "there are no more panels than ranks": time.panels_s,
     }
     return max(causes, key=lambda cause: causes[cause])
 
 
-def _borders(case: Case, ranks: int) -> tuple[float, int]:
-    """Return the particles at the borders of a rank's part over those in it, and the number of sides along
-    which the deck is cut, for the best grid of parts."""
+def _bordering(case: Case, ranks: int) -> float:
+    """Return the particles at the borders of a rank's part over those in it, for the best grid of parts."""
     length_m, width_m = _bed_sides_m(case)
     reach_m = LISTED_DIAMETERS * largest_diameter_m(case)
-
-    def bordering(grid: tuple[int, int, int]) -> float:
-        return bordering_share((length_m / grid[0], width_m / grid[1], 1.0), grid, reach_m)
-
-    grid = min((grid for grid in grids(ranks) if grid[2] == 1), key=bordering)
-    return bordering(grid), sum(parts > 1 for parts in grid)
+    return min(
+        bordering_share((length_m / grid[0], width_m / grid[1], 1.0), grid, reach_m)
+        for grid in grids(ranks)
+        if grid[2] == 1
+    )
 
 
 def _bed_sides_m(case: Case) -> tuple[float, float]:
@@ -178,21 +136,3 @@ def _bed_sides_m(case: Case) -> tuple[float, float]:
         rectangle.corner_m[1] for rectangle in rectangles
     )
     return sum(rectangle.span_m * rectangle.width_m for rectangle in rectangles) / width_m, width_m
-
-
-def _messages_s(case: Case, ranks: int, bordering: float, cut_sides: int, network: Network) -> float:
-    """Return the time of all messages of a run, of which ``bordering`` particles per rank take part.
-
-    A scheme that tries an interval several times sends them anew each time.
-    """
-    tries = TRIES[case.coupling.scheme] if has_particles(case) else Tries()
-    interval_s = case.coupling.sync_interval_s
-    intervals = case.duration_s / interval_s
-    of_step_s = 2 * cut_sides * network.latency_s + bordering * BORDER_BYTES / network.bandwidth_B_per_s
-    steps = steps_in(interval_s, particle_step_s(case)) if has_particles(case) else 0
-    points = surface_triangles(case) / 2
-    of_interval_s = (
-        SMALL_MESSAGES * 2 * math.log2(ranks) * network.latency_s
-        + points * POINT_BYTES / network.bandwidth_B_per_s
-    )
-    return intervals * (tries.particles * steps * of_step_s + tries.panel * of_interval_s)

@@ -14,11 +14,13 @@ from typing import Any
 from rich.console import Console
 
 from orchestrator.case.file.slice import share
+from orchestrator.figures.figure import to_json
+from orchestrator.figures.results import Results
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import summary, trust
 from orchestrator.output.records.history import write_accelerations, write_results
 from orchestrator.output.records.run_folder import HISTORY, LOG
-from orchestrator.output.results.compute import compute_results, record_error, to_json
+from orchestrator.output.results.compute import compute_results, record_error
 from orchestrator.output.results.machine import acceleration_series, point_ranges
 from orchestrator.output.results.observed import check_effects_by_run
 from orchestrator.output.results.run_reader import RunReader
@@ -108,11 +110,12 @@ class Ending:
         with _record_error(failed, "probes"), RunReader(self.folder) as reader:
             figures["probes"] = to_json(point_ranges(reader))
         with _record_error(failed, "everything"):
-            figures["results"] = compute_results(self.folder)
-            failed |= figures["results"]["failed"]
+            results = compute_results(self.folder)
+            failed |= results.failed
             with _record_error(failed, "effects"):
-                self._check_effects(figures)
-            figures["results"]["failed"] = failed
+                self._check_effects(figures, results)
+            results.failed = failed
+            figures["results"] = to_json(results)
             write_results(history, figures["results"])
         with _record_error(failed, "accelerations"):
             self._write_accelerations()
@@ -135,7 +138,7 @@ class Ending:
             what = f"results could not be made: {', '.join(failed)}"
             figures["reason"] = figures["reason"] or what
 
-    def _check_effects(self, figures: dict[str, Any]) -> None:
+    def _check_effects(self, figures: dict[str, Any], results: Results) -> None:
         """Judge the effects again by the records of the run, and report the verdicts.
 
         If the run failed, the verdicts go to the log only: the last lines on the console then say why
@@ -143,7 +146,7 @@ class Ending:
         out by taking tables away, so that nothing can be judged of that.
         """
         told = {name: entry for name, entry in self.effects.items() if not self._is_gone(name, entry)}
-        judged = check_effects_by_run(told, self.loaded.described, self.folder, figures["results"])
+        judged = check_effects_by_run(told, self.loaded.described, self.folder, results)
         after = {name: judged.get(name, entry) for name, entry in self.effects.items()}
         figures["effects"] = {name: entry.figures() for name, entry in after.items()}
         for line in lines_at_end(after):

@@ -18,7 +18,7 @@ from orchestrator.case.file.errors import show_value
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
-from orchestrator.output.records.run_folder import RECORDING, resolved_case
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.judge import JudgedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
@@ -28,11 +28,12 @@ SAME_BITS = tuple(name for name in ORIGIN_KEYS if name != "ranks")
 
 def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
     """Return where a checkpoint comes from, for ``checkpoint.json``; ``run`` is the folder of the run."""
+    named = [*run.glob("*.stl"), *run.glob(BED)]
     return {
         "name": loaded.name,
         "level": loaded.level,
         "case": resolved_case(loaded),
-        "files": _checksums(run),
+        "files": {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in named},
         "provenance": provenance(1 if world is None else world.size),
     }
 
@@ -93,9 +94,3 @@ def _flatten(value: Any, within: str = "") -> dict[str, Any]:
     else:
         return {within: value}
     return {key: inner for name, part in parts for key, inner in _flatten(part, name).items()}
-
-
-def _checksums(run: Path) -> dict[str, str]:
-    """Return the SHA-256 checksums of the files that the case names."""
-    named = [*run.glob("*.stl"), *run.glob(RECORDING), *run.glob(BED)]
-    return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in named}

@@ -109,7 +109,6 @@ class Run:
             raise interrupted
 
     def _start(self, checkpointer: Checkpointer, recorder: Recorder, monitor: Monitor, state: State) -> State:
-        """Return the state from which the run starts or goes on."""
         if self.resumes is None:
             self._record(recorder, monitor, state, state, 0, 0)
             return state

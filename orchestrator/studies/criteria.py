@@ -37,8 +37,6 @@ from orchestrator.studies.quantities import (
 )
 
 FILE = "criteria.toml"
-FORMER = ("paper.toml", "expected.toml", "answers.toml")
-"""The names of the file in earlier versions."""
 UNITS = {name: 1.0 for name in ("1", "m", "m/s", "rad/s", "N", "J", "kg", "kg/m2", "kg/s", "s", "W")}
 UNITS |= {"mm": 1e-3, "%": 0.01}
 Band = tuple[Number | None, Number | None]
@@ -132,8 +130,6 @@ def read_criteria(case: Path) -> Criteria:
     """Return the criteria of a case, given its folder or its file.  Raises CaseError."""
     folder = case if case.is_dir() else case.parent
     file = folder / FILE
-    if not file.exists():
-        refuse_former(folder)
     try:
         criteria = Criteria.model_validate(read_toml(file, folder))
     except ValidationError as error:
@@ -142,7 +138,7 @@ def read_criteria(case: Path) -> Criteria:
     if criteria.base:
         criteria = _over_base(criteria, folder)
     if not criteria.criteria:
-        raise CaseError([CaseProblem(("criteria",), "missing", file=str(file))])
+        raise CaseError([CaseProblem(("criteria",), "missing", file=str(file), kind="missing")])
     known = {
         "run": [*criteria.runs],
         "scatter": ["", *criteria.runs],
@@ -157,17 +153,23 @@ def read_criteria(case: Path) -> Criteria:
         for key, words in known.items():
             if (word := getattr(row, key)) not in words:
                 hint = did_you_mean(word, filter(None, words))
-                problems.append(CaseProblem(("criteria", number, key), f'no {key} "{word}"', hint, str(file)))
+                problems.append(
+                    CaseProblem(
+                        ("criteria", number, key), f'no {key} "{word}"', hint, str(file), kind="unknown-name"
+                    )
+                )
         if row.measure == "amplitude":
             of_component = {"axis": ["", "x", "y", "z"]} | ({} if row.compare else {"unit": ["m", "mm"]})
             for key, words in of_component.items():
                 if (word := getattr(row, key)) not in words:
                     wanted_words = ", ".join(filter(None, words))
                     what = f'"{word}" is wrong for an amplitude, one of {wanted_words} is wanted'
-                    problems.append(CaseProblem(("criteria", number, key), what, file=str(file)))
+                    problems.append(
+                        CaseProblem(("criteria", number, key), what, file=str(file), kind="wrong-type")
+                    )
         if row.ratio is not None and not row.reference:
             what = "is in multiples of a reference, which is missing"
-            problems.append(CaseProblem(("criteria", number, "ratio"), what, file=str(file)))
+            problems.append(CaseProblem(("criteria", number, "ratio"), what, file=str(file), kind="missing"))
     if problems:
         raise CaseError(problems)
     return criteria
@@ -178,7 +180,9 @@ def _over_base(criteria: Criteria, folder: Path) -> Criteria:
     base = folder / criteria.base
     if not (base / FILE).is_file() or (base / FILE).samefile(folder / FILE):
         what = f'"{criteria.base}" is no other case with {FILE}'
-        raise CaseError([CaseProblem(("base",), what, 'for example "../ffs0827-empty"', str(folder / FILE))])
+        raise CaseError(
+            [CaseProblem(("base",), what, 'for example "../ffs0827-empty"', str(folder / FILE), kind="file")]
+        )
     below = read_criteria(base)
     if below.base:
         what = f'"{criteria.base}" has a base of its own'
@@ -188,14 +192,6 @@ def _over_base(criteria: Criteria, folder: Path) -> Criteria:
     return criteria.model_copy(update={**merged, "source": criteria.source or below.source})
 
 
-def refuse_former(folder: Path) -> None:
-    """Raise CaseError for a folder with a file that only an earlier version read."""
-    for name in FORMER:
-        if (folder / name).exists():
-            what = f"is {FILE} now, in one language for papers, benchmarks and answers"
-            raise CaseError([CaseProblem((), what, "docs/criteria.md", str(folder / name))])
-
-
 def known_answers(case: Path) -> tuple[Criterion, ...]:
     """Return the criteria of a case whose reference is the exact answer for the unchanged case.
 
@@ -203,7 +199,6 @@ def known_answers(case: Path) -> tuple[Criterion, ...]:
     """
     folder = case if case.is_dir() else case.parent
     if not (folder / FILE).is_file():
-        refuse_former(folder)
         return ()
     criteria = read_criteria(folder)
     as_it_is = [name for name, run in criteria.runs.items() if run == WantedRun()]
@@ -298,7 +293,9 @@ def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> lis
     interval_s = multiple * stability_report(loaded.case).safe_s
     if not 0 < interval_s < loaded.case.duration_s:
         what = f"{multiple:g} times the largest safe sync interval is {interval_s:g} s"
-        raise CaseError([CaseProblem(("coupling", "sync_interval_s"), what, file=str(study.case))])
+        raise CaseError(
+            [CaseProblem(("coupling", "sync_interval_s"), what, file=str(study.case), kind="out-of-range")]
+        )
     return [f"coupling.sync_interval_s={interval_s:.3g}"]
 
 

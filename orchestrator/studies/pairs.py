@@ -22,9 +22,9 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.base import level_names
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.origin import CHEAP_LEVEL
-from orchestrator.case.recordings import turning
-from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
+from orchestrator.case.turning import turning
+from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
 from orchestrator.ports.clock import exact
@@ -153,7 +153,6 @@ class Pairs:
 
 
 def _processor_time_of_children_s() -> float:
-    """Return the processor time of all processes that this one has waited for."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -220,7 +219,6 @@ def _load(folder: Path, level: str, sets: Sets) -> JudgedCase:
 
 
 def _present(folder: Path, level: str, sets: Sets) -> list[str]:
-    """Return the effects that the case describes."""
     case = _load(folder, level, (*sets, AUTO)).described
     return [name for name in EFFECTS if has_effect(case, name)]
 
@@ -358,7 +356,7 @@ def try_before_run(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
             f"each, at most {BUDGET_S:g} s of processor time"
         )
     pairs = try_effects(loaded, names, Pairs(LIMIT_S, say, budget_s=BUDGET_S)).pairs
-    asked = loaded.choice.asked or (*SCALARS,)
+    asked = loaded.choice.asked or (*SHORT_NAMES,)
     judged = weigh_effects(loaded.described, pairs, asked)
     for name, pair in pairs.items():
         if pair.refused:

@@ -27,7 +27,7 @@ from typing import Any, TypeVar
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable, read_json
 from orchestrator.case.file.layers import find_changes
-from orchestrator.case.file.units import parse_quantity, split_quantity
+from orchestrator.case.file.units import NUMBER_ALONE, parse_quantity, split_quantity
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.output.records import trust
@@ -128,7 +128,7 @@ def workers_that_fit() -> int:
     return max(1, min(processors, int(free_MiB / PER_RUN_MIB)))
 
 
-def summary_of(folder: Path) -> dict[str, Any]:
+def summary_of(folder: Path) -> Mapping[str, Any]:
     """Return the content of ``summary.json`` in a run's folder, or {} without a readable file.
 
     Raises OtherFormat where another version of flipflow wrote it.
@@ -288,7 +288,7 @@ def run_in_scratch(
         if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and more:
             raise NoResult(f"took more than {limit_s} s of processor time and was ended")
         try:
-            return RunReader(folder).summary
+            return dict(RunReader(folder).summary)
         except (OSError, ValueError):
             last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
             raise NoResult(f"left nothing: {last[0]}") from None
@@ -407,7 +407,8 @@ class Vary:
 def parse_vary(text: str) -> Vary:
     """Read 'key=a,b,c' or 'key=first:last:step' (both ends included).  Raises CaseError.
 
-    Values may have units, and a range one unit behind its step: 'speed_rad_per_s=700:800:50 rpm'.
+    Values may have units, and one unit serves all numbers without one: 'speed_rad_per_s=700,750 rpm' and
+    'speed_rad_per_s=700:800:50 rpm'.
     """
     key, equals, values = text.partition("=")
     if not equals or not key.strip() or not values.strip():
@@ -415,7 +416,7 @@ def parse_vary(text: str) -> Vary:
     if values.count(":") == 2:
         each = _range(text, values)
     else:
-        each = tuple(value.strip() for value in _split(values))
+        each = _list(text, key, [value.strip() for value in _split(values)])
     vary = vary_of(key.strip(), each)
     each = vary.values
     if len(set(each)) < len(each) or not all(each):
@@ -429,6 +430,19 @@ def vary_of(key: str, texts: Sequence[str]) -> Vary:
     """Return a key with values that may have units."""
     own = tuple(in_own_unit(text, key) for text in texts)
     return Vary(key, own, {value: text for value, text in zip(own, texts, strict=True) if value != text})
+
+
+def _list(text: str, key: str, values: Sequence[str]) -> tuple[str, ...]:
+    """Return the values of a list; numbers without a unit have the one unit that others have."""
+    units = {split_quantity(value)[1] for value in values} - {""}
+    is_bare = [NUMBER_ALONE.fullmatch(value) is not None for value in values]
+    if not unit_of(_last_name(key), "") or not units or not any(is_bare):
+        return tuple(values)
+    if len(units) > 1:
+        raise _wrong(text, "has several units, and a number without one")
+    return tuple(
+        f"{value} {max(units)}" if bare else value for value, bare in zip(values, is_bare, strict=True)
+    )
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
@@ -482,7 +496,6 @@ def _last_name(key: str) -> str:
 
 
 def _split(values: str) -> list[str]:
-    """Split text at the commas outside of brackets."""
     parts, depth = [""], 0
     for letter in values:
         depth += (letter in "[{") - (letter in "]}")
@@ -495,7 +508,7 @@ def _split(values: str) -> list[str]:
 
 def _wrong(text: str, what: str) -> CaseError:
     hint = "for example --vary screen.exciters.shaft.speed_rad_per_s=58:110:4"
-    return CaseError([CaseProblem((), what, hint, f"--vary {text}")])
+    return CaseError([CaseProblem((), what, hint, f"--vary {text}", kind="wrong-type")])
 
 
 def seed_sets(case: Case, number: int) -> tuple[str, ...]:

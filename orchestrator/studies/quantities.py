@@ -17,21 +17,22 @@ from typing import Any, Literal
 import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel, single_panels
-from orchestrator.case.scalars import SCALARS, Value, value_at
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import Number, OneLine, Table
 from orchestrator.coupling.ledger import share_created
+from orchestrator.figures.figure import Figure
+from orchestrator.figures.results import FIGURES, orbit_places, why_no_orbits
+from orchestrator.figures.short_names import Value, unit_at, value_at
 from orchestrator.output.cycles import cycle_numbers, cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import deck_area_m2
 from orchestrator.output.results.compute import interval_of
-from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.acceleration import acceleration_m_per_s2
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
-from orchestrator.ports.recording import RecordedGrid
+from orchestrator.ports.shape_grid import ShapeGrid
 from orchestrator.studies.points import summary_of
 
 
@@ -93,9 +94,7 @@ def half_width_of(question: Question, run: Path) -> float | None:
             return value.half_width * unit
         return None if value.counting is None else NORMAL_95 * value.counting * unit
     if question.measure == "amplitude":
-        widths_m = _orbit(question, run)["half_width_m"]
-        width_m = widths_m and widths_m[AXES.get(question.axis, 0)]
-        return None if width_m is None else float(width_m)
+        return _first_harmonic(question, run)[1]
     return None
 
 
@@ -109,8 +108,7 @@ def _entry_at(run: Path, path: str) -> Value:
 
 def _unit_of_result(path: str) -> float:
     """Return the factor that converts a number of summary.json to SI units: percentages become shares."""
-    words = SCALARS[path].words if path in SCALARS else path
-    return 0.01 if words.endswith(("_percent", "/ %")) else 1.0
+    return 0.01 if unit_at(path) == "%" else 1.0
 
 
 def _value_at(run: Path, path: str) -> float:
@@ -134,29 +132,34 @@ def _series(question: Question, run: Path) -> float:
     return TAKES[question.take](time_s[inside], values[inside])
 
 
-def _amplitude(question: Question, run: Path) -> float:
-    return float(_orbit(question, run)["amplitude_m"][AXES.get(question.axis, 0)])
-
-
-def _orbit(question: Question, run: Path) -> Mapping[str, Any]:
-    """Return the table of a point's first harmonic, in the results' cycles or those ``between_s``.
+def _first_harmonic(question: Question, run: Path) -> tuple[float, float | None]:
+    """Return the amplitude of a point's first harmonic along an axis, in the results' cycles or those
+    ``between_s``, and half the width of its interval.
 
     Raises Unknown.
     """
-    results = RunReader(run).results
-    if not (orbits := find_orbits(results)):
-        raise Unknown(f"{run.name}: {why_no_orbits(results)}")
+    summary, axis = summary_of(run), AXES.get(question.axis, 0)
+    known = orbit_places(summary)
+    if not known:
+        raise Unknown(f"{run.name}: {why_no_orbits(summary)}")
+    if question.of not in known:
+        raise Unknown(f'no point "{question.of}"; there are {", ".join(known)}')
     if question.between_s is not None:
         try:
             with RunReader(run) as reader:
-                orbits = find_orbits(
-                    {"motion": machine.orbits(reader, *question.between_s, interval_of(reader, None))[0]}
-                )
+                orbit = machine.orbits(reader, *question.between_s, interval_of(reader, None)).all[
+                    question.of
+                ]
         except ValueError as error:
             raise Unknown(f"{run.name}: {error}") from None
-    if question.of not in orbits:
-        raise Unknown(f'no point "{question.of}"; there are {", ".join(orbits)}')
-    return orbits[question.of]
+        width_m = None if orbit.half_width_m is None else float(orbit.half_width_m[axis])
+        return float(orbit.amplitude_m[axis]), width_m
+    amplitude, width = (
+        value_at(summary, f"{known[question.of]}.{key}.{axis}") for key in ("amplitude_m", "half_width_m")
+    )
+    if amplitude is None:
+        raise Unknown(f"{run.name}: {question.of} has no amplitude")
+    return amplitude.value, None if width is None else width.value
 
 
 def _arch(question: Question, run: Path) -> float:
@@ -213,7 +216,6 @@ def read_dataset(run: Path, name: str) -> Array:
 
 
 def _energy_J(run: Path) -> dict[str, Array]:
-    """Return the accounts of the energy ledger at all output times."""
     with RunReader(run) as reader:
         return {name: reader.read(f"energy/{name}") for name in reader.names("energy")}
 
@@ -272,48 +274,62 @@ def _outcome_is(*wanted: Outcome) -> Callable[[Question, Path], float]:
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A number by which runs are compared.
+class Quantity(Figure):
+    """A figure by which runs are compared.
 
-    ``words`` describe it; ``short`` is its head of a column.  A value up to ``resolved`` is rounding or the
-    remainder that a solver's tolerance leaves, and is not compared: coordinates of a few metres are rounded
-    at 1e-15 m, resting shapes are computed to 1e-11 m, and a nanometre at a machine's speed of 100 rad/s is
-    1e-6 g.  ``is_decisive``: it repeats itself well enough to decide, unlike single peaks and the shapes of
-    slack panels.  ``is_extensive``: a slice of the width has only its share of it.  ``is_defect``: it ought
-    to be zero, so that it needs no reference.
+    ``short`` is its head of a column.  ``is_defect``: it ought to be zero, so that it needs no reference.  A
+    value up to ``floor`` is rounding or the remainder that a solver's tolerance leaves, and is not compared:
+    coordinates of a few metres are rounded at 1e-15 m, resting shapes are computed to 1e-11 m, and a
+    nanometre at a machine's speed of 100 rad/s is 1e-6 g.
     """
 
-    words: str
-    short: str
-    resolved: float = 0.0
-    is_decisive: bool = True
-    is_extensive: bool = False
+    short: str = ""
     is_defect: bool = False
 
 
-QUANTITIES = {
-    "deflection_m": Quantity(
-        "panel: half range of the middle against its clamps, in a cycle / m", "deflection", 1e-9
+def _of_results(path: str, short: str) -> Quantity:
+    """Return the quantity that is a figure of the results."""
+    return Quantity(**vars(FIGURES[f"results.{path}"]), short=short)
+
+
+def _own(name: str, words: str, short: str, **known: Any) -> Quantity:
+    """Return a quantity that is measured from the series of a run."""
+    return Quantity(words, short=short, path=name, **known)
+
+
+_EVERY = (
+    _own("deflection_m", "panel: half range of the middle against its clamps, in a cycle", "deflection"),
+    _own("shape", "panel: shape over the cycles", "shape", is_decisive=False),
+    _own("clamp_peak_N", "clamp force: peak", "clamp peak", is_decisive=False, is_extensive=True),
+    _own("clamp_rms_N", "clamp force: rms", "clamp rms", is_extensive=True),
+    _own(
+        "middle_peak_g",
+        "panel's middle: peak acceleration in a cycle",
+        "acc. peak",
+        resolution=1e-6,
+        is_decisive=False,
     ),
-    "shape": Quantity("panel: shape over the cycles", "shape", 0.0, False),
-    "clamp_peak_N": Quantity("clamp force: peak / N", "clamp peak", 1e-6, False, True),
-    "clamp_rms_N": Quantity("clamp force: rms / N", "clamp rms", 1e-6, True, True),
-    "middle_peak_g": Quantity("panel's middle: peak acceleration in a cycle / g", "acc. peak", 1e-6, False),
-    "middle_rms_g": Quantity("panel's middle: rms acceleration / g", "acc. rms", 1e-6),
-    "frame_half_range_m": Quantity("frames: largest half range of a centre of mass / m", "frame", 1e-9),
-    "passing_kg_per_s": Quantity("passing: through the exits / (kg/s)", "passing", 0.0, True, True),
-    "efficiency_percent": Quantity("screening efficiency / %", "efficiency"),
-    "velocity_m_per_s": Quantity("bed: mean velocity / (m/s)", "velocity", 1e-6),
-    "energy_defect": Quantity(
+    _own("middle_rms_g", "panel's middle: rms acceleration", "acc. rms", resolution=1e-6),
+    _own("frame_half_range_m", "frames: largest half range of a centre of mass", "frame"),
+    _own("passing_kg_per_s", "passing: through the exits", "passing", is_extensive=True),
+    _of_results("screening.efficiency_percent", "efficiency"),
+    _of_results("bed.velocity_m_per_s", "velocity"),
+    _own(
+        "energy_defect",
         "energy created by the coupling, of what was exchanged and lost",
         "energy",
         is_decisive=False,
         is_defect=True,
     ),
-    "momentum_defect": Quantity(
-        "momentum residual of the worst member", "momentum", is_decisive=False, is_defect=True
+    _own(
+        "momentum_defect",
+        "momentum residual of the worst member",
+        "momentum",
+        is_decisive=False,
+        is_defect=True,
     ),
-}
+)
+QUANTITIES = {each.path.rpartition(".")[2]: each for each in _EVERY}
 COMPARED = tuple(name for name, quantity in QUANTITIES.items() if not quantity.is_defect)
 DECISIVE = tuple(name for name, quantity in QUANTITIES.items() if quantity.is_decisive)
 MOVING = tuple(name for name in DECISIVE if name != "clamp_rms_N")
@@ -364,7 +380,7 @@ def measure(folder: Path) -> Metrics:
 
 def is_resolved(name: str, value: float) -> bool:
     """Return whether the value of a quantity is more than rounding and the solvers' noise."""
-    return abs(value) > QUANTITIES[name].resolved
+    return abs(value) > QUANTITIES[name].floor
 
 
 def happens(values: Mapping[str, float | None]) -> bool:
@@ -378,7 +394,7 @@ def happens(values: Mapping[str, float | None]) -> bool:
     peak_N, rms_N = values.get("clamp_peak_N"), values.get("clamp_rms_N")
     if peak_N is None or rms_N is None:
         return False
-    return peak_N - rms_N > max(QUANTITIES["clamp_peak_N"].resolved, STEADY * peak_N)
+    return peak_N - rms_N > max(QUANTITIES["clamp_peak_N"].floor, STEADY * peak_N)
 
 
 def relative(values: Array, reference: Array) -> float:
@@ -426,7 +442,7 @@ def _panel_metrics(
     shapes = history[f"shapes/{panel.name}"]
     time_s = shapes["time_s"][:]
     last = time_s >= start_s - 1e-9
-    grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
+    grid, at = ShapeGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
     turn = np.stack([at.along, at.across, at.normal], axis=1)
     place_m, velocity_m_per_s = shapes["position_m"][:], shapes["velocity_m_per_s"][:]
     carried = grid.carried(at)
@@ -470,7 +486,8 @@ ABOUT_TRUST = ("trusted", "clear")
 MEASURES: dict[str, Callable[[Question, Path], float]] = {
     "result": lambda question, run: _value_at(run, question.of),
     "series": _series,
-    "amplitude": _amplitude,  # the first harmonic of a point's motion, in m
+    # the first harmonic of a point's motion, in m
+    "amplitude": lambda question, run: _first_harmonic(question, run)[0],
     # the largest distance, in m, of a panel's middle line from the straight line between its ends, on
     # either side, in the cycles that end in the run's second half
     "arch": _arch,

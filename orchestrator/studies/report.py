@@ -92,9 +92,6 @@ def write_page(template: str, file: Path, **values: Any) -> Path:
     ``template`` is its path in ``studies/``; it extends ``studies/page.html`` and may embed the picture in a
     file by ``picture(file)``.
     """
-    write_text(file, fill_template(f"studies/{template}", picture=_picture, **values))
+    values["picture"] = lambda image: data_uri(image.read_bytes(), "image/png")
+    write_text(file, fill_template(f"studies/{template}", **values))
     return file
-
-
-def _picture(file: Path) -> str:
-    return data_uri(file.read_bytes(), "image/png")

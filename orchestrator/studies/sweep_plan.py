@@ -124,7 +124,9 @@ def check_names(study: CaseStudy, keys: Iterable[str], given: str) -> None:
         for number, part in enumerate(words := key.split(".")):
             if isinstance(place, Mapping) and part not in place:
                 what = f'the case has no "{part}" in {".".join(words[:number])}'
-                problems.append(CaseProblem((key,), what, did_you_mean(part, place), given))
+                problems.append(
+                    CaseProblem((key,), what, did_you_mean(part, place), given, kind="unknown-name")
+                )
             place = place.get(part) if isinstance(place, Mapping) else getattr(place, part, None)
     if problems:
         raise CaseError(problems)
@@ -181,4 +183,6 @@ def _rounded(value: float, first: float, last: float) -> str:
 
 def _wrong(text: str, what: str) -> CaseProblem:
     hint = "for example --vary screen.inclination_deg=10,15,20, or with --plan random =10:20"
-    return CaseProblem((), what, hint, f"--vary {text}" if not text.startswith("--") else text)
+    return CaseProblem(
+        (), what, hint, f"--vary {text}" if not text.startswith("--") else text, kind="wrong-type"
+    )

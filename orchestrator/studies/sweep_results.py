@@ -11,11 +11,12 @@ from typing import Any
 
 from rich.table import Table
 
-from orchestrator.case.scalars import Value, scalar
+from orchestrator.figures.figure import in_unit
+from orchestrator.figures.results import why_transient
+from orchestrator.figures.short_names import Value, named
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
 from orchestrator.output.report.formatting import interval
-from orchestrator.output.results.tidy import why_transient
 from orchestrator.studies.points import Point, summary_of
 from orchestrator.studies.report import console_table, figure_parts
 
@@ -63,13 +64,13 @@ class SweptSetting:
 def results_of(point: Point, wanted: Sequence[str]) -> dict[str, Value]:
     """Return the wanted results that the run of a point has, by name."""
     summary = summary_of(point.folder)
-    values = {name: scalar(name).of(summary) for name in wanted}
+    values = {name: named(name).of(summary) for name in wanted}
     return {name: value for name, value in values.items() if value is not None}
 
 
 def transient_words(point: Point) -> tuple[str, ...]:
     """Return words for a machine that has not settled, and for a bed that is not steady."""
-    unsteady, unsettled = why_transient(summary_of(point.folder).get("results") or {})
+    unsteady, unsettled = why_transient(summary_of(point.folder))
     return tuple(words for words, why in (("not settled", unsettled), ("not steady", unsteady)) if why)
 
 
@@ -82,8 +83,7 @@ def short_keys(keys: Sequence[str]) -> list[str]:
 
 def with_unit(name: str) -> str:
     """Return the name of a result with its unit, such as "velocity / (m/s)"."""
-    unit = scalar(name).unit
-    return f"{name} / ({unit})" if "/" in unit else name if unit == "1" else f"{name} / {unit}"
+    return name + in_unit(named(name).figure.unit)
 
 
 def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Sequence[str]) -> Table:
@@ -93,7 +93,7 @@ def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Seq
         yield from (row.text(key) for key in keys)
         for name in wanted:
             value = row.results.get(name)
-            yield interval(None if value is None else vars(value))
+            yield interval(value)
         yield ", ".join((row.status, *row.transient))
 
     head = [*short_keys(keys), *(with_unit(name) for name in wanted), "state"]
@@ -153,7 +153,7 @@ def _draw_result(
         for place, height, row in zip(x, y, some, strict=True):
             width = row.results[name].half_width or 0.0
             axes.errorbar(place, height, width, capsize=3, color=colour, **LOOKS[row.look])
-    axes.set(xlabel=key, ylabel=fill(scalar(name).words, LABEL))
+    axes.set(xlabel=key, ylabel=fill(named(name).words, LABEL))
     show_given_units(
         axes, {row.number(key): row.given.get(key, "") for each in lines.values() for row in each}
     )

@@ -52,8 +52,3 @@ def test_no_model_that_leaves_out_the_particles_is_recommended(studied: tuple[Pa
     found = json.loads((studied[0] / "accuracy.json").read_text())
     labels = [one["label"] for one in found["options"]["particles"]]
     assert sorted(labels) == ["liggghts", "spheres"]
-
-
-def test_the_command_that_compared_models_says_where_they_are_now() -> None:
-    done = flipflow("ladder", "cases/ball-on-panel", "--ladder", "panel")
-    assert (done.returncode, "study accuracy" in done.stderr) == (2, True)

@@ -54,22 +54,21 @@ def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> No
     for series in there.series:
         for setting in series.settings:
             assert all(key.startswith(f"{series.axis}.") for key in setting.sets)
-            if not setting.made_from_run:
+            if not setting.needs_drives:
                 loaded = load_judged(ROOT / "cases" / name, "default", setting.sets)
                 found = find_problems(loaded)
-                assert not found or series.variant in ("two-mass", "planar"), found  # drives, turned parts
+                assert not found or series.variant == "two-mass", found  # drives
                 if series.axis == "panel" and series.variant != "rigid":
                     costs[series.rank, series.settings.index(setting)] = predicted_s(loaded.case, 0)
     best = {rank: cost_s for (rank, place), cost_s in sorted(costs.items())}
     assert list(best.values()) == sorted(best.values())
 
 
-def test_a_recording_and_drives_are_made_from_the_run_as_it_is() -> None:
+def test_drives_are_made_from_the_run_as_it_is() -> None:
     base = load_judged(ROOT / "cases/empty-machine", "default").case
     there = offer(base, MODELS, 3)
-    made = {s.label: s.made_from_run for one in there.series for s in one.settings if s.made_from_run}
-    assert made == {"recorded": "recording", "prescribed": "motion"}
-    assert not any(one.is_choice for one in there.series if one.variant in ("recorded", "prescribed", "none"))
+    assert [s.label for one in there.series for s in one.settings if s.needs_drives] == ["prescribed"]
+    assert not any(one.is_choice for one in there.series if one.variant in ("prescribed", "none"))
 
 
 @pytest.mark.solver

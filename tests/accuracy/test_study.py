@@ -209,8 +209,6 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
         assert (wrong.returncode, f'no "{unknown}"' in wrong.stderr) == (2, True)
     twice = flipflow(*words, "--parameters", "sync,sync", "--out", str(tmp_path / "x"))
     assert twice.stdout.count("1 to be run") == 4
-    former = flipflow(*words, "--knobs", "sync")
-    assert (former.returncode, "--parameters sync" in former.stderr) == (2, True)
 
 
 def test_a_plan_by_the_study_is_one_of_its_short_run(study: AccuracyStudy, out: Path) -> None:

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.figures.figure import to_json
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import SUMMARY_FORMAT, write_summary
 from orchestrator.output.results.compute import compute_results
 from orchestrator.studies.criteria import (
+    OVER_VALUES,
     Criterion,
     Runs,
     answer_error,
@@ -145,14 +147,6 @@ def test_answers_are_exact_and_of_the_case_as_it_is(tmp_path: Path) -> None:
     assert len(known_answers(tmp_path)) == 1
 
 
-@pytest.mark.parametrize("name", ["paper.toml", "expected.toml", "answers.toml"])
-def test_the_files_of_earlier_versions_are_refused_with_the_new_name(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_text("")
-    for read in (read_criteria, known_answers):
-        with pytest.raises(CaseError, match=r"is criteria\.toml now"):
-            read(tmp_path)
-
-
 @pytest.mark.parametrize(
     ("figures", "expected"),
     [
@@ -233,7 +227,9 @@ def test_an_amplitude_is_that_of_the_cycles_it_is_asked_for(tmp_path: Path) -> N
         late = file["frames/driven/time_s"][:] > half_s
         halved_m = driving[:] + 0.5 * (driven[:] - driving[:])
         driven[:] = np.where(late[:, None], halved_m, driven[:])
-    write_summary(folder, DONE | {"format_version": SUMMARY_FORMAT, "results": compute_results(folder)})
+    write_summary(
+        folder, DONE | {"format_version": SUMMARY_FORMAT, "results": to_json(compute_results(folder))}
+    )
     stroke = {"measure": "amplitude", "of": "driven-driving", "band": None}
     runs = {"one": run_in(folder)}
     early = criterion(**stroke, between_s=(0.0, half_s))
@@ -295,6 +291,14 @@ def test_too_few_values_of_a_varied_key_are_unknown(
     result = judge("a", criterion(measure="result", of="n", **given), varied)
     assert (result.measured, result.verdict) == (None, "no number")
     assert said in result.value_in_words
+
+
+def test_the_place_of_a_minimum_is_that_of_the_parabola(runs: dict[str, Runs]) -> None:
+    """3 + 2 (x - 2.3)^2 at the values 1 to 4 is least at 2.3."""
+    (point,) = runs["one"].points
+    chosen = Runs(tuple(replace(point, value=value) for value in "1234"))
+    numbers = 3.0 + 2.0 * (chosen.values - 2.3) ** 2
+    assert OVER_VALUES["lowest-at"](numbers, chosen) == pytest.approx(2.3)
 
 
 def test_the_mean_of_cycles_counts_the_last_one() -> None:

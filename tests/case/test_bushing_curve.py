@@ -18,7 +18,7 @@ from tests.cases import CASE, LEVEL, case_folder, complaints, load_case, loaded,
 from tests.runs.outside import ROOT
 
 KNOWN = Elements(1.5e4, ((4e3, 3e-4), (3e3, 1.5e-3)), ((2e3, 5e-3),))
-PLANAR = 'frames.solver="planar"'
+EXUDYN = 'frames.solver="exudyn"'
 
 
 def measured(elements: Elements = KNOWN) -> list[tuple[float, float, float, float]]:
@@ -95,8 +95,8 @@ def test_a_turned_bushing_is_judged_along_its_own_axis(amplitude_m: str, told: b
 
 
 def test_plans_have_the_elements_where_the_solver_has(tmp_path: Path) -> None:
-    """planar has them; two-mass has the linear numbers, and says so, or its level must."""
-    curved = loaded(tmp_path, [CURVE, PLANAR])
+    """exudyn has them; two-mass has the linear numbers, and says so, or its level must."""
+    curved = loaded(tmp_path, [CURVE, EXUDYN])
     plan = bushings(curved.case)[0]
     assert plan.hysteresis[0].friction_N_per_m == pytest.approx([4e3, 3e3], rel=0.01)
     assert plan.beside_elements().stiffness_N_per_m == pytest.approx([1.5e4, 3e4, 4e4], rel=0.01)
@@ -105,7 +105,7 @@ def test_plans_have_the_elements_where_the_solver_has(tmp_path: Path) -> None:
     assert bushings(linear.case)[0].hysteresis == ()
     assert "one stiffness and one damping" in linear.left_out["bushing-hysteresis"]
     assert (
-        bushings(loaded(tmp_path, [CURVE, PLANAR, "effects=['frame-dynamics', 'frame-rotation']"]).case)[
+        bushings(loaded(tmp_path, [CURVE, EXUDYN, "effects=['frame-dynamics', 'frame-rotation']"]).case)[
             0
         ].hysteresis
         == ()
@@ -114,8 +114,8 @@ def test_plans_have_the_elements_where_the_solver_has(tmp_path: Path) -> None:
 
 def test_a_slice_has_its_share(tmp_path: Path) -> None:
     """Half of the width: half of every stiffness, at the same slips."""
-    whole = bushings(loaded(tmp_path, [CURVE, PLANAR]).case)[0].hysteresis[0]
-    half = bushings(loaded(tmp_path, [CURVE, PLANAR, "slice.width_m=0.1"]).case)[0].hysteresis[0]
+    whole = bushings(loaded(tmp_path, [CURVE, EXUDYN]).case)[0].hysteresis[0]
+    half = bushings(loaded(tmp_path, [CURVE, EXUDYN, "slice.width_m=0.1"]).case)[0].hysteresis[0]
     assert half.elastic_N_per_m == pytest.approx(whole.elastic_N_per_m / 2)
     assert half.friction_N_per_m == pytest.approx(whole.friction_N_per_m / 2)
     assert half.slip_m.tolist() == whole.slip_m.tolist()
@@ -152,7 +152,7 @@ def test_a_wrong_curve_is_refused(tmp_path: Path, curve: str, said: str) -> None
 
 def test_new_points_take_fitted_elements_away(tmp_path: Path) -> None:
     """A resolved case has the points and the elements; new points by --set are fitted anew."""
-    resolved = resolved_case(load_case(tmp_path, CASE, [CURVE, PLANAR]))
+    resolved = resolved_case(load_case(tmp_path, CASE, [CURVE, EXUDYN]))
     stiffer = [(a, f, 1.5 * k, loss) for a, f, k, loss in measured()]
     new = f"screen.bushings.isolation.curves.0.points=[{rows(stiffer)}]"
     again = load_case(tmp_path / "again", resolved, [new])
@@ -191,5 +191,5 @@ def _refused(folder: Path) -> BaseException:
     from orchestrator.preflight.judge import load_judged
 
     with pytest.raises(CaseError) as raised:
-        load_judged(folder, "light", [PLANAR.replace("planar", "two-mass")])
+        load_judged(folder, "light", [EXUDYN.replace("exudyn", "two-mass")])
     return raised.value

@@ -15,25 +15,10 @@ from orchestrator.cli import launch
 from orchestrator.cli.main import app
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
-from tests.cases import CASE, LEVEL, case_folder
+from tests.cases import CASE, case_folder
 
 CASES = Path(__file__).parents[2] / "cases"
 CALL = CliRunner()
-
-
-def test_check_says_what_is_in_a_case(tmp_path: Path) -> None:
-    given = ["frames.solver=two-mass", "panel.solver=strip", "particles.solver=spheres"]
-    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), *[w for g in given for w in ("--set", g)]])
-    assert done.exit_code == 0, done.output
-    for said in (
-        "frames     1 (two-mass), 2 bushings, 1 exciters",
-        "particles  1 at the start (spheres)",
-        "2000 sync intervals of 5e-05 s",
-        "5e-05 s = 0.076 of the smallest particle's Rayleigh time",
-        "left out: variation-across",
-        "the case can be run",
-    ):
-        assert said in done.output
 
 
 def test_check_describes_no_panels_where_there_are_none(tmp_path: Path) -> None:
@@ -45,17 +30,6 @@ def test_check_describes_no_panels_where_there_are_none(tmp_path: Path) -> None:
     done = CALL.invoke(app, ["check", str(case_folder(tmp_path))])
     assert any(
         line.startswith("  triangles  ") and " on each panel, " in line for line in done.output.splitlines()
-    )
-
-
-@pytest.mark.smoke
-def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
-    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--set", "panel.solver=rigd"])
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert done.stderr == (
-        "1 problem in the case:\n  --set panel.solver: 'rigd' is not one of 'recorded', 'rigid', "
-        "'sheet', 'solid' or 'strip'; did you mean \"rigid\"?\n"
     )
 
 
@@ -90,16 +64,6 @@ def test_run_hands_everything_over_and_exits_with_its_code(
     assert calls == [(Path("cases/x"), "draft", Path("runs/y"), ["a=1", "b=2"], 60.0)]
 
 
-@pytest.mark.smoke
-def test_list_names_cases_levels_and_those_with_mistakes(tmp_path: Path) -> None:
-    case_folder(tmp_path / "good", CASE, draft=LEVEL)
-    case_folder(tmp_path / "bad", "title = 3")
-    done = CALL.invoke(app, ["list", str(tmp_path)])
-    assert done.exit_code == 0
-    assert "good  a test\n    levels: draft (default)" in done.output
-    assert "(has problems: flipflow check" in done.output
-
-
 def test_cases_that_come_with_the_program_have_names_everywhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -122,14 +86,6 @@ def test_cases_that_come_with_the_program_have_names_everywhere(
     names = [line.split()[0] for line in CALL.invoke(app, ["list"]).output.splitlines() if line[0] != " "]
     assert names[0] == "cases/mine"
     assert "quickstart" in names
-
-
-@pytest.mark.smoke
-def test_help_teaches_examples_and_exit_codes() -> None:
-    done = CALL.invoke(app, ["--help"])
-    assert done.exit_code == 0
-    for said in ("flipflow run cases/quickstart", "Exit codes: 0 done", "docs/case-format.md"):
-        assert said in done.output
 
 
 LEVELS = [

@@ -108,6 +108,13 @@ def test_refused_across_openings(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="openings of 0"):
         of(tmp_path, FEED, SLOTTED, COARSE)
     assert of(tmp_path, LUMPS, SLOTTED, COARSE).case.bed.blocks["coal"].count == 8
+    wider = (  # openings of 4 mm: 16 mm are wanted
+        'screen.panels.wide={material="PU", frames=["driving", "ground"], corner_m=[0, 0, -0.5], '
+        "length_m=0.3, width_m=0.2, thickness_m=0.004, tension_m=0, "
+        "apertures={length_m=0.012, width_m=0.004, pitch_along_m=0.015, pitch_across_m=0.006}}"
+    )
+    with pytest.raises(CaseError, match=r"of 0\.012 m: coarse ones do not meet openings of 0\.004 m"):
+        of(tmp_path, LUMPS, SLOTTED, wider, COARSE)
     (tmp_path / "grains.csv").write_text("x_m,y_m,z_m,diameter_m,material\n0.1,0.1,0.1,0.016,coal\n")
     with pytest.raises(CaseError, match=r"the bed from .*grains\.csv has particles of 0\.008 m"):
         of(tmp_path, "bed.table=grains.csv", SLOTTED, COARSE)

@@ -101,8 +101,8 @@ def test_intervals_that_are_repeated_are_paid_for_as_often() -> None:
 
 
 def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
-    """Strips and planar frames; its particles are the smaller part."""
-    parts = predicted("particles.solver=none", "frames.solver=planar")
+    """Strips and frames of two masses; its particles are the smaller part."""
+    parts = predicted("particles.solver=none", "frames.solver=two-mass")
     assert parts["particles"] == 0.0
     assert min(parts[name] for name in ("start", "panel", "frames", "output", "rest")) > 0.05
     fed = load_judged(ROOT / "cases/ffs0827-slice", "draft").case

@@ -9,18 +9,17 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-import h5py
 import pytest
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.preflight.check import find_problems, find_table_problems
+from orchestrator.preflight.check import find_table_problems
 from orchestrator.preflight.judge import load_judged
 from tests.case.mutations import ROOT, Path_, at, lay_out, places
 from tests.cases import case_folder
 
 EVIL = "x\nshell touch owned\n"
 # free text, which solvers never see; and names of files: below and in test_surfaces.py
-FREE = ("title", "description", "stl", "recording")
+FREE = ("title", "description", "stl")
 CASES = [("quickstart", "draft"), ("ffs0827-slice", "draft")]
 Given = tuple[Path, dict[str, Any]]
 
@@ -66,25 +65,3 @@ def test_so_is_a_key(given: Given) -> None:
     keys = [place for place in places(given[1])[1:] if isinstance(place[-1], str)]
     assert len(keys) > 100
     assert [place for place in keys if not is_refused(given, place, key=True)] == []
-
-
-@pytest.mark.parametrize("name", ["../panels.h5", "link.h5", "{place}/panels.h5"])
-def test_a_recording_of_somebody_else(tmp_path: Path, name: str) -> None:
-    """A case reads its own; the user may name any by --set."""
-    with h5py.File(tmp_path / "panels.h5", "w"):
-        pass
-    source = ROOT / "cases/empty-machine"
-    level = (source / "levels/draft.toml").read_bytes()
-    folder = lay_out(tmp_path, "empty-machine", "draft", (source / "case.toml").read_bytes(), level)
-    (folder / "link.h5").symlink_to(tmp_path / "panels.h5")
-    name = name.format(place=tmp_path)
-    words = b'solver = "recorded"\nrecording = "' + name.encode() + b'"'
-    without = b'["panel-response", "frame-rotation"]'
-    level = level.replace(b'solver = "strip"', words)
-    level = level.replace(b'["variation-across", "frame-rotation"]', without)
-    (folder / "levels/draft.toml").write_bytes(level)
-    (found,) = find_problems(load_judged(folder, "draft"))
-    assert (found.key, found.file) == (("panel", "recording"), "levels/draft.toml")
-    assert found.what == "is outside of the case's folder"
-    (found,) = find_problems(load_judged(folder, "draft", [f"panel.recording={name}"]))
-    assert "outside" not in found.what  # but it is no recording

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.case.file.errors import Kind
 from orchestrator.cli.main import app
-from tests.cases import LEVEL, case_folder
+from tests.case.test_cost import FEED as FED
+from tests.cases import CASE, LEVEL, case_folder
 
 CALL = CliRunner()
 PAGE = (Path(__file__).parents[2] / "docs/json-output.md").read_text(encoding="utf-8")
@@ -43,6 +45,26 @@ def test_check(tmp_path: Path) -> None:
     assert "panel-deformation" in table["left_out"]
 
 
+def test_all_warnings_of_the_words_are_there(tmp_path: Path) -> None:
+    """With an interval that is too long to be stable, and to be accurate."""
+    words = ["check", str(case_folder(tmp_path)), "--set", "coupling.sync_interval_s=2e-4"]
+    words += ["--set", "panel.solver=strip", "--set", "frames.solver=two-mass"]
+    words += ["--set", "coupling.scheme=particles-first"]
+    table = printed(*words)
+    assert table["stability"]["safe_interval_s"] < 2e-4
+    begin = "warning: "
+    lines = CALL.invoke(app, words).stdout.splitlines()
+    assert table["warnings"] == [line.removeprefix(begin) for line in lines if line.startswith(begin)]
+    assert len(table["warnings"]) > 2
+
+
+def test_a_thick_bed_takes_longer_than_a_thin_one(tmp_path: Path) -> None:
+    """It stays longer on the deck, so that more particles move."""
+    words = ["check", str(case_folder(tmp_path, CASE + FED)), *SETS, "--set", "duration_s=4"]
+    times_s = printed(*words)["predicted_processor_s"]
+    assert 0.0 < times_s["thin_bed"] < times_s["thick_bed"]
+
+
 def test_explain(tmp_path: Path) -> None:
     table = printed("explain", str(case_folder(tmp_path)), *SETS)
     assert set(table) == documented("flipflow explain")
@@ -69,8 +91,29 @@ def test_list(tmp_path: Path) -> None:
     }
 
 
-def test_a_wrong_case_leaves_standard_output_empty(tmp_path: Path) -> None:
-    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--json", "--set", "panel.solver=rigd"])
+def test_the_problems_of_a_wrong_case_are_told(tmp_path: Path) -> None:
+    wrong = ["--set", "panel.solver=rigd", "--set", "duration_s=-1", "--set", "titel=x"]
+    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--json", *wrong])
     assert done.exit_code == 2
-    assert done.stdout == ""
-    assert 'did you mean "rigid"?' in done.stderr
+    table = json.loads(done.stdout)
+    assert set(table) == {"format_version", "problems"}
+    places = {(each["file"], each["key"], each["kind"]) for each in table["problems"]}
+    assert places == {
+        ("--set", "panel.solver", "unknown-name"),
+        ("--set", "duration_s", "out-of-range"),
+        ("--set", "titel", "unknown-key"),
+    }
+    lines = done.stderr.splitlines()
+    for each in table["problems"]:
+        assert any(each["what"] in line and each["hint"] in line for line in lines)
+
+
+def test_every_kind_of_problem_is_documented() -> None:
+    rows = re.findall(r'^\| "([a-z-]+)" \|', PAGE, flags=re.M)
+    assert rows == [*get_args(Kind)]
+
+
+@pytest.mark.parametrize("command", ["explain", "list"])
+def test_standard_output_of_a_wrong_call_is_empty(tmp_path: Path, command: str) -> None:
+    done = CALL.invoke(app, [command, str(tmp_path / "absent"), "--json"])
+    assert (done.exit_code, done.stdout) == (2, "")

@@ -106,7 +106,7 @@ def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp
         "  case.toml bed.particles.ball.diameter_m: -1 is wrong, greater than 0 is wanted",
         "  case.toml screen.panels.deck.thicknes_m: unknown key (its value: 0.004); "
         'did you mean "thickness_m"?',
-        "  levels/draft.toml panel.solver: 'stripe' is not one of 'recorded', 'rigid', 'sheet', "
+        "  levels/draft.toml panel.solver: 'stripe' is not one of 'rigid', 'sheet', "
         "'solid' or 'strip'; did you mean \"strip\"?",
     ]
 

@@ -281,6 +281,13 @@ def test_unknown_names_are_refused_with_the_nearest(tmp_path: Path, name: str, s
     assert any("materials.limestone.like" in one and said.rpartition("; ")[2] in one for one in like)
 
 
+def test_a_material_has_other_names() -> None:
+    named = find("moist raw coal")
+    assert (named.material.name, named.moisture) == ("coal", "moist")
+    names = [name for row in materials().values() for name in (row.name, *row.also)]
+    assert len(set(names)) == len(names)
+
+
 def test_an_unknown_material_asks_for_no_contacts(tmp_path: Path) -> None:
     (said,) = problems(tmp_path, NAMED.replace('"limestone"', '"limston"'))
     assert 'no material "limston"; did you mean "limestone"?' in said

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.case.bed.sources import inlets
 from orchestrator.case.deck.panels import axes, single_panels, to_world
-from orchestrator.case.solver_plans import frames_plan, material_numbers, panel_plans, particles_plan
+from orchestrator.case.solver_plans import exits, frames_plan, material_numbers, panel_plans, particles_plan
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
@@ -131,6 +132,33 @@ def test_a_block_lies_in_its_box_in_the_axes_it_names(tmp_path: Path) -> None:
         assert (inside < [0.2, 0.2, 0.3]).all()
         assert placed.velocity_m_per_s[1:] @ turn == pytest.approx(np.tile([1.0, 0.0, 0.0], (20, 1)))
         assert placed.velocity_m_per_s[0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_an_exit_is_the_box_that_the_case_gives(tmp_path: Path) -> None:
+    """The corners of a box of 0.4 m by 0.2 m by 0.1 m, in the axes of a deck that slopes by 30 degrees."""
+    box = 'screen.exits.under={product="undersize", box_m=[[0, 0, -0.5], [0.4, 0.2, -0.4]]}'
+    case = loaded(tmp_path, [box, TURNED]).case
+    (under,) = exits(case)
+    low, high = np.array([0.0, 0.0, -0.5]), np.array([0.4, 0.2, -0.4])
+    for corner_m in (low, high):
+        middle_m = (low + high) / 2
+        inside, outside = (middle_m + times * (corner_m - middle_m) for times in (0.999, 1.001))
+        assert under.holds(to_world(case, inside)[None]).all()
+        assert not under.holds(to_world(case, outside)[None]).any()
+
+
+def test_a_feed_without_its_fines_feeds_the_rest_of_its_rate(tmp_path: Path) -> None:
+    """Of 2 kg/s, the 0.3 that are finer than 4 mm are not fed."""
+    feed = (
+        'bed.feeds.coal={material="coal", rate_kg_per_s=2, box_m=[[0, 0, 0.2], [0.1, 0.2, 0.3]], '
+        "velocity_m_per_s=[0, 0, -1], smallest_fed_m=0.004, sizes=["
+        "{smallest_m=0.002, largest_m=0.004, mass_fraction=0.3}, "
+        "{smallest_m=0.004, largest_m=0.02, mass_fraction=0.7}]}"
+    )
+    case = loaded(tmp_path, [feed]).case
+    inlet = inlets(case, material_numbers(case))["coal"]
+    assert inlet.rate_kg_per_s == pytest.approx(1.4)
+    assert inlet.due_kg(3.0) == pytest.approx(4.2)
 
 
 def test_feeds_are_handed_over_as_one(tmp_path: Path) -> None:

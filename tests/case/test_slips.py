@@ -10,12 +10,12 @@ from typer.testing import CliRunner
 from orchestrator.case.file.base import level_names
 from orchestrator.cli.main import app
 from orchestrator.preflight.check import find_problems, warnings
-from orchestrator.preflight.checks import slips
+from orchestrator.preflight.checks import motion, slips
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.frame_motion import frame_motions, motion_lines
 from orchestrator.preflight.scene.scene import scene
 from tests.case.test_warnings import MACHINE
-from tests.cases import load_case
+from tests.cases import load_case, loaded
 
 CASES = Path(__file__).parents[2] / "cases"
 SHAFT = "screen.exciters.shaft"
@@ -213,6 +213,29 @@ def test_shipped_cases_have_no_slip() -> None:
             ]
             found[file.parent.name, level] = [str(problem) for problem in problems]
     assert not {where: lines for where, lines in found.items() if lines}
+
+
+MOTOR = "{rated_power_W=5e3, synchronous_speed_rad_per_s=82.0, rated_slip=0.02, moment_of_inertia_kg_m2=1.0}"
+
+
+@pytest.mark.parametrize(("motors", "count"), [(False, 1), (True, 0)])
+def test_shafts_with_motors_find_phases_of_their_own(tmp_path: Path, motors: bool, count: int) -> None:
+    sets = [f"{SECOND}phase_rad=3.14159265}}", "frames.solver=planar"]
+    sets += [
+        "screen.frames.driving.inertia_kg_m2=[5, 5, 5]",
+        "screen.frames.driving.center_of_mass_m=[0, 0, 0]",
+    ]
+    sets += [f"screen.exciters.{name}.motor={MOTOR}" for name in ("shaft", "second") if motors]
+    shaken = scene(load_case(tmp_path, BODY, sets).case)
+    assert len([*slips.cancelled_shafts(shaken)]) == count
+
+
+@pytest.mark.parametrize(("mass_kg", "count"), [(0.20, 0), (0.13, 1)])
+def test_a_frame_carries_half_of_each_panel(tmp_path: Path, mass_kg: float, count: int) -> None:
+    """One panel of 0.3 m, 0.2 m and 4 mm and 1150 kg/m3: 0.276 kg, of which the ground has the other half."""
+    shaken = scene(loaded(tmp_path, [f"screen.frames.driving.mass_kg={mass_kg}"]).case)
+    warned = [line for line in motion.slips_of_magnitude(shaken) if "lighter than" in line]
+    assert len(warned) == count
 
 
 def test_check_prints_one_line_for_each_frame() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable
-from orchestrator.case.scalars import Value
+from orchestrator.figures.short_names import Value
 from orchestrator.studies.commands import sweep
 from orchestrator.studies.points import CaseStudy, parse_vary
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep

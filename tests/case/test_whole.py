@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.case import recordings
 from orchestrator.case.file.whole import written_whole
 from orchestrator.output.records.run_folder import write_page
 
@@ -56,15 +55,3 @@ def test_a_page_takes_the_place_of_a_page_only(tmp_path: Path) -> None:
     for text in ("<html>", "<html></html>"):
         write_page(page, text)
         assert page.read_text() == text
-
-
-def test_a_recording_takes_the_place_of_a_recording_only(tmp_path: Path) -> None:
-    content = recordings.File(70.0, "a shaft about (0, 1, 0)", {})
-    series, file = tmp_path / "history.h5", tmp_path / "panels.h5"
-    series.write_bytes(b"the series of a run")
-    with pytest.raises(OSError, match="is no recording of this version"):
-        recordings.write(series, content)
-    assert series.read_bytes() == b"the series of a run"
-    for _ in range(2):
-        recordings.write(file, content)
-        assert recordings.read(file) == content

@@ -14,7 +14,7 @@ from tests.coupled.screen import BED, EXCITER, MACHINE
 from tests.saved_states import differences
 
 pytestmark = pytest.mark.solver
-FRAMES = ("prescribed", "two-mass", "planar", "exudyn", "exudyn driven")
+FRAMES = ("prescribed", "two-mass", "exudyn", "exudyn driven")
 PANELS = ("rigid", "strip", "sheet", "sheet implicit", "solid implicit")
 PARTICLES = ("none", "spheres", "liggghts")
 DRIVE = """

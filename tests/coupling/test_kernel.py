@@ -48,6 +48,64 @@ def test_matrices_that_are_none_and_values_of_another_shape_are_refused() -> Non
         matrix.transposed_times(np.ones((4, 3)))
 
 
+def offsets() -> tuple[Array, Array, Array, _kernel.NormalOffsets]:
+    """Slopes along and across (30, points) and offsets in m of 30 points, of which every third has none, and
+    the compiled object."""
+    along, across = (csr_array(random(30, POINTS, density=0.2, random_state=seed)) for seed in (5, 6))
+    offset_m = GENERATOR.normal(size=30) * (np.arange(30) % 3 > 0)
+    compiled = [_kernel.PointMatrix(m.indptr, m.indices, m.data, POINTS) for m in (along, across)]
+    return along.toarray(), across.toarray(), offset_m, _kernel.NormalOffsets(*compiled, offset_m)
+
+
+def test_an_offset_goes_along_the_normal_and_turns_with_it() -> None:
+    """Against NumPy, and the rate against a difference quotient of the places (1e-6)."""
+    along, across, offset_m, compiled = offsets()
+    own_m, own_m_per_s = field(), field()
+
+    def offsets_m(at_m: Array) -> Array:
+        area = np.cross(along @ at_m, across @ at_m)
+        return offset_m[:, None] * area / np.linalg.norm(area, axis=1)[:, None]
+
+    position_m, velocity_m_per_s = np.ones((2, 30, 3))
+    compiled.add_motion(own_m, own_m_per_s, position_m, velocity_m_per_s)
+    np.testing.assert_allclose(position_m - 1.0, offsets_m(own_m), atol=1e-13)
+    step_s = 1e-6
+    ends_m = (offsets_m(own_m + sign * step_s * own_m_per_s) for sign in (1.0, -1.0))
+    quotient_m_per_s = np.subtract(*ends_m) / (2 * step_s)
+    largest = np.abs(quotient_m_per_s).max()
+    np.testing.assert_allclose(velocity_m_per_s - 1.0, quotient_m_per_s, atol=1e-6 * largest)
+
+
+def test_the_couples_of_loads_beside_a_surface_do_their_work() -> None:
+    """On any motion of the own points; forces at points without an offset have no couple."""
+    _, _, offset_m, compiled = offsets()
+    own_m, own_m_per_s, force_N = field(), field(), GENERATOR.normal(size=(30, 3))
+    _, rate_m_per_s = both = np.zeros((2, 30, 3))
+    compiled.add_motion(own_m, own_m_per_s, *both)
+    couples_N = np.zeros((POINTS, 3))
+    compiled.add_load(own_m, force_N, couples_N)
+    size_W = np.abs(couples_N * own_m_per_s).sum()
+    assert np.vdot(couples_N, own_m_per_s) == pytest.approx(
+        np.vdot(force_N, rate_m_per_s), abs=1e-13 * size_W
+    )
+    without_N = np.zeros((POINTS, 3))
+    compiled.add_load(own_m, force_N * (offset_m == 0.0)[:, None], without_N)
+    assert not without_N.any()
+
+
+def test_offsets_of_another_number_of_points_are_refused() -> None:
+    one = _kernel.PointMatrix(np.array([0, 2]), np.array([0, 3]), np.ones(2), 4)
+    two = _kernel.PointMatrix(np.array([0, 1, 2]), np.array([0, 3]), np.ones(2), 4)
+    for matrices, points in (((one, two), 1), ((one, one), 2)):
+        with pytest.raises(ValueError, match="along, across, offset_m: of different numbers of points"):
+            _kernel.NormalOffsets(*matrices, np.ones(points))
+    good = _kernel.NormalOffsets(one, one, np.ones(1))
+    with pytest.raises(ValueError, match=r"position_m: shape \(1, 3\) wanted"):
+        good.add_motion(np.ones((4, 3)), np.ones((4, 3)), np.ones((2, 3)), np.ones((1, 3)))
+    with pytest.raises(ValueError, match=r"own_force_N: shape \(4, 3\) wanted"):
+        good.add_load(np.ones((4, 3)), np.ones((1, 3)), np.ones((1, 3)))
+
+
 def test_what_a_load_hands_over_is_its_integral_along_the_path() -> None:
     start, end, force_N = Motion(field(), field()), Motion(field(), field()), forces()
     sums = np.ones(7)

@@ -14,14 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim, Goal, Limit
+from orchestrator.studies.design.front import improvements
 from orchestrator.studies.design.optimisers import Optimiser
 from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.surrogates import Fitted, Surrogate, calibrated
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -184,3 +183,12 @@ BNH = Problem(
     _space(0, [5, 3], 2),
     Aim(TWO_SMALL, (Limit(2, -1.0, 25.0), Limit(3, 1.0, 7.7))),
 )
+
+
+def hypervolume(gains: Array, reference: Array) -> float:
+    """Compute the area above the reference, (2,), that points, (2, n), dominate."""
+    total, front = 0.0, np.empty((2, 0))
+    for point in gains.T:
+        total += float(improvements(front, reference, point[:, None])[0])
+        front = np.column_stack([front, point])
+    return total

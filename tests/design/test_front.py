@@ -6,14 +6,23 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
-from orchestrator.studies.design.front import hypervolume, improvements, nondominated
-from tests.design.functions import BNH, ZDT1, Problem
+from orchestrator.studies.design.aim import Aim, Goal, Limit
+from orchestrator.studies.design.front import improvements, nondominated
+from tests.design.functions import BNH, ZDT1, Problem, hypervolume
 
 
 def gains_of(problem: Problem, settings: Array) -> Array:
     """Return the goals, (2, n), the larger the better, of actual settings that keep the limits."""
     y = problem.truth(settings)
     return np.asarray(problem.aim.gains(y)[:, problem.aim.kept(y)])
+
+
+def test_limits_hold_on_their_side() -> None:
+    """At least 2 of the first response, and at most 5 of the second."""
+    aim = Aim((Goal(0, 1.0),), (Limit(0, 1.0, 2.0), Limit(1, -1.0, 5.0)))
+    y = np.array([[1.9, 2.0, 3.0, 3.0], [4.0, 5.0, 5.1, 4.9]])
+    assert aim.kept(y).tolist() == [False, True, False, True]
+    assert (aim.margin(y, np.ones_like(y)) >= 0).tolist() == [False, True, False, True]
 
 
 def test_the_front_of_zdt1_dominates_a_known_area() -> None:

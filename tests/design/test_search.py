@@ -13,13 +13,12 @@ import pytest
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim, Goal, Limit
-from orchestrator.studies.design.front import hypervolume
 from orchestrator.studies.design.gaussian_process import GaussianProcess
 from orchestrator.studies.design.optimisers import ExpectedImprovement, Whale
 from orchestrator.studies.design.plans import box_behnken
 from orchestrator.studies.design.quadratic import Quadratic
 from tests.design import functions
-from tests.design.functions import BEST_VELOCITY, Problem, percent, study
+from tests.design.functions import BEST_VELOCITY, Problem, hypervolume, percent, study
 
 PER_POINT = 2 * 0.0267  # m/s that a point of efficiency short counts: twice what it costs on the front
 SCREENS = {"plain": functions.SCREEN, "band": functions.SCREEN_WITH_BAND}

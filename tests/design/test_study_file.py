@@ -205,16 +205,8 @@ WRONG: dict[str, tuple[dict[str, Any], list[str]]] = {
         {"factors/pi": {"range": [1.0, 2.0]}, "set/screen.x": "pi"},
         ["factors.pi: pi is a constant of formulas"],
     ),
-    "a printed p of an unknown factor": (
-        {"published": [{"source": "a", "response": "speed", "p": {"slop": 0.1}}]},
-        ['published.0.p.slop: no factor "slop"; did you mean "slope"?'],
-    ),
-    "a printed term that is none": (
-        {"published": [{"source": "a", "response": "speed", "coefficients": {"slope**3": 0.1}}]},
-        ['published.0.coefficients.slope**3: "slope**3" is not 1, a factor'],
-    ),
     "a printed result of an unknown response": (
-        {"published": [{"source": "a", "response": "sped"}]},
+        {"published": [{"source": "a", "response": "sped", "table": "a.csv"}]},
         ['published.0.response: no response "sped"; did you mean "speed"?'],
     ),
 }

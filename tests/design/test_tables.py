@@ -158,10 +158,10 @@ def test_everything_but_the_runs_follows_from_the_runs_byte_for_byte(written: Pa
 
 
 def test_a_level_that_is_recommended_no_more_does_not_stay(written: Path, whole: Campaign) -> None:
-    for name in ("recommended.toml", "recommended-2.toml", "published_p.csv"):
+    for name in ("recommended.toml", "recommended-2.toml"):
         (written / name).write_text("of an earlier call")
     write(whole, written)
-    assert not list(written.glob("recommended*")) + list(written.glob("published*"))
+    assert not list(written.glob("recommended*"))
 
 
 def test_the_page_has_every_picture_and_needs_nothing_from_elsewhere(written: Path) -> None:

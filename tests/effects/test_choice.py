@@ -49,7 +49,6 @@ CAN_GO = [
     "removal",
     "rolling-friction",
     "run-up",
-    "sideways-motion",
     "sliding-friction",
     "variation-across",
     "wear",
@@ -232,7 +231,7 @@ def test_explain_judges_what_the_case_describes_and_says_what_is_here(tmp_path: 
 
 @pytest.mark.parametrize("effects", ["auto", '["frame-dynamics", "panel-deformation"]', "[]"])
 def test_what_a_case_leaves_out_already_does_not_come_back(tmp_path: Path, effects: str) -> None:
-    """Flat panels do not become strips, and translating frames not planar."""
+    """Flat panels do not become strips, and translating frames do not turn."""
     folder = case_folder(tmp_path, CASE, coarse=COARSE)
     found = load_judged(folder, "coarse", [f"effects={effects}"])
     assert found.case.panel.solver == "rigid"

@@ -12,9 +12,10 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from orchestrator.case.file.base import level_names
-from orchestrator.case.scalars import SCALARS
+from orchestrator.cli import explain
 from orchestrator.cli.explain import COLUMNS, effects_table
 from orchestrator.cli.main import app
+from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.preflight import effects
 from orchestrator.preflight.check import find_table_problems
 from orchestrator.preflight.judge import load_judged
@@ -50,10 +51,21 @@ def test_every_case_can_do_without_what_may_be_left_out(case: str, level: str, e
     """And is then a case without mistakes in its tables, which has none of these effects."""
     found = load_judged(CASES / case, level, [f"effects={effects}"])
     assert find_table_problems(found) == []
-    asked = weigh_effects(found.case, None, (*SCALARS,))
+    asked = weigh_effects(found.case, None, (*SHORT_NAMES,))
     here = [one for one in asked.values() if one.present]
     spare = find_dispensable(here) if effects == "auto" else [one.effect for one in here if one.can_go]
     assert spare == []
+
+
+def test_the_column_auto_is_what_auto_does() -> None:
+    """The empty machine has effects that do not matter: with "auto" the case no longer has them."""
+    judged = explain.judge_effects(load_judged(CASES / "empty-machine", "default"))
+    table = effects_table(judged, COLUMNS)
+    names, words = (table.columns[COLUMNS.index(column)].cells for column in ("effect", "auto"))
+    marked = {str(name) for name, word in zip(names, words, strict=True) if word == "leaves out"}
+    left_out = load_judged(CASES / "empty-machine", "default", ["effects=auto"]).left_out
+    assert marked
+    assert marked == {name for name in left_out if judged[name].present}
 
 
 def test_every_file_is_an_effect_and_needs_only_those_there_are() -> None:

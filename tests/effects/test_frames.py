@@ -78,20 +78,6 @@ def test_two_mass_frames_lack_the_rotation(tmp_path: Path) -> None:
     assert verdict(tmp_path, "frame-rotation", above, aside, "frames.solver=two-mass").is_lacking
 
 
-def test_a_shaft_along_the_deck_moves_a_frame_across(tmp_path: Path) -> None:
-    """A force that turns in the plane across, at the centre of mass of a body on bushings next to
-    nothing: as far across as up."""
-    soft = "screen.bushings.isolation.stiffness_N_per_m=[10.0, 10.0, 10.0]"
-    centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
-    shaft = "screen.exciters.shaft.axis=[1.0, 0.0, 0.0]"
-    found = verdict(tmp_path, "sideways-motion", soft, centre, shaft)
-    assert found.verdict.value == pytest.approx(1 / math.sqrt(2), rel=0.01)
-    assert (found.present, found.verdict.matters) == (True, True)
-    planar = verdict(tmp_path, "sideways-motion", soft, centre, shaft, "frames.solver=planar")
-    assert planar.is_lacking
-    assert verdict(tmp_path, "frame-rotation", "frames.solver=planar").present
-
-
 def test_rotation_needs_moments_of_inertia(tmp_path: Path) -> None:
     without = CASE.replace("inertia_kg_m2 = [2.0, 6.0, 6.0]", "")
     found = by_name(load_case(tmp_path, without, ["frames.solver=two-mass"]))
@@ -118,6 +104,6 @@ def test_a_bushings_curve_matters_where_its_stiffness_changes(
         for a, k in ((1e-3, 20e3), (6e-3, softest))
     )
     curve = f"screen.bushings.isolation.curves=[{{points=[{points}]}}]"
-    found = verdict(tmp_path, "bushing-hysteresis", curve, 'frames.solver="planar"')
+    found = verdict(tmp_path, "bushing-hysteresis", curve, 'frames.solver="exudyn"')
     assert found.verdict.value == pytest.approx(20e3 / softest - 1)
     assert (found.present, found.verdict.matters) == (True, matters)

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator.case.scalars import SCALARS, Value, is_of_particles, scalar
 from orchestrator.cli.main import app
+from orchestrator.figures.short_names import SHORT_NAMES, Value, named
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement import pair
@@ -81,28 +81,28 @@ def test_a_small_change_of_the_particles_clears_nothing_without_an_interval() ->
     assert verdict(0.0055, 0.4, "stroke")[0] is False
     assert verdict(0.0055, 0.387, "stroke", "velocity")[0] is False
     assert verdict(0.006, 0.5, "velocity")[0] is True
-    assert is_of_particles("results.held.stickers")
-    assert not is_of_particles("results.power.drives_W")
+    assert named("results.held.stickers").figure.part == "particles"
+    assert named("results.power.drives_W").figure.part == "frames"
 
 
 def test_results_have_one_table_of_names_and_paths_besides() -> None:
     found = summary(velocity_m_per_s=0.4)
-    assert scalar("velocity").of(found) == Value(0.4)
-    assert scalar("results.bed.velocity_m_per_s").of(found) == Value(0.4)
-    assert scalar("efficiency").of(found) is None
-    assert all(one.words for one in SCALARS.values())
+    assert named("velocity").of(found) == Value(0.4)
+    assert named("results.bed.velocity_m_per_s").of(found) == Value(0.4)
+    assert named("efficiency").of(found) is None
+    assert all(one.words for one in SHORT_NAMES.values())
     with pytest.raises(KeyError, match='did you mean "efficiency"'):
-        scalar("eficiency")
-    with pytest.raises(KeyError, match='"peak_g" is called "cycle_peak_g" now'):
-        scalar("peak_g")
+        named("eficiency")
+    with pytest.raises(KeyError, match='did you mean "cycle_peak_g"'):
+        named("peak_g")
 
 
 def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
     one = {"results": {"motion": {"frames": {"a": {"amplitude_m": [0.003, 0, 0]}}}}}
-    assert scalar("stroke").of(one) == Value(0.003)
+    assert named("stroke").of(one) == Value(0.003)
     along = {"value": 0.006, "half_width": 0.001}
     two = {"results": {"motion": one["results"]["motion"] | {"relative": {"a-b": {"along_m": along}}}}}
-    assert scalar("stroke").of(two) == Value(0.006, 0.001)
+    assert named("stroke").of(two) == Value(0.006, 0.001)
 
 
 def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> None:
@@ -242,6 +242,7 @@ def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pyte
 
     monkeypatch.setattr(pairs, "_run", run)
     words = ["explain", str(case_folder(tmp_path / "case", CASE)), "--for", "velocity"]
+    words += ["--set", "contacts.0.work_of_adhesion_J_per_m2=1e-6"]
     done = CliRunner().invoke(app, [*words, "--set", SHORT])
     assert done.exit_code == 0, done.output
     friction = next(line for line in done.output.splitlines() if line.startswith(" sliding-"))
@@ -251,11 +252,11 @@ def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pyte
     load_row = next(line for line in done.output.splitlines() if line.startswith(" particle-load"))
     assert "may be left out: measured:" in load_row
     assert len(made) == len(set(made)), "the case as it is, once"
-    spare = [line for line in done.output.splitlines() if line.startswith((" frame-rot", " sideways-"))]
-    assert ["measured:" in line for line in spare] == [True, False], "the cheapest alone"
+    spare = [line for line in done.output.splitlines() if line.startswith((" adhesion", " frame-rot"))]
+    assert sorted("measured:" in line for line in spare) == [False, True], "the cheapest alone"
     once = len(made)
     again = CliRunner().invoke(app, [*words, "--set", SHORT])
     assert again.exit_code == 0, again.output
     assert len(made) == once, "remembered"
-    unknown = CliRunner().invoke(app, [*words[:-1], "velocty"])
+    unknown = CliRunner().invoke(app, [*words[:3], "velocty"])
     assert unknown.exit_code == 2

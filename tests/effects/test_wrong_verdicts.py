@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.case.scalars import SCALARS
+from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.account import account
 from orchestrator.preflight.judgement.catalogue import (
@@ -197,7 +197,7 @@ def test_a_run_without_openings_says_the_same_of_them() -> None:
 
 def test_names_of_results_are_in_the_manual() -> None:
     text = (CASES.parent / "docs" / "theory" / "effects.md").read_text()
-    assert all(f"`{name}`" in text for name in SCALARS)
+    assert all(f"`{name}`" in text for name in SHORT_NAMES)
 
 
 def test_auto_takes_what_two_runs_said_and_asks_no_more(
@@ -240,14 +240,14 @@ def test_two_runs_take_the_place_of_an_estimate() -> None:
         motion = {"frames": {"a": {"amplitude_m": [stroke_m, 0.0, 0.0]}}}
         return {"results": {"motion": motion}}
 
-    pair = Pair("sideways-motion", summary_with=run(0.006), summary_without=run(0.00606))
+    pair = Pair("frame-rotation", summary_with=run(0.006), summary_without=run(0.00606))
     described = load_judged(CASES / "ffs0827-empty", "draft").described
-    found = weigh_effects(described, {"sideways-motion": pair}, ("stroke",))["sideways-motion"]
+    found = weigh_effects(described, {"frame-rotation": pair}, ("stroke",))["frame-rotation"]
     assert found.verdict.measured
     assert found.verdict.value == pytest.approx(0.01)
     assert found.verdict.matters is False
-    nothing = weigh_effects(described, {"sideways-motion": pair}, ("efficiency",))
-    assert not nothing["sideways-motion"].verdict.measured
+    nothing = weigh_effects(described, {"frame-rotation": pair}, ("efficiency",))
+    assert not nothing["frame-rotation"].verdict.measured
 
 
 def test_a_surface_that_carries_particles_slowly_is_not_left_out() -> None:

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from importlib import import_module
 
 import numpy as np
 import pytest
 
+from orchestrator.case import solvers
 from orchestrator.ports import Account, Array, Frames, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import DrivePlan, FramesPlan
@@ -30,7 +30,7 @@ class Case:
     moving: Callable[[float], FramesPlan]
 
     def open(self, plan: FramesPlan) -> Frames:
-        frames: Frames = import_module(f"adapters.frames.{self.solver}").build(plan)
+        frames: Frames = solvers.adapter("frames", self.solver).build(plan)
         return frames
 
 
@@ -70,7 +70,7 @@ def curved(plan: Callable[[float], FramesPlan]) -> Callable[[float], FramesPlan]
 
 CASES = {
     "prescribed": Case("prescribed", lambda: driven(), lambda step_s: driven(drive())),
-    "two_mass": Case("two_mass", two_bodies, excited),
+    "two-mass": Case("two-mass", two_bodies, excited),
     "planar": Case("planar", two_bodies, excited),
     "planar, one driven": Case("planar", lambda: one_driven(0.0, 0.0), one_driven),
     "planar, both driven": Case("planar", lambda: both_driven(0.0, 0.0), both_driven),

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from orchestrator.case import solvers
 from orchestrator.ports import BrokenRecord, Load, linear_frames
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.frames import find_driven_points
@@ -50,12 +50,12 @@ def test_initial_reaction_is_held_by_the_preload(case: Case) -> None:
     assert motion.position_m == pytest.approx(POINTS_M, abs=1e-13)
 
 
-@pytest.mark.parametrize("solver", ["two_mass", "planar", pytest.param("exudyn", marks=pytest.mark.solver)])
+@pytest.mark.parametrize("solver", ["two-mass", "planar", pytest.param("exudyn", marks=pytest.mark.solver)])
 def test_a_body_without_bushings_floats_in_zero_gravity(solver: str) -> None:
     """A taut panel pulls it together with 1000 N, out of balance by what its resting shape is found
     to.  It stays where it is drawn but for  F t^2 / (2 m) = 3e-10 m  of that; a pull that nothing
     holds is refused with what helps."""
-    build = import_module(f"adapters.frames.{solver}").build
+    build = solvers.adapter("frames", solver).build
     floating = replace(
         two_bodies(),
         bodies=(body("driving"),),

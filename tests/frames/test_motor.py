@@ -15,13 +15,14 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from adapters.frames import planar
+from orchestrator.case import solvers
 from orchestrator.ports import Array, Frames, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.physics import motor_torque_N_m
 from orchestrator.ports.plans import FramesPlan, MotorPlan
 from tests.frames.contract import INTERVAL_S, accounts, defect_J, loads
 from tests.frames.machines import UP, body, bushing, exciter, two_bodies
+from tests.reference import planar
 
 STIFFNESS_N_per_m, MASS_kg, MOMENT_kg_m = 4 * 225e3, 764.0, 3.5
 DAMPING_N_s_per_m = 0.2 * STIFFNESS_N_per_m / 34.3
@@ -82,7 +83,7 @@ Build = Callable[[FramesPlan], Any]
 def build(request: pytest.FixtureRequest) -> Build:
     """Exudyn in steps of a tenth of a radian, twice its own."""
     step_s = {"planar": 0.0, "exudyn": 1.25e-3}[request.param]
-    solver = import_module(f"adapters.frames.{request.param}")
+    solver = solvers.adapter("frames", request.param)
     return lambda plan: solver.build(replace(plan, step_s=step_s))
 
 

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from adapters.frames import exudyn, planar, prescribed, two_mass
+from adapters.frames import exudyn, prescribed, two_mass
 from orchestrator.ports import Array, Frames, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import BodyPlan, BushingPlan, FramesPlan, SolverFailed
 from tests.frames.contract import both_driven, compared, drive, driven, loads, one_driven
 from tests.frames.driven_base import carried_along_m, rocked
 from tests.frames.machines import ACROSS, ALONG, POINTS_M, UP, body, bushing, exciter, two_bodies
+from tests.reference import planar
 
 
 def end_of(frames: Frames, count: int, interval_s: float, load: Load | None = None) -> Array:

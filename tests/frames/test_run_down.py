@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from orchestrator.case import solvers
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan
@@ -48,7 +48,7 @@ def single(stop_s: float, run_down_s: float) -> FramesPlan:
 
 
 def moved_m(solver: str, plan: FramesPlan, until_s: float) -> Array:
-    frames = import_module(f"adapters.frames.{solver}").build(plan)
+    frames = solvers.adapter("frames", solver).build(plan)
     rows = round(until_s / INTERVAL_S)
     along_m = [
         frames.advance(Interval(number, INTERVAL_S), Load.zero(4)).position_m[0, 0] for number in range(rows)
@@ -105,7 +105,7 @@ def test_the_peak_while_passing_a_resonance(solver: str) -> None:
 def test_it_stands_still_in_the_end(solver: str, run_down_s: float) -> None:
     """A shaft that stands still does no work on a frame that still swings."""
     plan = replace(single(0.5, run_down_s), sync_interval_s=2e-3, step_s=2e-3)
-    frames = import_module(f"adapters.frames.{solver}").build(plan)
+    frames = solvers.adapter("frames", solver).build(plan)
     books_J, along_m = [], []
     for number in range(400):
         motion = frames.advance(Interval(number, 2e-3), Load.zero(4))

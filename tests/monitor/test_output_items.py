@@ -19,7 +19,7 @@ from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import BedSnapshot, Overlaps
 from orchestrator.ports.penetration import Penetrations
 from orchestrator.run.monitor import items
-from orchestrator.run.monitor.item import Books, MonitorItem, Subject
+from orchestrator.run.monitor.item import Books, Subject
 from orchestrator.run.monitor.items import all_items, item_limit, largest_stretch
 from orchestrator.run.monitor.monitor import LimitedItem
 from tests.cases import load_case
@@ -113,11 +113,6 @@ def test_each_is_found_alone(
 
 def test_no_particles_is_no_trouble(monkeypatch: pytest.MonkeyPatch) -> None:
     assert alarms(state(), BALLS.part(slice(0)), 0.0, monkeypatch) == []
-
-
-def test_an_item_with_an_older_call_is_refused() -> None:
-    with pytest.raises(TypeError, match=r"Old\.add_interval is now add_intervals"):
-        type("Old", (MonitorItem,), {"add_interval": lambda _, data: None})
 
 
 def test_a_folded_panel_is_found_and_stops_the_run(tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def test_sag_under_its_own_weight(solver: str, clamp_m: float, share: float) -> 
     """
     given = narrow(solver, clamp_m)
     panel = import_module(f"adapters.panel.{solver}").build(given)
-    middle = panel.interpolation(np.array([[LENGTH_M / 2, SIDE_M / 2]]))
+    middle = panel.interpolation(np.array([[LENGTH_M / 2, SIDE_M / 2]])).values
     sag_m = 0.3 - (middle @ panel.initial().surface.position_m)[0, 2]
     panel.close()
     weight_N_per_m = DENSITY_KG_PER_M3 * GRAVITY_M_PER_S2 * SIDE_M**2

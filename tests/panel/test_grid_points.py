@@ -14,10 +14,10 @@ def test_points_on_nodes_move_with_the_node_alone() -> None:
     nodes_m = grid.nodes_m()
     inside = (nodes_m > 0.0).all(axis=1) & (nodes_m < [0.33, 0.05]).all(axis=1)
     rounded_m = nodes_m[inside] * (1.0 + 3e-16)
-    functions = grid.interpolation(rounded_m)
+    functions = grid.values(rounded_m)
     assert functions.nnz == len(rounded_m)
     assert np.all(functions.data == 1.0)
     assert np.array_equal(functions.indices, np.flatnonzero(inside))
-    between = grid.interpolation(np.array([[0.01, nodes_m[1, 1]]]))
+    between = grid.values(np.array([[0.01, nodes_m[1, 1]]]))
     assert between.nnz == 3
     assert between.sum() == pytest.approx(1.0, abs=1e-15)

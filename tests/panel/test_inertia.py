@@ -7,7 +7,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from orchestrator.coupling.mapping import MappedPanel
+from orchestrator.coupling.mapping import mapped
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import Array, Load, Motion, Panel
 from orchestrator.ports.clock import Interval
@@ -22,7 +22,7 @@ ELASTIC = ["strip", "sheet-explicit", "sheet-implicit", "solid"]
 def velocity_m_per_s(case: Case, through: bool, load_N: Array | None) -> tuple[Array, Panel]:
     """(points, 3) after an impulse of ``load_N`` over ``SHORT_S``, and the panel."""
     own = case.open(SHORT_S)
-    panel: Panel = MappedPanel(own, own.interpolation(COARSE)) if through else own
+    panel: Panel = mapped(own, own.interpolation(COARSE)) if through else own
     with closing(panel):
         points = len(panel.initial().surface)
         clamps = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)

@@ -45,7 +45,7 @@ def opened(solver: str, given: PanelPlan) -> MeshedPanel:
 
 def heights_m(panel: MeshedPanel, *shares: float) -> Array:
     """Return the heights over the clamps' inner edges at shares of the free length, on the middle line."""
-    at = panel.interpolation(np.array([[share * LENGTH_M, SIDE_M / 2] for share in shares]))
+    at = panel.interpolation(np.array([[share * LENGTH_M, SIDE_M / 2] for share in shares])).values
     return np.asarray((at @ panel.initial().surface.position_m)[:, 2] - 0.3)
 
 

@@ -108,7 +108,7 @@ def moved(given, intervals):
     found = []
     for solver in (sheet, solid):
         panel = solver.build(given)
-        middle = panel.interpolation(np.array([[0.06, 0.024]]))
+        middle = panel.interpolation(np.array([[0.06, 0.024]])).values
         unloaded, rows = Load.zero(len(panel.initial().surface)), []
         for k in range(intervals):
             clamps = shaken(panel, (k + 1) * 4e-4, amplitude_m=0.002, speed=157.0)

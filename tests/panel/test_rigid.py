@@ -65,5 +65,5 @@ def test_surface_between_the_clamps_is_bilinear() -> None:
     lifted[-1] += [0.0, 0.0, 0.04]
     lifted[-3] += [0.0, 0.0, 0.04]  # the second clamp's edge y = width, both rows
     state = panel.advance(Interval(0, INTERVAL_S), Motion(lifted, np.zeros((8, 3))), Load.zero(8))
-    middle = panel.interpolation(np.array([[0.33 / 2, 0.05 / 2]])) @ state.surface.position_m
+    middle = panel.interpolation(np.array([[0.33 / 2, 0.05 / 2]])).values @ state.surface.position_m
     assert middle[0, 2] - 0.3 == pytest.approx(0.01)

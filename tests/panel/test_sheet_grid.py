@@ -23,7 +23,7 @@ def test_reproduces_biquadratic_fields():
         s, y = at.T
         return 1 + s - 3 * y + 40 * s**2 * y - 7 * s**2 * y**2
 
-    H = GRID.interpolation(points)
+    H = GRID.values(points)
     np.testing.assert_allclose(H @ field(GRID.nodes_m()), field(points), rtol=1e-13)
     np.testing.assert_allclose(H.sum(axis=1), 1.0, rtol=1e-14)
 
@@ -37,7 +37,7 @@ def test_nodes_are_found_by_their_coordinates():
 @pytest.mark.parametrize("point", [(0.36, 0.01), (-0.03, 0.01), (0.1, 0.06), (np.nan, 0.01)])
 def test_refuses_points_outside(point):
     with pytest.raises(ValueError, match="outside the panel"):
-        GRID.interpolation(np.array([point]))
+        GRID.values(np.array([point]))
 
 
 def test_a_hinge_has_no_cells_under_the_clamp():

@@ -72,13 +72,13 @@ def test_values_on_material_and_across_openings(pattern):
     rims_m = (centres_m[:, None] + half_m * np.array([[1, 1], [1, -0.3], [0.2, -1]])).reshape(-1, 2)
     material_m = np.vstack([somewhere_m[~inside], rims_m])
     nodal = field(grid.nodes_m())
-    seen = grid.interpolation(material_m)
+    seen = grid.values(material_m)
     assert seen @ nodal == pytest.approx(field(material_m), rel=1e-11, abs=1e-11)
     assert inside.sum() > 300
-    across = grid.interpolation(somewhere_m[inside])
+    across = grid.values(somewhere_m[inside])
     assert across @ grid.nodes_m() == pytest.approx(somewhere_m[inside], abs=1e-15)
-    rims = grid.interpolation(np.array([[0, -0.0015], [0, 0.0015]]) + centres_m[0])
-    middle = grid.interpolation(centres_m[:1])
+    rims = grid.values(np.array([[0, -0.0015], [0, 0.0015]]) + centres_m[0])
+    middle = grid.values(centres_m[:1])
     assert middle @ nodal == pytest.approx((rims @ nodal).mean(), rel=1e-13)
     for H in (seen, across):
         assert H.sum(axis=1) == pytest.approx(np.ones(H.shape[0]), abs=1e-14)

@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling.stopped_panel import StoppedPanel
-from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState
+from orchestrator.ports import Account, Array, Interpolation, Known, Load, Motion, Mount, PanelState
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan, StopPlan
 from tests.panel.elastic_plans import plan
@@ -97,7 +97,7 @@ def depths_m(solver: str, panel: StoppedPanel, state: PanelState, clamps: Motion
     """Of the middles of cells half as large as the panel's, which is what the layer looks at."""
     along = ALONG[solver]
     s, y = np.meshgrid(0.03 + 0.06 * (np.arange(along) + 0.5) / along, [0.0125, 0.0375])
-    places = panel.interpolation(np.column_stack([s.ravel(), y.ravel()]))
+    places = panel.interpolation(np.column_stack([s.ravel(), y.ravel()])).values
     top_m = clamps.position_m[-3, 2]
     return np.asarray(top_m - (places @ state.surface.position_m)[:, 2])
 
@@ -137,9 +137,9 @@ class Plate:
             received_J={"load": self.work_J, "clamps": 0.0},
         )
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
         share = coordinates_m / self.size_m
-        return csr_array(np.column_stack([1 - share.sum(axis=1), share]))
+        return Interpolation.on_surface(csr_array(np.column_stack([1 - share.sum(axis=1), share])))
 
     def close(self) -> None:
         pass

@@ -32,7 +32,7 @@ def shaken(solver: ModuleType, given: PanelPlan) -> tuple[Array, Array]:
     middle = np.array([[given.rectangle.length_m / 2, given.rectangle.width_m / 2]])
     panel = solver.build(given)
     states, start = shake(panel, 1e-4, 400)
-    H = panel.interpolation(middle)
+    H = panel.interpolation(middle).values
     height = [(H @ state.surface.position_m)[0, 2] - 0.3 for state in (start, *states)]
     pull = [pull_N(panel, state) for state in (start, *states)]
     panel.close()

@@ -13,7 +13,7 @@ from orchestrator.ports import Array, HermitePath, Motion, Particles
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
+from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan, SolverMissing
 
 G_M_PER_S2 = np.array([0.0, 0.0, -9.81])
 WEIGHTLESS = np.zeros(3)
@@ -24,10 +24,13 @@ SOLVERS = ["spheres", *LIGGGHTS_ALONE]
 
 
 def solver_adapter(name: str) -> ParticlesAdapter:
-    """The adapter of a solver; the test is skipped where LIGGGHTS's bridge is not built."""
-    if name == "liggghts":
-        pytest.importorskip("adapters.particles._liggghts")
-    return cast("ParticlesAdapter", solvers.adapter("particles", name))
+    """Return the adapter of a solver; the test is skipped where the solver is not installed."""
+    adapter = solvers.adapter("particles", name)
+    try:
+        adapter.load()
+    except SolverMissing as missing:
+        pytest.skip(str(missing))
+    return cast("ParticlesAdapter", adapter)
 
 
 def one(value: float) -> Array:

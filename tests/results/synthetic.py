@@ -14,17 +14,21 @@ end           0       1      2
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
 from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.tables.case import Case
+from orchestrator.figures.figure import to_json
+from orchestrator.figures.results import Results, parse_results
 from orchestrator.output.records.history import History
 from orchestrator.output.records.run_folder import write_json
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
 from orchestrator.output.records.summary import write_summary
 from orchestrator.output.records.wear_record import PATCHES
+from orchestrator.output.results.compute import compute_results
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
 from tests.cases import case_folder
@@ -287,3 +291,14 @@ def _summary(particles: bool, cycles: int) -> dict[str, object]:
         "energy_ledger_J": {"supplied.frames.exciter": 9.0, "created.panel-frames": 1e-6},
         "energy_exchanged_J": {"panel-frames": 4.0},
     }
+
+
+def results_table(folder: Path) -> dict[str, Any]:
+    """Return the results of a run as ``summary.json`` has them."""
+    table: dict[str, Any] = to_json(compute_results(folder))
+    return table
+
+
+def parsed(table: dict[str, Any]) -> Results:
+    """Return results from a table as ``summary.json`` has it."""
+    return parse_results({"results": table})

@@ -72,7 +72,7 @@ def test_the_series_of_a_run_are_those_of_the_report(tmp_path: Path) -> None:
             found = history[f"accelerations/{name}"]
             inside = (found["time_s"][:] > span_s[0]) & (found["time_s"][:] <= span_s[1])
             size = np.linalg.norm(found["acceleration_m_per_s2"][:][inside], axis=1)
-            assert size.max() / STANDARD_GRAVITY_M_PER_S2 == pytest.approx(figures["peak_g"], rel=1e-6)
+            assert size.max() / STANDARD_GRAVITY_M_PER_S2 == pytest.approx(figures.peak_g, rel=1e-6)
 
 
 def test_a_series_that_a_resumed_run_made_coarser_has_no_accelerations(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.quantities import unit_along
 from orchestrator.cli.main import app
+from orchestrator.figures.figure import Figure
 from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.output.results.comparison import (
     BY_CHANCE,
@@ -37,11 +38,23 @@ def estimate(value: float, half_width: float | None) -> dict[str, Any]:
     return {"value": value, "half_width": half_width, "batches": 10}
 
 
+def bed_of(velocity: dict[str, Any]) -> dict[str, Any]:
+    """The table of a bed of which little more than the velocity is known."""
+    names = ("on_deck_kg", "load_kg_per_m2", "mean_depth_m", "largest_depth_m")
+    profile: dict[str, Any] = {
+        name: [] for name in ("along_m", "mass_kg_per_m", "velocity_m_per_s", "depth_m")
+    }
+    bed: dict[str, Any] = {name: {"value": None, "half_width": None, "batches": 0} for name in names}
+    bed |= {"velocity_m_per_s": velocity, "particles": 40.0, "output_times": 9, "profile": profile}
+    return bed
+
+
 def run_folder(place: Path, velocity: dict[str, Any], case: str = CASE, **summary: Any) -> Path:
     """The folder of a run of which only the case and the results are there."""
     case_folder(place, case)
-    results = {"bed": {"velocity_m_per_s": velocity, "particles": 40.0}, "missing": {}, "failed": {}}
-    results |= {"power": {"lost_W": {"frames.bushing_damping": 3.0}}}
+    results = {"bed": bed_of(velocity), "missing": {}, "failed": {}}
+    lost_W = {"frames.bushing_damping": estimate(3.0, None)}
+    results |= {"power": {"start_s": 0.0, "end_s": 1.0, "lost_W": lost_W}}
     table = {"format_version": SUMMARY_FORMAT, "status": "done", "case": "by-hand", "level": "draft"}
     text = json.dumps(table | {"results": results} | summary)
     (place / "summary.json").write_text(text)
@@ -59,45 +72,48 @@ def runs(tmp_path: Path) -> list[str]:
     return [str(folder) for folder in (first, second, third)]
 
 
+LENGTH = Figure("length", resolution=1e-6, path="x_m")
+SPEED = Figure("speed", resolution=1e-3, path="x_m_per_s")
+
+
 @pytest.mark.parametrize(
     ("other", "verdict"),
     [((1.0, 0.1), SAME), ((1.13, 0.1), BY_CHANCE), ((1.15, 0.1), MORE), ((1.13, None), UNKNOWN)],
 )
 def test_the_interval_of_a_difference(other: tuple[float, float | None], verdict: str) -> None:
     """Half widths of 0.1 make 0.141 for the difference."""
-    one, two = Result("x", 1.0, 0.1, "m"), Result("x", *other, "m")
+    one, two = Result("x", 1.0, 0.1, LENGTH), Result("x", *other, LENGTH)
     assert judge_difference(one, two) == verdict
     assert judge_difference(two, one) == verdict
 
 
 def test_what_a_run_does_not_resolve_is_the_same() -> None:
-    one, two = (Result("x", value, None, "m", floor=1e-6) for value in (1e-9, 5e-7))
+    one, two = (Result("x", value, None, LENGTH) for value in (1e-9, 5e-7))
     assert judge_difference(one, two) == SAME
 
 
 def test_a_difference_that_intervals_show_is_told_however_small() -> None:
-    slow, fast = (Result("x", value, 5e-5, "m/s", floor=1e-3) for value in (8e-4, 1.6e-3))
+    slow, fast = (Result("x", value, 5e-5, SPEED) for value in (8e-4, 1.6e-3))
     assert judge_difference(slow, fast) == MORE
-    assert (
-        judge_difference(*(Result("x", value, None, "m/s", floor=1e-3) for value in (0.1624, 0.1628))) == SAME
-    )
+    assert judge_difference(*(Result("x", value, None, SPEED) for value in (0.1624, 0.1628))) == SAME
 
 
 @pytest.mark.parametrize(
-    ("unit", "floor", "values", "change"),
+    ("path", "floor", "values", "change"),
     [
-        ("m", 1e-9, (0.5, 0.4), -0.2),
-        ("m", 1e-9, (9e-16, 2.2e-6), None),
-        ("%", 0.0, (0.0, 3.0), None),
-        ("rad", 1e-9, (0.5, -0.7), None),
-        ("degree", 0.0, (-5.9, 79.3), None),
+        ("x_m", 1e-9, (0.5, 0.4), -0.2),
+        ("x_m", 1e-9, (9e-16, 2.2e-6), None),
+        ("x_percent", 0.0, (0.0, 3.0), None),
+        ("x_rad", 1e-9, (0.5, -0.7), None),
+        ("x_deg", 0.0, (-5.9, 79.3), None),
     ],
 )
 def test_a_relative_change_is_told_only_where_it_has_a_meaning(
-    unit: str, floor: float, values: tuple[float, float], change: float | None
+    path: str, floor: float, values: tuple[float, float], change: float | None
 ) -> None:
-    one, two = (Result("x", value, None, unit, floor=floor) for value in values)
-    assert ComparedResult("x", unit, (one, two)).changes()[1] == pytest.approx(change)
+    figure = Figure("x", resolution=floor, path=path)
+    one, two = (Result("x", value, None, figure) for value in values)
+    assert ComparedResult("x", figure.unit, (one, two)).changes()[1] == pytest.approx(change)
 
 
 def test_single_numbers_of_results() -> None:
@@ -243,7 +259,7 @@ def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
     shutil.copytree(one, two)
     for folder, speed, share in ((one, 0.3, 1.0), (two, 0.4, 0.5)):
         summary = json.loads((folder / "summary.json").read_text())
-        results: dict[str, Any] = {"bed": {"velocity_m_per_s": estimate(speed, 0.01)}}
+        results: dict[str, Any] = {"bed": bed_of(estimate(speed, 0.01))}
         results |= {"missing": {}, "failed": {}, "share_of_width": share}
         (folder / "summary.json").write_text(json.dumps(summary | {"results": results}))
         (folder / "deck.png").write_bytes(b"\x89PNG")
@@ -374,6 +390,18 @@ def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: P
     assert told["verdicts"] == [None, SAME]
     assert f"{other}: the machine has not settled: range of driving" in " ".join(done.stderr.split())
     assert f"{one}: the machine" not in done.stderr
+
+
+@pytest.mark.parametrize("command", ["results", "compare"])
+@pytest.mark.parametrize(("status", "count"), [("done", 0), ("doubtful", 1)])
+def test_a_doubtful_run_is_warned_of(tmp_path: Path, command: str, status: str, count: int) -> None:
+    one = run_folder(tmp_path / "one", estimate(0.3, 0.03))
+    other = run_folder(tmp_path / "other", estimate(0.3, 0.03), status=status)
+    done = CALL.invoke(app, [command, str(one), str(other)])
+    assert done.exit_code == 0
+    warned = "".join(done.stderr.split()).count("warning:")
+    assert warned == count
+    assert (str(other) in "".join(done.stderr.split())) is bool(count)
 
 
 def test_units_are_those_of_the_nearest_key() -> None:

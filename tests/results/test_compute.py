@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.history import write_results
-from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.machine import why_not_settled
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.studies.quantities import Question, number_of
@@ -32,6 +31,7 @@ from tests.results.synthetic import (
     WEAR_M_H,
     WORN_ROW,
     folder_of,
+    results_table,
 )
 from tests.runs.test_manual import documented
 
@@ -46,7 +46,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> dict[str, Any]:
-    return compute_results(folder)
+    return results_table(folder)
 
 
 def value(estimate: dict[str, Any]) -> Any:
@@ -59,12 +59,12 @@ def test_decks_above_each_other_have_no_cut_size_of_their_own(
 ) -> None:
     """The largest openings would be those of the upper deck, through which nearly all goes."""
     monkeypatch.setattr(RunReader, "deck", None)
-    given = compute_results(folder)
+    given = results_table(folder)
     assert given["screening"]["cut_size_m"] == 0.003
     run = shutil.copytree(folder, tmp_path / "run")
     text = (run / "case.toml").read_text()
     (run / "case.toml").write_text(text.replace("cut_size_m = 0.003", ""))
-    found = compute_results(run)
+    found = results_table(run)
     assert "no single deck" in found["missing"]["efficiency"]
     assert found["screening"]["cut_size_m"] is None
     assert "efficiency_percent" not in found["screening"]
@@ -80,10 +80,10 @@ def test_it_is_steady_once_the_deck_is_full(found: dict[str, Any]) -> None:
 
 
 def test_the_manual_knows_every_key(found: dict[str, Any]) -> None:
-    of_transients = {"cohort"}
-    assert set(found["screening"]) == documented("### `results.screening`") - of_transients
-    assert set(found["bed"]) - {"profile"} <= documented("### `results`", 2)
-    assert set(found) == documented("### `results`")
+    of_others = {"cohort", "whole_feed"}
+    assert set(found["screening"]) == documented("### `results.screening`") - of_others
+    assert set(found["bed"]) == documented("### `results.bed`")
+    assert set(found) == documented("### `results`") - {"slice_width_m"}
     assert set(found["contacts"]) == documented("### `results.contacts`")
 
 
@@ -183,11 +183,11 @@ def test_the_load_of_the_deck_is_that_of_the_criteria(folder: Path, found: dict[
 
 
 def test_the_results_name_the_width_of_a_slice(folder: Path, found: dict[str, Any], tmp_path: Path) -> None:
-    assert found["slice_width_m"] is None
+    assert "slice_width_m" not in found
     copy = Path(shutil.copytree(folder, tmp_path / "run"))
     case = copy / "case.toml"
     case.write_text(case.read_text() + "\n[slice]\nwidth_m = 0.1\n")
-    part = compute_results(copy)
+    part = results_table(copy)
     assert part["failed"] == {}
     assert (part["slice_width_m"], part["share_of_width"]) == (0.1, pytest.approx(0.5))
     load = found["bed"]["load_kg_per_m2"]["value"]
@@ -222,7 +222,7 @@ def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
 
 
 def test_a_short_run_says_that_it_is_transient(tmp_path: Path) -> None:
-    found = compute_results(folder_of(tmp_path / "run", cycles=15))
+    found = results_table(folder_of(tmp_path / "run", cycles=15))
     assert not found["steady"]["is_steady"]
     assert "20 are needed" in found["steady"]["reason"]
     efficiency = found["screening"]["efficiency_percent"]
@@ -231,14 +231,14 @@ def test_a_short_run_says_that_it_is_transient(tmp_path: Path) -> None:
 
 
 def test_an_empty_machine_has_its_motion(tmp_path: Path) -> None:
-    found = compute_results(folder_of(tmp_path / "run", particles=False))
+    found = results_table(folder_of(tmp_path / "run", particles=False))
     assert "no particles" in found["missing"]["screening"]
     assert "screening" not in found
     assert found["motion"]["relative"]["driven-driving"]["along_m"]["value"] == pytest.approx(0.006)
 
 
 def test_less_than_a_cycle_gives_no_results(tmp_path: Path) -> None:
-    found = compute_results(folder_of(tmp_path / "run", cycles=0))
+    found = results_table(folder_of(tmp_path / "run", cycles=0))
     assert list(found["missing"]) == ["everything"]
 
 
@@ -269,7 +269,7 @@ def test_a_row_between_output_times_counts_in_no_mean(tmp_path: Path, found: dic
                 more = (time_s[row - 1] + time_s[row]) / 2 if name == "time_s" else 100 * rows[row]
                 del group[name]
                 group[name] = np.insert(rows, row, more, axis=0)
-    resumed = compute_results(folder)
+    resumed = results_table(folder)
     assert resumed["bed"]["on_deck_kg"] == found["bed"]["on_deck_kg"]
     assert resumed["bed"]["particles"] == found["bed"]["particles"]
     assert resumed["held"] == found["held"]
@@ -282,7 +282,7 @@ def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(
 ) -> None:
     """Eight rows of a cycle: half the range of a sine would be short by up to 7.6 %."""
     kinds = ("frames", "probes", "forces")
-    seldom = compute_results(thinned(folder_of(tmp_path / "seldom"), kinds, 10))
+    seldom = results_table(thinned(folder_of(tmp_path / "seldom"), kinds, 10))
     for part in ("orbits", "panel acceleration"):
         assert "8 rows in a cycle of 0.08 s; 20 are needed" in seldom["missing"][part]
     assert seldom["motion"]["frames"] == seldom["motion"]["panel_points"] == {}
@@ -295,7 +295,7 @@ def test_rows_too_seldom_for_the_band_of_accelerations(tmp_path: Path, found: di
     """A row every millisecond reaches to 500 Hz, one every 2 ms does not, at sync points that are
     nearer to each other.  The orbits need no more."""
     assert found["motion"]["panel_points"]["middle-1"]["band_Hz"] == pytest.approx(39.25 * 40 / np.pi)
-    fewer = compute_results(thinned(folder_of(tmp_path / "fewer"), ("frames", "probes", "forces"), 2))
+    fewer = results_table(thinned(folder_of(tmp_path / "fewer"), ("frames", "probes", "forces"), 2))
     assert "too seldom for accelerations up to 500 Hz" in fewer["missing"]["panel acceleration"]
     assert fewer["motion"]["frames"]["driven"]["amplitude_m"][0] == pytest.approx(0.008)
 
@@ -304,12 +304,12 @@ def test_output_times_once_in_a_cycle_give_no_mean(tmp_path: Path, found: dict[s
     """Ten in a cycle do, two do not: they see two phases of it again and again."""
     kinds = ("profile", "held", "bed", "overlaps")
     for every in (10, 5):
-        seldom = compute_results(thinned(folder_of(tmp_path / f"every-{every}"), kinds, every))
+        seldom = results_table(thinned(folder_of(tmp_path / f"every-{every}"), kinds, every))
         assert "bed" not in seldom
         assert "held" not in seldom
         assert "of the machine's cycle of 0.08 s" in seldom["missing"]["bed"]
         assert seldom["screening"] == found["screening"]
-    enough = compute_results(thinned(folder_of(tmp_path / "every-3"), kinds, 3))
+    enough = results_table(thinned(folder_of(tmp_path / "every-3"), kinds, 3))
     assert enough["bed"]["velocity_m_per_s"]["value"] == pytest.approx(VELOCITY_M_S)
 
 
@@ -321,7 +321,7 @@ def test_no_output_time_in_the_window(tmp_path: Path) -> None:
                 first = group[name][:1]
                 del group[name]
                 group[name] = first
-    found = compute_results(folder)
+    found = results_table(folder)
     assert "no output time lies in" in found["missing"]["bed"]
     assert found["failed"] == {}
     assert found["motion"]["panels"]["deck-1"]["stretch_largest_percent"] > 1.9
@@ -336,7 +336,7 @@ def test_times_at_which_a_bin_is_empty_count_as_no_depth(tmp_path: Path) -> None
             values = profile[name][:]
             values[1::2] = empty
             profile[name][...] = values
-    bed = compute_results(folder)["bed"]
+    bed = results_table(folder)["bed"]
     assert bed["largest_depth_m"]["value"] == pytest.approx(DEPTH_M / 2)
     assert max(bed["profile"]["depth_m"]) == pytest.approx(DEPTH_M / 2)
     assert bed["velocity_m_per_s"]["value"] == pytest.approx(VELOCITY_M_S)
@@ -352,7 +352,7 @@ def test_the_velocity_is_weighted_with_mass_over_time_too(tmp_path: Path) -> Non
             values = profile[name][:]
             values[1::2] = factor * values[1::2] + shift
             profile[name][...] = values
-    bed = compute_results(folder)["bed"]
+    bed = results_table(folder)["bed"]
     assert value(bed["velocity_m_per_s"]) == pytest.approx(VELOCITY_M_S + 0.1)
     assert bed["profile"]["velocity_m_per_s"] == pytest.approx([VELOCITY_M_S + 0.1] * 8)
 
@@ -363,7 +363,7 @@ def test_a_part_that_fails_loses_no_other(tmp_path: Path, monkeypatch: pytest.Mo
 
     folder = folder_of(tmp_path / "run")
     monkeypatch.setattr("orchestrator.output.results.compute.bed_metrics", broken)
-    found = compute_results(folder)
+    found = results_table(folder)
     assert set(found["failed"]) == {"bed"}
     assert found["failed"]["bed"].startswith("IndexError: list index out of range (test_compute.py")
     assert "bed" not in found
@@ -410,7 +410,7 @@ def test_the_profile_of_wear_has_each_panel_in_its_place(
         for group in ("panels", "wear", "forces", "panel_cycles"):
             for old, new in names.items():
                 history.move(f"{group}/{old}", f"{group}/{new}")
-    wear = compute_results(copy)["wear"]
+    wear = results_table(copy)["wear"]
     assert list(wear["panels"]) == ["upper", "lower"]
     assert wear["profile"] == found["wear"]["profile"]
 
@@ -435,7 +435,7 @@ def test_the_course_follows_a_load_that_comes_and_goes(folder: Path, tmp_path: P
         late = file["frames/driven/time_s"][:] > 36 * CYCLE_S
         halved_m = driving[:] + 0.5 * (driven[:] - driving[:])
         driven[:] = np.where(late[:, None], halved_m, driven[:])
-    course = compute_results(copy)["course"]
+    course = results_table(copy)["course"]
     assert course["relative"]["driven-driving"]["along_m"] == pytest.approx([0.006] * 3 + [0.003] * 2)
     assert course["on_deck_kg"] == pytest.approx([0.0] * 3 + [8 * BIN_KG] * 2)
     assert course["velocity_m_per_s"][:3] == [None] * 3

@@ -12,6 +12,7 @@ import pytest
 from orchestrator.case.deck.line import DeckLine, deck_line, join_lines, locate
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import axes
+from orchestrator.figures.material import Held
 from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
 from orchestrator.output.results import bed
 from orchestrator.output.results.bed import deck_area_m2, retained_metrics
@@ -219,22 +220,26 @@ def test_openings_in_the_world() -> None:
     assert cut_size_m(plain) is None
 
 
-def test_the_first_cycles_in_which_nothing_can_be_held_are_in_no_mean() -> None:
+def test_the_first_cycles_in_which_nothing_can_be_held_are_in_no_mean(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Seven particles stick from the start, and count from the end of the fifth cycle on."""
+    monkeypatch.setattr(bed, "openings_m", lambda _: [])
     time_s = np.arange(1, 81) * CYCLE_S / 8
     stuck = np.where(time_s - time_s[0] >= (HELD_CYCLES - 1e-9) * CYCLE_S, 7.0, 0.0)
     table = {"time_s": time_s, "stickers": stuck, "mass_kg": 0.001 * stuck, "openings": 0.0 * stuck}
 
-    def held_until(end_s: float) -> dict[str, Any]:
+    def held_until(end_s: float) -> Held:
         run: Any = SimpleNamespace(
+            case=None,
             cycle_s=CYCLE_S,
             read=lambda name: table[name.removeprefix("held/")],
             output_rows=lambda _, start_s, until_s: (time_s > start_s) & (time_s <= until_s),
         )
         return retained_metrics(run, 0.0, end_s, False, chance)
 
-    assert held_until(10 * CYCLE_S)["stickers"].value == pytest.approx(7.0)
-    assert held_until(4 * CYCLE_S)["stickers"].value is None
+    assert held_until(10 * CYCLE_S).stickers.value == pytest.approx(7.0)
+    assert held_until(4 * CYCLE_S).stickers.value is None
 
 
 def test_the_area_of_unequal_panels(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -82,7 +82,7 @@ def test_what_cannot_be_said_is_not_said() -> None:
     """Nine cycles are too few, and so are thirty of which each is nearly the one before."""
     assert mean(np.arange(9.0)) == Estimate(4.0, None, 9, reason=TOO_FEW)
     assert mean(np.sin(np.linspace(0.0, 3.0, 30))).reason == TOO_FEW
-    assert mean(np.arange(9.0)).table()["reason"] == TOO_FEW
+    assert mean(np.arange(9.0)).as_json()["reason"] == TOO_FEW
     assert estimate(lambda _: float("nan"), np.ones((9, 1))) == Estimate(None)
     assert mean(np.ones(30)).half_width == 0.0
 

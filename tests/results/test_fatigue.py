@@ -28,7 +28,4 @@ def test_damage_by_miner() -> None:
 
 
 def test_rank_is_over_the_worst() -> None:
-    panels = ranked(
-        {"a": {"fatigue_damage": 2e-6}, "b": {"fatigue_damage": 1e-6}, "c": {"fatigue_damage": None}}
-    )
-    assert panels == {"a": {"fatigue_share": 1.0}, "b": {"fatigue_share": 0.5}, "c": {"fatigue_share": None}}
+    assert ranked({"a": 2e-6, "b": 1e-6, "c": None}) == {"a": 1.0, "b": 0.5, "c": None}

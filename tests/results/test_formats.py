@@ -12,7 +12,6 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.case import recordings
 from orchestrator.output import checkpoints
 from orchestrator.output.records.history import COLUMNS, History
 from orchestrator.output.records.run_folder import OtherFormat
@@ -25,7 +24,6 @@ FILES = {"history.h5", "summary.json"}
 NAMING = "orchestrator/output/records/run_folder.py"
 OPENER = "orchestrator/case/file/folder.py"
 WRITERS = {"orchestrator/output/records/history.py", "orchestrator/output/records/summary.py"}
-RECORDINGS = "orchestrator/case/recordings.py"
 BEDS = "orchestrator/case/bed/saved_bed.py"
 CARRIER = "orchestrator/case/bed/carry.py"
 """It asks the summary of a run, below the reader's floor, whether its bed can be trusted."""
@@ -39,12 +37,12 @@ def product() -> dict[str, ast.Module]:
 
 
 def test_nobody_but_the_reader_opens_a_run() -> None:
-    """HDF5 is used by the opener of files, the writer, recordings and saved beds alone, and nobody but the
+    """HDF5 is used by the opener of files, the writer and saved beds alone, and nobody but the
     opener reads JSON of a folder that another may have filled."""
     for file, tree in product().items():
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
-        allowed = file in {OPENER, RECORDINGS, BEDS, *WRITERS}
+        allowed = file in {OPENER, BEDS, *WRITERS}
         assert "h5py" not in names or allowed, f"{file} uses HDF5: RunReader reads a run"
         assert not FILES & texts or file in {NAMING, CARRIER}, f"{file} names a file that RunReader reads"
         calls = {ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
@@ -74,7 +72,7 @@ def test_what_is_not_in_the_schema_is_not_written(tmp_path: Path) -> None:
 def test_another_version_of_a_runs_file_is_refused(tmp_path: Path, name: str, version: int | None) -> None:
     folder = folder_of(tmp_path / "run", particles=False, cycles=2)
     _set_version(folder / name, version)
-    has = "no version of its format" if version is None else f"format {version}"
+    has = f"format {version}"
     with RunReader(folder) as run, pytest.raises(OtherFormat, match=f"{name}: has {has}.*run the case again"):
         getattr(run, "history" if name == "history.h5" else "summary")
 
@@ -91,7 +89,7 @@ def _set_version(file: Path, version: int | None) -> None:
             history.attrs["format_version"] = version
 
 
-def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
+def _write_checkpoint(folder: Path, sync_points: int, good: int) -> None:
     provenance = dict.fromkeys(checkpoints.ORIGIN_KEYS, 1)
     about = {
         "name": "x",
@@ -100,23 +98,24 @@ def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
         "files": {},
         "left_out": {},
         "provenance": provenance,
-        "good": 3,
+        "good": good,
     }
-    about |= {"sync_points": 3, "progress": {"figures": {"simulated_s": 0.1}}}
-    checkpoints.write(tmp_path, {"place_m": np.zeros(3)}, [], about, None)
+    about |= {"sync_points": sync_points, "progress": {"figures": {"simulated_s": 0.1}}}
+    checkpoints.write(folder, {"place_m": np.zeros(3)}, [], about, None)
+
+
+def test_the_last_two_checkpoints_and_the_last_without_trouble_stay(tmp_path: Path) -> None:
+    for sync_points, good in ((10, 10), (20, 20), (30, 20), (40, 20), (50, 20)):
+        _write_checkpoint(tmp_path, sync_points, good)
+    left = {n: checkpoints.find_at_sync_point(tmp_path, n) is not None for n in range(10, 60, 10)}
+    assert left == {10: False, 20: True, 30: False, 40: True, 50: True}
+
+
+def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
+    _write_checkpoint(tmp_path, 3, 3)
     found = checkpoints.find_newest(tmp_path)
     assert found is not None
     assert checkpoints.array_names(found.state(None)) == {"place_m"}
     _set_version(found.folder / checkpoints.ABOUT, 1)
     with pytest.raises(OtherFormat, match=r"checkpoint\.json: has format 1; this flipflow reads format"):
         checkpoints.find_newest(tmp_path)
-
-
-def test_another_version_of_a_recording_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "panels.h5"
-    recordings.write(file, recordings.File(78.5, "a shaft about (0, 1, 0)", {}))
-    assert recordings.read(file).speed_rad_per_s == 78.5
-    with h5py.File(file, "a") as opened:
-        opened.attrs["format_version"] = 1
-    with pytest.raises(recordings.UnreadableRecording, match="has format 1; this flipflow reads"):
-        recordings.read(file)

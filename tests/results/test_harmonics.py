@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.case.tables.frames import Drive
 from orchestrator.output.cycles import (
     count_whole_cycles,
     cycle_number,
@@ -166,14 +165,6 @@ def test_a_motion_of_twice_the_frequency_is_named(twice: float, named: str) -> N
     motions = {"slow": slow, "still": noise, "fast": slow + twice * wave(time_s, speed=2 * SPEED)}
     found = {name: first_harmonic(time_s, values, CYCLE_S) for name, values in motions.items()}
     assert mostly_other(found) == named
-
-
-def test_the_phase_of_a_drive_is_that_of_its_largest_motion() -> None:
-    """Half a turn is a motion of the opposite sign."""
-    drive = Drive(speed_rad_per_s=2.0, amplitude_m=(-0.006, 0.0, 0.002), phase_rad=(0.3, 0.0, 1.0))
-    assert drive.largest_phase_rad == pytest.approx(0.3 + np.pi)
-    turned = Drive(speed_rad_per_s=2.0, rotation_rad=(0.0, 0.01, 0.0), rotation_phase_rad=(0.0, 0.7, 0.0))
-    assert turned.largest_phase_rad == 0.7
 
 
 def test_the_cut_of_coarse_particles_is_as_coarse_as_they_are() -> None:

@@ -10,29 +10,50 @@ from typing import Any
 import h5py
 import pytest
 
-from orchestrator.case.scalars import SCALARS
+from orchestrator.figures.results import FIGURES
+from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.output.report.formatting import number
-from orchestrator.output.report.headline import (
-    COMPUTED,
-    EFFICIENCY,
-    HEIGHT,
-    NOT_STEADY,
-    Tile,
-    headline,
-    headline_lines,
-)
+from orchestrator.output.report.headline import COMPUTED, NOT_STEADY, Tile, headline, headline_lines
 from orchestrator.output.report.page import Film, page
-from orchestrator.output.results.compute import compute_results
-from tests.results.synthetic import BIN_KG, CYCLE_S, DEPTH_M, LEAVES, MASS_KG, POWER_W, folder_of
+from tests.results.synthetic import (
+    BIN_KG,
+    CYCLE_S,
+    DEPTH_M,
+    LEAVES,
+    MASS_KG,
+    POWER_W,
+    folder_of,
+    parsed,
+    results_table,
+)
 
 
 @pytest.fixture(scope="module")
 def steady(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    return compute_results(folder_of(tmp_path_factory.mktemp("headline") / "run"))
+    return results_table(folder_of(tmp_path_factory.mktemp("headline") / "run"))
+
+
+EFFICIENCY = FIGURES["results.screening.efficiency_percent"].words
+HEIGHT = FIGURES["results.bed.mean_depth_m"].words
+WHOLE_FEED = {
+    "left_out_percent": 12.5,
+    "smallest_computed_m": 0.0015,
+    "smallest_m": 0.0005,
+    "fines_percent": 50.0,
+    "fine_placement_percent": {"value": 13.0},
+    "continuation": {
+        "factor": 3.0,
+        "tested_factor": 1.5,
+        "tested_error_percent": 1.0,
+        "error_percent": -1.23,
+    },
+    "sections": [],
+    "curve": None,
+}
 
 
 def tiles_of(found: dict[str, Any]) -> dict[str, Tile]:
-    return {tile.name: tile for tile in headline(found)}
+    return {tile.name: tile for tile in headline(parsed(found))}
 
 
 def test_a_steady_run_says_from_how_much_its_figures_are(steady: dict[str, Any]) -> None:
@@ -66,7 +87,7 @@ def test_the_bed_is_told_by_its_load_and_by_the_mean_of_its_height(steady: dict[
 
 def test_the_feed_is_in_tonnes_an_hour_with_kilograms_a_second_beside(steady: dict[str, Any]) -> None:
     feed_kg_per_s = (LEAVES * MASS_KG).sum() / CYCLE_S
-    (feed,) = [tile for tile in headline(steady) if tile.name.startswith("feed")]
+    (feed,) = [tile for tile in headline(parsed(steady)) if tile.name.startswith("feed")]
     assert (float(feed.value), feed.unit) == (pytest.approx(3.6 * feed_kg_per_s, rel=1e-4), "t/h")
     assert feed.also == f"{number(feed_kg_per_s)} kg/s"
     assert f" t/h = {feed.also} (over " in feed.line
@@ -75,30 +96,46 @@ def test_the_feed_is_in_tonnes_an_hour_with_kilograms_a_second_beside(steady: di
 def test_the_whole_feed_says_how_far_its_curve_is_continued(steady: dict[str, Any]) -> None:
     """How far the curve is continued, and the error of that, which the interval has."""
     efficiency = steady["screening"]["efficiency_percent"]
-    added = {"left_out_percent": 12.5, "smallest_computed_m": 0.0015, "smallest_m": 0.0005}
-    added |= {"continuation": {"error_percent": -1.23}}
-    screening = steady["screening"] | {"whole_feed": added | {"efficiency_percent": efficiency}}
-    told = headline(steady | {"screening": screening})
+    screening = steady["screening"] | {"whole_feed": WHOLE_FEED | {"efficiency_percent": efficiency}}
+    told = headline(parsed(steady | {"screening": screening}))
     tile = told[0]
     assert [each.name for each in told[:2]] == [EFFICIENCY, f"{EFFICIENCY}{COMPUTED}"]
     assert tile.over.startswith("12.5 % of the feed by the partition curve, continued from 1.5 to 0.5 mm; ")
     assert "; the interval has the error of that, some 1.2 points" in tile.over
 
 
+def test_the_grains_that_tell_the_separation_of_a_transient_are_named(steady: dict[str, Any]) -> None:
+    """Instead of a window of cycles, which has others, and with why there is no interval."""
+    cohort = {"fed_until_s": 0.95, "remaining_percent": 0.4, "particles": 104}
+    reason = {"half_width": None, "reason": "no interval: the deck was still filling; by chance alone ± 9.0"}
+    cohort["efficiency_percent"] = {"value": 64.6, **reason}
+    continuation = WHOLE_FEED["continuation"] | {"error_percent": 1.2}  # type: ignore[operator]
+    added = WHOLE_FEED | {"continuation": continuation, "efficiency_percent": {"value": 70.0, **reason}}
+    screening = steady["screening"] | {"cohort": cohort, "whole_feed": added}
+    transient = steady["steady"] | {"is_steady": False, "reason": "too short"}
+    told = [*headline_lines(parsed(steady | {"screening": screening, "steady": transient}))]
+    (whole,) = (line for line in told if f"{EFFICIENCY}: 70.0 %" in line)
+    (computed,) = (line for line in told if f"{EFFICIENCY}{COMPUTED}: 64.6 %" in line)
+    assert "; the error of that is some 1.2 points, 104 particles" in whole
+    for line in (whole, computed):
+        assert line.endswith(f"104 particles that were fed until 0.950 s; {reason['reason']})")
+        assert "cycles" not in line
+
+
 def test_an_efficiency_that_is_not_known_has_its_reason(steady: dict[str, Any]) -> None:
     """Where no curve completes what is left out, the figure of the computed sizes is not the answer."""
     missing = steady["missing"] | {"whole feed": "12 fine particles left; its curve needs 100"}
-    told = headline(steady | {"missing": missing})
+    told = headline(parsed(steady | {"missing": missing}))
     assert told[0].line == f"{EFFICIENCY}: unknown (12 fine particles left; its curve needs 100)"
     assert told[1].name == f"{EFFICIENCY}{COMPUTED}"
-    short = SCALARS["efficiency"].of, SCALARS["computed_efficiency"].of
+    short = SHORT_NAMES["efficiency"].of, SHORT_NAMES["computed_efficiency"].of
     computed = steady["screening"]["efficiency_percent"]["value"]
     assert [of({"results": steady | {"missing": missing}}) for of in short[:1]] == [None]
     for of in short:
         number = of({"results": steady})
         assert number is not None
         assert number.value == computed
-    whole = {"efficiency_percent": {"value": 12.0, "half_width": 3.0}}
+    whole = WHOLE_FEED | {"efficiency_percent": {"value": 12.0, "half_width": 3.0}}
     completed = steady | {"screening": steady["screening"] | {"whole_feed": whole}}
     values = [of({"results": completed}) for of in short]
     assert [value and value.value for value in values] == [12.0, computed]
@@ -125,8 +162,9 @@ def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
         "one": {"peak_g": 900.0, "cycle_peak_g": calm, "rms_g": calm | {"value": 30.0}},
         "two": {"peak_g": 300.0, "cycle_peak_g": calm | {"value": 60.0}, "rms_g": calm | {"value": 20.0}},
     }
+    place = {"panel": "deck-1", "at": [0.5, 0.5], "band_Hz": 500.0, "peak_normal_g": 9.0, "rms_normal_g": 1.0}
     for point in points.values():
-        point["cycle_peak_100_Hz_g"] = calm | {"value": 40.0}
+        point |= place | {"cycle_peak_100_Hz_g": calm | {"value": 40.0}}
     tiles = tiles_of(steady | {"motion": steady["motion"] | {"panel_points": points}})
     told = {name: tile.line.split(" (")[0] for name, tile in tiles.items() if "acceleration" in name}
     assert list(told.values()) == [
@@ -169,7 +207,7 @@ def test_panels_and_frames_stand_in_natural_order(tmp_path: Path) -> None:
     with h5py.File(folder / "history.h5", "a") as history:
         for number in (10, 11):
             history.copy("panel_cycles/deck-1", f"panel_cycles/deck-{number}")
-    found = compute_results(folder)
+    found = results_table(folder)
     assert list(found["motion"]["panels"]) == ["deck-1", "deck-2", "deck-10", "deck-11"]
 
 
@@ -177,7 +215,7 @@ def test_panels_and_frames_stand_in_natural_order(tmp_path: Path) -> None:
 def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
     """So early, what has left is mostly what leaves fast: it does not tell the separation."""
     folder = folder_of(tmp_path / "run", cycles=cycles)
-    found = compute_results(folder)
+    found = results_table(folder)
     tiles = tiles_of(found)
     over = f"{cycles} cycles, {number(cycles * CYCLE_S)} s"
     assert tiles["feed"].over == over
@@ -186,12 +224,12 @@ def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
     assert not [name for name in tiles if "yield" in name or "recover" in name]
     for name, tile in tiles.items():
         assert tile.unsteady is not name.startswith(("largest panel", "panel acceleration", "relative"))
-    said = [*headline_lines(found)]
+    said = [*headline_lines(parsed(found))]
     assert [line for line in said if NOT_STEADY in line] == [f"{NOT_STEADY}:"]
     at = said.index(f"{NOT_STEADY}:")
     assert said[at - 1].startswith("No steady state: ")
-    assert said[at + 1 :] == [f"  {tile.line}" for tile in headline(found) if tile.unsteady]
-    text = re.sub(r"\s+", " ", page(folder, found, lambda *_: Film(b"", reason="none")))
+    assert said[at + 1 :] == [f"  {tile.line}" for tile in headline(parsed(found)) if tile.unsteady]
+    text = re.sub(r"\s+", " ", page(folder, parsed(found), lambda *_: Film(b"", reason="none")))
     assert f"over {over}<br><strong>{NOT_STEADY}</strong>" in text
     feed = tiles["feed"]
     assert f'{feed.value} <span class="unit">t/h</span></div> <div class="give"> = {feed.also}<' in text
@@ -200,6 +238,6 @@ def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
 def test_a_machine_that_still_runs_up_is_not_steady(tmp_path: Path) -> None:
     """Two cycles are averaged over: nobody can see whether they settle."""
     folder = folder_of(tmp_path / "run", particles=False, cycles=4)
-    found = compute_results(folder)
+    found = results_table(folder)
     assert found["motion"]["reason"] == "averaged over 2 cycles; 4 are needed to see it settle"
-    assert all(tile.unsteady for tile in headline(found))
+    assert all(tile.unsteady for tile in headline(parsed(found)))

@@ -36,8 +36,8 @@ def span(run: RunReader, turns: int) -> tuple[float, float]:
 def test_turns_up_and_turns_after_which_a_mat_repeats_itself(tmp_path: Path) -> None:
     up = np.tile([True, False], 10)
     run = read(tmp_path / "run", np.where(up, -0.002, -0.028), np.where(up, 0.031, 0.003))
-    assert mat_turns(run, "deck-1", *span(run, 20)) == {"turns_up_share": 0.5, "repeats_after_turns": 2}
-    assert mat_turns(run, "deck-2", *span(run, 20)) == {"turns_up_share": 0.0, "repeats_after_turns": 1}
+    assert mat_turns(run, "deck-1", *span(run, 20)) == (0.5, 2)
+    assert mat_turns(run, "deck-2", *span(run, 20)) == (0.0, 1)
     assert why_not_settled(run, *span(run, 20)) == ""
 
 

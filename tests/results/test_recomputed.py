@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.case.scalars import SCALARS, value_at
+from orchestrator.figures.short_names import SHORT_NAMES, value_at
 from orchestrator.output.results.tidy import single_numbers
 from orchestrator.studies.quantities import MEASURES, measure
 from tests.cases import case_folder
@@ -144,7 +144,7 @@ def test_a_name_has_one_meaning(folder: Path) -> None:
     for name, value in quantities.items():
         if name in every:
             assert min(every[name]) * 0.999999 <= value <= max(every[name]) * 1.000001, name
-    short = {name: value for name in SCALARS if (value := value_at(table, name)) is not None}
+    short = {name: value for name in SHORT_NAMES if (value := value_at(table, name)) is not None}
     assert len(short) > 15
     assert not short.keys() & (quantities.keys() | MEASURES.keys())
     for name, number in short.items():
@@ -177,7 +177,7 @@ mass_moment_kg_m = 0.004
 speed_rad_per_s = 60.0
 run_up_s = 0.2
 [frames]
-solver = "planar"
+solver = "exudyn"
 [particles]
 solver = "none"
 [coupling]

@@ -8,6 +8,7 @@ import re
 import shutil
 import signal
 import tomllib
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,6 +21,9 @@ import pytest
 import tomli_w
 
 from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.machine import PanelWear
+from orchestrator.figures.material import Section
 from orchestrator.output.drawing import figure
 from orchestrator.output.records.run_folder import RUN_LOCK, lock
 from orchestrator.output.report.facts import left_out_facts
@@ -101,11 +105,18 @@ def labels_below(fig: Any) -> list[Any]:
 
 @pytest.mark.parametrize("count", [2, 8, 16])
 def test_names_of_many_sections_and_panels_do_not_overlap(count: int) -> None:
-    share = {"value": 50.0, "half_width": 5.0}
-    figures = ("yield", "local_efficiency", "cumulative_efficiency")
-    rows = [{"exit": f"section-{n}"} | {f"{name}_percent": share for name in figures} for n in range(count)]
-    worn = {"panels": {f"upper-deck-{n}": {"depth_m_per_h": np.ones((8, 4))} for n in range(count)}}
-    for fig in (draw_sections({"sections": rows}), draw_wear(worn)):
+    share, depth = Estimate(50.0, 5.0), np.ones((8, 4))
+    shares = {f"{name}_percent": share for name in ("yield", "local_efficiency", "cumulative_efficiency")}
+    rows = [Section(exit=f"section-{n}", **shares) for n in range(count)]
+    panel = PanelWear(
+        worn_m3=1.0,
+        mean_m_per_h=Estimate(1.0),
+        largest_m_per_h=1.0,
+        largest_at=np.array([0.5, 0.5]),
+        worn_through_h=None,
+        depth_m_per_h=depth,
+    )
+    for fig in (draw_sections(rows), draw_wear({f"upper-deck-{n}": panel for n in range(count)})):
         boxes = labels_below(fig)
         assert len(boxes) == count
         assert all(left.x1 < right.x0 for left, right in pairwise(boxes))
@@ -118,7 +129,7 @@ def test_names_of_many_sections_and_panels_do_not_overlap(count: int) -> None:
 
 def test_the_page_of_a_slice_says_how_wide_it_is_and_what_is_scaled(tmp_path: Path) -> None:
     run = folder_of(tmp_path / "run", cycles=15)
-    found = compute_results(run) | {"share_of_width": 0.25, "slice_width_m": 0.05}
+    found = replace(compute_results(run), share_of_width=0.25, slice_width_m=0.05)
     text = re.sub(r"\s+", " ", page(run, found, lambda *_: Film(b"", reason="left out by the test")))
     assert "Computed is a slice of 50.0 mm, 25.0 % of the width" in text
     assert ">feed, of the whole width<" in text
@@ -276,7 +287,7 @@ def test_numbers(value: float | None, scale: float, text: str) -> None:
     ],
 )
 def test_intervals(value: float | None, width: float | None, text: str) -> None:
-    assert interval({"value": value, "half_width": width, "batches": 20}) == text
+    assert interval(Estimate(value, width)) == text
 
 
 def test_what_was_left_out_is_said_with_its_number() -> None:

@@ -12,13 +12,13 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.case.scalars import scalar
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.short_names import named
 from orchestrator.output.records.history import write_results
 from orchestrator.output.records.summary import write_summary
 from orchestrator.output.report.formatting import interval
 from orchestrator.output.report.headline import headline
 from orchestrator.output.report.page import Film, page
-from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.observed import ObservedMotion
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.scene import scene
@@ -26,7 +26,7 @@ from orchestrator.studies.commands.sweep import sweep_rows, write_sweep
 from orchestrator.studies.criteria import Criterion
 from orchestrator.studies.points import Vary
 from orchestrator.studies.quantities import number_of
-from tests.results.synthetic import folder_of
+from tests.results.synthetic import folder_of, parsed, results_table
 
 PAIR = "driven-driving"
 VARY = Vary("screen.exciters.shaft.speed_rad_per_s", ("78.5",))
@@ -44,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             swing_m = 4e-4 * np.exp(-time_s) * np.cos(29 * time_s) + 3e-4 * np.cos(3 * 78.5 * time_s)
             noise_m = rng.normal(0.0, 1e-4, (len(time_s), 3))
             group["displacement_m"][...] = group["displacement_m"][:] + sign * swing_m + noise_m
-    table = compute_results(folder)
+    table = results_table(folder)
     write_summary(folder, RunReader(folder).summary | {"results": table})
     write_results(folder / "history.h5", table)
     return folder
@@ -53,7 +53,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def along(folder: Path) -> dict[str, Any]:
     """What the results say of the relative amplitude along the deck."""
-    estimate: dict[str, Any] = compute_results(folder)["motion"]["relative"][PAIR]["along_m"]
+    estimate: dict[str, Any] = results_table(folder)["motion"]["relative"][PAIR]["along_m"]
     return estimate
 
 
@@ -64,7 +64,7 @@ def test_it_is_the_first_harmonic(along: dict[str, Any]) -> None:
 
 def test_the_results_agree_with_themselves(folder: Path, along: dict[str, Any]) -> None:
     with RunReader(folder) as run:
-        orbit = run.results["motion"]["relative"][PAIR]
+        orbit = run.summary["results"]["motion"]["relative"][PAIR]
         assert orbit["amplitude_m"][0] == orbit["along_m"]["value"] == along["value"]
         assert orbit["half_width_m"][0] == orbit["along_m"]["half_width"] == along["half_width"]
         stored = run.history[f"results/motion/relative/{PAIR}/along_m"]
@@ -85,16 +85,16 @@ def test_the_sweep_and_the_paper_have_the_same_bits(
 
 
 def test_explain_and_the_accuracy_study_ask_for_the_same(folder: Path, along: dict[str, Any]) -> None:
-    found = scalar("stroke").of(RunReader(folder).summary)
+    found = named("stroke").of(RunReader(folder).summary)
     assert found is not None
     assert (found.value, found.half_width) == (along["value"], along["half_width"])
 
 
 def test_the_report_has_the_same_digits(folder: Path, along: dict[str, Any]) -> None:
-    table = compute_results(folder)
-    text = re.sub(r"\s+", " ", page(folder, table, lambda *_: Film(b"", reason="none")))
-    shown = interval(along, 1e3)
-    (tile,) = [tile for tile in headline(table) if tile.name.startswith("relative amplitude")]
+    table = results_table(folder)
+    text = re.sub(r"\s+", " ", page(folder, parsed(table), lambda *_: Film(b"", reason="none")))
+    shown = interval(Estimate(along["value"], along["half_width"]), 1e3)
+    (tile,) = [tile for tile in headline(parsed(table)) if tile.name.startswith("relative amplitude")]
     assert f"{tile.value} ± {tile.interval}" == shown
     row = re.search(rf"{PAIR}, relative.*?</tr>", text)
     assert row is not None
@@ -105,7 +105,7 @@ def test_the_report_has_the_same_digits(folder: Path, along: dict[str, Any]) -> 
 def test_the_verdicts_see_the_same_stroke(folder: Path, along: dict[str, Any]) -> None:
     """At the panels' ends the frames' rotations count, too: without them it is the frames'."""
     with RunReader(folder) as run:
-        motion = compute_results(folder)["motion"]
+        motion = results_table(folder)["motion"]
         observed = ObservedMotion(scene(run.case), run, motion["start_s"], motion["end_s"])
         one, two = (np.array(observed.phasor(name)) for name in ("driving", "driven"))
         seen_m = abs((two - one) @ run.deck_axes[:, 0])
@@ -114,9 +114,9 @@ def test_the_verdicts_see_the_same_stroke(folder: Path, along: dict[str, Any]) -
 
 def test_another_settled_state_is_the_same_everywhere(folder: Path, tmp_path: Path) -> None:
     with RunReader(folder) as run:
-        motion = run.results["motion"]
+        motion = run.summary["results"]["motion"]
     assert motion["is_settled"]
-    assert not headline({"share_of_width": 1.0, "motion": motion})[0].unsteady
+    assert not headline(parsed({"motion": motion}))[0].unsteady
     point: Any = SimpleNamespace(value="78.5", folder=folder, status=lambda: "done")
     (row,) = sweep_rows(VARY, [point])
     assert (row["settled"], row["drift"]) == ("yes", motion["drift"])

@@ -14,6 +14,7 @@ from orchestrator.output.results.events import (
     find_steady_state,
     find_truncation,
 )
+from orchestrator.output.results.screening import screening
 from orchestrator.ports import Array
 
 
@@ -121,6 +122,20 @@ def test_batches_and_short_runs_are_not_steady() -> None:
 def test_truncation_of_a_step() -> None:
     """Sixty values of 0, then two hundred of 1: exactly the zeros go."""
     assert find_truncation(np.concatenate([np.zeros(60), np.ones(200)])) == 60
+
+
+def test_what_lay_there_at_the_start_did_not_come() -> None:
+    """In each of 40 cycles a fine grain comes and one passes, and of two that lie there one is never seen
+    again: what passes is all that came, and not 40 of 42."""
+    cycles, ones = np.arange(40), np.ones(42)
+    came_s = np.concatenate([[0.0, 0.0], 0.5 * (cycles + 0.25)])
+    came = EventTable(np.arange(42), came_s, 0.01 * ones, 2.0 * ones)
+    left = EventTable(
+        cycles, 0.5 * (cycles + 0.75), 0.01 * ones[2:], 2.0 * ones[2:], np.zeros((40, 3)), np.zeros(40, int)
+    )
+    events = Events(came, left, Exits(("under", "over"), ("undersize", "oversize")), 0.5 * np.arange(41.0))
+    assert (events.steady.reason, events.steady.first) == ("", 0)
+    assert screening(events, 0.02)["recovered_percent"].value == pytest.approx(100.0)
 
 
 def test_the_hold_up_of_a_cycle_is_its_mean_over_time() -> None:

@@ -8,10 +8,12 @@ from typing import Any
 
 import pytest
 
+from orchestrator.cli.launch import run
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import closing_lines, iteration_lines, monitor_lines
-from tests.cases import loaded
+from tests.cases import case_folder, loaded
+from tests.runs.outside import summary
 
 
 @pytest.mark.parametrize(("created_J", "doubtful"), [(-0.05, False), (0.2, True), (-0.2, True)])
@@ -110,6 +112,15 @@ def test_the_balance_of_particles_names_the_slice(
     }
     (balance,) = [line for line in closing_lines(summary) if line.startswith("particles")]
     assert balance == f"particles{where}: came 0.25 kg (3) = on deck 0.25 kg (3) + lost 0 kg (0)"
+
+
+@pytest.mark.slow
+def test_a_run_of_half_the_width_says_so(tmp_path: Path) -> None:
+    """Results of the whole width are divided by it."""
+    case = case_folder(tmp_path / "case")
+    sets = ["slice.width_m=0.1", "particles.solver=none", "panel.solver=rigid", "frames.solver=two-mass"]
+    assert run(case, None, tmp_path / "run", [*sets, "duration_s=0.002", "output.pictures=false"]) == 0
+    assert summary(tmp_path / "run")["share_of_width"] == pytest.approx(0.5)
 
 
 def test_the_cycle_is_that_of_the_slowest_that_moves(tmp_path: Path) -> None:

@@ -84,10 +84,10 @@ def test_a_steady_run_that_begins_with_a_bed_knows_recovery_and_residence() -> N
     """The bed of t = 0 did not come in the window, and nobody knows how long it has been there."""
     events = carried_bed(0.7, (1.0, 3.0))
     assert not events.steady.reason
-    recovered = screening(events, 0.003)["recovered_percent"]
+    recovered = screening(events, 0.003).recovered_percent
     assert abs(recovered.value - 70.0) < 4 * recovered.standard_error
     assert recovered.standard_error < 1.0
-    residence = transport(events, None)["residence_s"]
+    residence = transport(events, None).residence_s
     assert abs(residence.value - 2.0) < 4 * residence.standard_error
     assert residence.standard_error < 0.02
 
@@ -97,7 +97,7 @@ def test_what_lay_there_at_the_start_has_no_residence_in_an_unsteady_run_either(
     events = carried_bed(0.7, (1.0, 3.0), end_s=4.0)
     events = replace(events, feed_changes_s=(3.9,))
     assert events.steady.reason
-    residence = transport(events, None)["residence_s"]
+    residence = transport(events, None).residence_s
     fed, left = events.fed, events.removed
     over = (left.exit == 1) & ~np.isin(left.id, fed.id[fed.time_s <= 0.0])
     assert residence.value == pytest.approx(float(residence_s(fed, left)[over].mean()), rel=1e-12)

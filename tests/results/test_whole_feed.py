@@ -11,6 +11,7 @@ import pytest
 
 from orchestrator.case.bed.size_distribution import finer_share
 from orchestrator.case.tables.bed import Feed
+from orchestrator.figures.material import WholeFeed
 from orchestrator.output.results import compute
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.events import Events, EventTable, Exits
@@ -147,10 +148,10 @@ def test_feeds_are_mixed_by_what_they_have_fed() -> None:
     assert over.left_out == pytest.approx(alone, rel=1e-12)
 
 
-def completed(seen: Events, fines: FeedFines) -> dict[str, Any]:
+def completed(seen: Events, fines: FeedFines) -> WholeFeed:
     """Return the table of the whole feed."""
     table = whole_feed(seen, fines, OPENING_M, OPEN_SHARE)
-    assert isinstance(table, dict), table
+    assert isinstance(table, WholeFeed), table
     return table
 
 
@@ -163,16 +164,16 @@ def test_the_whole_feed_is_completed(limit_m: float) -> None:
     seen = events(LAW, limit_m)
     fines = feed_fines([feed(limit_m)], OPENING_M)
     table = completed(seen, fines)
-    placement = table["fine_placement_percent"]
+    placement = table.fine_placement_percent
     assert placement.standard_error < 2.0
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
-    assert table["efficiency_percent"].value == pytest.approx(placement.value, rel=1e-12)
-    assert (table["smallest_computed_m"], table["smallest_m"]) == (pytest.approx(limit_m), 0.0005)
-    one, two = table["sections"]
+    assert table.efficiency_percent.value == pytest.approx(placement.value, rel=1e-12)
+    assert (table.smallest_computed_m, table.smallest_m) == (pytest.approx(limit_m), 0.0005)
+    one, two = table.sections
     half = replace(LAW, attempts=LAW.attempts / 2)
-    error = one["cumulative_efficiency_percent"].standard_error
-    assert abs(one["cumulative_efficiency_percent"].value - 100 * mean_passed(half)) < 4 * error
-    whole_yield = one["yield_percent"].value + two["yield_percent"].value
+    error = one.cumulative_efficiency_percent.standard_error
+    assert abs(one.cumulative_efficiency_percent.value - 100 * mean_passed(half)) < 4 * error
+    whole_yield = one.yield_percent.value + two.yield_percent.value
     assert whole_yield == pytest.approx(fines.total * placement.value, rel=1e-9)
 
 
@@ -186,23 +187,23 @@ def test_the_interval_has_the_error_of_the_continuation() -> None:
     steep = PartitionCurve(6.0, 1.5, OPENING_M, OPEN_SHARE)
     seen = events(steep, 0.001, 200_000, alike_m)
     table, truth = completed(seen, fines), 100 * mean_passed(steep, alike_m)
-    found, told = table["fine_placement_percent"], table["continuation"]
-    assert (told["factor"], told["tested_factor"]) == pytest.approx((2.0, 3**0.5), rel=1e-6)
+    found, told = table.fine_placement_percent, table.continuation
+    assert (told.factor, told.tested_factor) == pytest.approx((2.0, 3**0.5), rel=1e-6)
     seen_m, passed = seen.removed.diameter_m, seen.removed.exit < 2
     finer = seen_m < 0.003**0.5 * seen_m.min() ** 0.5
     law = fit_partition(seen_m[~finer], passed[~finer] * 1.0, ~passed[~finer] * 1.0, OPENING_M, OPEN_SHARE)
     assert law is not None
     kg = seen.removed.mass_kg[finer]
     too_much = 100 * np.average(law.passed(seen_m[finer]) - passed[finer], weights=kg)
-    assert told["tested_error_percent"] == pytest.approx(too_much, abs=1.0)
+    assert told.tested_error_percent == pytest.approx(too_much, abs=1.0)
     by_scatter = found.standard_error * 2.3
     assert found.value - truth > by_scatter  # what an interval without the error would say
     assert abs(found.value - truth) < found.half_width
-    assert told["error_percent"] == pytest.approx(
-        0.2 * told["tested_error_percent"] * (np.log(2) / np.log(3**0.5)) ** 2, rel=0.05
+    assert told.error_percent == pytest.approx(
+        0.2 * told.tested_error_percent * (np.log(2) / np.log(3**0.5)) ** 2, rel=0.05
     )
     sure = completed(events(steep, 0.001, 200_000), fines)
-    assert abs(sure["continuation"]["error_percent"]) < 0.3 * told["error_percent"]
+    assert abs(sure.continuation.error_percent) < 0.3 * told.error_percent
 
 
 def test_a_curve_that_cannot_be_tested_is_not_continued(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -214,9 +215,9 @@ def test_a_curve_that_cannot_be_tested_is_not_continued(monkeypatch: pytest.Monk
     monkeypatch.setattr(compute, "smaller_sides_m", lambda _: [OPENING_M])
     monkeypatch.setattr(compute, "open_share", lambda _: OPEN_SHARE)
     run: Any = SimpleNamespace(case=SimpleNamespace(bed=SimpleNamespace(feeds={"coal": feed(0.001)})))
-    table: dict[str, Any] = {"screening": {"fine_particles": 10_000}, "missing": {}}
-    compute._add_whole_feed(run, none, OPENING_M, table)
-    assert "the coarser half of the fines" in table["missing"]["whole feed"]
+    missing: dict[str, str] = {}
+    assert compute._whole_feed(run, none, OPENING_M, missing) is None
+    assert "the coarser half of the fines" in missing["whole feed"]
 
 
 @pytest.mark.parametrize("alike_m", [0.0, 0.95])
@@ -229,14 +230,14 @@ def test_sizes_beyond_the_tested_factor_pass_between_the_last_tested_one_and_all
     alike_m *= 0.001
     fines = feed_fines([feed(0.002)], OPENING_M)
     table = completed(events(LAW, 0.002), fines)
-    placement, told = table["fine_placement_percent"], table["continuation"]
+    placement, told = table.fine_placement_percent, table.continuation
     assert abs(placement.value - 100 * mean_passed(LAW, alike_m)) < placement.half_width
     reach_of_test = np.log(OPENING_M / 0.002) / 2
-    tested = 0.6 * told["tested_error_percent"] * (np.log(TESTED_FACTOR) / reach_of_test) ** 2
+    tested = 0.6 * told.tested_error_percent * (np.log(TESTED_FACTOR) / reach_of_test) ** 2
     least, sizes_m = float(LAW.passed(np.array(0.001))), np.linspace(0.0005, 0.001, 20_001)
     passed = LAW.passed(sizes_m)
     doubt = 100 * 0.2 * float(np.maximum(passed - least, 1 - passed).mean())
-    assert abs(told["error_percent"]) == pytest.approx(abs(tested) + doubt, abs=0.3)
+    assert abs(told.error_percent) == pytest.approx(abs(tested) + doubt, abs=0.3)
 
 
 def test_a_curve_of_which_too_little_is_known_is_refused() -> None:
@@ -264,10 +265,10 @@ def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
     assert weight == pytest.approx(of_finest, rel=1e-9)
     rows = (replace(row, mass_kg=row.mass_kg / weight) for row in (seen.fed, seen.removed))
     fed_more = Events(*rows, seen.exits, seen.edges_s, listed=fines.listed)
-    placement = completed(fed_more, fines)["fine_placement_percent"]
+    placement = completed(fed_more, fines).fine_placement_percent
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
     unweighed = completed(replace(fed_more, listed=None), fines)
-    assert unweighed["fine_placement_percent"].value > placement.value + 1.0
+    assert unweighed.fine_placement_percent.value > placement.value + 1.0
 
 
 def test_a_sampled_grain_stands_for_the_others_of_its_size() -> None:
@@ -284,20 +285,20 @@ def test_a_sampled_grain_stands_for_the_others_of_its_size() -> None:
     there = np.random.default_rng(3).uniform(size=len(chance)) < chance
     seen = replace(every, fed=_part(every.fed, there), removed=_part(every.removed, there), listed=listed)
     unweighed, weighed = (screening(of, OPENING_M) for of in (replace(seen, listed=None), seen))
-    found = weighed["efficiency_percent"]
+    found = weighed.efficiency_percent
     error = max(found.standard_error, found.counting)
     truth = 100 * mean_passed(LAW)
     assert error < 1.0
     assert abs(found.value - truth) < 4 * error
-    assert unweighed["efficiency_percent"].value < truth - 10
-    assert weighed["feed_kg_per_s"].value == unweighed["feed_kg_per_s"].value
-    assert weighed["undersize_kg_per_s"].value == unweighed["undersize_kg_per_s"].value
-    local = weighed["sections"][0]["cumulative_efficiency_percent"].value
+    assert unweighed.efficiency_percent.value < truth - 10
+    assert weighed.feed_kg_per_s.value == unweighed.feed_kg_per_s.value
+    assert weighed.undersize_kg_per_s.value == unweighed.undersize_kg_per_s.value
+    local = weighed.sections[0].cumulative_efficiency_percent.value
     assert abs(local - 100 * mean_passed(replace(LAW, attempts=LAW.attempts / 2))) < 4 * error
     fines = feed_fines([Feed.model_validate(table | {"smallest_fed_m": 0.001})], OPENING_M)
     coarser = there & (every.removed.diameter_m >= 0.001)
     part = replace(seen, fed=_part(every.fed, coarser), removed=_part(every.removed, coarser))
-    placement = completed(part, fines)["fine_placement_percent"]
+    placement = completed(part, fines).fine_placement_percent
     assert abs(placement.value - truth) < 4 * placement.standard_error
 
 
@@ -313,9 +314,9 @@ def test_coarse_grains_that_pass_lower_the_efficiency() -> None:
     table = completed(seen, fines)
     coarse = seen.removed.diameter_m >= 0.002
     passed = seen.removed.mass_kg[coarse & (seen.removed.exit < 2)].sum() / seen.removed.mass_kg[coarse].sum()
-    lower = table["fine_placement_percent"].value - table["efficiency_percent"].value
+    lower = table.fine_placement_percent.value - table.efficiency_percent.value
     assert lower == pytest.approx(100 * passed, rel=5e-3)
-    assert table["efficiency_percent"].half_width > table["fine_placement_percent"].half_width
+    assert table.efficiency_percent.half_width > table.fine_placement_percent.half_width
 
 
 def test_openings_that_differ_have_no_common_curve(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -325,13 +326,14 @@ def test_openings_that_differ_have_no_common_curve(monkeypatch: pytest.MonkeyPat
     for openings_m, is_there in (((OPENING_M, OPENING_M), True), ((2 * OPENING_M, OPENING_M), False)):
         monkeypatch.setattr(compute, "smaller_sides_m", lambda _, given=openings_m: given)
         monkeypatch.setattr(compute, "open_share", lambda _: OPEN_SHARE)
-        table: dict[str, Any] = {"screening": {"fine_particles": 10_000}, "missing": {}}
-        compute._add_whole_feed(run, events(LAW, 0.001), OPENING_M, table)
-        assert ("whole_feed" in table["screening"]) == is_there
-        assert ("whole feed" in table["missing"]) != is_there
+        missing: dict[str, str] = {}
+        found = compute._whole_feed(run, events(LAW, 0.001), OPENING_M, missing)
+        assert (found is not None) == is_there
+        assert ("whole feed" in missing) != is_there
 
 
 def test_a_run_that_computes_all_sizes_has_none(tmp_path_factory: pytest.TempPathFactory) -> None:
     results = compute_results(folder_of(tmp_path_factory.mktemp("whole") / "run"))
-    assert "whole_feed" not in results["screening"]
-    assert "whole feed" not in results["missing"]
+    assert results.screening is not None
+    assert results.screening.whole_feed is None
+    assert "whole feed" not in results.missing

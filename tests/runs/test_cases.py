@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
+from orchestrator.figures.results import parse_results
 from orchestrator.output.report.headline import headline
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
@@ -73,7 +74,7 @@ def test_results_are_made_and_shown(case: Done) -> None:
     """What a run cannot have is no failure: a case without frames has no orbits."""
     name, folder, done = case
     found = has_results(folder)
-    for tile in headline(found):
+    for tile in headline(parse_results({"results": found})):
         assert tile.line in done.stderr
         if tile.value != "unknown":  # else the reason stands there
             assert " over " in tile.line.replace("(", " "), "from how much it is"

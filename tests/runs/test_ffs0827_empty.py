@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.output.results.harmonics import find_orbits
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.studies.criteria import read_criteria
 from tests.runs.outside import QUICK, ROOT, flipflow, run_words
@@ -24,8 +23,11 @@ def test_the_frames_move_as_in_table_4(tmp_path: Path) -> None:
     rows = [r for r in read_criteria(ROOT / "cases/ffs0827-empty").criteria if r.ours == "fitted"]
     assert len(rows) == 13
     for row in rows:
-        amplitude = find_orbits(results)[row.of]["amplitude_m"]["xyz".index(row.axis)]
+        amplitude = {**results.motion.frames, **results.motion.relative}[row.of].amplitude_m[
+            "xyz".index(row.axis)
+        ]
         assert row.band is not None
         low, high = row.band
         assert low <= 1e3 * amplitude <= high, row.what
-    assert results["motion"]["drift"] < 0.02
+    assert results.motion.drift is not None
+    assert results.motion.drift < 0.02

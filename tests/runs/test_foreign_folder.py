@@ -136,7 +136,6 @@ COMMANDS = {
     "report": ["report", "{run}"],
     "compare": ["compare", "{run}", "{other}"],
     "results": ["results", "{run}"],
-    "record": ["record", "{run}", "--out", "{other}.h5"],
     "sweep": ["study", "sweep", "{case}", "--vary", "duration_s=0.01,0.02", "--out", "{downloads}"],
     "from_run": ["check", "{case}", "--set", "bed.from_run={run}"],
 }

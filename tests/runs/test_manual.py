@@ -33,7 +33,6 @@ LEDGER = documented("### `energy_ledger_J`")
 WEAR = "contacts.1.specific_wear_m3_per_N_m=1e-12"
 STOPS = "screen.panels.deck.stops.flange={from_m=0.0, to_m=0.04, gap_m=0.012}"
 CUT = "output.cut_size_m=0.017"  # the quickstart's panels have no openings that would tell it
-RECORDED = {"supplied.panel.recording"}  # tests/runs/test_recorded.py has a run
 MOTOR = (
     "screen.exciters.shaft.motor={rated_power_W=900, synchronous_speed_rad_per_s=80, rated_slip=0.04, "
     "moment_of_inertia_kg_m2=0.05}"
@@ -85,10 +84,10 @@ def test_the_keys_of_the_results(folder: Path) -> None:
     done = flipflow(*run_words("quickstart", cycles, [*QUICK, "duration_s=0.17", CUT, WEAR]))
     assert done.returncode == 0, done.stderr
     found = summary(cycles)["results"]
-    longer = {"course", "contacts"}  # eighteen cycles; a hundred fines that left
-    assert set(found) == documented("### `results`") - longer
+    others = {"course", "contacts", "slice_width_m"}  # eighteen cycles; a hundred fines that left; a slice
+    assert set(found) == documented("### `results`") - others
     for name in ("steady", "motion", "screening", "wear"):
-        of_feeds = {"cohort"}  # of what was fed
+        of_feeds = {"cohort", "whole_feed"}  # of what was fed
         assert set(found[name]) == documented(f"### `results.{name}`") - of_feeds
     with h5py.File(cycles / "history.h5") as history:
         assert set(history["results"]) == set(found)
@@ -98,7 +97,7 @@ def test_the_keys_of_the_results(folder: Path) -> None:
 
 def test_the_files(folder: Path) -> None:
     named = {name.rstrip("/") for name in documented("# The folder of a run")}
-    elsewhere = {"<surface>.stl", "failure.txt", "report.html", "recording.h5", "bed.h5"}
+    elsewhere = {"<surface>.stl", "failure.txt", "report.html", "bed.h5"}
     elsewhere |= {"point_orbits.png", "panel_instants.png"}  # of three probes or more
     assert {name for name in named if name.endswith(".png")} == set(PICTURES)
     found = {path.name for path in folder.iterdir()}
@@ -159,7 +158,7 @@ def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
     cheap = ledger_of((STOPS,), "quickstart", tmp_path / "a")
     moved = ledger_of(("screen.frames.moving.drive.run_up_s=0",), "panel-cycle", tmp_path / "b")
     turned = ledger_of(("frames.solver=planar", MOTOR), "quickstart", tmp_path / "c")
-    assert cheap | moved | turned == LEDGER - SOLID - RECORDED
+    assert cheap | moved | turned == LEDGER - SOLID
 
 
 @pytest.mark.solver

@@ -227,14 +227,6 @@ def test_what_is_no_run_or_was_not_saved_is_refused(
     shutil.rmtree(stopped / "checkpoints")
     assert resume(stopped, []) == launch.WRONG
     assert "nothing was saved" in capsys.readouterr().err
-    (stopped / "saves").mkdir()
-    assert resume(stopped, []) == launch.FAILED
-    assert "as an older flipflow wrote them" in capsys.readouterr().err
-
-
-def test_the_former_name_of_the_option_is_refused_with_the_new_one(stopped: Path) -> None:
-    former = flipflow("resume", str(stopped), "--save", "77")
-    assert (former.returncode, "--checkpoint 77" in former.stderr) == (launch.WRONG, True)
 
 
 # the run waits after an output, so that the signal meets it before its end

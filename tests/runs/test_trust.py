@@ -108,6 +108,7 @@ GOOD: dict[str, Any] = {
     ("key", "worse", "says"),
     [
         ("energy_exchanged_J", {"particles-panel": 0.4}, "The coupling created 1.07 %"),
+        ("energy_ledger_J", {"created.particles-panel": -0.04}, "The coupling destroyed 2 %"),
         ("energy_ledger_J", {"defect.particles": -0.2}, "particles' solver destroyed 8.7 %"),
         ("momentum_residuals", {"panel": 2e-9}, "Momentum does not close (panel)"),
         ("energy_exchanged_J", {"panel-frames": 1.0}, "(panel and frames)"),
@@ -116,6 +117,8 @@ GOOD: dict[str, Any] = {
         ("material", {"lost": {"number": 999, "mass_kg": 0.999}}, "999 particles, 99.9 % of the mass"),
         ("energy_ledger_J", {"defect.particles": -4.6}, "destroyed 200 %"),
         ("material", {"escaped": {"number": 11, "mass_kg": 0.011}}, "fit through no opening"),
+        ("material", {"deepest_overlaps": {"surface_per_diameter": 0.26}}, "sank into the surface by 0.52"),
+        ("material", {"deepest_overlaps": {"between_per_diameter": 0.26}}, "sank into each other by 0.52"),
     ],
 )
 def test_each_ground(key: str, worse: dict[str, Any], says: str) -> None:
@@ -129,6 +132,7 @@ def test_each_ground(key: str, worse: dict[str, Any], says: str) -> None:
     [
         ("iterations", {"unsolved": 900, "worst": 0.09}),  # as good as the plain scheme
         ("material", {"lost": {"number": 900, "mass_kg": 0.9}, "exits": {}}),  # no products
+        ("material", {"deepest_overlaps": {"surface_per_diameter": 0.24, "between_per_diameter": 0.24}}),
         ("material", {"fed": {"number": 0, "mass_kg": 0.0}, "lost": {"number": 0, "mass_kg": 0.0}}),
     ],
 )

@@ -22,6 +22,7 @@ from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.sheet.feed_shares import shares_at
 from orchestrator.preflight.sheet.sheet import bed_depth_m, duty_of, sheet, too_small_decks
 from orchestrator.preflight.sheet.supports import power_W, support_forces
+from tests.cases import loaded
 
 CASES = Path(__file__).parents[2] / "cases"
 COAL = {"feed": "0-50 mm", "cut": "6 mm", "material": "coal", "throughput": "250 t/h", "width": "2.4 m"}
@@ -143,6 +144,37 @@ def test_check_warns_of_a_small_deck_at_the_case_s_own_rate() -> None:
     assert lines["required area"].values["area_m2"] == pytest.approx(1.92)
     assert 1.8e-3 < lines["Karra's model"].values["d50_m"] < 2.0e-3
     assert all(line.source for line in lines.values())
+
+
+def test_the_sheet_is_of_the_rate_that_set_gives() -> None:
+    judged = load_judged(CASES / "ffs0827", "draft", ["bed.feeds.coal.rate_kg_per_s=20 t/h"])
+    duty = duty_of(judged.case.original, given_rates_kg_per_s(judged))
+    assert duty is not None
+    assert duty.fed_kg_per_s == pytest.approx(20 / 3.6)
+
+
+def test_the_bulk_of_two_feeds_fills_the_sum_of_their_volumes(tmp_path: Path) -> None:
+    """1 kg/s of 1500 kg/m3 and 3 kg/s of 3000 kg/m3, of which a bed has 0.6: 4 kg in 1/900 + 3/1800 m3."""
+    feed = (
+        'bed.feeds.{0}={{material="{0}", rate_kg_per_s={1}, box_m=[[{2}, 0, 0.1], [{3}, 0.1, 0.2]], '
+        "velocity_m_per_s=[0, 0, -1], sizes=[{{smallest_m=0.001, largest_m=0.02, mass_fraction=1}}]}}"
+    )
+    ore = "{density_kg_per_m3=3000, youngs_modulus_Pa=1e7, poisson_ratio=0.3}"
+    sets = ["materials.coal.density_kg_per_m3=1500", f"materials.ore={ore}"]
+    sets += [feed.format("coal", 1, 0.0, 0.1), feed.format("ore", 3, 0.1, 0.2)]
+    openings = "{length_m=0.01, width_m=0.01, pitch_along_m=0.015, pitch_across_m=0.015}"
+    duty = duty_of(loaded(tmp_path, [*sets, f"screen.panels.deck.apertures={openings}"]).case)
+    assert duty is not None
+    assert duty.bulk_kg_per_m3 == pytest.approx(4.0 / (1.0 / 900.0 + 3.0 / 1800.0))
+
+
+def test_the_bed_at_the_discharge_has_what_did_not_pass() -> None:
+    """85 % of what is finer than the openings has passed by then (the sheet's efficiency)."""
+    lines = {line.name: line.values for line in sheet(scene(load_judged(CASES / "ffs0827").case.original))}
+    undersize = 1.0 - lines["feed"]["oversize"]
+    depth = lines["bed depth"]
+    assert 0.1 < undersize < 1.0
+    assert depth["discharge_m"] / depth["feed_m"] == pytest.approx(1.0 - 0.85 * undersize)
 
 
 def test_bearings_of_an_exciter(tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ from pydantic import Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
 from orchestrator.case.file.layers import read_toml
-from orchestrator.case.scalars import scalar
 from orchestrator.case.tables.quantities import Name, OneLine, Positive, Table
+from orchestrator.figures.short_names import named
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 
 
@@ -81,7 +81,7 @@ def _mistakes(scene: Scene) -> list[tuple[str, str, str]]:
     mistakes = []
     for name in scene.asked:
         try:
-            scalar(name)
+            named(name)
         except KeyError as error:
             mistakes.append(("asked", str(error.args[0]), ""))
     for name in scene.effects:

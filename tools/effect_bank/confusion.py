@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from orchestrator.case.scalars import scalar
+from orchestrator.figures.short_names import named
 from orchestrator.output.records import trust
 from orchestrator.preflight.judgement.pair import Change, compute_change
 from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
@@ -142,7 +142,7 @@ def change(
     the result.  With a single run on each side, the interval is that of the runs themselves if random numbers
     place the particles (``by_chance``); otherwise the two runs differ by the effect alone.
     """
-    asked = scalar(name)
+    asked = named(name)
     values = [[asked.of(summary) for summary in each] for each in (with_it, without)]
     if len(with_it) == len(without) == 1:
         single = compute_change(values[0][0], values[1][0], asked.floor)

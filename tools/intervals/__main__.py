@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.scalars import value_at
+from orchestrator.figures.short_names import value_at
 from orchestrator.output.records.run_folder import SUMMARY
 from orchestrator.output.results.compute import compute_results
 

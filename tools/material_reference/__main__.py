@@ -43,7 +43,8 @@ def _materials() -> Iterator[str]:
     """Yield a section for each material."""
     yield "## Materials\n"
     for material in materials().values():
-        yield f"### {material.name}\n\n{material.about[0].upper()}{material.about[1:]}.\n"
+        also = f" Also named {', '.join(material.also)}." if material.also else ""
+        yield f"### {material.name}\n\n{material.about[0].upper()}{material.about[1:]}.{also}\n"
         if material.shape:
             yield f"Shape: `{material.shape}`.\n"
         yield HEAD

@@ -22,8 +22,7 @@ class Collocation:
     """The steps of a linear machine under loads at the nodes.
 
     ``step_s`` is the present length of a step; ``node_s``, ``weight_s`` (stages,) are times from the step's
-    start, and weights that sum to the step; ``integral_s`` (stages, stages) takes rates at the nodes to their
-    integrals there.
+    start, and weights that sum to the step.
     """
 
     def __init__(self, machine: LinearMachine) -> None:
@@ -39,14 +38,14 @@ class Collocation:
         if step_s == self.step_s:
             return
         rate, push, size = self._rate, self._push, len(self._rate)
-        node, weight, integral = _tableau()
+        node, weight, integral = tableau()
         system = np.eye(STAGES * size) - step_s * np.kron(integral, rate)
         start = np.kron(np.ones((STAGES, 1)), np.eye(size))
         self._inner = np.linalg.solve(system, np.hstack([start, step_s * np.kron(integral, push)]))
         self._outer = step_s * np.kron(weight, rate) @ self._inner
         self._outer[:, :size] += np.eye(size)
         self._outer[:, size:] += step_s * np.kron(weight, push)
-        self.node_s, self.weight_s, self.integral_s = step_s * node, step_s * weight, step_s * integral
+        self.node_s, self.weight_s = step_s * node, step_s * weight
         self.step_s = step_s
 
     def stages(self, x: Array, v: Array, load: Array) -> tuple[Array, Array]:
@@ -61,17 +60,7 @@ class Collocation:
         return state[: len(x)], state[len(x) :]
 
 
-def onward() -> Array:
-    """Return the matrix (stages, stages) that extrapolates values at a step's nodes to the next step's nodes.
-
-    It uses the parabola that fits best.
-    """
-    node, _, _ = _tableau()
-    fitted = np.linalg.pinv(np.vander(node, 3))
-    return np.asarray(np.vander(node + 1, 3) @ fitted)
-
-
-def _tableau() -> tuple[Array, Array, Array]:
+def tableau() -> tuple[Array, Array, Array]:
     """Return nodes and weights on (0, 1), and a_ij = the integral of basis polynomial j up to node i."""
     from scipy.special import roots_sh_legendre
 

@@ -15,7 +15,7 @@ from adapters.frames.common.hysteresis import Hysteresis
 from adapters.frames.common.ledger import FramesLedger
 from orchestrator.ports import Array, Indices, Known, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.linear_frames import LinearMachine, driven, free, linearise, numbers
+from orchestrator.ports.linear_frames import LinearMachine, free, linearise, numbers
 from orchestrator.ports.plans import DrivePlan, ExciterPlan, FramesPlan
 from orchestrator.ports.state import SavedAttributes
 
@@ -137,12 +137,6 @@ def onto_bodies(plan: FramesPlan, carrier: Indices) -> Array:
     """Return the matrix (bodies, points) that sums the effect on points over the bodies that carry them."""
     carried = np.arange(len(plan.bodies))[:, None] == carrier
     return np.asarray(carried, dtype=np.float64)
-
-
-def free_first(plan: FramesPlan) -> FramesPlan:
-    """Return the same machine with its driven bodies last, in the order of the drives."""
-    order = [*free(plan), *driven(plan)]
-    return replace(plan, bodies=tuple(plan.bodies[number] for number in order))
 
 
 def _resting_load(plan: FramesPlan, carrier: Indices) -> Array:

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array, Indices, Interpolation
 from orchestrator.ports.geometry import Rectangle
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 
 ROUNDING = 1e-9  # of a cell
+NODE_SLOPES = np.array([[-3.0, 4.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -4.0, 3.0]])
+"""The slopes of the quadratic shape functions (columns) at the nodes (rows) of a cell of length 1."""
 
 
 def _with_middles(breaks_m: Array) -> Array:
@@ -117,13 +120,28 @@ class ElementGrid:
         s, y = np.meshgrid(_with_middles(self.s_m), _with_middles(self.y_m), indexing="ij")
         return np.column_stack((s.ravel(), y.ravel()))
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
+        """Return the interpolation at ``coordinates_m`` (n, 2), or (n, 3) with offsets.  Raises ValueError
+        outside the grid."""
+        return Interpolation.of(coordinates_m, self.values, self.slopes)
+
+    def values(self, coordinates_m: Array) -> csr_array:
         """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2); ValueError outside the grid."""
         slack_m = 1e-9 * (self.s_m[-1] - self.s_m[0])
         row, s = locate(self.s_m, coordinates_m[:, 0], slack_m)
         column, y = locate(self.y_m, coordinates_m[:, 1], slack_m)
         size = 2 * len(self.s_m) - 1, 2 * len(self.y_m) - 1
         return tensor_product(2 * row, _quadratic(s), 2 * column, _quadratic(y), size)
+
+    def slopes(self, coordinates_m: Array) -> tuple[csr_array, csr_array]:
+        """Return the slopes along and across (n, nodes) in 1/m at ``coordinates_m`` (n, 2).
+
+        They are those at the nodes, and between them as other values, so that the normal has no jumps from
+        cell to cell.
+        """
+        H = self.values(coordinates_m)
+        along, across = nodal_slopes(self, np.ones(self.shape, dtype=np.bool_))
+        return H @ along, H @ across
 
     def shares(self, coordinates_m: Array) -> csr_array:
         """Return the shares (n, nodes) of loads at ``coordinates_m`` (n, 2) that the nearest nodes take.
@@ -140,7 +158,40 @@ class ElementGrid:
     def numbers_of(self, coordinates_m: Array) -> Indices:
         """Return for each node, (nodes,), the number of the point of ``coordinates_m`` (nodes, 2 or more)
         that stands there."""
-        return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))
+        return numbers_at_nodes(self.values(coordinates_m[:, :2]))
+
+
+def nodal_slopes(grid: ElementGrid, material: npt.NDArray[np.bool_]) -> tuple[csr_array, csr_array]:
+    """Return the matrices (nodes, nodes) of the slopes along and across in 1/m at the nodes.
+
+    A node has the mean of the slopes in its cells with ``material`` (cells along, cells across), and a node
+    at the inner edge of a clamp that of the cell under the clamp, which is rigid.  Rows of nodes without such
+    a cell are empty.
+    """
+    from scipy.sparse import csr_array
+
+    cell = np.nonzero(material)
+    last = np.array(grid.shape) - 1
+    weight = np.ones((len(cell[0]), 3))  # of a cell at its first, middle and last nodes along
+    if grid.s_m[0] < 0.0:
+        weight[cell[0] == 1, 0] = weight[cell[0] == last[0] - 1, 2] = 0.0
+    first = 2 * np.stack(cell, axis=1)
+    i, j, other = np.mgrid[:3, :3, :3].reshape(3, -1)
+    columns, nodes = 2 * grid.shape[1] + 1, np.prod(2 * np.array(grid.shape) + 1)
+
+    def number(a: Indices, b: Indices) -> Indices:
+        return (first[:, :1] + a) * columns + first[:, 1:] + b
+
+    def means(other_node: Indices, derivative: Array, sizes_m: Array, weight: Array) -> csr_array:
+        entry = derivative * weight / sizes_m[:, None]
+        node = number(i, j)
+        sums = csr_array((entry.ravel(), (node.ravel(), other_node.ravel())), shape=(nodes, nodes))
+        weights = np.bincount(node.ravel(), weight.ravel() / 3, nodes)  # three entries of each cell
+        return csr_array(sums.multiply(1.0 / np.where(weights > 0.0, weights, 1.0)[:, None]))
+
+    along_m, across_m = np.diff(grid.s_m)[cell[0]], np.diff(grid.y_m)[cell[1]]
+    along = means(number(other, j), NODE_SLOPES[i, other], along_m, weight[:, i])
+    return along, means(number(i, other), NODE_SLOPES[j, other], across_m, np.ones((len(weight), 27)))
 
 
 def numbers_at_nodes(interpolation: csr_array) -> Indices:

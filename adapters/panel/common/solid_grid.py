@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.common.grid import ElementGrid, clamped_rows_m, numbers_at_nodes
-from orchestrator.ports import Array, Indices
+from adapters.panel.common.grid import ElementGrid, clamped_rows_m, nodal_slopes, numbers_at_nodes
+from orchestrator.ports import Array, Indices, Interpolation
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan
 
@@ -185,15 +185,27 @@ class PiercedGrid:
                 areas_m2[i : i + 2 * along : 2, j : j + 2 * across : 2] += first * second * cells_m2
         return areas_m2.ravel()
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
+        """Return the interpolation at ``coordinates_m`` (n, 2), or (n, 3) with offsets.  Raises ValueError
+        outside the grid."""
+        return Interpolation.of(coordinates_m, self.values, self.slopes)
+
+    def slopes(self, coordinates_m: Array) -> tuple[csr_array, csr_array]:
+        """Return the slopes along and across (n, nodes) in 1/m at ``coordinates_m`` (n, 2), as
+        ``ElementGrid.slopes`` does, of cells with material alone."""
+        H, there = self.values(coordinates_m), self._there()
+        along, across = nodal_slopes(self.whole, self.hole_of_cell() < 0)
+        return H @ along[there][:, there], H @ across[there][:, there]
+
+    def values(self, coordinates_m: Array) -> csr_array:
         """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2).
 
         In holes they are those of two places on their sides, by distance.  Raises ValueError outside the
         grid.
         """
         low_m, high_m, share = self._sides(coordinates_m)
-        low = self.whole.interpolation(low_m).multiply(1.0 - share[:, None])
-        high = self.whole.interpolation(high_m).multiply(share[:, None])
+        low = self.whole.values(low_m).multiply(1.0 - share[:, None])
+        high = self.whole.values(high_m).multiply(share[:, None])
         return csr_array((low + high).tocsc()[:, self._there()])
 
     def _sides(self, coordinates_m: Array) -> tuple[Array, Array, Array]:
@@ -218,4 +230,4 @@ class PiercedGrid:
     def numbers_of(self, coordinates_m: Array) -> Indices:
         """Return for each node the number of the point that stands there, as ``ElementGrid.numbers_of``
         does."""
-        return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))
+        return numbers_at_nodes(self.values(coordinates_m[:, :2]))

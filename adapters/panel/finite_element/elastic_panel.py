@@ -16,7 +16,7 @@ from adapters.panel.finite_element import integrators
 from adapters.panel.finite_element.panel_at_rest import PanelAtRest
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
-from orchestrator.ports import Array, HermitePath, Indices, Inertia, Known, Motion, Mount
+from orchestrator.ports import Array, HermitePath, Indices, Inertia, Interpolation, Known, Motion, Mount
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 
@@ -51,7 +51,7 @@ class ElasticPanel(BodyPanel):
         self._waves_m_per_s = (plan.material.youngs_modulus_Pa / plan.material.density_kg_per_m3) ** 0.5
         self._surface = self._surface_motion()
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
         return self._grid.interpolation(coordinates_m)
 
     def inertia(self) -> Inertia:

@@ -22,7 +22,7 @@ from adapters.panel.common.panel import choose_step_s
 from adapters.panel.strip.chain import Chain, build_chain
 from adapters.panel.strip.motion import ChainMotion
 from adapters.panel.strip.resting_shape import settle
-from orchestrator.ports import Array, HermitePath, Inertia, Known, Motion, Mount
+from orchestrator.ports import Array, HermitePath, Inertia, Interpolation, Known, Motion, Mount
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan, SolverFailed
 
@@ -99,9 +99,12 @@ class Strip(CompiledPanel):
         held = (2 * self._body.held[:, None] + np.arange(2)).ravel()
         return clamps.among(len(self._surface), held)
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Return shape functions, bilinear in (s, y) between the rows."""
-        return bilinear.interpolation(self._chain.rows_m, self._width_m, coordinates_m)
+    def interpolation(self, coordinates_m: Array) -> Interpolation:
+        """Return shape functions, bilinear in (s, y) between the rows; the normal turns evenly, as the chain
+        bends at its rows."""
+        rows_m = self._chain.rows_m
+        slopes_1_m = bilinear.row_slopes_1_m(rows_m, self._chain.clamp_of_row >= 0)
+        return bilinear.interpolation(rows_m, self._width_m, coordinates_m, slopes_1_m)
 
     def _static_reaction_N(self) -> Array:
         middle_N = self._body.onto_held(self._weight_N + self._body.internal_N)

@@ -64,9 +64,9 @@ def carry_bed(case: Case, folder: Path) -> Case:
     try:
         found = _find_particles(bed, folder)
     except UnreadableBed as error:
-        raise CaseError([CaseProblem(key, str(error))]) from None
+        raise CaseError([CaseProblem(key, str(error), kind="file")]) from None
     if not len(found):
-        raise CaseError([CaseProblem(key, f"{found.source} has no particles")])
+        raise CaseError([CaseProblem(key, f"{found.source} has no particles", kind="file")])
     if unfit := (*_unfit(case, found),):
         stand_ins = _stand_ins(case, found)
         if stand_ins is None:
@@ -262,7 +262,7 @@ def leave_out_outside(case: Case) -> Case:
     inside = ((carried.position_m >= low) & (carried.position_m <= high)).all(axis=1)
     if not inside.any():
         what = f"all {len(carried)} particles of {carried.source} are outside domain_m"
-        raise CaseError([CaseProblem(("bed", "outside"), what)])
+        raise CaseError([CaseProblem(("bed", "outside"), what, kind="misplaced")])
     left = case.bed.with_carried(saved_bed.keep_used_materials(carried.part(inside)))
     if case.original is case:
         return case.computed_with({"bed": left})

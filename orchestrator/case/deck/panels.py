@@ -93,7 +93,6 @@ def unit_vector(vector: Sequence[float] | Array) -> Array:
 
 
 def _rectangle(case: Case, row: PanelTable, number: int) -> Rectangle:
-    """Return the place, in the world, of a panel with this number in its row."""
     along, across = unit_vector(row.along), unit_vector(row.across)
     corner = np.asarray(row.corner_m) + number * (row.pitch_m or 0.0) * along
     return Rectangle(

@@ -26,7 +26,8 @@ from orchestrator.ports.meshing import gmsh_session
 class TriangleGrid:
     """The triangles over a panel, in material coordinates.
 
-    ``coordinates_m`` (n, 2) are the points, and ``triangles`` (m, 3) have normals towards the bed.
+    ``coordinates_m`` (n, 2) are the points, or (n, 3) with their offsets along the panel's normal, as
+    ``MeshedPanel.interpolation`` takes them.  ``triangles`` (m, 3) have normals towards the bed.
     ``centre_line`` has the numbers of the points nearest to the middle of the width, in their order
     along the panel.
     """

@@ -138,7 +138,7 @@ def _file_keys(table: Mapping[str, Any]) -> list[tuple[str, ...]]:
     screen = table.get("screen")
     surfaces = screen.get("surfaces") if isinstance(screen, Mapping) else None
     names = [*surfaces] if isinstance(surfaces, Mapping) else []
-    keys = [("panel", "recording"), *BEDS, *(("screen", "surfaces", name, "stl") for name in names)]
+    keys = [*BEDS, *(("screen", "surfaces", name, "stl") for name in names)]
     return [key for key in keys if isinstance(_value_at(table, key), str)]
 
 
@@ -153,11 +153,11 @@ def _base_folder(base: Any, folder: Path, source: str) -> Path:
     hint = f'for example {BASE} = "../ffs0827-empty"'
     if not isinstance(base, str) or not base.isprintable() or Path(base).is_absolute():
         what = f"{show_value(base)} is wrong, the folder of another case, seen from this one, is wanted"
-        raise CaseError([CaseProblem((BASE,), what, hint, source)])
+        raise CaseError([CaseProblem((BASE,), what, hint, source, kind="wrong-type")])
     found = (folder / base).resolve()
     if not (found / CASE_FILE).is_file():
         beside = sorted(each.parent.name for each in found.parent.glob(f"*/{CASE_FILE}"))
         hint = did_you_mean(found.name, beside, say="cases there") if beside else hint
         what = f"{show_value(base)} is no case: there is no {CASE_FILE}"
-        raise CaseError([CaseProblem((BASE,), what, hint, source)])
+        raise CaseError([CaseProblem((BASE,), what, hint, source, kind="file")])
     return found

@@ -244,7 +244,6 @@ def _measure(elements: Elements, points: Sequence[Point]) -> CurveFit:
 
 
 def _fitted(curve: BushingCurve) -> BushingCurve:
-    """Return a curve with elements."""
     if curve.elastic_N_per_m is not None:
         return curve
     elements = fit_points(curve_points(curve)).elements
@@ -255,7 +254,6 @@ def _fitted(curve: BushingCurve) -> BushingCurve:
 
 
 def _loss_factor(point: CurvePoint) -> float:
-    """Return the loss factor of a point that gives it, or the damping in its place."""
     if point.loss_factor is not None:
         return point.loss_factor
     assert point.damping_N_s_per_m is not None, "_faults refuses points without a loss"
@@ -270,9 +268,13 @@ def _faults(name: str, bushing: Bushing) -> Iterator[CaseProblem]:
         if any(axes.count(axis) > 1 for axis in curve.axes):
             yield CaseProblem((*key, "axes"), f'"{curve.axes}" has an axis twice', "give each one curve")
         if not curve.points and curve.elastic_N_per_m is None:
-            yield CaseProblem(key, "has no points", 'give points, file = "table.csv" or elastic_N_per_m')
+            yield CaseProblem(
+                key, "has no points", 'give points, file = "table.csv" or elastic_N_per_m', kind="missing"
+            )
         if curve.elastic_N_per_m is None and (curve.friction or curve.maxwell):
-            yield CaseProblem((*key, "elastic_N_per_m"), "missing beside friction and maxwell")
+            yield CaseProblem(
+                (*key, "elastic_N_per_m"), "missing beside friction and maxwell", kind="missing"
+            )
         for place, point in enumerate(curve.points):
             if (point.loss_factor is None) == (point.damping_N_s_per_m is None):
                 what = "has no loss" if point.loss_factor is None else "has two losses"
@@ -315,21 +317,25 @@ def _read_points(folder: Path, name: str, key: Key, source: str) -> list[dict[st
     try:
         rows = [row for row in csv.reader(StringIO(text)) if any(cell.strip() for cell in row)]
     except csv.Error as error:
-        raise CaseError([CaseProblem(key, f"cannot be read: {error}", file=name)]) from error
+        raise CaseError([CaseProblem(key, f"cannot be read: {error}", file=name, kind="file")]) from error
     head = [cell.strip() for cell in rows[0]] if rows else []
     known = [*CurvePoint.model_fields]
     problems = [
-        CaseProblem(key, f"no column {show_value(word)}", did_you_mean(word, known), file=name)
+        CaseProblem(
+            key, f"no column {show_value(word)}", did_you_mean(word, known), file=name, kind="unknown-name"
+        )
         for word in head
         if word not in known
     ]
     if len(rows) < 2:
-        problems.append(CaseProblem(key, "has no rows", f"first line: {', '.join(known[:4])}", file=name))
+        problems.append(
+            CaseProblem(key, "has no rows", f"first line: {', '.join(known[:4])}", file=name, kind="file")
+        )
     points = []
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(head):
             what = f"row {number}: {len(row)} cells instead of {len(head)}"
-            problems.append(CaseProblem(key, what, file=name))
+            problems.append(CaseProblem(key, what, file=name, kind="wrong-type"))
             continue
         point = {}
         for word, cell in zip(head, row, strict=True):
@@ -338,7 +344,7 @@ def _read_points(folder: Path, name: str, key: Key, source: str) -> list[dict[st
                     point[word] = float(cell)
             except ValueError:
                 what = f"row {number}: {word}: {show_value(cell)} is no number"
-                problems.append(CaseProblem(key, what, file=name))
+                problems.append(CaseProblem(key, what, file=name, kind="wrong-type"))
         points.append(point)
     if problems:
         raise CaseError(problems)

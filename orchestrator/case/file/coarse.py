@@ -44,7 +44,6 @@ def coarsen(case: Case) -> Case:
 
 
 def _single_particles(case: Case) -> list[CaseProblem]:
-    """Return a problem if the case has single particles, which cannot be coarse."""
     if not case.bed.particles:
         return []
     first = next(iter(case.bed.particles))
@@ -102,7 +101,6 @@ def _bed(bed: Bed, k: float) -> Bed:
 
 
 def _scale_sizes(row: Filled, k: float) -> Filled:
-    """Return a block or feed with all sizes multiplied by k."""
     sizes = tuple(size_class.times(k, "smallest_m", "largest_m") for size_class in row.sizes)
     curve = tuple(point.times(k, "diameter_m") for point in row.curve)
     limits = ("smallest_fed_m", *(("sampled_below_m", "sampled_as_m") if isinstance(row, Feed) else ()))

@@ -18,16 +18,18 @@ def read_data_file(folder: Path, name: str, key: Key, source: str) -> str:
     file = (folder / name).resolve()
     if not file.is_relative_to(folder.resolve()):
         what = f"{show_value(name)} is outside of the case's folder"
-        raise CaseError([CaseProblem(key, what, file=source)])
+        raise CaseError([CaseProblem(key, what, file=source, kind="file")])
     try:
         if file.exists() and not file.is_file():  # a pipe would be waited for
-            raise CaseError([CaseProblem(key, "is no file", file=name)])
+            raise CaseError([CaseProblem(key, "is no file", file=name, kind="file")])
         if file.stat().st_size > LARGEST_BYTES:
-            raise CaseError([CaseProblem(key, f"is larger than {LARGEST_BYTES} bytes", file=name)])
+            raise CaseError(
+                [CaseProblem(key, f"is larger than {LARGEST_BYTES} bytes", file=name, kind="file")]
+            )
         return _text(file.read_bytes())
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else error
-        raise CaseError([CaseProblem(key, f"cannot be read: {why}", file=name)]) from error
+        raise CaseError([CaseProblem(key, f"cannot be read: {why}", file=name, kind="file")]) from error
 
 
 def _text(data: bytes) -> str:

@@ -58,7 +58,7 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
     segments, counts = len(deck.slopes_deg), deck.panels_per_slope
     if counts and (len(counts) != segments or sum(counts) != deck.panels):
         what = f"{list(counts)} is not one number for each of {segments} slopes, {deck.panels} panels in all"
-        yield CaseProblem((*key, "panels_per_slope"), what)
+        yield CaseProblem((*key, "panels_per_slope"), what, kind="wrong-type")
     elif not counts and segments and deck.panels % segments:
         what = f"{segments} segments do not divide {deck.panels} panels"
         whole = [
@@ -68,7 +68,7 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
         yield CaseProblem((*key, "panels"), what, f"{hint} panels of a pitch that keeps the length")
     if len(deck.tension_m) not in (1, deck.panels):
         what = f"{len(deck.tension_m)} values for {deck.panels} panels"
-        yield CaseProblem((*key, "tension_m"), what, "give one for all, or one for each")
+        yield CaseProblem((*key, "tension_m"), what, "give one for all, or one for each", kind="wrong-type")
         return
     for tension_m in sorted(set(tensions(deck))):
         strain = tension_m / deck.length_m
@@ -76,12 +76,12 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
             what = f"{tension_m:g} m on {deck.length_m:g} m is a strain of {strain:.3g}"
             limit_m = LARGEST_STRAIN * deck.length_m
             hint = f"at most {LARGEST_STRAIN:g}, which is {limit_m:.3g} m, taut or slack"
-            yield CaseProblem((*key, "tension_m"), what, hint)
+            yield CaseProblem((*key, "tension_m"), what, hint, kind="out-of-range")
     needed_m = mounted_m(deck)
     if pitch_m(deck) < needed_m - 1e-12:
         what = f"{pitch_m(deck):g} m lets neighbours overlap"
         hint = f"length, tension and two clamps need {needed_m:g} m"
-        yield CaseProblem((*key, "pitch_m"), what, hint)
+        yield CaseProblem((*key, "pitch_m"), what, hint, kind="misplaced")
 
 
 def move_to_deck(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:

@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -15,38 +15,37 @@ from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.case.file.units import why_refused
 
 Key = tuple[str | int, ...]
+Kind = Literal[
+    "unknown-key",
+    "unknown-name",
+    "missing",
+    "wrong-type",
+    "unit",
+    "out-of-range",
+    "misplaced",
+    "file",
+    "solver",
+    "conflict",
+]
+"""The kind of a problem: a key that its table does not have; a name that nothing has, or a word that is not
+one of those wanted; a value that is not there; a value of another
+type, form or number of elements; a number with a wrong unit; a number beyond its limits; parts or particles
+where they cannot be; a file that cannot be read or written; a solver that cannot do it; values that do not
+go together."""
+BEYOND = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number")
+"""The kinds of pydantic's errors that are of a number beyond its limits."""
 MOST = 50  # A message shows at most so many problems.
 LONGEST = 600  # The line about a problem has at most so many characters.
-# These keys of earlier versions were renamed in 2026-11.
-RENAMED = {
-    "damping_N_s_m": "damping_N_s_per_m",
-    "density_kg_m3": "density_kg_per_m3",
-    "fitted": "ours",
-    "gravity_m_s2": "gravity_m_per_s2",
-    "hand_over": "exchange",
-    "rate_kg_s": "rate_kg_per_s",
-    "save": "checkpoint",
-    "specific_wear_m3_N_m": "specific_wear_m3_per_N_m",
-    "speed_rad_s": "speed_rad_per_s",
-    "spin_rad_s": "spin_rad_per_s",
-    "stiffness_N_m": "stiffness_N_per_m",
-    "stiffness_Pa_m": "stiffness_Pa_per_m",
-    "synchronous_speed_rad_s": "synchronous_speed_rad_per_s",
-    "velocity_m_s": "velocity_m_per_s",
-    "watch": "monitor",
-    "work_of_adhesion_J_m2": "work_of_adhesion_J_per_m2",
-}
-# These values of earlier versions were replaced in 2026-11.
-REPLACED = {"spheres": "liggghts"}
 
 
 @dataclass(frozen=True)
 class CaseProblem:
     """A problem at a key of the case; an empty ``key`` stands for the whole file.
 
-    ``what`` says what is wrong, and ``hint`` how to correct it.  ``Layers.named`` fills in ``file``,
-    because the layers know which file gave a key.  ``guesses_unit`` says that the hint takes the value for
-    one without a unit; ``Layers.named`` leaves out such a hint where the user gave a unit.
+    ``what`` says what is wrong, ``hint`` how to correct it, and ``kind`` is for programs.
+    ``Layers.named`` fills in ``file``, because the layers know which file gave a key. ``guesses_unit``
+    says that the hint takes the value for one without a unit; ``Layers.named`` leaves out such a hint
+    where the user gave a unit.
     """
 
     key: Key
@@ -54,6 +53,7 @@ class CaseProblem:
     hint: str = ""
     file: str = ""
     guesses_unit: bool = False
+    kind: Kind = "conflict"
 
     def __str__(self) -> str:
         place = " ".join(part for part in (self.file, dotted_key(self.key)) if part)
@@ -63,6 +63,11 @@ class CaseProblem:
     def what_helps(self) -> str:
         """What is wrong and how to correct it, without the place."""
         return f"{self.what}; {self.hint}" if self.hint else self.what
+
+    def as_json(self) -> dict[str, str]:
+        """Return the problem as a table of texts (docs/json-output.md)."""
+        texts = {"what": visible(self.what), "hint": visible(self.hint)}
+        return {"kind": self.kind, "file": self.file, "key": dotted_key(self.key), **texts}
 
 
 class CaseError(Exception):
@@ -132,16 +137,12 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
         if detail["type"] == "extra_forbidden":
             *table, key = detail["loc"]
             known = _keys_at(model, table)
-            renamed = RENAMED.get(str(key), "")
-            if renamed in known:
-                meant.add((*table, renamed))
-                hint = f'it is called "{renamed}" now'
-                problems.append(CaseProblem(detail["loc"], "the name of an earlier version", hint))
-                continue
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
             what = f"unknown key (its value: {show_value(detail['input'])})"
-            problems.append(CaseProblem(detail["loc"], what, did_you_mean(str(key), known)))
+            problems.append(
+                CaseProblem(detail["loc"], what, did_you_mean(str(key), known), kind="unknown-key")
+            )
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
             continue
@@ -151,40 +152,49 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
 
 def _problem(detail: ErrorDetails) -> CaseProblem:
-    """Return the case problem for one error of pydantic's validation."""
     kind, key, value = detail["type"], detail["loc"], show_value(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
-            return CaseProblem(key[:-1], f"{value} has too few values")
-        return CaseProblem(key, "missing")
+            return CaseProblem(key[:-1], f"{value} has too few values", kind="wrong-type")
+        return CaseProblem(key, "missing", kind="missing")
     if kind == "too_long" and isinstance(detail["input"], list | tuple):
-        return CaseProblem(key, f"{value} has more than {detail['ctx']['max_length']} values")
+        return CaseProblem(
+            key, f"{value} has more than {detail['ctx']['max_length']} values", kind="wrong-type"
+        )
     if key and key[-1] == "[key]":
-        return CaseProblem(key[:-1], "a name is made of letters, digits, _ and -, at most 60")
+        return CaseProblem(
+            key[:-1], "a name is made of letters, digits, _ and -, at most 60", kind="wrong-type"
+        )
     if kind == "string_pattern_mismatch":
-        return CaseProblem(key, f"{value} has characters that cannot be shown")
+        return CaseProblem(key, f"{value} has characters that cannot be shown", kind="wrong-type")
     expected = re.sub("^(Input|String) should (be )?", "", detail["msg"])
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in expected.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
-        if REPLACED.get(word) in allowed:
-            return CaseProblem(key, f"{value} is of an earlier version", f'use "{REPLACED[word]}"')
-        return CaseProblem(key, f"{value} is not one of {expected}", did_you_mean(word, allowed))
+        return CaseProblem(
+            key, f"{value} is not one of {expected}", did_you_mean(word, allowed), kind="unknown-name"
+        )
     if isinstance(detail["input"], str) and (why := why_refused(detail["input"], key)):
-        return CaseProblem(key, f"{value} {why}")
+        return CaseProblem(key, f"{value} {why}", kind="unit")
     if kind == "model_type":
         expected = "a table"
     if kind == "tuple_type":
         expected = "a list"
         if isinstance(detail["input"], dict) and all(str(word).isdecimal() for word in detail["input"]):
             return CaseProblem(
-                key, "is not in the case, so that it has no elements to change", "give all of it"
+                key,
+                "is not in the case, so that it has no elements to change",
+                "give all of it",
+                kind="wrong-type",
             )
-    return CaseProblem(key, f"{value} is wrong, {expected} is wanted")
+    return CaseProblem(
+        key,
+        f"{value} is wrong, {expected} is wanted",
+        kind="out-of-range" if kind in BEYOND else "wrong-type",
+    )
 
 
 def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
-    """Return the keys that the table at a place in the model may have."""
     place: Any = model
     for part in table:
         place = _inside(place, part)

@@ -50,7 +50,7 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
         what = TOO_DEEP
     except RuntimeError:
         what = "is a link to itself"
-    raise CaseError([CaseProblem((), what, file=str(file))])
+    raise CaseError([CaseProblem((), what, file=str(file), kind="file")])
 
 
 def is_too_deep(given: Any) -> bool:
@@ -125,11 +125,13 @@ class Layers:
 
     def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
         """Return the problems with their files filled in, without guesses at units that the user gave."""
-        told = [replace(m, hint="") if m.guesses_unit and self._has_unit(m.key) else m for m in problems]
+        told = [
+            replace(m, hint="") if m.guesses_unit and tuple(map(str, m.key)) in self._with_units else m
+            for m in problems
+        ]
         return [m if m.file else replace(m, file=self.source(m.key)) for m in told]
 
     def _value(self, words: Sequence[str]) -> Any:
-        """Return what stands at a key, or None."""
         value: Any = self.merged
         for word in words:
             if isinstance(value, list) and word.isdecimal() and int(word) < len(value):
@@ -137,10 +139,6 @@ class Layers:
             else:
                 value = value.get(word) if isinstance(value, Mapping) else None
         return value
-
-    def _has_unit(self, key: Key) -> bool:
-        """Return whether the last layer that gave this number gave it with a unit."""
-        return tuple(str(part) for part in key) in self._with_units
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
         """Return ``overlay`` merged over ``below`` at ``key``, and change neither of them."""
@@ -187,7 +185,7 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
         return int(word)
     what = f'"{word}" is no element of this list'
     hint = f"its elements are numbered 0 to {len(below) - 1}" if below else "it is empty"
-    raise CaseError([CaseProblem((*key, word), what, hint, source)])
+    raise CaseError([CaseProblem((*key, word), what, hint, source, kind="unknown-name")])
 
 
 def parse_override(override: str) -> dict[str, Any]:
@@ -199,12 +197,12 @@ def parse_override(override: str) -> dict[str, Any]:
     words = [word.strip() for word in path.split(".")]
     if not equals or not all(words):
         hint = "for example --set panel.solver=rigid"
-        raise CaseError([CaseProblem((), "is not key=value", hint, f"--set {override}")])
+        raise CaseError([CaseProblem((), "is not key=value", hint, f"--set {override}", kind="wrong-type")])
     value: Any = _value(text.strip())
     for word in reversed(words):
         value = {word: value}
     if is_too_deep(value):
-        raise CaseError([CaseProblem((), TOO_DEEP, file=f"--set {override}")])
+        raise CaseError([CaseProblem((), TOO_DEEP, file=f"--set {override}", kind="wrong-type")])
     return dict(value)
 
 

@@ -117,7 +117,6 @@ def _interpolate(points: Sequence[Point]) -> list[Point]:
 
 
 def _between(one: Point, other: Point, share: float) -> Point:
-    """Return the point at a share of the way from one point to the other, in logarithms."""
     frequency_Hz, loss = (a ** (1 - share) * b**share for a, b in zip(one[:2], other[:2], strict=True))
     if one[2] is None or other[2] is None:
         return frequency_Hz, loss, None
@@ -125,7 +124,6 @@ def _between(one: Point, other: Point, share: float) -> Point:
 
 
 def _measure(branches: Branches, curve: Sequence[Point]) -> Fit:
-    """Return a fit of these branches, with their largest relative error at the points of the curve."""
     frequency_Hz = np.array([point[0] for point in curve])
     storage, loss = moduli(branches, 2 * np.pi * frequency_Hz)
     error = np.abs(loss / np.array([point[1] for point in curve]) - 1)

@@ -39,7 +39,7 @@ class Origin:
     def read(self) -> dict[str, Any]:
         """Read everything that defines the case except its choice of effects.
 
-        The result has tables, overrides, and checksums of the files that these name: STL files, recordings,
+        The result has tables, overrides, and checksums of the files that these name: STL files,
         tables of particles, and the last state of a run from which particles come.  Raises CaseError for a
         level that cannot be read.
         """
@@ -48,7 +48,10 @@ class Origin:
             for name in {self.level, CHEAP_LEVEL} - {""}
             if find_level(self.folder, name).is_file()
         }
-        tables = [_without_effects(table) for table in (self.given, *levels.values())]
+        tables = [
+            {key: value for key, value in table.items() if key not in OF_EFFECTS}
+            for table in (self.given, *levels.values())
+        ]
         named = {word for table in [*tables, *self.others] for word in _words(table)}
         return {
             "level": self.level,
@@ -75,11 +78,6 @@ class Origin:
             if beds := sorted(place.glob(LAST_STATES)):
                 return beds[-1]
         return None
-
-
-def _without_effects(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a case's table without the keys that choose effects."""
-    return {key: value for key, value in table.items() if key not in OF_EFFECTS}
 
 
 def _words(value: Any) -> set[str]:

@@ -102,7 +102,7 @@ def wrong_sizes(case: Case) -> Iterator[CaseProblem]:
     for key, value, limits, hint, refused in _outside(case):
         if refused:
             what = f"{value:g} is out of the range {_range(limits)}"
-            yield CaseProblem(key, what, hint, guesses_unit=bool(hint))
+            yield CaseProblem(key, what, hint, guesses_unit=bool(hint), kind="out-of-range")
 
 
 def unusual_sizes(case: Case) -> Iterator[str]:
@@ -124,7 +124,6 @@ def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:
 
 
 def _floats(value: Any, key: Key) -> Iterator[tuple[Key, float]]:
-    """Yield each float of a table with its key."""
     if isinstance(value, float):
         yield key, value
     elif isinstance(value, dict | tuple):
@@ -137,7 +136,6 @@ def _inside(value: float, limits: Limits) -> bool:
 
 
 def _range(limits: Limits) -> str:
-    """Return a range as text for a message."""
     low, high = limits
     return f"{low:g} to {high:g}" if low else f"up to {high:g}"
 

@@ -94,7 +94,6 @@ def read_sieve_analyses(table: dict[str, Any], folder: Path, source: str) -> dic
 
 
 def _sources(table: dict[str, Any]) -> Iterator[tuple[Key, dict[str, Any]]]:
-    """Yield the key and the table of each block and feed."""
     bed = table.get("bed")
     for kind in ("blocks", "feeds"):
         rows = bed.get(kind) if isinstance(bed, dict) else None
@@ -113,7 +112,7 @@ def read_sieve_analysis(folder: Path, name: str, key: Key, source: str) -> list[
     try:
         return curve_of(text)
     except ValueError as error:
-        raise CaseError([CaseProblem(key, str(error), file=name)]) from None
+        raise CaseError([CaseProblem(key, str(error), file=name, kind="file")]) from None
 
 
 def curve_of(text: str) -> list[dict[str, float]]:
@@ -172,9 +171,10 @@ def _columns(head: Sequence[str]) -> tuple[int, str, _Column]:
             f"has {len(sieves)} columns of sieves and {len(values)} of shares, not one each; {HEAD}"
         )
     cell = head[values[0]]
+    unit = re.search(r"(?:^|[\s_(\[/])(mm|cm|m|µm|μm|um|in)[)\]]?\s*$", head[sieves[0]])
     return (
         sieves[0],
-        _unit_of_sieves(head[sieves[0]]),
+        unit[1] if unit else "",
         _Column(values[0], _value_words(cell) == "passing", _unit_of_values(cell), _sums(cell)),
     )
 
@@ -187,12 +187,6 @@ def _value_words(cell: str) -> str:
     """Return "passing", "retained" or "both" for a column of shares, "" for another one."""
     passing, retained = _has(cell, PASSING_WORDS), _has(cell, RETAINED_WORDS)
     return "both" if passing and retained else "passing" if passing else "retained" if retained else ""
-
-
-def _unit_of_sieves(cell: str) -> str:
-    """Return the unit that the head of the sieves' column gives, "" if it gives none."""
-    found = re.search(r"(?:^|[\s_(\[/])(mm|cm|m|µm|μm|um|in)[)\]]?\s*$", cell)
-    return found[1] if found else ""
 
 
 def _unit_of_values(cell: str) -> str:

@@ -40,7 +40,7 @@ def full_width_m(case: Case) -> tuple[float, float]:
     """Return the lower and upper y of all panels.  Raises CaseError if the panels do not agree."""
     sides = {name: _sides_m(panel) for name, panel in case.screen.panels.items()}
     if not sides:
-        raise CaseError([CaseProblem(("slice",), "there are no panels to slice")])
+        raise CaseError([CaseProblem(("slice",), "there are no panels to slice", kind="missing")])
     (first, first_sides_m), *others = sides.items()
     for name, (low, high) in others:
         if abs(low - first_sides_m[0]) + abs(high - first_sides_m[1]) > 1e-6:
@@ -161,18 +161,20 @@ def _problems(case: Case) -> list[CaseProblem]:
     low, high = full_width_m(case)
     if case.slice.width_m > (high - low) * (1 + 1e-9):
         what = f"{case.slice.width_m:g} m is wider than the machine's {high - low:g} m"
-        problems.append(CaseProblem(("slice", "width_m"), what))
+        problems.append(CaseProblem(("slice", "width_m"), what, kind="out-of-range"))
         return problems
     y_m = bounds_m(case)
     for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
         for name, row in rows.items():
             if is_beside(row.box_m, y_m):
                 what = f"does not reach into the slice from y = {y_m[0]:g} to {y_m[1]:g} m"
-                problems.append(CaseProblem(("bed", kind, name, "box_m"), what))
+                problems.append(CaseProblem(("bed", kind, name, "box_m"), what, kind="misplaced"))
     for name, particle in case.bed.particles.items():
         if not y_m[0] <= particle.position_m[1] < y_m[1]:
             key = ("bed", "particles", name, "position_m")
-            problems.append(CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
+            problems.append(
+                CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m", kind="misplaced")
+            )
     return problems + _through_openings(case) + _in_periodic(case)
 
 
@@ -222,14 +224,13 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
         others = solvers.names_able_to("particles", lambda able: able.periodic)
         what = f"particles.solver {case.particles.solver} has no periodic sides"
         hint = f'take "walls", or particles.solver = {others}'
-        problems.append(CaseProblem(("slice", "sides"), what, hint))
+        problems.append(CaseProblem(("slice", "sides"), what, hint, kind="solver"))
     if case.gravity_m_per_s2[1] != 0:
         problems.append(CaseProblem(("gravity_m_per_s2",), "pulls along y, across periodic sides"))
     return problems
 
 
 def _sides_m(panel: PanelTable) -> tuple[float, float]:
-    """Return the lower and upper y of a panel."""
     near_m = panel.corner_m[1]
     far_m = near_m + (panel.width_m if panel.across[1] > 0 else -panel.width_m)
     return min(near_m, far_m), max(near_m, far_m)

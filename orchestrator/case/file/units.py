@@ -78,7 +78,6 @@ def keys_with_units(table: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str
 
 
 def _converted(value: Any, key: str) -> Any:
-    """Return the value of a key in the key's unit."""
     if isinstance(value, Mapping):
         return in_own_units(value, key)
     if isinstance(value, list):
@@ -116,7 +115,10 @@ def parse_quantity(text: str, key: str) -> float:
     except ValueError:
         raise ValueError(f'has the unknown unit "{match[2]}"; {_nearest(match[2], own)}') from None
     if given.dimensionality != own.dimensionality:
-        raise ValueError(f"is {_kind_of(given)}; {_wanted(key)}")
+        kinds = (
+            kind for unit, (kind, _) in KINDS.items() if _unit(unit).dimensionality == given.dimensionality
+        )
+        raise ValueError(f"is {next(kinds, 'of another kind')}; {_wanted(key)}")
     return float(_registry().Quantity(number, given).to(own).magnitude)
 
 
@@ -165,14 +167,7 @@ def _wanted(key: str) -> str:
     return f'{kind} is wanted, such as "{example}"'
 
 
-def _kind_of(given: Unit) -> str:
-    """Return the kind of quantity that a unit measures, for a message."""
-    kinds = [kind for unit, (kind, _) in KINDS.items() if _unit(unit).dimensionality == given.dimensionality]
-    return kinds[0] if kinds else "of another kind"
-
-
 def _nearest(text: str, own: Unit) -> str:
-    """Return a hint at the nearest unit of the kind that is wanted."""
     same_kind = [word for word in USUAL if _unit(word).dimensionality == own.dimensionality]
     if near := get_close_matches(text, same_kind, n=1):
         return f'did you mean "{near[0]}"?'

@@ -65,7 +65,7 @@ def _unknown_models(given: Mapping[str, Any]) -> Iterator[CaseProblem]:
         like = row.get("like") if isinstance(row, Mapping) else None
         if isinstance(like, str) and look_up(like) is None:
             what = f'no material "{like}" in the library'
-            yield CaseProblem(("materials", name, "like"), what, suggest(like))
+            yield CaseProblem(("materials", name, "like"), what, suggest(like), kind="unknown-name")
 
 
 def _references(value: Any, key: str) -> Iterator[tuple[str, str]]:

@@ -55,7 +55,8 @@ class Quantity:
 class LibraryMaterial:
     """A material of the library, with all its quantities by key.
 
-    ``shape`` is the usual shape class of grains, and "" of all other materials.
+    ``shape`` is the usual shape class of grains, and "" of all other materials.  ``also`` are its other
+    names.
     """
 
     name: str
@@ -63,6 +64,7 @@ class LibraryMaterial:
     kind: Kind
     quantities: Mapping[str, Quantity]
     shape: str = ""
+    also: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,14 @@ class NamedMaterial:
 def materials() -> dict[str, LibraryMaterial]:
     """Return all materials of the library by name."""
     return {
-        name: LibraryMaterial(name, row["about"], row["kind"], _quantities(row), row.get("shape", ""))
+        name: LibraryMaterial(
+            name,
+            row["about"],
+            row["kind"],
+            _quantities(row),
+            row.get("shape", ""),
+            tuple(row.get("also", ())),
+        )
         for name, row in _table()["materials"].items()
     }
 
@@ -160,7 +169,7 @@ def find(name: str) -> NamedMaterial:
     """Return the material that a name denotes.  Raises UnknownMaterial."""
     match = NAME.fullmatch(re.sub(r"[\s_-]+", " ", name.strip()).lower())
     moisture, base, number, scale = match.groups("") if match else ("", "", "", "")
-    material = materials().get(base)
+    material = next((row for row in materials().values() if base in (row.name, *row.also)), None)
     if material is None:
         if elastomer := _named_with_another_hardness(base or ""):
             what = "a hardness of Shore A or D is wanted"
@@ -237,12 +246,10 @@ def _coefficients(one: LibraryMaterial, other: LibraryMaterial) -> dict[str, flo
 
 
 def _quantities(row: Mapping[str, Any]) -> dict[str, Quantity]:
-    """Return the quantities of a row of the library by key."""
     return {key: _quantity(key, **each) for key, each in row.items() if isinstance(each, Mapping)}
 
 
 def _quantity(key: str, value: float, range: tuple[float, float], source: str, note: str = "") -> Quantity:
-    """Return a quantity from its inline table in the library."""
     low, high = range
     return Quantity(key, value, low, high, sources()[source], source, note)
 

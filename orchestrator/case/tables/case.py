@@ -169,7 +169,7 @@ class Probe(Table):
     at: tuple[Share, Share] | None = None
     """Place of the point on the panel, as fractions of the free length and of the width."""
     sensor_kg: NotNegative = 0.0
-    """Mass of a sensor that is fixed to the panel at the point.  Rigid and recorded panels leave it out."""
+    """Mass of a sensor that is fixed to the panel at the point.  Rigid panels leave it out."""
     particle: Annotated[int, Strict(), Ge(1), Lt(2**63)] | None = None
     """Id of the particle."""
 

@@ -5,7 +5,6 @@ All of them are in deck axes, which screen.py defines.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le
@@ -47,31 +46,11 @@ class Drive(Table):
         """Whether any amplitude is not zero; a drive without amplitude holds its frame."""
         return any((*self.amplitude_m, *self.rotation_rad))
 
-    @property
-    def largest_phase_rad(self) -> float:
-        """The phase of the component with the largest amplitude, a translation where there is any."""
-        size, phase_rad, _ = self._largest
-        return phase_rad if size > 0 else phase_rad + math.pi
-
-    @property
-    def largest_component(self) -> str:
-        """The component with the largest amplitude in words, such as "along z" and "about y"."""
-        return self._largest[2]
-
-    @property
-    def _largest(self) -> tuple[float, float, str]:
-        """Amplitude, phase and name of the largest component, a translation where there is any."""
-        sizes, phases_rad, way = self.amplitude_m, self.phase_rad, "along"
-        if not any(sizes):
-            sizes, phases_rad, way = self.rotation_rad, self.rotation_phase_rad, "about"
-        names = (f"{way} {axis}" for axis in "xyz")
-        return max(zip(sizes, phases_rad, names, strict=True), key=lambda component: abs(component[0]))
-
 
 class Frame(Table):
     """A rigid body.  A free frame has mass, and exciters, bushings and panels move it; a driven frame
     moves as its ``drive`` prescribes, whatever pushes it.  One machine may have both kinds with the
-    solvers "planar" and "exudyn"."""
+    solver "exudyn"."""
 
     center_of_mass_m: Vector | None = None
     """Centre of mass at t = 0.  A free frame needs it, unless its solver knows no rotation.  For a driven
@@ -128,7 +107,7 @@ class MaxwellElement(Table):
 class BushingCurve(Table):
     """Measured stiffness and loss of one bushing over amplitude and frequency.  A spring with friction and
     Maxwell elements in parallel is fitted to the points when the case is read, unless
-    ``elastic_N_per_m`` gives them.  The solvers "planar" and "exudyn" move frames by this law."""
+    ``elastic_N_per_m`` gives them.  The solver "exudyn" moves frames by this law."""
 
     axes: Annotated[str, StringConstraints(pattern=r"^[xyz]{1,3}$")] = "x"
     """Axes of the bushing to which the curve belongs, such as "xz"."""
@@ -166,7 +145,7 @@ class Bushing(Table):
 
 class Motor(Table):
     """An induction motor on the ground that turns an exciter's shaft, whose speed then drops under load.
-    The solvers "planar" and "exudyn" compute it; other solvers turn the shaft at ``speed_rad_per_s``."""
+    The solver "exudyn" computes it; other solvers turn the shaft at ``speed_rad_per_s``."""
 
     rated_power_W: Positive
     """Rated power of all motors of the shaft together."""

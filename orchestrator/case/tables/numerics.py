@@ -22,9 +22,6 @@ class PanelSolver(Table):
 
     solver: Annotated[str, SolverName("panel")] = "sheet"
     """Name of the solver."""
-    recording: str | None = None
-    """File made by ``flipflow record``, for the solver "recorded".  The path starts from the case's
-    folder.  A file that the case names must lie in this folder; ``--set`` may name any file."""
     integrator: Literal["explicit", "implicit"] = "explicit"
     """Time integration of the solvers "sheet" and "solid"."""
     cells: Cells = (22, 8)
@@ -232,7 +229,7 @@ class Output(Table):
     writes a row at every sync point.  Orbits need 20 rows in a cycle of the machine, and accelerations
     need a row every 0.9 ms."""
     shapes_s: NotNegative = 0.0
-    """Time between two rows of the panels' whole shapes, which ``flipflow record`` needs; 0 writes none."""
+    """Time between two rows of the panels' whole shapes; 0 writes none."""
     pictures: Switch = True
     """Whether pictures are made at the end of the run."""
     cut_size_m: Positive | None = None

@@ -5,8 +5,10 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 // Loops over all points are compiled for several generations of x86-64; the one that fits is chosen when the
@@ -39,6 +41,22 @@ double size_of(const double *vector) {
 
 bool is_zero(const double *vector) { return size_of(vector) == 0.0; }  // one branch instead of three
 
+using Vec = std::array<double, 3>;
+
+Vec operator+(const Vec &a, const Vec &b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
+Vec operator*(double factor, const Vec &a) { return {factor * a[0], factor * a[1], factor * a[2]}; }
+
+double dot(const Vec &a, const Vec &b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vec cross(const Vec &a, const Vec &b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+void add(const Vec &value, double *to) {
+  for (int c = 0; c < 3; ++c) to[c] += value[c];
+}
+
 // A sparse matrix that takes vectors at points to vectors at others: row i has the entries from
 // starts[i] up to starts[i + 1].
 class PointMatrix {
@@ -63,13 +81,7 @@ class PointMatrix {
     Doubles product({rows(), size_t{3}});
     double *to = product.mutable_data();
     for (size_t row = 0; row < rows(); ++row, to += 3) {
-      double x = 0.0, y = 0.0, z = 0.0;
-      for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
-        const double *at = from + 3 * static_cast<size_t>(columns_[i]);
-        x += entries_[i] * at[0];
-        y += entries_[i] * at[1];
-        z += entries_[i] * at[2];
-      }
+      const auto [x, y, z] = row_times(row, from);
       to[0] = x, to[1] = y, to[2] = z;
     }
     return product;
@@ -82,21 +94,115 @@ class PointMatrix {
     double *to = product.mutable_data();
     std::fill(to, to + 3 * width_, 0.0);
     for (size_t row = 0; row < rows(); ++row, from += 3) {
-      if (is_zero(from)) continue;
-      for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
-        double *at = to + 3 * static_cast<size_t>(columns_[i]);
-        for (int c = 0; c < 3; ++c) at[c] += entries_[i] * from[c];
-      }
+      if (!is_zero(from)) add_by_row(row, {from[0], from[1], from[2]}, to);
     }
     return product;
   }
 
- private:
   size_t rows() const { return starts_.size() - 1; }
 
+  size_t width() const { return width_; }
+
+  // The row times the vectors at `from`.
+  Vec row_times(size_t row, const double *from) const {
+    double x = 0.0, y = 0.0, z = 0.0;
+    for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
+      const double *at = from + 3 * static_cast<size_t>(columns_[i]);
+      x += entries_[i] * at[0];
+      y += entries_[i] * at[1];
+      z += entries_[i] * at[2];
+    }
+    return {x, y, z};
+  }
+
+  // Adds `value` times each entry of the row to the vector at `to` that the entry belongs to.
+  void add_by_row(size_t row, const Vec &value, double *to) const {
+    for (int i = starts_[row]; i < starts_[row + 1]; ++i) {
+      double *at = to + 3 * static_cast<size_t>(columns_[i]);
+      for (int c = 0; c < 3; ++c) at[c] += entries_[i] * value[c];
+    }
+  }
+
+ private:
   std::vector<int> starts_, columns_;
   std::vector<double> entries_;
   size_t width_;
+};
+
+// The vectors at `points` points of an array that is changed in place.
+double *changed_vectors(Doubles &array, size_t points, const char *name) {
+  vectors(array, points, name);
+  return array.mutable_data();
+}
+
+// Points that stand at an offset z from a surface along its normal n = a / |a|, a = (along x) x (across x),
+// with the surface's own points at x: see `NormalOffsets` in _kernel.pyi.
+class NormalOffsets {
+ public:
+  NormalOffsets(PointMatrix along, PointMatrix across, const Doubles &offset_m)
+      : along_(std::move(along)),
+        across_(std::move(across)),
+        offset_m_(offset_m.data(), offset_m.data() + offset_m.size()) {
+    if (along_.rows() != across_.rows() || along_.width() != across_.width() ||
+        along_.rows() != offset_m_.size())
+      throw py::value_error("along, across, offset_m: of different numbers of points");
+    for (size_t point = 0; point < offset_m_.size(); ++point)
+      if (offset_m_[point] != 0.0) beside_.push_back(point);
+  }
+
+  void add_motion(const Doubles &own_m, const Doubles &own_m_per_s, Doubles position_m,
+                  Doubles velocity_m_per_s) const {
+    const double *x = vectors(own_m, along_.width(), "own_m");
+    const double *v = vectors(own_m_per_s, along_.width(), "own_m_per_s");
+    double *place = changed_vectors(position_m, along_.rows(), "position_m");
+    double *rate = changed_vectors(velocity_m_per_s, along_.rows(), "velocity_m_per_s");
+    for (const size_t point : beside_) {
+      const Normal at(*this, point, x);
+      const Vec grown =
+          cross(along_.row_times(point, v), at.across) + cross(at.along, across_.row_times(point, v));
+      add(offset_m_[point] * at.unit, place + 3 * point);
+      add(offset_m_[point] * at.turned_by(grown), rate + 3 * point);
+    }
+  }
+
+  // The unit normal changes with its area vector by a symmetric projection, which therefore stands in the
+  // transpose, too.
+  void add_load(const Doubles &own_m, const Doubles &force_N, Doubles own_force_N) const {
+    const double *x = vectors(own_m, along_.width(), "own_m");
+    const double *force = vectors(force_N, along_.rows(), "force_N");
+    double *to = changed_vectors(own_force_N, along_.width(), "own_force_N");
+    for (const size_t point : beside_) {
+      const double *f = force + 3 * point;
+      if (is_zero(f)) continue;
+      const Normal at(*this, point, x);
+      const Vec turning = offset_m_[point] * at.turned_by({f[0], f[1], f[2]});
+      along_.add_by_row(point, cross(at.across, turning), to);
+      across_.add_by_row(point, cross(turning, at.along), to);
+    }
+  }
+
+ private:
+  // The normal at a point of the surface, and the slopes along and across that span the surface there.
+  struct Normal {
+    Vec along, across, unit;
+    double size;
+
+    Normal(const NormalOffsets &points, size_t point, const double *x)
+        : along(points.along_.row_times(point, x)), across(points.across_.row_times(point, x)) {
+      const Vec area = cross(along, across);
+      size = std::sqrt(dot(area, area));
+      unit = (1.0 / size) * area;
+    }
+
+    // How the unit normal changes with its area vector by `grown`.
+    Vec turned_by(const Vec &grown) const {
+      return (1.0 / size) * (grown + (-dot(unit, grown)) * unit);
+    }
+  };
+
+  PointMatrix along_, across_;
+  std::vector<double> offset_m_;
+  std::vector<size_t> beside_;
 };
 
 Doubles field(const py::object &record, const char *name) {
@@ -298,6 +404,11 @@ PYBIND11_MODULE(_kernel, module) {
            arg("entries"), arg("width"))
       .def("times", &PointMatrix::times, arg("values"))
       .def("transposed_times", &PointMatrix::transposed_times, arg("values"));
+  py::class_<NormalOffsets>(module, "NormalOffsets")
+      .def(py::init<PointMatrix, PointMatrix, const Doubles &>(), arg("along"), arg("across"), arg("offset_m"))
+      .def("add_motion", &NormalOffsets::add_motion, arg("own_m"), arg("own_m_per_s"),
+           arg("position_m").noconvert(), arg("velocity_m_per_s").noconvert())
+      .def("add_load", &NormalOffsets::add_load, arg("own_m"), arg("force_N"), arg("own_force_N").noconvert());
   module.def("add_handed_over", &add_handed_over, arg("sums").noconvert(), arg("load"), arg("start"), arg("end"),
              arg("length_s"));
   module.def("contact_works", &contact_works, arg("intervals"), py::kw_only(), arg("counted"), arg("before_m"),

@@ -29,7 +29,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
 
 LOG = logging.getLogger("flipflow")
-HISTORY, SUMMARY, RECORDING, PAGE = "history.h5", "summary.json", "recording.h5", "report.html"
+HISTORY, SUMMARY, PAGE = "history.h5", "summary.json", "report.html"
 WALLS = "walls.vtu"
 PICTURES = (
     "frame_motion.png",
@@ -54,9 +54,8 @@ class OtherFormat(FolderUnusable):
 def check_format(file: Path, version: Any, expected: int) -> None:
     """Raise OtherFormat if the ``version`` of a file's format is not the ``expected`` version."""
     if version != expected:
-        description = "no version of its format, as older ones" if version is None else f"format {version}"
         raise OtherFormat(
-            f"{file}: has {description}; this flipflow reads format {expected}: run the case again, or "
+            f"{file}: has format {version}; this flipflow reads format {expected}: run the case again, or "
             "read it with the flipflow that wrote it (provenance.json names its version)"
         )
 
@@ -72,8 +71,6 @@ def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
         for name, surface in loaded.case.whole_machine.screen.surfaces.items():
             if surface.stl is not None:
                 shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
-        if loaded.case.panel.recording is not None:
-            shutil.copyfile(loaded.folder / loaded.case.panel.recording, folder / RECORDING)
         if (carried := loaded.case.original.bed.carried) is not None:
             saved_bed.write(folder / BED, carried)
         write_case(folder, loaded)
@@ -111,7 +108,7 @@ def changed_files(loaded: JudgedCase, folder: Path) -> Iterator[str]:
     files = {
         f"screen.surfaces.{name}.stl": (surface.stl, f"{name}.stl")
         for name, surface in loaded.case.whole_machine.screen.surfaces.items()
-    } | {"panel.recording": (loaded.case.panel.recording, RECORDING)}
+    }
     for key, (named, name) in files.items():
         if named is not None:
             copy = folder / name
@@ -139,8 +136,6 @@ def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
         for key in ("from_run", "from_time_s"):
             table["bed"].pop(key, None)
         table["bed"]["table"] = BED
-    if "recording" in table["panel"]:
-        table["panel"]["recording"] = RECORDING
     return table | {"default_level": ""}
 
 

@@ -43,7 +43,7 @@ def worked_by_part_s(summary: Mapping[str, Any]) -> dict[str, float]:
     return {part: wall_s + back_s.get(part, 0.0) for part, wall_s in summary["wall_by_part_s"].items()}
 
 
-def closing_table(summary: dict[str, Any]) -> Table:
+def closing_table(summary: Mapping[str, Any]) -> Table:
     """Return a table of the wall time of every part, for the console."""
     table = Table(title="where the time went", title_justify="left")
     table.add_column("part")
@@ -55,7 +55,7 @@ def closing_table(summary: dict[str, Any]) -> Table:
     return table
 
 
-def closing_lines(summary: dict[str, Any]) -> list[str]:
+def closing_lines(summary: Mapping[str, Any]) -> list[str]:
     """Return lines about the numerical quality of a run; ``trust.py`` decides whether it is doubtful."""
     created_J = sum(J for name, J in summary["energy_ledger_J"].items() if name.startswith("created."))
     lines = [f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals"]
@@ -78,10 +78,10 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     return lines
 
 
-def slice_in_words(summary: dict[str, Any]) -> str:
+def slice_in_words(summary: Mapping[str, Any]) -> str:
     """Return the slice that was run, such as "in the slice of 126 mm"; empty for the whole width.
 
-    Results of less than a cycle, and older ones, lack the width; its share of the machine's stands for it.
+    Results of less than a cycle lack the width; its share of the machine's stands for it.
     """
     if summary["share_of_width"] == 1.0:
         return ""
@@ -145,7 +145,6 @@ def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
 
 
 def _particles(number: int) -> str:
-    """Return a number of particles in words."""
     return "1 particle" if number == 1 else f"{number} particles"
 
 

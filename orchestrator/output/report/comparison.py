@@ -27,7 +27,6 @@ BESIDE = {
     "Energy": "energy.png",
 }
 """Pictures in the folders of runs that are shown side by side, by their titles on the page."""
-ACROSS = {"along_m": "distance along the deck / m", "depth_m": "95 % lies below / mm"}
 
 
 def write_comparison(comparison: Comparison, file: Path) -> Path:
@@ -64,7 +63,7 @@ def comparison_page(comparison: Comparison) -> str:
 
 def interval(result: Result | None) -> str:
     """Return a result with its interval as text; "–" for None."""
-    return in_words(None if result is None else {"value": result.value, "half_width": result.half_width})
+    return in_words(result)
 
 
 def change(share: float | None) -> str:
@@ -95,7 +94,7 @@ def _draw(comparison: Comparison, readers: Sequence[RunReader]) -> Iterator[tupl
     drawings: dict[str, tuple[Callable[[RunReader], bool], Callable[..., Any]]] = {
         "orbits of the frames in the last cycle": (lambda run: run.has("frames"), _draw_orbits),
         "mass on the deck over time": (lambda run: run.has("bed/mass_kg"), _draw_mass),
-        "bed along the deck": (lambda run: "profile" in run.results.get("bed", {}), _draw_profile),
+        "bed along the deck": (lambda run: run.results.bed is not None, _draw_profile),
     }
     for name, (has, draw) in drawings.items():
         pairs = [
@@ -164,10 +163,14 @@ def _draw_mass(runs: Sequence[tuple[int, str, RunReader]]) -> Any:
 def _draw_profile(runs: Sequence[tuple[int, str, RunReader]]) -> Any:
     fig, ((axes,),) = figure(1, 1, WIDE, 3.0)
     for number, label, run in runs:
-        profile = run.results["bed"]["profile"]
-        depth_mm = 1e3 * np.array(profile["depth_m"], float)
-        axes.plot(profile["along_m"], depth_mm, "o-", ms=3, color=_colour(number), label=label)
-    axes.set(xlabel=ACROSS["along_m"], ylabel=ACROSS["depth_m"], title="height of the bed along the deck")
+        if bed := run.results.bed:
+            depth_mm = 1e3 * bed.profile.depth_m
+            axes.plot(bed.profile.along_m, depth_mm, "o-", ms=3, color=_colour(number), label=label)
+    axes.set(
+        xlabel="distance along the deck / m",
+        ylabel="95 % lies below / mm",
+        title="height of the bed along the deck",
+    )
     axes.set_ylim(bottom=0)
     axes.legend(fontsize=8)
     return fig

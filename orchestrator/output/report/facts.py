@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from orchestrator.case.bed.adhesion import pull_offs
 from orchestrator.case.bed.size_distribution import given_classes, median_diameter_m, sample_of
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.bed import Filling
+from orchestrator.figures.results import Results
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import closing_lines
 from orchestrator.output.report.formatting import number
@@ -82,7 +83,7 @@ def describe_sizes(source: Filling) -> str:
     return f"curve {finest_mm:g} to {coarsest_mm:g} mm, half of the mass below {middle_mm:.3g} mm{sampled}"
 
 
-def left_out_facts(summary: dict[str, Any]) -> Facts:
+def left_out_facts(summary: Mapping[str, Any]) -> Facts:
     """Yield the reason why each effect was left out, and its verdicts before and after the run."""
     for name, why in summary["left_out"].items():
         yield name, why
@@ -93,7 +94,7 @@ def left_out_facts(summary: dict[str, Any]) -> Facts:
                 yield f"{when} the run", f"{describe_verdict(verdict['matters'])}: {deciding}"
 
 
-def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, Any]) -> list[str]:
+def collect_warnings(folder: Path, summary: Mapping[str, Any], results: Results) -> list[str]:
     """Return warnings about doubts, the run's end, unsteady states, missing results, and from the log."""
     warnings = [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
     if not trust.came_to_its_end(summary["status"]):
@@ -101,13 +102,13 @@ def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, A
     elif summary["status"] == trust.INCOMPLETE:
         warnings.append(f"The run is incomplete: {summary['reason']}")
     warnings += reasons_not_steady(results)
-    for name, orbit in (results.get("motion") or {}).get("frames", {}).items():
-        if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
+    for name, orbit in results.motion.frames.items() if results.motion else ():
+        if orbit.other_m[0] > UNSETTLED * orbit.major_m > 0:
             warnings.append(f"{name} has not settled to its periodic motion")
-    warnings += [f"Results not made: {part}: {error}" for part, error in results["failed"].items()]
+    warnings += [f"Results not made: {part}: {error}" for part, error in results.failed.items()]
     if "energy_ledger_J" in summary:
         warnings += [line for line in closing_lines(summary) if line.startswith("WARNING")]
-    if lost := results.get("screening", {}).get("lost_particles"):
+    if results.screening and (lost := results.screening.lost_particles):
         warnings.append(f"{lost} particles left elsewhere than through an exit.")
     return warnings + _log_warnings(folder)
 

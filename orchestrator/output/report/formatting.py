@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Protocol
 
 NONE = "–"
 DIGITS = 3
 MOST_DIGITS = 5  # of a value with a very narrow interval
 LEAST = 1e-9  # smaller numbers are rounding
+
+
+class HasInterval(Protocol):
+    """A value with half the width of its interval, each None where it is not known."""
+
+    @property
+    def value(self) -> float | None:
+        """The value."""
+
+    @property
+    def half_width(self) -> float | None:
+        """Half the width of its interval."""
 
 
 def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str:
@@ -29,17 +41,17 @@ def whole_number(value: float) -> str:
     return f"{value:.0f}".replace("-", "−")
 
 
-def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
+def interval(estimate: HasInterval | None, scale: float = 1.0) -> str:
     """Return an estimate such as "82.31 ± 0.42", rounded to the second digit of its half width."""
-    if estimate is None or estimate["value"] is None:
+    if estimate is None or estimate.value is None:
         return NONE
-    width, size = estimate["half_width"], abs(estimate["value"] * scale)
+    width, size = estimate.half_width, abs(estimate.value * scale)
     if width is None or size < LEAST:
-        return number(estimate["value"], scale)
+        return number(estimate.value, scale)
     half_width = max(abs(width * scale), LEAST)
     most = MOST_DIGITS - 1 - math.floor(math.log10(size))
     decimals = max(min(1 - math.floor(math.log10(half_width)), most), 0)
-    text = f"{estimate['value'] * scale:.{decimals}f} ± {half_width:.{decimals}f}"
+    text = f"{estimate.value * scale:.{decimals}f} ± {half_width:.{decimals}f}"
     return text.replace("-", "−")
 
 

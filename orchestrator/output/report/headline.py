@@ -4,27 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
-from orchestrator.case.scalars import COHORT, WHOLE_FEED
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.machine import Motion
+from orchestrator.figures.material import CohortShares, Screening, Steady, WholeFeed
+from orchestrator.figures.results import COHORT, FIGURES, WHOLE_FEED, Results
 from orchestrator.output.report.formatting import NONE, interval, number
 
 NOT_STEADY = "not steady yet"
-HEIGHT = "height below which 95 % of the material lies, mean along the deck"
 RECOVERY = "fine_placement_percent"
 SAME_POINTS = 0.05  # of per cent: a recovery of undersize this near to the efficiency is the same figure
-T_PER_H = 3.6  # in 1 kg/s
-EFFICIENCY = "screening efficiency η"
+EFFICIENCY = FIGURES["results.screening.efficiency_percent"]
 COMPUTED = ", computed sizes alone"
 """The end of the names of figures without the sizes that a feed leaves out."""
 UNKNOWN = "unknown"
 """The value of a figure that a run cannot give; its reason is told in its place."""
-SCREENING = {  # name, unit, and the kind of particles that are counted
-    "efficiency_percent": (EFFICIENCY, "%", "particles"),
-    "fine_placement_percent": ("undersize recovery", "%", "fine particles"),
-    "recovered_percent": ("fines recovered, of what came in", "%", "fine particles"),
-    "oversize_yield_percent": ("oversize yield", "%", "particles"),
+SCREENING = {
+    "efficiency_percent": "particles",
+    RECOVERY: "fine_particles",
+    "recovered_percent": "fine_particles",
+    "oversize_yield_percent": "particles",
 }
+"""Figures of screening, with the number of the particles that are counted."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +55,14 @@ class Tile:
         return f"{self.name}: {self.value}{width} {self.unit}{also} (over {self.over})"
 
 
-def headline(results: dict[str, Any]) -> list[Tile]:
-    """Return a tile for each figure that has a value in the results of a run."""
-    tiles = [*_material_tiles(results), *_motion_tiles(results)] if results else []
+def headline(results: Results) -> list[Tile]:
+    """Return a tile for each figure that has a value in the results of a run; what a slice has a share of is
+    told for the whole width."""
+    tiles = [*_material_tiles(results), *_motion_tiles(results)]
     return [tile for tile in tiles if tile.value != NONE]
 
 
-def headline_lines(results: dict[str, Any]) -> Iterator[str]:
+def headline_lines(results: Results) -> Iterator[str]:
     """Yield the headline's figures for a terminal: the steady ones, why others are not, and these."""
     tiles = headline(results)
     yield from (tile.line for tile in tiles if not tile.unsteady)
@@ -70,124 +72,140 @@ def headline_lines(results: dict[str, Any]) -> Iterator[str]:
         yield from (f"  {tile.line}" for tile in unsteady)
 
 
-def reasons_not_steady(results: dict[str, Any]) -> Iterator[str]:
+def reasons_not_steady(results: Results) -> Iterator[str]:
     """Yield a sentence that says why the bed is not steady, and one why the machine has not settled."""
-    state, motion = results.get("steady"), results.get("motion")
-    if state and not state["is_steady"]:
-        yield f"No steady state: {state['reason']}. Bed and screening figures are transient."
-    if motion and motion["cycles"] and not motion["is_settled"]:
-        yield f"The machine has not settled: {motion['reason']}."
+    state, motion = results.steady, results.motion
+    if state and not state.is_steady:
+        yield f"No steady state: {state.reason}. Bed and screening figures are transient."
+    if motion and motion.cycles and not motion.is_settled:
+        yield f"The machine has not settled: {motion.reason}."
 
 
-def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
-    """Yield the figures of screening and bed; masses are scaled to the full width of the deck."""
-    (whole, of_width), state = _scale_to_width(results), results.get("steady")
+@dataclass(frozen=True)
+class Teller:
+    """The maker of tiles from figures over one window; ``share_of_width`` is that of the run."""
+
+    over: str
+    unsteady: bool
+    share_of_width: float
+
+    def tile(self, path: str, estimate: Estimate | None, words: str = "") -> Tile:
+        """Return the tile of the figure at a path below ``results``, by words of its own or the figure's."""
+        figure, over = FIGURES[f"results.{path}"], self.over
+        scale = figure.shown_scale
+        words = words or figure.words
+        if figure.is_extensive and self.share_of_width < 1.0:
+            scale, words = scale / self.share_of_width, f"{words}, of the whole width"
+        value, _, width = interval(estimate, scale).partition(" ± ")
+        if estimate and estimate.reason:
+            over += f"; {estimate.reason}"
+        return Tile(words, value, width, figure.shown_unit, over, self.unsteady)
+
+
+def _material_tiles(results: Results) -> Iterator[Tile]:
+    """Yield the figures of screening and bed."""
+    state, bed, screening = results.steady, results.bed, results.screening
     lasting = _describe_window(state) if state else "the whole run"
-    unsteady = not (state and state["is_steady"])
-    screening, bed = results.get("screening", {}), results.get("bed")
-    whole_feed, missing = screening.get("whole_feed"), results.get("missing", {})
+    told = Teller(lasting, not (state and state.is_steady), results.share_of_width)
+    if screening:
+        yield from _screening_tiles(screening, results.missing, told)
+        feed = told.tile("screening.feed_kg_per_s", screening.feed_kg_per_s)
+        if screening.feed_kg_per_s.value:
+            also_kg_per_s = number(screening.feed_kg_per_s.value / results.share_of_width)
+            yield replace(feed, also=f"{also_kg_per_s} kg/s")
+    if bed:
+        over = f"{bed.particles:.3g} particles at {bed.output_times} output times, {lasting}"
+        for name in ("velocity_m_per_s", "on_deck_kg", "load_kg_per_m2", "mean_depth_m"):
+            yield replace(told, over=over).tile(f"bed.{name}", getattr(bed, name))
+
+
+def _screening_tiles(screening: Screening, missing: dict[str, str], told: Teller) -> Iterator[Tile]:
+    """Yield the efficiency of the whole feed, and the shares of the sizes that are computed."""
+    whole_feed, cohort = screening.whole_feed, screening.cohort
     why_not = missing.get(COHORT) or missing.get(WHOLE_FEED, "")
     if whole_feed:
-        over = f"{_describe_continuation(whole_feed)}, {lasting}"
-        yield _tile(EFFICIENCY, whole_feed["efficiency_percent"], "%", over, unsteady)
+        over = f"{_describe_continuation(whole_feed)}, {_describe_cohort(cohort) if cohort else told.over}"
+        path = "screening.whole_feed.efficiency_percent"
+        yield replace(told, over=over).tile(path, whole_feed.efficiency_percent)
     elif why_not:
-        yield Tile(EFFICIENCY, UNKNOWN, "", "", why_not, unsteady=False)
+        yield Tile(EFFICIENCY.words, UNKNOWN, "", "", why_not, unsteady=False)
+    if COHORT in missing:
+        return
     computed = COMPUTED if whole_feed or WHOLE_FEED in missing else ""
-    if cohort := screening.get("cohort"):
-        over = f"{cohort['particles']} particles that were fed until {number(cohort['fed_until_s'])} s"
-        for key in (key for key in SCREENING if key in cohort):
-            title, unit, _ = SCREENING[key]
-            yield _tile(title + computed, cohort[key], unit, over, unsteady)
-    for key, (title, unit, kind) in SCREENING.items() if not (cohort or COHORT in missing) else ():
-        if key in screening and not (key == RECOVERY and _is_efficiency(screening)):
-            name = title + computed
-            left = f"{screening[kind.replace(' ', '_')]} {kind} that left, "
-            yield _tile(name, screening[key], unit, left + lasting, unsteady)
-    if feed := screening.get("feed_kg_per_s"):
-        tile = _tile(f"feed{of_width}", feed, "t/h", lasting, unsteady, T_PER_H * whole)
-        yield replace(tile, also=f"{number(feed['value'], whole)} kg/s")
-    if bed:
-        over = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, {lasting}"
-        yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", over, unsteady)
-        yield _tile(f"mass on the deck{of_width}", bed["on_deck_kg"], "kg", over, unsteady, whole)
-        yield _tile("load per area of the deck", bed["load_kg_per_m2"], "kg/m²", over, unsteady)
-        yield _tile(HEIGHT, bed["mean_depth_m"], "mm", over, unsteady, 1e3)
+    for name, counted in SCREENING.items():
+        words = FIGURES[f"results.screening.{name}"].words + computed
+        if cohort:
+            estimate = getattr(cohort, name, None)
+            over = _describe_cohort(cohort)
+        else:
+            estimate = None if name == RECOVERY and _is_efficiency(screening) else getattr(screening, name)
+            over = f"{getattr(screening, counted)} {counted.replace('_', ' ')} that left, {told.over}"
+        yield replace(told, over=over).tile(f"screening.{name}", estimate, words)
 
 
-def _describe_continuation(whole_feed: dict[str, Any]) -> str:
+def _describe_cohort(cohort: CohortShares) -> str:
+    """Return which grains tell the separation of a run that is not steady."""
+    return f"{cohort.particles} particles that were fed until {number(cohort.fed_until_s)} s"
+
+
+def _describe_continuation(whole_feed: WholeFeed) -> str:
     """Return what the partition curve adds, how far it is continued, and by what it is wrong there."""
-    computed_mm, listed_mm = (1e3 * whole_feed[key] for key in ("smallest_computed_m", "smallest_m"))
+    computed_mm, listed_mm = 1e3 * whole_feed.smallest_computed_m, 1e3 * whole_feed.smallest_m
+    has_interval = whole_feed.efficiency_percent.half_width is not None
     return (
-        f"{whole_feed['left_out_percent']:.3g} % of the feed by the partition curve, continued from "
-        f"{computed_mm:.3g} to {listed_mm:.3g} mm; the interval has the error of that, some "
-        f"{abs(whole_feed['continuation']['error_percent']):.2g} points"
+        f"{whole_feed.left_out_percent:.3g} % of the feed by the partition curve, continued from "
+        f"{computed_mm:.3g} to {listed_mm:.3g} mm; "
+        f"{'the interval has the error of that, some' if has_interval else 'the error of that is some'} "
+        f"{abs(whole_feed.continuation.error_percent):.2g} points"
     )
 
 
-def _scale_to_width(results: dict[str, Any]) -> tuple[float, str]:
-    """Return the full width over that of the slice, and words for what is scaled by it.
-
-    The words are empty without a slice.
-    """
-    share = float(results["share_of_width"])
-    return 1.0 / share, ", of the whole width" if share < 1.0 else ""
-
-
-def _is_efficiency(screening: dict[str, Any]) -> bool:
+def _is_efficiency(screening: Screening) -> bool:
     """Return whether the undersize recovery is the efficiency, as it is where no coarse particle passes."""
-    recovery, efficiency = (screening[key]["value"] for key in (RECOVERY, "efficiency_percent"))
-    return None not in (recovery, efficiency) and abs(recovery - efficiency) <= SAME_POINTS
+    recovery, efficiency = screening.fine_placement_percent, screening.efficiency_percent
+    if not (recovery and efficiency) or recovery.value is None or efficiency.value is None:
+        return False
+    return abs(recovery.value - efficiency.value) <= SAME_POINTS
 
 
-def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
-    """Yield the figures of frames, panels and drives; the power is scaled to the full width of the deck."""
-    motion = results.get("motion")
+def _motion_tiles(results: Results) -> Iterator[Tile]:
+    """Yield the figures of frames, panels and drives."""
+    motion, power, state = results.motion, results.power, results.steady
     if motion is None:
         return
-    over, unsteady = _describe_window(motion), not motion["is_settled"]
-    for name, orbit in motion["relative"].items():
-        yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
-    for name, speed_rad_per_s in motion.get("shafts_rad_per_s", {}).items():
-        yield Tile(f"speed of the shaft {name}", number(speed_rad_per_s), "", "rad/s", over, unsteady)
-    whole, of_width = _scale_to_width(results)
-    if ground := motion.get("ground"):
+    told = Teller(_describe_window(motion), not motion.is_settled, results.share_of_width)
+    for name, orbit in motion.relative.items():
+        yield told.tile("motion.relative.*.along_m", orbit.along_m, f"relative amplitude {name}, along")
+    for name, speed_rad_per_s in motion.shafts_rad_per_s.items():
+        speed = Estimate(speed_rad_per_s)
+        yield told.tile("motion.shafts_rad_per_s.*", speed, f"speed of the shaft {name}")
+    if ground := motion.ground:
         for axis, name in (("x", "horizontal"), ("z", "vertical")):
-            what = f"force of the bushings on the ground, {name} amplitude{of_width}"
-            yield _tile(what, ground["amplitude_N"][axis], "kN", over, unsteady, 1e-3 * whole)
-    if points := motion["panel_points"]:
-        name = max(points, key=lambda name: points[name]["cycle_peak_g"]["value"] or 0.0)
-        part = "cycle" if motion["cycles"] else "fiftieth of the run"
-        for what, key in (
-            (f"mean peak of a {part}", "cycle_peak_g"),
-            (f"mean peak of a {part} below 100 Hz", "cycle_peak_100_Hz_g"),
-            ("RMS", "rms_g"),
-        ):
-            yield _tile(f"panel acceleration at {name}, {what}", points[name][key], "g", over, unsteady)
-    arched = [panel["turns_up_share"] for panel in motion["panels"].values()]
+            words = f"force of the bushings on the ground, {name} amplitude"
+            yield told.tile("motion.ground.amplitude_N.*", ground.amplitude_N[axis], words)
+    if points := motion.panel_points:
+        name = max(points, key=lambda name: points[name].cycle_peak_g.value or 0.0)
+        part = "cycle" if motion.cycles else "fiftieth of the run"
+        for key in ("cycle_peak_g", "cycle_peak_100_Hz_g", "rms_g"):
+            words = FIGURES[f"results.motion.panel_points.*.{key}"].words.replace("cycle", part)
+            estimate = getattr(points[name], key)
+            yield told.tile(
+                f"motion.panel_points.*.{key}", estimate, f"panel acceleration at {name}, {words}"
+            )
+    arched = [panel.turns_up_share for panel in motion.panels.values()]
     if any(arched):
         share = number(max(up for up in arched if up is not None), 100)
-        yield Tile("turns in which a mat arches up, at most", share, "", "%", over, unsteady)
-    stretched = [panel["stretch_largest_percent"] for panel in motion["panels"].values()]
-    yield Tile("largest panel stretch", number(max(stretched, default=None)), "", "%", over, unsteady)
-    power = results.get("power")
-    if power and "drives_W" in power:
-        state = results.get("steady")
-        filling = state is not None and not state["is_steady"]
-        name = f"power of the drives{of_width}"
-        yield _tile(name, power["drives_W"], "kW", over, unsteady or filling, 1e-3 * whole)
+        yield Tile("turns in which a mat arches up, at most", share, "", "%", told.over, told.unsteady)
+    stretched = max((panel.stretch_largest_percent for panel in motion.panels.values()), default=None)
+    yield told.tile("motion.panels.*.stretch_largest_percent", Estimate(stretched), "largest panel stretch")
+    if power and power.drives_W:
+        filling = state is not None and not state.is_steady
+        unsteady = told.unsteady or filling
+        yield replace(told, unsteady=unsteady).tile("power.drives_W", power.drives_W)
 
 
-def _describe_window(window: dict[str, Any]) -> str:
+def _describe_window(window: Steady | Motion) -> str:
     """Return the length of a window, such as "6 cycles, 0.48 s"; without a drive there are no cycles."""
-    cycles, lasting_s = window["cycles"], window["end_s"] - window["start_s"]
+    cycles, lasting_s = window.cycles, window.end_s - window.start_s
     counted = f"{cycles} cycle{'' if cycles == 1 else 's'}, " if cycles else ""
     return f"{counted}{number(lasting_s)} s"
-
-
-def _tile(
-    name: str, estimate: dict[str, Any], unit: str, over: str, unsteady: bool, scale: float = 1.0
-) -> Tile:
-    value, _, width = interval(estimate, scale).partition(" ± ")
-    if why := estimate.get("reason"):
-        over += f"; {why}"
-    return Tile(name, value, width, unit, over, unsteady)

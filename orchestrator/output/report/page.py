@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
@@ -20,6 +20,9 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.machine import Orbit
+from orchestrator.figures.results import FIGURES, Results
 from orchestrator.output import checkpoints
 from orchestrator.output.drawing import data_uri, embed, fill_template
 from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, is_at_work, write_text
@@ -134,15 +137,38 @@ def make_film(folder: Path, lasting_s: float) -> Film:
         return Film(file.read_bytes(), int(frames), float(start_s), float(end_s))
 
 
-def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
+def label(path: str) -> str:
+    """Return the words and the shown unit of a figure by its path below ``results``."""
+    return FIGURES[f"results.{path}"].label
+
+
+def shown(path: str, value: Any) -> str:
+    """Return a figure as people read it, by its path below ``results``: a number or an estimate."""
+    scale = FIGURES[f"results.{path}"].shown_scale
+    return interval(value, scale) if isinstance(value, Estimate) else number(value, scale)
+
+
+def columns(place: str, names: Sequence[str]) -> list[str]:
+    """Return the labels of figures of a table by its path below ``results``, which ends with a dot."""
+    return [label(f"{place}{name}") for name in names]
+
+
+def amplitude_of(orbit: Orbit, axis: int) -> str:
+    """Return the amplitude of an orbit along an axis, in mm."""
+    width_m = None if orbit.half_width_m is None else float(orbit.half_width_m[axis])
+    return interval(Estimate(float(orbit.amplitude_m[axis]), width_m), 1e3)
+
+
+def page(folder: Path, results: Results, film: Callable[[Path, float], Film]) -> str:
     """Return the HTML of a run's report from its ``results``; the function ``film`` makes the film."""
+    whole = results.of_the_whole_width
     with RunReader(folder) as run:
         summary = run.summary
         animation = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
         cost = ("cost", draw_cost(summary["wall_by_part_s"]))
         drawings = chain(
             [cost],
-            draw_results(results),
+            draw_results(whole),
             draw_machine(run),
             _draw_side(run.case, folder),
             ((f"{MATS}{name}", fig) for name, fig in draw_mats(scene(run.case.whole_machine))),
@@ -152,13 +178,16 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             case=run.case,
             summary=summary,
             provenance=run.provenance,
-            results=results,
-            whole=1.0 / results["share_of_width"],
+            results=whole,
+            label=label,
+            shown=shown,
+            columns=columns,
+            amplitude_of=amplitude_of,
             machine=list(facts.machine_facts(run)),
             sheet=facts.sheet_lines(run),
             rule=RULE,
             describe_sizes=facts.describe_sizes,
-            cut_size_m=results["screening"]["cut_size_m"] if "screening" in results else cut_size_m(run.case),
+            cut_size_m=results.screening.cut_size_m if results.screening else cut_size_m(run.case),
             headline=headline(results),
             not_steady=NOT_STEADY,
             driven=run.is_driven,

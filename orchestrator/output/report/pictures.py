@@ -22,6 +22,19 @@ from scipy.integrate import trapezoid
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.folder import admit
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.machine import Course, PanelWear
+from orchestrator.figures.material import (
+    Contacts,
+    FlowsInTime,
+    Partition,
+    Passing,
+    Profile,
+    Screening,
+    Section,
+    Steady,
+)
+from orchestrator.figures.results import FIGURES, Results
 from orchestrator.output.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import end_with_parent
@@ -192,64 +205,61 @@ def draw_cost(wall_by_part_s: dict[str, float]) -> Any:
     return fig
 
 
-def draw_balance(results: dict[str, Any]) -> Any:
+def draw_balance(flows: FlowsInTime, state: Steady | None) -> Any:
     """Draw the mass rates in and out and the hold-up by cycle, with the steady state shaded."""
-    flows, state = results["screening"]["in_time"], results["steady"]
-    whole = 1.0 / results["share_of_width"]
     fig, ((rates, held),) = figure(1, 2, WIDE, 3.2)
     for name, colour in (("feed", FEED), ("undersize", UNDER), ("oversize", OVER)):
-        rates.plot(flows["time_s"], whole * np.array(flows[f"{name}_kg_per_s"]), color=colour, label=name)
+        rates.plot(flows.time_s, getattr(flows, f"{name}_kg_per_s"), color=colour, label=name)
     rates.set(title="mass flow, mean of each cycle", ylabel="rate / (kg/s)")
-    held.plot(flows["time_s"], whole * np.array(flows["hold_up_kg"]), color=HELD, label="hold-up")
+    held.plot(flows.time_s, flows.hold_up_kg, color=HELD, label="hold-up")
     held.set(title="mass in the machine", ylabel="hold-up / kg")
     for axes in (rates, held):
-        axes.set(xlabel="time / s", xlim=(0, flows["time_s"][-1]))
+        axes.set(xlabel="time / s", xlim=(0, flows.time_s[-1]))
         axes.set_ylim(bottom=0)
-        if state["is_steady"]:
-            axes.axvspan(state["start_s"], state["end_s"], color="#c9d6e8", alpha=0.5, lw=0)
+        if state and state.is_steady:
+            axes.axvspan(state.start_s, state.end_s, color="#c9d6e8", alpha=0.5, lw=0)
     rates.legend(loc="upper left", ncols=3, bbox_to_anchor=(0, -0.2))
     return fig
 
 
-def draw_partition(screening: dict[str, Any]) -> Any:
+def draw_partition(screening: Screening, table: Partition) -> Any:
     """Draw the partition number over the diameter, with the cut size, d50 and the sizes of the feed."""
-    table = screening["partition"]
-    mean, number = np.array(table["mean_m"], float), np.array(table["oversize_percent"], float)
-    edges = 1e3 * np.array(table["edges_m"], float)
+    mean, number, edges = table.mean_m, table.oversize_percent, 1e3 * table.edges_m
     fig, ((axes,),) = figure(1, 1, HALF, 3.4)
-    share = table["feed_percent"]
-    axes.bar(edges[:-1], share, np.diff(edges), align="edge", color="#dfe3e8", label="feed's mass")
+    axes.bar(
+        edges[:-1], table.feed_percent, np.diff(edges), align="edge", color="#dfe3e8", label="feed's mass"
+    )
     there = np.isfinite(number)
     axes.plot(1e3 * mean[there], number[there], "o-", color=HELD, ms=4, label="to the oversize")
-    if (whole := screening.get("whole_feed")) and (curve := whole["curve"]):
-        sizes = 1e3 * np.array(curve["diameter_m"])
-        axes.plot(sizes, curve["oversize_percent"], ":", color=HELD, label="continued to finer sizes")
-    if screening["cut_size_m"]:
-        axes.axvline(1e3 * screening["cut_size_m"], color=OVER, ls="--", label="cut size")
-    if table["d50_m"]["value"] is not None:
-        axes.plot(1e3 * table["d50_m"]["value"], 50, "D", color="#a23b72", label="d50")
+    if (whole := screening.whole_feed) and (curve := whole.curve):
+        axes.plot(
+            1e3 * curve.diameter_m, curve.oversize_percent, ":", color=HELD, label="continued to finer sizes"
+        )
+    if screening.cut_size_m:
+        axes.axvline(1e3 * screening.cut_size_m, color=OVER, ls="--", label="cut size")
+    if table.d50_m.value is not None:
+        axes.plot(1e3 * table.d50_m.value, 50, "D", color="#a23b72", label="d50")
     axes.set(title="partition curve", xlabel="diameter / mm", ylabel="share of mass / %", ylim=(0, 105))
     axes.legend(loc="upper left", ncols=2, bbox_to_anchor=(0, -0.18))
     return fig
 
 
-def draw_sections(screening: dict[str, Any]) -> Any:
+def draw_sections(rows: Sequence[Section]) -> Any:
     """Draw the yields of the sections and, if there is a cut size, their efficiencies."""
-    rows = screening["sections"]
     fig, ((axes,),) = figure(1, 1, HALF, 3.4)
     place = np.arange(len(rows))
-    divided = "local_efficiency_percent" in rows[0]
+    divided = rows[0].local_efficiency_percent is not None
     bars = ("local_efficiency", "yield") if divided else ("yield",)
     for number, name in enumerate(bars):
-        values, errors = _bars([row[f"{name}_percent"] for row in rows])
+        values, errors = _bars([getattr(row, f"{name}_percent") for row in rows])
         shift = (number - (len(bars) - 1) / 2) * 0.38
         label = {"local_efficiency": "local efficiency", "yield": "yield"}[name]
         style = {"label": label, "color": (UNDER, "#b9c3cc")[number], "error_kw": {"lw": 1}}
         axes.bar(place + shift, values, 0.36, yerr=errors, **style)
     if divided:
-        values, errors = _bars([row["cumulative_efficiency_percent"] for row in rows])
+        values, errors = _bars([row.cumulative_efficiency_percent for row in rows])
         axes.errorbar(place, values, errors, fmt="o-", color=HELD, ms=4, label="efficiency up to here")
-    axes.set_xticks(place, [row["exit"] for row in rows])
+    axes.set_xticks(place, [row.exit for row in rows])
     axes.set(title="sections", ylabel="%", ylim=(0, 105), xlabel="section (exit)")
     axes.set_xlim(-0.6, max(len(rows), FEWEST_SECTIONS) - 0.4)
     axes.grid(axis="x", visible=False)
@@ -266,32 +276,31 @@ def _raise_crowded_labels(axes: Any) -> None:
         axes.tick_params(axis="x", labelrotation=90)
 
 
-def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
-    values = [np.nan if e["value"] is None else e["value"] for e in estimates]
-    return values, [e["half_width"] or 0.0 for e in estimates]
+def _bars(estimates: Sequence[Estimate | None]) -> tuple[list[float], list[float]]:
+    known = [each or Estimate(None) for each in estimates]
+    values = [np.nan if each.value is None else each.value for each in known]
+    return values, [each.half_width or 0.0 for each in known]
 
 
-def draw_contacts(why: dict[str, Any]) -> Any:
+def draw_contacts(why: Contacts) -> Any:
     """Draw the chance of a contact by size beside the geometric one, and what has passed along the deck.
 
     The share of the fines that has passed at each panel's end is drawn over the time that those which went on
     spent over the deck up to there, with the curve of one rate.
     """
     fig, ((chances, course),) = figure(1, 2, WIDE, 3.4)
-    sizes, fit = why["sizes"], why["fit"]
-    mean_mm = 1e3 * np.array(sizes["mean_m"], float)
+    sizes, fit = why.sizes, why.fit
+    mean_mm = 1e3 * sizes.mean_m
     for key, style, label in (
         ("chance_percent", "o-", "counted: passed over contacts"),
         ("geometric_percent", "--", "geometric: straight down, untouched"),
     ):
-        chances.plot(mean_mm, np.array(sizes[key], float), style, ms=4, label=label)
+        chances.plot(mean_mm, getattr(sizes, key), style, ms=4, label=label)
     chances.set(title="chance of a contact", xlabel="diameter / mm", ylabel="%")
-    course.plot(
-        fit["time_s"], [row["passed_percent"] for row in why["along"]], "o", label="up to each panel's end"
-    )
-    time_s = np.linspace(0.0, fit["time_s"][-1], 50)
-    label = f"1 − exp(−k t), k = {fit['rate_per_s']:.2g} 1/s"
-    course.plot(time_s, -100.0 * np.expm1(-fit["rate_per_s"] * time_s), label=label)
+    course.plot(fit.time_s, [row.passed_percent for row in why.along], "o", label="up to each panel's end")
+    time_s = np.linspace(0.0, fit.time_s[-1], 50)
+    label = f"1 − exp(−k t), k = {fit.rate_per_s:.2g} 1/s"
+    course.plot(time_s, -100.0 * np.expm1(-fit.rate_per_s * time_s), label=label)
     course.set(title="fines that have passed", xlabel="time over the deck / s", ylabel="%")
     for axes in (chances, course):
         axes.set_ylim(bottom=0)
@@ -299,43 +308,41 @@ def draw_contacts(why: dict[str, Any]) -> Any:
     return fig
 
 
-def draw_along_deck(results: dict[str, Any]) -> Any:
+ALONG = {"depth_m": HELD, "velocity_m_per_s": OVER, "mass_kg_per_m": FEED}
+"""Means along the deck, with the colours in which they are drawn."""
+
+
+def draw_along_deck(profile: Profile, passing: Passing | None) -> Any:
     """Draw the bed's height, velocity, mass and, if it was counted, the passing rate along the deck.
 
     95 % of the mass lies below the height.
     """
-    profile, whole = results["bed"]["profile"], 1.0 / results["share_of_width"]
-    series = [
-        ("depth_m", 1e3, "95 % lies below / mm", HELD),
-        ("velocity_m_per_s", 1.0, "velocity / (m/s)", OVER),
-        ("mass_kg_per_m", whole, "bed mass / (kg/m)", FEED),
-    ]
-    passing = results.get("transport", {}).get("passing")
     fig, axes = figure(2, 2, WIDE, 4.8)
-    for ax, (name, scale, label, colour) in zip(axes.flat, series, strict=False):
-        values = np.array(profile[name], float) * scale
-        ax.plot(profile["along_m"], values, "o-", ms=3, color=colour)
-        ax.set(ylabel=label, xlabel="distance along the deck / m")
+    for ax, (name, colour) in zip(axes.flat, ALONG.items(), strict=False):
+        record = FIGURES[f"results.bed.profile.{name}"]
+        values = getattr(profile, name) * record.shown_scale
+        ax.plot(profile.along_m, values, "o-", ms=3, color=colour)
+        ax.set(ylabel=record.label, xlabel="distance along the deck / m")
         if name != "velocity_m_per_s":
             ax.set_ylim(bottom=0)
     last = axes[1, 1]
     if passing is None:
         last.axis("off")
     else:
-        step = passing["along_m"][1] - passing["along_m"][0]
-        last.bar(passing["along_m"], whole * np.array(passing["rate_kg_per_s_m"]), 0.85 * step, color=UNDER)
+        step = passing.along_m[1] - passing.along_m[0]
+        last.bar(passing.along_m, passing.rate_kg_per_s_m, 0.85 * step, color=UNDER)
         last.set(ylabel="passing rate / (kg/(s m))", xlabel="distance along the deck / m")
     return fig
 
 
-def draw_course(course: dict[str, Any], share_of_width: float) -> Any:
+def draw_course(course: Course) -> Any:
     """Draw the amplitude of the frames against each other and the mass on the full deck, over time."""
     fig, axes = figure(1, 1, WIDE, 3.2)
-    ax, end_s = axes[0, 0], np.asarray(course["end_s"])
-    highest_mm = 1e3 * max((max(pair["along_m"]) for pair in course["relative"].values()), default=0.0)
-    for name, pair in course["relative"].items():
-        width_mm = [1e3 * (width or 0.0) for width in pair["half_width_m"]]
-        along_mm = 1e3 * np.asarray(pair["along_m"])
+    ax, end_s = axes[0, 0], course.end_s
+    highest_mm = 1e3 * max((max(pair.along_m) for pair in course.relative.values()), default=0.0)
+    for name, pair in course.relative.items():
+        width_mm = 1e3 * np.nan_to_num(pair.half_width_m)
+        along_mm = 1e3 * np.asarray(pair.along_m)
         ax.errorbar(end_s, along_mm, width_mm, marker="o", ms=3, lw=1, capsize=2, label=name)
     ax.set(
         xlabel="time / s",
@@ -344,19 +351,18 @@ def draw_course(course: dict[str, Any], share_of_width: float) -> Any:
     )
     ax.set_ylim(0, 1.25 * highest_mm)  # where the machine runs up, intervals are far wider
     ax.legend(loc="lower left")
-    if "on_deck_kg" in course:
-        on_deck_kg = np.array(course["on_deck_kg"], float) / share_of_width
+    if course.on_deck_kg is not None:
         load = ax.twinx()
-        load.fill_between(end_s, on_deck_kg, color=FEED, alpha=0.25, lw=0)
+        load.fill_between(end_s, course.on_deck_kg, color=FEED, alpha=0.25, lw=0)
         load.set(ylabel="on the deck / kg")
         load.set_ylim(bottom=0)
         load.grid(visible=False)
     return fig
 
 
-def draw_wear(wear: dict[str, Any]) -> Any:
+def draw_wear(panels: Mapping[str, PanelWear]) -> Any:
     """Draw the depth of wear in 1000 h in the patches of all panels, side by side."""
-    maps = {n: MM_IN_1000_H * np.array(p["depth_m_per_h"], float) for n, p in wear["panels"].items()}
+    maps = {name: MM_IN_1000_H * panel.depth_m_per_h for name, panel in panels.items()}
     fig, ((axes,),) = figure(1, 1, WIDE, 2.6)
     deepest = max(float(np.nanmax(values)) for values in maps.values())
     for place, values in enumerate(maps.values()):
@@ -371,22 +377,23 @@ def draw_wear(wear: dict[str, Any]) -> Any:
     return fig
 
 
-def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the name and the figure of every picture for which the results have numbers."""
-    if screening := results.get("screening"):
-        yield "balance", draw_balance(results)
-        if screening["partition"]:
-            yield "partition", draw_partition(screening)
-        if screening["sections"]:
-            yield "sections", draw_sections(screening)
-    if "contacts" in results:
-        yield "contacts", draw_contacts(results["contacts"])
-    if "bed" in results:
-        yield "along", draw_along_deck(results)
-    if "course" in results:
-        yield "course", draw_course(results["course"], results["share_of_width"])
-    if "wear" in results:
-        yield "wear", draw_wear(results["wear"])
+def draw_results(results: Results) -> Iterator[tuple[str, Any]]:
+    """Yield the name and the figure of every picture for which results, of the whole width, have numbers."""
+    if screening := results.screening:
+        yield "balance", draw_balance(screening.in_time, results.steady)
+        if screening.partition:
+            yield "partition", draw_partition(screening, screening.partition)
+        if screening.sections:
+            yield "sections", draw_sections(screening.sections)
+    if results.contacts:
+        yield "contacts", draw_contacts(results.contacts)
+    if results.bed:
+        passing = results.transport.passing if results.transport else None
+        yield "along", draw_along_deck(results.bed.profile, passing)
+    if results.course:
+        yield "course", draw_course(results.course)
+    if results.wear:
+        yield "wear", draw_wear(results.wear.panels)
 
 
 def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
@@ -423,7 +430,6 @@ def write_pictures(folder: Path) -> None:
 
 
 def _write_deck(folder: Path, end_s: float) -> None:
-    """Write the picture of the deck if the run has a surface."""
     if (folder / "surface.pvd").is_file():
         from orchestrator.output.report.rendering import render_deck
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
+from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.material import Bed, Held, Passing, Profile, Transport
 from orchestrator.output.cycles import ROUNDING, cycle_numbers
 from orchestrator.output.records.deck_record import HELD_CYCLES, bins_m
-from orchestrator.output.results.estimate import Estimate, IntervalOf, mean_by_cycles, ratio_by_cycles, share
+from orchestrator.output.results.estimate import IntervalOf, mean_by_cycles, ratio_by_cycles, share
 from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, EventTable, per_cycle
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
@@ -18,7 +19,7 @@ from orchestrator.ports import Array
 
 def bed_metrics(
     run: RunReader, start_s: float, end_s: float, is_steady: bool, interval_of: IntervalOf
-) -> dict[str, Any]:
+) -> Bed:
     """Return the bed's metrics over the output times from ``start_s`` to ``end_s`` (at least one).
 
     All metrics are means over time.  A bin or a deck without particles counts with no mass and a depth of
@@ -36,21 +37,21 @@ def bed_metrics(
     momentum = mass_kg * velocity_m_per_s
     on_deck_kg, in_bin_kg = mass_kg.sum(axis=1), mass_kg.sum(axis=0)
     nowhere = np.full(len(in_bin_kg), np.nan)
-    return {
-        "output_times": int(window.sum()),
-        "particles": float(run.read("bed/particles")[run.output_rows("bed", start_s, end_s)].mean()),
-        "on_deck_kg": mean_by_cycles(on_deck_kg, cycle, is_steady, interval_of),
-        "load_kg_per_m2": mean_by_cycles(on_deck_kg / deck_area_m2(run), cycle, is_steady, interval_of),
-        "velocity_m_per_s": ratio_by_cycles(momentum.sum(axis=1), on_deck_kg, cycle, is_steady, interval_of),
-        "mean_depth_m": mean_by_cycles(depth_m.mean(axis=1), cycle, is_steady, interval_of),
-        "largest_depth_m": mean_by_cycles(depth_m.max(axis=1), cycle, is_steady, interval_of),
-        "profile": {
-            "along_m": along_m,
-            "mass_kg_per_m": mass_kg.mean(axis=0) / (along_m[1] - along_m[0]),
-            "velocity_m_per_s": np.divide(momentum.sum(axis=0), in_bin_kg, out=nowhere, where=in_bin_kg > 0),
-            "depth_m": depth_m.mean(axis=0),
-        },
-    }
+    return Bed(
+        output_times=int(window.sum()),
+        particles=float(run.read("bed/particles")[run.output_rows("bed", start_s, end_s)].mean()),
+        on_deck_kg=mean_by_cycles(on_deck_kg, cycle, is_steady, interval_of),
+        load_kg_per_m2=mean_by_cycles(on_deck_kg / deck_area_m2(run), cycle, is_steady, interval_of),
+        velocity_m_per_s=ratio_by_cycles(momentum.sum(axis=1), on_deck_kg, cycle, is_steady, interval_of),
+        mean_depth_m=mean_by_cycles(depth_m.mean(axis=1), cycle, is_steady, interval_of),
+        largest_depth_m=mean_by_cycles(depth_m.max(axis=1), cycle, is_steady, interval_of),
+        profile=Profile(
+            along_m=along_m,
+            mass_kg_per_m=mass_kg.mean(axis=0) / (along_m[1] - along_m[0]),
+            velocity_m_per_s=np.divide(momentum.sum(axis=0), in_bin_kg, out=nowhere, where=in_bin_kg > 0),
+            depth_m=depth_m.mean(axis=0),
+        ),
+    )
 
 
 def deck_area_m2(run: RunReader) -> float:
@@ -68,22 +69,24 @@ def deck_area_m2(run: RunReader) -> float:
 
 def retained_metrics(
     run: RunReader, start_s: float, end_s: float, is_steady: bool, interval_of: IntervalOf
-) -> dict[str, Any]:
-    """Return the means of stickers and blinded openings over the output times in a window.
+) -> Held:
+    """Return the openings, and the means of stickers and blinded openings over the output times in a window.
 
     Those of the run's first cycles, in which no particle can have lain for long enough, do not count.
     """
+    openings = len(openings_m(run.case))
+    names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     window = run.output_rows("held", start_s, end_s)
     time_s = run.read("held/time_s")
     window &= time_s >= time_s[0] + (HELD_CYCLES - ROUNDING) * run.cycle_s
     if not window.any():
-        return dict.fromkeys(("stickers", "sticking_kg", "blinded_openings"), Estimate(None))
+        return Held(openings=openings, **dict.fromkeys(names, Estimate(None)))
     cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
-    names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
-    return {
+    means = {
         name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady, interval_of)
         for name, series in names.items()
     }
+    return Held(openings=openings, **means)
 
 
 def residence_s(fed: EventTable, removed: EventTable) -> Array:
@@ -104,7 +107,7 @@ def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s
     return np.asarray(passed / np.diff(edges_m) / lasting_s)
 
 
-def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
+def transport(events: Events, deck: DeckLine | None) -> Transport:
     """Return the residence time of the oversize, and the passing rate of the undersize along the deck.
 
     Nobody knows when, and where, the particles of a bed at the start entered, so that they do not count.
@@ -124,19 +127,17 @@ def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
             for weight in (removed.mass_kg * stay_s, removed.mass_kg)
         ]
     )
-    table: dict[str, Any] = {"residence_s": events.figure(lambda s: share(s[0], s[1]), sums)}
-    if deck is not None:
-        length_m = deck.length_m
-        velocity = events.figure(lambda s: length_m * share(s[1], s[0]), sums)
-        edges_m = bins_m(deck)
-        under = counted & np.isin(removed.exit, events.exits.of(UNDERSIZE))
-        station_m = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
-        start_s, end_s = events.window_s
-        table["residence_velocity_m_per_s"] = velocity
-        table["passing"] = {
-            "along_m": (edges_m[1:] + edges_m[:-1]) / 2,
-            "rate_kg_per_s_m": passing_kg_per_s_m(
-                station_m, removed.mass_kg[under], edges_m, end_s - start_s
-            ),
-        }
-    return table
+    residence = events.figure(lambda s: share(s[0], s[1]), sums)
+    if deck is None:
+        return Transport(residence_s=residence)
+    length_m = deck.length_m
+    edges_m = bins_m(deck)
+    under = counted & np.isin(removed.exit, events.exits.of(UNDERSIZE))
+    station_m = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
+    start_s, end_s = events.window_s
+    rate = passing_kg_per_s_m(station_m, removed.mass_kg[under], edges_m, end_s - start_s)
+    return Transport(
+        residence_s=residence,
+        residence_velocity_m_per_s=events.figure(lambda s: length_m * share(s[1], s[0]), sums),
+        passing=Passing(along_m=(edges_m[1:] + edges_m[:-1]) / 2, rate_kg_per_s_m=rate),
+    )

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,12 +27,6 @@ UNIMPORTANT = {"title", "description", "default_level"}
 EQUAL = 1e-12  # results with a smaller relative difference are the same
 MISSING = "–"
 CUT = "screening.cut_size_m"
-OF_THE_CUT = re.compile(
-    r"(computed_)?efficiency|recovery|fines_stay|contact_rate|within_reach|contact_chance|passing_rate"
-    r"|contacts\..*"
-    r"|screening\.(fine_particles|whole_feed\..*|.*(efficiency|placement|misplaced|fines_in_oversize|recovered)_percent)"
-)
-"""Names of results that count what is finer or coarser than the cut."""
 ANGLES = {"rad", "degree"}
 SCALED = "masses, rates, numbers, forces and powers are compared as those of the whole width"
 
@@ -120,7 +113,7 @@ class Comparison:
         """The number of comparisons by intervals that show a difference."""
         return sum(verdict == MORE for row in self.distinct for verdict in row.verdicts)
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> Mapping[str, Any]:
         """Return the comparison as a table of lists, with an entry for each run in each list."""
         return {
             "runs": [{"folder": str(run.folder), "status": run.status} for run in self.runs],
@@ -186,7 +179,7 @@ def _comparable(run: RunResults, first: RunResults) -> dict[str, Result]:
     cuts_m = [each.results[CUT].value if CUT in each.results else None for each in (run, first)]
     if cuts_m[0] == cuts_m[1]:
         return run.results
-    return {name: result for name, result in run.results.items() if not OF_THE_CUT.fullmatch(name)}
+    return {name: result for name, result in run.results.items() if not result.figure.is_of_cut}
 
 
 def _differing_cuts(runs: Sequence[RunResults]) -> Iterator[str]:
@@ -229,14 +222,13 @@ def _programs(folder: Path) -> dict[str, str | None]:
         return {}
 
 
-def _with_checksums(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+def _with_checksums(table: MutableMapping[str, Any], folder: Path) -> MutableMapping[str, Any]:
     """Return a resolved case with the beginning of its checksum beside the name of each file.
 
     The folder of a run has copies of all files of the case under names that are always the same.
     """
     surfaces = table.get("screen", {}).get("surfaces", {}).values()
-    places = [(table.get("bed", {}), "table"), (table.get("panel", {}), "recording")]
-    for row, key in (*places, *((surface, "stl") for surface in surfaces)):
+    for row, key in ((table.get("bed", {}), "table"), *((surface, "stl") for surface in surfaces)):
         if key in row and (file := folder / row[key]).is_file():
             with file.open("rb") as content:
                 row[key] += f" (sha256 {hashlib.file_digest(content, 'sha256').hexdigest()[:12]})"

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from orchestrator.case.deck.openings import straight_passing
-from orchestrator.output.results.estimate import Estimate, share
-from orchestrator.output.results.events import UNDERSIZE, Events, EventTable, per_cycle
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.material import Contacts, ContactSizes, PanelContacts, RateFit
+from orchestrator.output.results.estimate import share
+from orchestrator.output.results.events import UNDERSIZE, Events, EventTable, sums_by
 from orchestrator.output.results.screening import size_classes
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern
@@ -33,6 +34,7 @@ OVER, CONTACTS, WITHIN, PASSED, GEOMETRIC = range(5)
 class Fines:
     """The n fine particles that left, in the averaged cycles, over the panels of a deck.
 
+    ``counted`` (removed,) is the mask of them among all particles that left.
     Each counts with the mass for which it stands (``Events.left_kg``), which is the mass of ``removed``.
     ``passed_at`` (n, panels) tells through which panel each one passed, which is that of its last contact.
     ``geometric`` (n, panels) is the chance that a sphere which falls straight onto a panel touches nothing.
@@ -41,6 +43,7 @@ class Fines:
     removed: EventTable
     passed_at: npt.NDArray[np.bool_]
     geometric: Array
+    counted: npt.NDArray[np.bool_]
 
     @staticmethod
     def of(events: Events, cut_m: float, openings: Sequence[AperturePattern | None]) -> Fines:
@@ -49,7 +52,7 @@ class Fines:
         removed = replace(events.removed.part(fine), mass_kg=events.left_kg[fine])
         passed = np.isin(removed.exit, events.exits.of(UNDERSIZE))
         passed_at = passed[:, None] & (removed.last_panel[:, None] == np.arange(len(openings)))
-        return Fines(removed, passed_at, geometric_chance(removed.diameter_m, openings))
+        return Fines(removed, passed_at, geometric_chance(removed.diameter_m, openings), fine)
 
     def __len__(self) -> int:
         return len(self.removed.id)
@@ -138,7 +141,7 @@ def fit_rate(time_s: Array, passed: Array) -> tuple[float, float]:
 
 def contacts(
     events: Events, cut_m: float, names: Sequence[str], openings: Sequence[AperturePattern | None]
-) -> dict[str, Any] | str:
+) -> Contacts | str:
     """Return why so much of the fines passes; the reason if there is no such table.
 
     ``names`` and ``openings`` are those of the panels along the deck.
@@ -163,43 +166,40 @@ def contacts(
         **figures(by_panel),
         "passed_percent": 100.0 * passed,
     }
-    return {
-        "particles": len(fines),
-        "counted_percent": 100.0 * passed[-1],
-        "rebuilt_percent": 100.0 * _rebuilt(fines, size, len(edges) - 1),
+    return Contacts(
+        particles=len(fines),
+        counted_percent=float(100.0 * passed[-1]),
+        rebuilt_percent=100.0 * _rebuilt(fines, size, len(edges) - 1),
         **_whole_deck(events, fines),
-        "along": [
-            {"panel": name} | {key: float(values[place]) for key, values in along.items()}
+        along=[
+            PanelContacts(panel=name, **{key: float(values[place]) for key, values in along.items()})
             for place, name in enumerate(names)
         ],
-        "fit": {
-            "rate_per_s": fitted_per_s,
-            "rms_percent": 100.0 * rms,
-            "time_s": elapsed_s,
-            "passed_percent": 100.0 * -np.expm1(-fitted_per_s * elapsed_s),
-        },
-        "sizes": _sizes(fines, size, len(edges) - 1),
-    }
+        fit=RateFit(
+            rate_per_s=fitted_per_s,
+            rms_percent=100.0 * rms,
+            time_s=elapsed_s,
+            passed_percent=100.0 * -np.expm1(-fitted_per_s * elapsed_s),
+        ),
+        sizes=_sizes(fines, size, len(edges) - 1),
+    )
 
 
 def _rebuilt(fines: Fines, size: Indices, classes: int) -> float:
     """Return the share by mass that passes, from the tables of panels and of sizes alone."""
     table = _sizes(fines, size, classes)
     mass_kg = np.bincount(size, fines.removed.mass_kg, classes).astype(float)
-    chance = np.nan_to_num(table["chance_percent"]) / 100.0
+    chance = np.nan_to_num(table.chance_percent) / 100.0
     return rebuilt(mass_kg, chance, figures(fines.sums.sum(axis=0))["contacts_per_s"], fines.stay_s)
 
 
-def _sizes(fines: Fines, size: Indices, classes: int) -> dict[str, Array]:
+def _sizes(fines: Fines, size: Indices, classes: int) -> ContactSizes:
     """Return the figures of the size classes over the whole deck."""
     sums = np.zeros((classes, fines.sums.shape[2]))
     np.add.at(sums, size, fines.sums.sum(axis=1))
     number = np.bincount(size, minlength=classes).astype(float)
-    return {
-        "mean_m": ratio(np.bincount(size, fines.removed.diameter_m, classes).astype(float), number),
-        "particles": number,
-        **figures(sums),
-    }
+    summed_m = np.bincount(size, fines.removed.diameter_m, classes).astype(float)
+    return ContactSizes(mean_m=ratio(summed_m, number), particles=number, **figures(sums))
 
 
 def _whole_deck(events: Events, fines: Fines) -> dict[str, Estimate]:
@@ -209,9 +209,11 @@ def _whole_deck(events: Events, fines: Fines) -> dict[str, Estimate]:
     sums = fines.sums.sum(axis=1)
     stay = np.where(over, own.mass_kg, 0.0)
     columns = np.column_stack([sums, stay * own.over_s.sum(axis=1), stay])
-    cycles = np.hstack([per_cycle(own.time_s, column, events.edges_s) for column in columns.T])
-    statistics: dict[str, Any] = {
-        name: lambda kg, name=name: float(figures(kg[: len(sums[0])])[name]) for name in figures(sums[0])
-    }
-    statistics["stay_s"] = lambda kg: share(kg[-2], kg[-1])
-    return {name: events.figure(statistic, cycles) for name, statistic in statistics.items()}
+    part = events.part[fines.counted]
+    cycles = np.hstack([sums_by(part, events.parts, column) for column in columns.T])
+
+    def of_contacts(name: str, kg: Array) -> float:
+        return float(figures(kg[: len(sums[0])])[name])
+
+    estimates = {name: events.figure(partial(of_contacts, name), cycles) for name in figures(sums[0])}
+    return estimates | {"stay_s": events.figure(lambda kg: share(kg[-2], kg[-1]), cycles)}

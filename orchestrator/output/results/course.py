@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
+from orchestrator.figures.machine import Course, PairInTime
 from orchestrator.output.cycles import within
 from orchestrator.output.results.estimate import IntervalOf
 from orchestrator.output.results.harmonics import first_harmonic
@@ -18,7 +18,7 @@ WINDOW_CYCLES = 12  # ten turns, the fewest that give an interval, of a shaft th
 FEWEST_WINDOWS = 3
 
 
-def course(run: RunReader, interval_of: IntervalOf) -> dict[str, Any] | None:
+def course(run: RunReader, interval_of: IntervalOf) -> Course | None:
     """Return the amplitude of each pair of frames along the deck, and the load, in windows of twelve whole
     cycles.
 
@@ -33,17 +33,19 @@ def course(run: RunReader, interval_of: IntervalOf) -> dict[str, Any] | None:
     if len(windows) < FEWEST_WINDOWS:
         return None
     time_s, pairs_m = run.series_s(), relative_motions_m(run)
-    relative: dict[str, dict[str, list[float]]] = {}
+    relative = {}
     for name, place_m in pairs_m.items():
         along_m = place_m @ run.deck_axes[:, :1]
         fits = [
             first_harmonic(time_s, along_m, run.turn_s(*window), *window, interval_of) for window in windows
         ]
-        relative[name] = {
-            "along_m": [float(fit.amplitude[0]) for fit in fits],
-            "half_width_m": [np.nan if fit.half_width is None else float(fit.half_width[0]) for fit in fits],
-        }
-    return {"end_s": edges_s[1:], "relative": relative, **_load(run, windows)}
+        relative[name] = PairInTime(
+            along_m=[float(fit.amplitude[0]) for fit in fits],
+            half_width_m=np.array(
+                [np.nan if fit.half_width is None else fit.half_width[0] for fit in fits], dtype=float
+            ),
+        )
+    return Course(end_s=edges_s[1:], relative=relative, **_load(run, windows))
 
 
 def _load(run: RunReader, windows: list[tuple[float, float]]) -> dict[str, Array]:

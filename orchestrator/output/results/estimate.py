@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
+from orchestrator.figures.estimate import Estimate
 from orchestrator.ports import Array, Indices
 
 BATCHES = (20, 40)  # enough for the slow part of a series
@@ -48,32 +49,6 @@ class Interval:
         """Return an interval that is ``factor`` times as wide."""
         half_width, error = (size and factor * size for size in (self.half_width, self.standard_error))
         return Interval(half_width, error, self.reason)
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A value with the half width of its interval (``Interval``).
-
-    ``value`` is None if it is not defined.  ``counting`` is the standard deviation of a share that its number
-    of particles alone explains; it is None for what is no share.
-    """
-
-    value: float | None
-    half_width: float | None = None
-    batches: int = 0
-    counting: float | None = None
-    standard_error: float | None = None
-    reason: str = ""
-
-    def table(self) -> dict[str, float | int | str | None]:
-        """Return the estimate as a table of the results."""
-        table = {"value": self.value, "half_width": self.half_width, "batches": self.batches}
-        told = {
-            "counting": self.counting,
-            "standard_error": self.standard_error,
-            "reason": self.reason or None,
-        }
-        return table | {name: value for name, value in told.items() if value is not None}
 
 
 IntervalOf = Callable[[Array], Interval]
@@ -202,6 +177,18 @@ def chance(values: Array) -> Interval:
     projections = np.cos(np.arange(1, COSINES + 1)[:, None] * phase) @ spread * (2 / n) ** 0.5
     error = float(np.sqrt(np.mean(projections**2) / n))
     return Interval(float(stdtrit(COSINES, (1 + CONFIDENCE) / 2)) * error, error)  # Student's distribution
+
+
+def independent(values: Array) -> Interval:
+    """Return the 95 % confidence interval of the mean of independent values (n,) of one distribution.
+
+    Values that are all alike have none: so few of them do not show their scatter.
+    """
+    n = len(values)
+    error = float(values.std(ddof=1)) / n**0.5
+    if error <= ROUNDING * float(np.abs(values).max()):
+        return Interval(None)
+    return Interval(float(stdtrit(n - 1, (1 + CONFIDENCE) / 2)) * error, error)  # Student's distribution
 
 
 def controlled(values: Array) -> Interval:

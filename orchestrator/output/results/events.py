@@ -18,20 +18,15 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.results import BATCH
 from orchestrator.output.cycles import cycle_numbers, within
-from orchestrator.output.results.estimate import (
-    FEWEST_INDEPENDENT,
-    Estimate,
-    IntervalOf,
-    batch_sums,
-    estimate,
-)
+from orchestrator.output.results.estimate import FEWEST_INDEPENDENT, IntervalOf, batch_sums, estimate
 from orchestrator.output.results.listed_feed import ListedFeed
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_mass_kg
 
 LOST = -1
-BATCH = "nothing is fed: a batch is never steady"
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
 FEWEST_CYCLES = 20
 LARGEST_IMBALANCE = 0.02
@@ -104,10 +99,18 @@ def per_cycle(
 ) -> Array:
     """Return the mass (cycles, groups) by cycle and group; other group numbers are left out."""
     cycle = cycle_numbers(time_s, float(edges_s[1] - edges_s[0]))
-    group = np.zeros(len(time_s), dtype=int) if group is None else group
-    counted = (cycle < len(edges_s) - 1) & (group >= 0) & (group < groups)
-    table = np.zeros((len(edges_s) - 1, groups))
-    np.add.at(table, (cycle[counted], group[counted]), mass_kg[counted])
+    return sums_by(cycle, len(edges_s) - 1, mass_kg, group, groups)
+
+
+def sums_by(
+    part: Indices, parts: int, mass_kg: Array, group: Indices | None = None, groups: int = 1
+) -> Array:
+    """Return the mass (parts, groups) of particles by the part and the group of each; other numbers of
+    either are left out."""
+    group = np.zeros(len(part), dtype=int) if group is None else group
+    counted = (part >= 0) & (part < parts) & (group >= 0) & (group < groups)
+    table = np.zeros((parts, groups))
+    np.add.at(table, (part[counted], group[counted]), mass_kg[counted])
     return table
 
 
@@ -235,6 +238,22 @@ class Events:
             return table.mass_kg
         return table.mass_kg * self.listed.weight(table.diameter_m)
 
+    @property
+    def parts(self) -> int:
+        """The number of parts into which sums over the particles that left are divided: the cycles."""
+        return len(self.edges_s) - 1
+
+    @cached_property
+    def part(self) -> Indices:
+        """The number (removed,) of the part in which each particle that left counts: the cycle in which it
+        left."""
+        return cycle_numbers(self.removed.time_s, float(self.edges_s[1] - self.edges_s[0]))
+
+    def sums(self, mass_kg: Array, group: Indices | None = None, groups: int = 1) -> Array:
+        """Return the mass (parts, groups) of the particles that left, of which each counts with ``mass_kg``
+        (removed,), by part and by group."""
+        return sums_by(self.part, self.parts, mass_kg, group, groups)
+
     @cached_property
     def balance(self) -> Balance:
         """The mass balance; a particle counts in the mean of the cycle in which it comes or leaves with the
@@ -297,7 +316,7 @@ class Events:
     def figure(
         self, statistic: Callable[[Array], float], cycles: Array, interval_of: IntervalOf | None = None
     ) -> Estimate:
-        """Return the estimate of a statistic of the sum of ``cycles`` (cycles, ...).
+        """Return the estimate of a statistic of the sum of ``cycles`` (parts, ...).
 
         The estimate has an interval in a steady state.
         """

@@ -6,9 +6,8 @@ machine; smaller cycles within one, and bending at the clamps, are not in it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -63,29 +62,22 @@ def damage(counted: Cycles, line: FatigueLine) -> float:
     return float(sum(count / line.cycles * ratio**line.slope for ratio, count in amplitudes))
 
 
-def strain_cycles(run: RunReader, name: str, least: Array, most: Array) -> dict[str, float | None]:
-    """Return the mean strain range of a panel and its damage, from the extremes of each cycle (cycles,).
-
-    ``fatigue_damage`` is None where its material has no line.
+def strain_cycles(run: RunReader, name: str, least: Array, most: Array) -> tuple[float, float | None]:
+    """Return the mean strain range of a panel in percent and its damage, from the extremes of each cycle
+    (cycles,).  The damage is None where its material has no line.
     """
     counted = rainflow(np.column_stack([least, most]).ravel().tolist())
     total = sum(count for _, count in counted)
     material = next((p.table.material for p in single_panels(run.case) if p.name == name), "")
     line = run.case.materials[material].fatigue if material in run.case.materials else None
-    return {
-        "strain_range_percent": 100 * sum(size * count for size, count in counted) / total if total else 0.0,
-        "fatigue_damage": None if line is None else damage(counted, line),
-    }
+    range_percent = 100 * sum(size * count for size, count in counted) / total if total else 0.0
+    return range_percent, None if line is None else damage(counted, line)
 
 
-def ranked(panels: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Return the panels with ``fatigue_share``, the damage over that of the worst, in place of the damage.
+def ranked(damages: Mapping[str, float | None]) -> dict[str, float | None]:
+    """Return the damage of each panel over that of the worst.
 
     A line and a strain that stand for a whole mat tell which mat suffers most, and not how long it lives.
     """
-    damages = {name: panel.pop("fatigue_damage") for name, panel in panels.items()}
     worst = max((size for size in damages.values() if size is not None), default=0.0)
-    for name, panel in panels.items():
-        size = damages[name]
-        panel["fatigue_share"] = None if size is None or worst == 0.0 else size / worst
-    return panels
+    return {name: None if size is None or worst == 0.0 else size / worst for name, size in damages.items()}

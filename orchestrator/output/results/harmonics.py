@@ -13,15 +13,16 @@ raise the amplitude, as it would raise a mean of the cycles' amplitudes or half 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.machine import Orbit
 from orchestrator.output.cycles import count_whole_cycles, within
-from orchestrator.output.results.estimate import Estimate, Interval, IntervalOf, batch_count, chance
+from orchestrator.output.results.estimate import Interval, IntervalOf, batch_count, chance
 from orchestrator.ports import Array
 
 Phasors = npt.NDArray[Any]  # complex
@@ -69,21 +70,18 @@ class Harmonic:
             reason=one.reason,
         )
 
-    def orbit(self) -> dict[str, Any]:
-        """Return the table of a point's motion in m along x, y and z, with its ellipse in the x-z plane.
-
-        docs/run-folder.md documents the table (``results.motion``).
-        """
+    def orbit(self) -> Orbit:
+        """Return a point's motion in m along x, y and z, with its ellipse in the x-z plane."""
         major_m, minor_m, tilt_rad = ellipse(self.phasor[0], self.phasor[2])
-        return {
-            "amplitude_m": self.amplitude,
-            "half_width_m": self.half_width,
-            "phase_rad": np.angle(self.phasor),
-            "major_m": major_m,
-            "minor_m": minor_m,
-            "tilt_deg": float(np.degrees(tilt_rad)),
-            "other_m": self.other,
-        }
+        return Orbit(
+            amplitude_m=self.amplitude,
+            half_width_m=self.half_width,
+            phase_rad=np.angle(self.phasor),
+            major_m=major_m,
+            minor_m=minor_m,
+            tilt_deg=float(np.degrees(tilt_rad)),
+            other_m=self.other,
+        )
 
 
 def first_harmonic(
@@ -136,22 +134,6 @@ def drift(harmonics: list[Harmonic]) -> float | None:
     changes = [np.abs(each.change).max() for each in harmonics if each.change is not None]
     largest = max((each.amplitude.max() for each in harmonics), default=0.0)
     return float(max(changes) / largest) if changes and largest > 0 else None
-
-
-def find_orbits(results: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the tables of first harmonics in a run's results by name; empty if there are none.
-
-    They belong to frames, to probes on frames, and to pairs of frames.
-    """
-    motion = results.get("motion", {})
-    return {**motion.get("frames", {}), **motion.get("relative", {})}
-
-
-def why_no_orbits(results: Mapping[str, Any]) -> str:
-    """Return why a run's results have no first harmonics."""
-    missing, failed = results.get("missing", {}), results.get("failed", {})
-    reasons = (missing.get("everything"), missing.get("orbits"), failed.get("motion"))
-    return next(filter(None, reasons), "it has no results")
 
 
 def ellipse(x: complex, z: complex) -> tuple[float, float, float]:

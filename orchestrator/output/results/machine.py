@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from itertools import combinations, pairwise
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -12,9 +12,20 @@ from scipy.spatial.transform import Rotation
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import bushings
 from orchestrator.case.tables.quantities import GROUND
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.machine import (
+    FrameRunDown,
+    GroundForce,
+    Orbit,
+    PanelMotion,
+    PointAcceleration,
+    PointRange,
+    RelativeOrbit,
+    RunDown,
+)
 from orchestrator.output.cycles import cycle_numbers, named_speeds_rad_per_s, within
 from orchestrator.output.results import fatigue, mats
-from orchestrator.output.results.estimate import Estimate, IntervalOf, mean
+from orchestrator.output.results.estimate import IntervalOf, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
@@ -32,19 +43,31 @@ SLOW_SHAFT = 0.8  # of its named speed: a rated slip is at most 0.2
 APART = 0.005  # of a speed: motors' shafts that differ by more have not synchronised
 FEWEST_CYCLES = 4  # in a window whose halves are compared
 RANGE_CYCLES = 2  # last whole cycles that give the ranges of points
-UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
 
 
-def orbits(
-    run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf
-) -> tuple[dict[str, Any], str]:
-    """Return the first harmonics in deck axes, their ``drift`` and speed, and the mean speeds of motors'
-    ``shafts_rad_per_s`` in a table, and the name of a motion that is ``mostly_other``.
+@dataclass(frozen=True)
+class Orbits:
+    """The first harmonics of a machine's motion.
 
-    ``frames`` has every frame's centre of mass and every probe on a frame.  ``relative`` has, for every
-    two frames in the case's order, the motion of the second frame against the first, with its
-    amplitude along the deck as an estimate.
+    ``frames`` has every frame's centre of mass and every probe on a frame.  ``relative`` has, for every two
+    frames in the case's order, the motion of the second frame against the first.  ``mostly_other`` names a
+    motion that is mostly of other frequencies; it is empty if there is none.
     """
+
+    frames: dict[str, Orbit] = field(default_factory=dict)
+    relative: dict[str, RelativeOrbit] = field(default_factory=dict)
+    drift: float | None = None
+    speed_rad_per_s: float | None = None
+    mostly_other: str = ""
+
+    @property
+    def all(self) -> dict[str, Orbit]:
+        """All of them by name."""
+        return {**self.frames, **self.relative}
+
+
+def orbits(run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf) -> Orbits:
+    """Return the first harmonics of the machine's motion in deck axes over a span."""
     frames = [name for name in run.case.screen.frames if run.has(f"frames/{name}")]
     probes = [name for name, probe in run.case.probes.items() if probe.frame and run.has(f"probes/{name}")]
     moved_m = {name: run.read(f"frames/{name}/displacement_m") for name in frames}
@@ -58,27 +81,25 @@ def orbits(
         }
 
     single, relative = harmonics(moved_m), harmonics(relative_motions_m(run))
-    table = {
-        "frames": {name: motion.orbit() for name, motion in single.items()},
-        "relative": {
-            name: motion.orbit() | {"along_m": motion.estimate(0)} for name, motion in relative.items()
+    return Orbits(
+        frames={name: motion.orbit() for name, motion in single.items()},
+        relative={
+            name: RelativeOrbit(**vars(motion.orbit()), along_m=motion.estimate(0))
+            for name, motion in relative.items()
         },
-        "drift": drift(list(single.values())),
-        "speed_rad_per_s": 2 * np.pi / turn_s,
-        "shafts_rad_per_s": run.shaft_speeds_rad_per_s(start_s, end_s),
-    }
-    return table, mostly_other(single | relative)
+        drift=drift(list(single.values())),
+        speed_rad_per_s=2 * np.pi / turn_s,
+        mostly_other=mostly_other(single | relative),
+    )
 
 
 def force_on_ground(
     run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf
-) -> dict[str, Any] | None:
-    """Return the force of all bushings on the ground, in N along x, y, z of the world, z upwards.
+) -> GroundForce | None:
+    """Return the force of all bushings on the ground in the cycles from ``start_s`` to ``end_s``.
 
-    ``amplitude_N`` has the first harmonic, ``mean_N`` the mean of the cycles from ``start_s`` to ``end_s``,
-    and ``largest_N`` the largest distance from the mean in a row of the series.  Like the forces of bushings,
-    all count from t = 0: the weight that they carry then is not in them.  Return None without bushings on the
-    ground, and where a frame moves as prescribed: what moves it stands on the ground, too.
+    Return None without bushings on the ground, and where a frame moves as prescribed: what moves it stands on
+    the ground, too.
     """
     case = run.case
     if not case.frames.adapter.moved_by_forces or any(one.drive for one in case.screen.frames.values()):
@@ -96,11 +117,11 @@ def force_on_ground(
     harmonic = first_harmonic(time_s, force_N, turn_s, start_s, end_s, interval_of)
     inside_N = force_N[within(time_s, start_s, end_s, run.cycle_s)]
     mean_N = inside_N.mean(axis=0)
-    return {
-        "amplitude_N": {axis: harmonic.estimate(number) for number, axis in enumerate("xyz")},
-        "mean_N": mean_N,
-        "largest_N": np.abs(inside_N - mean_N).max(axis=0),
-    }
+    return GroundForce(
+        amplitude_N={axis: harmonic.estimate(number) for number, axis in enumerate("xyz")},
+        mean_N=mean_N,
+        largest_N=np.abs(inside_N - mean_N).max(axis=0),
+    )
 
 
 def _on_ground_N(run: RunReader, bushing: BushingPlan) -> Array:
@@ -229,8 +250,10 @@ def acceleration_series(run: RunReader) -> dict[str, tuple[Array, Array]]:
     return table
 
 
-def panel_points(run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf) -> dict[str, Any]:
-    """Return the accelerations, in g, of the probes on panels; ``band_Hz`` is their highest frequency."""
+def panel_points(
+    run: RunReader, start_s: float, end_s: float, interval_of: IntervalOf
+) -> dict[str, PointAcceleration]:
+    """Return the accelerations of the probes on panels."""
     normals = {panel.name: panel.rectangle.normal for panel in single_panels(run.case)}
     table = {}
     for name, probe in run.case.probes.items():
@@ -248,19 +271,19 @@ def panel_points(run: RunReader, start_s: float, end_s: float, interval_of: Inte
         cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
         parts = [size_g[cycle == number] for number in np.unique(cycle)]
         squares = np.array([float(np.mean(part**2)) for part in parts])
-        table[name] = {
-            "panel": probe.panel,
-            "at": list(probe.at or ()),
-            "band_Hz": band_hz(step_s),
-            "peak_g": float(size_g.max()),
-            "rms_g": root(rms(size_g), mean(squares, interval_of)),
-            "peak_normal_g": float(np.abs(normal_g).max()),
-            "rms_normal_g": rms(normal_g),
-            "cycle_peak_g": mean(np.array([float(part.max()) for part in parts]), interval_of),
-            "cycle_peak_100_Hz_g": mean(
+        table[name] = PointAcceleration(
+            panel=probe.panel,
+            at=list(probe.at or ()),
+            band_Hz=band_hz(step_s),
+            peak_g=float(size_g.max()),
+            rms_g=root(rms(size_g), mean(squares, interval_of)),
+            peak_normal_g=float(np.abs(normal_g).max()),
+            rms_normal_g=rms(normal_g),
+            cycle_peak_g=mean(np.array([float(part.max()) for part in parts]), interval_of),
+            cycle_peak_100_Hz_g=mean(
                 np.array([float(quoted_g[cycle == number].max()) for number in np.unique(cycle)]), interval_of
             ),
-        }
+        )
     return table
 
 
@@ -277,13 +300,8 @@ def root(value: float, square: Estimate) -> Estimate:
     return Estimate(value, half_width, square.batches, standard_error=error, reason=square.reason)
 
 
-def run_down(run: RunReader) -> dict[str, Any] | None:
-    """Return how far each frame swings while the machine runs down, None if no exciter does.
-
-    ``running_m`` is the largest distance of its centre of mass from the place at t = 0 in the last
-    ``RANGE_CYCLES`` whole cycles before the first exciter begins to run down, and ``peak_m`` that in all
-    cycles which end later, ``peak_s`` the end of the cycle with it.
-    """
+def run_down(run: RunReader) -> RunDown | None:
+    """Return how far each frame swings while the machine runs down, None if no exciter does."""
     if run.stop_s >= run.end_s:
         return None
     frames = {}
@@ -296,46 +314,52 @@ def run_down(run: RunReader) -> dict[str, Any] | None:
         if not falls.any():
             continue
         before_m, after_m = farthest_m[~falls][-RANGE_CYCLES:], farthest_m[falls]
-        frames[name] = {
-            "running_m": float(before_m.max(initial=0.0)),
-            "peak_m": float(after_m.max()),
-            "peak_s": float(time_s[falls][after_m.argmax()]),
-        }
-    return {"stop_s": run.stop_s, "frames": frames}
+        frames[name] = FrameRunDown(
+            running_m=float(before_m.max(initial=0.0)),
+            peak_m=float(after_m.max()),
+            peak_s=float(time_s[falls][after_m.argmax()]),
+        )
+    return RunDown(stop_s=run.stop_s, frames=frames)
 
 
-def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
+def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, PanelMotion]:
     """Return pull on the clamps, load of the bed, stretch of the middle line and turns up of every panel.
 
     They come from every sync point of the cycles from ``start_s`` to ``end_s``.
     """
+    cycles = {
+        name: run.read_cycles(f"panel_cycles/{name}", start_s, end_s) for name in run.names("panel_cycles")
+    }
+    strains = {
+        name: fatigue.strain_cycles(run, name, rows["stretch_least"], rows["stretch_most"])
+        for name, rows in cycles.items()
+    }
+    ranks = fatigue.ranked({name: damage for name, (_, damage) in strains.items()})
     table = {}
-    for name in run.names("panel_cycles"):
-        rows = run.read_cycles(f"panel_cycles/{name}", start_s, end_s)
+    for name, rows in cycles.items():
         weight = rows["sync_points"] / rows["sync_points"].sum()
-        table[name] = {
-            "tension_mean_N": float(weight @ rows["pull_mean_N"]),
-            "tension_largest_N": float(rows["pull_most_N"].max()),
-            "tension_smallest_N": float(rows["pull_least_N"].min()),
-            "largest_clamp_force_N": float(rows["clamp_most_N"].max()),
-            "stretch_largest_percent": 100 * float(rows["stretch_most"].max()),
-            "stretch_smallest_percent": 100 * float(rows["stretch_least"].min()),
-            "load_N": weight @ rows["load_mean_N"] @ run.deck_axes,
-            **mats.mat_turns(run, name, start_s, end_s),
-            **fatigue.strain_cycles(run, name, rows["stretch_least"], rows["stretch_most"]),
-        }
-    return fatigue.ranked(table)
+        turns_up_share, repeats_after_turns = mats.mat_turns(run, name, start_s, end_s)
+        table[name] = PanelMotion(
+            tension_mean_N=float(weight @ rows["pull_mean_N"]),
+            tension_largest_N=float(rows["pull_most_N"].max()),
+            tension_smallest_N=float(rows["pull_least_N"].min()),
+            largest_clamp_force_N=float(rows["clamp_most_N"].max()),
+            stretch_largest_percent=100 * float(rows["stretch_most"].max()),
+            stretch_smallest_percent=100 * float(rows["stretch_least"].min()),
+            load_N=weight @ rows["load_mean_N"] @ run.deck_axes,
+            turns_up_share=turns_up_share,
+            repeats_after_turns=repeats_after_turns,
+            strain_range_percent=strains[name][0],
+            fatigue_share=ranks[name],
+        )
+    return table
 
 
-def point_ranges(run: RunReader) -> dict[str, dict[str, Any]]:
+def point_ranges(run: RunReader) -> dict[str, PointRange]:
     """Return the ranges of motion of every frame's centre of mass and of every probe.
 
-    ``half_range_m`` (3,) is half the range over the last two whole cycles of the machine, or over the
-    whole run if it is shorter or has no cycle.  ``mean_m`` (3,) is the mean displacement over the same
-    time.  ``peak_m`` is the largest distance from the place at t = 0, and ``peak_speed_m_per_s`` the
-    largest speed, both over the whole run.  Points on frames and panels are evaluated at every sync point.
-    A particle is evaluated at the rows of its series, as long as it is present.  If there are too few rows,
-    all four are None, and ``reason`` says why.
+    Points on frames and panels are evaluated at every sync point.  A particle is evaluated at the rows of its
+    series, as long as it is present.
     """
     table = {name: _range_of_point(run, f"point_cycles/{name}") for name in run.names("point_cycles")}
     for name in run.names("probes"):
@@ -344,17 +368,17 @@ def point_ranges(run: RunReader) -> dict[str, dict[str, Any]]:
     return table
 
 
-def _range_of_point(run: RunReader, group: str) -> dict[str, Any]:
+def _range_of_point(run: RunReader, group: str) -> PointRange:
     rows = {name: run.read(f"{group}/{name}") for name in run.names(group)}
     last = last_cycles(rows["time_s"], run.cycle_s if run.is_driven else None)
     count = rows["sync_points"][last]
-    return {
-        "half_range_m": (rows["most_m"][last].max(axis=0) - rows["least_m"][last].min(axis=0)) / 2,
-        "mean_m": count @ rows["mean_m"][last] / count.sum(),
-        "peak_m": rows["farthest_m"].max(),
-        "peak_speed_m_per_s": rows["fastest_m_per_s"].max(),
-        "reason": "",
-    }
+    return PointRange(
+        half_range_m=(rows["most_m"][last].max(axis=0) - rows["least_m"][last].min(axis=0)) / 2,
+        mean_m=count @ rows["mean_m"][last] / count.sum(),
+        peak_m=float(rows["farthest_m"].max()),
+        peak_speed_m_per_s=float(rows["fastest_m_per_s"].max()),
+        reason="",
+    )
 
 
 def last_cycles(end_s: Array, cycle_s: float | None) -> slice:
@@ -372,21 +396,26 @@ def last_cycles(end_s: Array, cycle_s: float | None) -> slice:
     return slice(*np.searchsorted(number, [whole - RANGE_CYCLES, whole]).tolist())
 
 
-def _range_of_particle(run: RunReader, group: str) -> dict[str, Any]:
+def _range_of_particle(run: RunReader, group: str) -> PointRange:
     time_s, place_m = run.read(f"{group}/time_s"), run.read(f"{group}/position_m")
     there = np.isfinite(place_m).all(axis=1)
     if not there.any():
-        return UNKNOWN | {"reason": "it never was there"}
+        return _unknown_range("it never was there")
     span = "a cycle" if run.is_driven else "a fiftieth of the run,"
     if why := rows_too_seldom(time_s, run.cycle_s, run.case.coupling.sync_interval_s, span, 0):
-        return UNKNOWN | {"reason": why}
+        return _unknown_range(why)
     moved_m, time_s = place_m[there] - place_m[there][0], time_s[there]
     lasting_s = RANGE_CYCLES * run.cycle_s if run.is_driven else np.inf
     last_m = moved_m[time_s >= time_s[-1] - lasting_s]
-    return {
-        "half_range_m": np.ptp(last_m, axis=0) / 2,
-        "mean_m": last_m.mean(axis=0),
-        "peak_m": np.linalg.norm(moved_m, axis=1).max(),
-        "peak_speed_m_per_s": np.linalg.norm(run.read(f"{group}/velocity_m_per_s")[there], axis=1).max(),
-        "reason": "",
-    }
+    return PointRange(
+        half_range_m=np.ptp(last_m, axis=0) / 2,
+        mean_m=last_m.mean(axis=0),
+        peak_m=float(np.linalg.norm(moved_m, axis=1).max()),
+        peak_speed_m_per_s=float(np.linalg.norm(run.read(f"{group}/velocity_m_per_s")[there], axis=1).max()),
+        reason="",
+    )
+
+
+def _unknown_range(why: str) -> PointRange:
+    """Return the range of a point that is not known."""
+    return PointRange(half_range_m=None, mean_m=None, peak_m=None, peak_speed_m_per_s=None, reason=why)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from scipy.stats import fisher_exact, ttest_ind
 
@@ -17,21 +15,18 @@ BY_CHANCE = 0.01  # probability of a difference between halves, shared by all pa
 LARGEST_CHANGE = 0.1  # of the middle's mean range in a turn, from one half of the turns to the other
 
 
-def mat_turns(run: RunReader, name: str, start_s: float, end_s: float) -> dict[str, Any]:
+def mat_turns(run: RunReader, name: str, start_s: float, end_s: float) -> tuple[float | None, int | None]:
     """Return how a panel flipped in the whole cycles from ``start_s`` to ``end_s``.
 
-    ``turns_up_share`` is the share of turns in which its middle is farther above the line between its clamps
-    than below, and not within 2 % of its length of it.  ``repeats_after_turns`` is the smallest number of
+    The first is the share of turns in which its middle is farther above the line between its clamps
+    than below, and not within 2 % of its length of it.  The second is the smallest number of
     turns after which lowest and highest middle are alike within a tenth of their root mean square about their
     mean (``repeats_after``).  Both are None where nothing drives the machine.
     """
     if not run.is_driven:
-        return {"turns_up_share": None, "repeats_after_turns": None}
+        return None, None
     extremes_m = _extremes_m(run, name, start_s, end_s)
-    return {
-        "turns_up_share": float(_is_up(run, name, extremes_m).mean()),
-        "repeats_after_turns": repeats_after(extremes_m),
-    }
+    return float(_is_up(run, name, extremes_m).mean()), repeats_after(extremes_m)
 
 
 def why_not_settled(run: RunReader, start_s: float, end_s: float) -> str:

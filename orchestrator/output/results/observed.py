@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.loss_curve import moduli
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter
+from orchestrator.figures.results import Results
 from orchestrator.output.cycles import count_whole_cycles
 from orchestrator.output.records.panel_lines import panel_pull_N
 from orchestrator.output.results.events import read_events
@@ -28,12 +28,7 @@ from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
 from orchestrator.preflight.judgement.account import Entry
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
-from orchestrator.preflight.scene.clamp_motion import (
-    MotionPart,
-    clamp_arms_m,
-    motion_by_rotation,
-    motion_out_of_plane,
-)
+from orchestrator.preflight.scene.clamp_motion import clamp_arms_m
 from orchestrator.preflight.scene.moved_panel import MovedPanel
 from orchestrator.preflight.scene.observed import Bearing, Deepest, ExciterLoad, Observed, Products, Shape
 from orchestrator.preflight.scene.scene import Scene, deck_m2, scene
@@ -44,7 +39,7 @@ STILL_M = 1e-9  # a smaller stretch counts as none
 
 
 def check_effects_by_run(
-    entries: Mapping[str, Entry], described: Case, folder: Path, results: Mapping[str, Any]
+    entries: Mapping[str, Entry], described: Case, folder: Path, results: Results
 ) -> dict[str, Entry]:
     """Return the entries, with verdicts from the run's own numbers where the run has them.
 
@@ -61,7 +56,7 @@ def check_effects_by_run(
     return table
 
 
-def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any]) -> Scene:
+def observed_scene(estimated: Scene, run: RunReader, results: Results) -> Scene:
     """Return the scene with the numbers of the run.
 
     They are the motion over the window of ``results``, and the bed over the whole run.  The motion is left
@@ -74,23 +69,22 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
         products=products(run),
         closed=not has_effect(run.case, "apertures"),
     )
-    window = results.get("motion")
+    window = results.motion
     seldom = rows_too_seldom(run.series_s(), run.cycle_s, run.case.coupling.sync_interval_s)
     if window is None or seldom or not estimated.speed_rad_per_s > 0:
         return replace(estimated, observed=bed)
-    if not count_whole_cycles(window["end_s"] - window["start_s"], 2 * np.pi / estimated.speed_rad_per_s):
+    if not count_whole_cycles(window.end_s - window.start_s, 2 * np.pi / estimated.speed_rad_per_s):
         return replace(estimated, observed=bed)
-    motion = ObservedMotion(estimated, run, window["start_s"], window["end_s"])
+    motion = ObservedMotion(estimated, run, window.start_s, window.end_s)
     springs = motion.springs()
     whole = replace(
         bed,
         frames_throw=motion.frames_throw(),
-        rotation=motion.largest_at_clamps("frame-rotation", motion_by_rotation),
-        sideways=motion.largest_at_clamps("sideways-motion", motion_out_of_plane),
+        rotation=motion.rotation(),
         panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
         exciter_load=motion.exciter_load(),
-        bearing=bearing(estimated, run, window["start_s"], window["end_s"]),
+        bearing=bearing(estimated, run, window.start_s, window.end_s),
     )
     moved = replace(estimated, panels=motion.panels(), observed=whole)
     if not springs:
@@ -108,10 +102,9 @@ def bed_kg_per_m2(run: RunReader) -> float | None:
     return float(np.nansum(mass_kg.reshape(len(mass_kg), -1), axis=1).max() / area_m2)
 
 
-def transport_m_per_s(results: Mapping[str, Any]) -> float | None:
+def transport_m_per_s(results: Results) -> float | None:
     """Return the speed of the bed along the deck (at least 0), or None if the results have none."""
-    bed = results.get("bed")
-    speed_m_per_s = bed["velocity_m_per_s"]["value"] if bed else None
+    speed_m_per_s = results.bed.velocity_m_per_s.value if results.bed else None
     return None if speed_m_per_s is None else max(0.0, float(speed_m_per_s))
 
 
@@ -247,17 +240,17 @@ class ObservedMotion:
         spent_J, over_s = np.ptp(given_J[inside]), np.ptp(time_s[inside])
         return ExciterLoad(float(spent_J / over_s), float(torque_N_m.max()))
 
-    def largest_at_clamps(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
-        """Return the largest part of the motion at a clamp over its frame's translation, and its place.
+    def rotation(self) -> tuple[float, str] | None:
+        """Return the largest motion of a clamp by rotation over its frame's translation, and its place.
 
-        Return None if the case leaves out the effect, or if nothing moves.
+        Return None if the case leaves out rotations, or if nothing moves.
         """
         ratios = []
-        for name in free_frames(self._scene.plan) if has_effect(self._run.case, effect) else ():
+        for name in free_frames(self._scene.plan) if has_effect(self._run.case, "frame-rotation") else ():
             moved_m = self.phasor(name)
             if size_m := np.linalg.norm(moved_m):
                 arms_m = clamp_arms_m(self._scene, name)
-                at_clamps_m = part(moved_m, self.phasor(name, "rotation_rad"), arms_m)
+                at_clamps_m = np.cross(self.phasor(name, "rotation_rad"), arms_m)
                 ratios.append((float(np.linalg.norm(at_clamps_m, axis=-1).max() / size_m), name))
         if not ratios:
             return None

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from orchestrator.output.results.estimate import Estimate, IntervalOf, ratio_by_cycles
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.machine import Power
+from orchestrator.output.results.estimate import IntervalOf, ratio_by_cycles
 from orchestrator.output.results.events import Events
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
@@ -22,7 +22,7 @@ def power_metrics(
     events: Events | None,
     is_steady: bool,
     interval_of: IntervalOf,
-) -> dict[str, Any] | None:
+) -> Power | None:
     """Return the mean powers from ``start_s`` to ``end_s``, both ends of cycles.
 
     They are differences of the energy ledger between the last sync points of cycles.  Only a steady motion
@@ -48,18 +48,20 @@ def power_metrics(
         (J for name, J in work_J.items() if name.removeprefix("supplied.frames.") in DRIVES),
         np.zeros(len(lasting_s)),
     )
-    table: dict[str, Any] = {
-        "start_s": float(time_s[wanted][0]),
-        "end_s": float(time_s[wanted][-1]),
-        "drives_W": mean_W(drives_J),
-        "lost_W": {
-            name.removeprefix("lost."): mean_W(J) for name, J in work_J.items() if name.startswith("lost.")
-        },
-    }
+    per_feed = None
     if events is not None:
         fed_kg = _fed_kg(events, number[wanted])
-        table["drives_J_per_kg"] = ratio_by_cycles(drives_J, fed_kg, cycle, is_steady, interval_of)
-    return table
+        per_feed = ratio_by_cycles(drives_J, fed_kg, cycle, is_steady, interval_of)
+    losses_W = {
+        name.removeprefix("lost."): mean_W(J) for name, J in work_J.items() if name.startswith("lost.")
+    }
+    return Power(
+        start_s=float(time_s[wanted][0]),
+        end_s=float(time_s[wanted][-1]),
+        drives_W=mean_W(drives_J),
+        lost_W=losses_W,
+        drives_J_per_kg=per_feed,
+    )
 
 
 def _fed_kg(events: Events, number: Array) -> Array:

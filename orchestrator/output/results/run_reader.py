@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -18,6 +19,7 @@ from orchestrator.case.file.folder import UnreadableFile, open_hdf5, read_json
 from orchestrator.case.file.slice import share
 from orchestrator.case.provenance import read_provenance
 from orchestrator.case.tables.case import Case
+from orchestrator.figures.results import Results, Summary, parse_results
 from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, cycle_s, is_driven, within
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, check_format
@@ -49,7 +51,7 @@ class RunReader:
             self.history.close()
 
     @cached_property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Summary:
         """The table of ``summary.json``."""
         file = self.folder / SUMMARY
         table: Any = read_json(file)
@@ -59,12 +61,12 @@ class RunReader:
         return table
 
     @property
-    def results(self) -> dict[str, Any]:
+    def results(self) -> Results:
         """The results in the summary; empty where the run has none."""
-        return self.summary.get("results") or {}
+        return parse_results(self.summary)
 
     @cached_property
-    def provenance(self) -> dict[str, Any]:
+    def provenance(self) -> Mapping[str, Any]:
         """The table of ``provenance.json``."""
         return read_provenance(self.folder)
 

@@ -11,28 +11,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.material import FlowsInTime, Partition, Screening, Section
 from orchestrator.output.cycles import within
-from orchestrator.output.results.estimate import (
-    Estimate,
-    chance,
-    controlled,
-    counting_deviation,
-    share,
-    unknown,
-)
+from orchestrator.output.results.estimate import chance, controlled, counting_deviation, share, unknown
 from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, per_cycle
 from orchestrator.ports import Array, Indices
 
 FINE, COARSE = 0, 1
 CLASSES, FEWEST_IN_CLASS = 12, 10
-PLACEMENTS = (  # all but the first need a cut size
-    *("oversize_yield", "efficiency", "fine_placement", "coarse_placement", "misplaced"),
-    "fines_in_oversize",
-)
 
 
 def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
@@ -151,36 +141,57 @@ def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
     return d50, (d75 - d25) / 2
 
 
-def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
+def screening(events: Events, cut_m: float | None) -> Screening:
     """Return every metric that follows from the particles that came and left."""
-    removed, exits, counted = events.removed, events.exits, events.left_in_window
-    fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
-    group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
-    count = len(exits.names)
+    removed, counted = events.removed, events.left_in_window
+    group, count = _way_and_kind(events, cut_m), len(events.exits.names)
     out_kg, flow_kg = (
-        per_cycle(removed.time_s, kg, events.edges_s, group, 2 * count).reshape(-1, count, 2)
-        for kg in (events.left_kg, removed.mass_kg)
+        events.sums(kg, group, 2 * count).reshape(-1, count, 2) for kg in (events.left_kg, removed.mass_kg)
+    )
+    rates, placed = _rates(events, flow_kg), shares(events, cut_m)
+    return Screening(
+        cut_size_m=cut_m,
+        lost_particles=int((removed.exit == LOST).sum()),
+        particles=int(counted.sum()),
+        fine_particles=None if cut_m is None else int((counted & (group % 2 == FINE)).sum()),
+        feed_kg_per_s=rates["feed"],
+        undersize_kg_per_s=rates[UNDERSIZE],
+        oversize_kg_per_s=rates[OVERSIZE],
+        hold_up_kg=_hold_up(events),
+        in_time=_flows_in_time(events, flow_kg),
+        oversize_yield_percent=placed["oversize_yield"],
+        efficiency_percent=placed.get("efficiency"),
+        fine_placement_percent=placed.get("fine_placement"),
+        coarse_placement_percent=placed.get("coarse_placement"),
+        misplaced_percent=placed.get("misplaced"),
+        fines_in_oversize_percent=placed.get("fines_in_oversize"),
+        recovered_percent=None if cut_m is None else _recovery(events, out_kg, cut_m),
+        sections=_sections(events, out_kg, cut_m is not None),
+        partition=_partition(events, cut_m),
     )
 
-    def placement(name: str) -> Estimate:
-        return events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out_kg)
 
-    table: dict[str, Any] = {
-        "cut_size_m": cut_m,
-        "lost_particles": int((removed.exit == LOST).sum()),
-        "particles": int(counted.sum()),
-        "fine_particles": None if cut_m is None else int((counted & (fine == FINE)).sum()),
-        **_flows(events, flow_kg),
-    }
+def shares(events: Events, cut_m: float | None) -> dict[str, Estimate]:
+    """Return the shares of the separation in per cent by the names of ``placements``; without a cut size, the
+    yield of the oversize alone."""
+    exits, counted, group = events.exits, events.left_in_window, _way_and_kind(events, cut_m)
+    count = len(exits.names)
+    out_kg = events.sums(events.left_kg, group, 2 * count).reshape(-1, count, 2)
     chance = counting_deviations(events.left_kg[counted], group[counted], exits)
-    for name in PLACEMENTS if cut_m is not None else PLACEMENTS[:1]:
-        counting = 100.0 * chance[name] if np.isfinite(chance[name]) else None
-        table[f"{name}_percent"] = replace(placement(name), counting=counting)
-    if cut_m is not None:
-        table["recovered_percent"] = _recovery(events, out_kg, cut_m)
-    table["sections"] = _sections(events, out_kg, cut_m is not None)
-    table["partition"] = _partition(events, cut_m)
-    return table
+
+    def share_of(name: str) -> Estimate:
+        found = events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out_kg)
+        return replace(found, counting=100.0 * chance[name] if np.isfinite(chance[name]) else None)
+
+    return {name: share_of(name) for name in (chance if cut_m is not None else ("oversize_yield",))}
+
+
+def _way_and_kind(events: Events, cut_m: float | None) -> Indices:
+    """Return a number (removed,) for each particle that left: twice its exit's, plus ``COARSE`` or ``FINE``;
+    negative for those that are lost."""
+    removed = events.removed
+    fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
+    return np.where(removed.exit == LOST, -2 + fine, 2 * removed.exit + fine)
 
 
 def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
@@ -202,28 +213,34 @@ def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
     return replace(estimate, counting=100.0 * counting_deviation(estimate.value / 100.0, mass_kg))
 
 
-def _flows(events: Events, out_kg: Array) -> dict[str, Any]:
-    """Return the mass rates and the hold-up, which is the mass that came and has not left."""
-    balance, length_s = events.balance, np.diff(events.edges_s)
-    flows = {"feed": balance.fed_kg}
-    flows |= {p: out_kg[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
+def _flows(events: Events, out_kg: Array) -> dict[str, Array]:
+    """Return the masses of each cycle by the name of the flow."""
+    products = {p: out_kg[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
+    return {"feed": events.balance.fed_kg, **products}
+
+
+def _rates(events: Events, out_kg: Array) -> dict[str, Estimate]:
+    """Return the mean mass rates by the name of the flow."""
     return {
-        **{
-            f"{name}_kg_per_s": events.rate(kg, controlled if name == "feed" else None)
-            for name, kg in flows.items()
-        },
-        "hold_up_kg": events.ratio(
-            balance.mean_held_kg, np.ones(len(length_s)), chance if events.has_interval else unknown
-        ),
-        "in_time": {
-            "time_s": events.edges_s[1:],
-            **{f"{name}_kg_per_s": kg / length_s for name, kg in flows.items()},
-            "hold_up_kg": balance.held_kg[1:],
-        },
+        name: events.rate(kg, controlled if name == "feed" else None)
+        for name, kg in _flows(events, out_kg).items()
     }
 
 
-def _sections(events: Events, out_kg: Array, divided: bool) -> list[dict[str, Any]]:
+def _hold_up(events: Events) -> Estimate:
+    """Return the mean hold-up, which is the mass that came and has not left."""
+    held_kg = events.balance.mean_held_kg
+    return events.ratio(held_kg, np.ones(len(held_kg)), chance if events.has_interval else unknown)
+
+
+def _flows_in_time(events: Events, out_kg: Array) -> FlowsInTime:
+    """Return the mass rates of each cycle, and the hold-up at its end."""
+    length_s = np.diff(events.edges_s)
+    rates = {f"{name}_kg_per_s": kg / length_s for name, kg in _flows(events, out_kg).items()}
+    return FlowsInTime(time_s=events.edges_s[1:], hold_up_kg=events.balance.held_kg[1:], **rates)
+
+
+def _sections(events: Events, out_kg: Array, divided: bool) -> list[Section]:
     """Return the shares of every exit for undersize, in the case's order."""
     numbers = events.exits.of(UNDERSIZE)
     names = ("yield", "cumulative_efficiency", "local_efficiency") if divided else ("yield",)
@@ -232,12 +249,14 @@ def _sections(events: Events, out_kg: Array, divided: bool) -> list[dict[str, An
         return events.figure(lambda kg: 100.0 * section_shares(kg, numbers, place)[name], out_kg)
 
     return [
-        {"exit": events.exits.names[number]} | {f"{name}_percent": estimate(place, name) for name in names}
+        Section(
+            exit=events.exits.names[number], **{f"{name}_percent": estimate(place, name) for name in names}
+        )
         for place, number in enumerate(numbers)
     ]
 
 
-def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
+def _partition(events: Events, cut_m: float | None) -> Partition | None:
     """Return the size classes with their partition numbers, d50 and Ep; None if nothing has left."""
     removed, counted = events.removed, events.left_in_window
     if not counted.any():
@@ -247,18 +266,17 @@ def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
     size = np.clip(np.searchsorted(edges, removed.diameter_m, side="right") - 1, 0, classes - 1)
     over = np.isin(removed.exit, events.exits.of(OVERSIZE))
     group = np.where(removed.exit == LOST, -1, 2 * size + over)
-    mass_kg = per_cycle(removed.time_s, events.left_kg, events.edges_s, group, 2 * classes)
-    mass_kg = mass_kg.reshape(-1, classes, 2)
+    mass_kg = events.sums(events.left_kg, group, 2 * classes).reshape(-1, classes, 2)
     number = np.bincount(size[counted], minlength=classes)
     summed_m = np.bincount(size[counted], removed.diameter_m[counted], classes)
     mean_m = np.divide(summed_m, number, out=np.full(classes, np.nan), where=number > 0)
     total_kg = mass_kg[events.window].sum(axis=0)
-    return {
-        "edges_m": edges,
-        "mean_m": mean_m,
-        "particles": number,
-        "feed_percent": 100 * total_kg.sum(axis=1) / total_kg.sum(),
-        "oversize_percent": 100 * partition(*total_kg.T),
-        "d50_m": events.figure(lambda kg: cut_and_spread(mean_m, partition(*kg.T))[0], mass_kg),
-        "ep_m": events.figure(lambda kg: cut_and_spread(mean_m, partition(*kg.T))[1], mass_kg),
-    }
+    return Partition(
+        edges_m=edges,
+        mean_m=mean_m,
+        particles=number.astype(float),
+        feed_percent=100 * total_kg.sum(axis=1) / total_kg.sum(),
+        oversize_percent=100 * partition(*total_kg.T),
+        d50_m=events.figure(lambda kg: cut_and_spread(mean_m, partition(*kg.T))[0], mass_kg),
+        ep_m=events.figure(lambda kg: cut_and_spread(mean_m, partition(*kg.T))[1], mass_kg),
+    )

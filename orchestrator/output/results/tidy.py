@@ -11,24 +11,18 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, admit
-from orchestrator.case.scalars import SCALARS
-from orchestrator.case.tables.quantities import unit_along
+from orchestrator.figures.figure import AXES, Figure
+from orchestrator.figures.results import entry_at, why_transient
+from orchestrator.figures.short_names import SHORT_NAMES, named
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY
-from orchestrator.output.results.events import BATCH
 from orchestrator.output.results.run_reader import RunReader
 
-AXES = ("x", "y", "z")
 HALF_WIDTH = ".half_width"
 PUT_ASIDE = re.compile(r"-unfinished-\d+$")
 """The end of the name of a run that a study put aside (studies/points.py)."""
 RUNS_OVER = ("along_m", "edges_m", "end_s", "time_s")
 """Keys of the places, sizes and times over which the lists of a table run."""
-ROUNDING = {"m": 1e-9, "m/s": 1e-9, "rad": 1e-9, "N": 1e-6, "W": 1e-9}
-"""Differences by unit that are rounding: of a motion across the deck of a machine that has none."""
-OF_THE_SLICE = {"kg", "kg/s", "m3", "N", "W", "J"}
-COUNTED = {"particles", "fine_particles", "lost_particles", "openings", "stickers", "blinded_openings"}
-"""Units, and keys of numbers, of which a slice has its share of the width."""
 OF_THE_WIDTH = {"share_of_width", "slice_width_m"}
 """Numbers of every run, however short: they say what was run and are no results."""
 BY_PATH = "short names are of the whole width, and what their paths give is of the slice"
@@ -40,25 +34,33 @@ VECTOR, ITS_WIDTHS = "amplitude_m", "half_width_m"
 class Result:
     """A number of a run's results.
 
-    ``name`` is a short name of case/scalars.py or a path of keys of ``results`` in ``summary.json``, joined
-    by dots.  ``half_width`` is half the width of its 95 % confidence interval, None where there is none.
-    A run does not resolve differences of up to ``floor``.
+    ``name`` is a short name or a path of keys of ``results`` in ``summary.json``, joined by dots.
+    ``half_width`` is half the width of its 95 % confidence interval, None where there is none.  ``figure``
+    says what it is.
     """
 
     name: str
     value: float
     half_width: float | None
-    unit: str
+    figure: Figure
     is_short: bool = False
-    floor: float = 0.0
+
+    @property
+    def unit(self) -> str:
+        """Its unit; "1" of a pure number."""
+        return self.figure.unit
+
+    @property
+    def floor(self) -> float:
+        """The size up to which a run does not resolve differences."""
+        return self.figure.floor
 
     def over(self, share: float) -> Result:
         """Return the result of the whole width from that of a slice; with a short name it is that already."""
-        ending = self.name.rpartition(".")[2]
-        if self.is_short or not (self.unit in OF_THE_SLICE or ending in COUNTED):
+        if self.is_short or not self.figure.is_extensive:
             return self
         half_width = None if self.half_width is None else self.half_width / share
-        return replace(self, value=self.value / share, half_width=half_width, floor=self.floor / share)
+        return replace(self, value=self.value / share, half_width=half_width)
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ def single_numbers(value: Any, where: str = "") -> Iterator[tuple[str, float]]:
     their ``exit`` or their number as key.  Words, and results along the deck, by size or over time, are left
     out, whatever their length.
     """
-    parts: dict[str, Any] = {}
+    parts: Mapping[str, Any] = {}
     if isinstance(value, int | float):
         yield where.removeprefix("."), value
     elif isinstance(value, dict) and set(value) >= {"value", "half_width", "batches"}:
@@ -123,7 +125,7 @@ def single_numbers(value: Any, where: str = "") -> Iterator[tuple[str, float]]:
         yield from single_numbers(part, where + key)
 
 
-def _entries(table: dict[str, Any]) -> dict[str, Any]:
+def _entries(table: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the entries of a table of results, without lists that run along the deck, by size or over time.
 
     A vector with half widths beside it becomes a table of estimates by component.
@@ -135,21 +137,20 @@ def _entries(table: dict[str, Any]) -> dict[str, Any]:
     widths = table[ITS_WIDTHS] or [None] * len(AXES)
     rows = zip(AXES, table[VECTOR], widths, strict=True)
     estimates = {axis: {"value": size, "half_width": width, "batches": None} for axis, size, width in rows}
-    return {key: part for key, part in table.items() if key != ITS_WIDTHS} | {VECTOR: estimates}
+    return {**{key: part for key, part in table.items() if key != ITS_WIDTHS}, VECTOR: estimates}
 
 
-def tidy_results(summary: dict[str, Any]) -> dict[str, Result]:
+def tidy_results(summary: Mapping[str, Any]) -> dict[str, Result]:
     """Return the results in a summary by name: those with a short name first, then all single numbers."""
     found: dict[str, Result] = {}
-    for name, scalar in SCALARS.items():
+    for name, scalar in SHORT_NAMES.items():
         if (value := scalar.of(summary)) is not None:
-            found[name] = Result(name, value.value, value.half_width, scalar.unit, True, scalar.floor)
+            found[name] = Result(name, value.value, value.half_width, scalar.figure, True)
     numbers = dict(single_numbers(summary.get("results") or {}))
     for name, number in numbers.items():
         if not name.endswith(HALF_WIDTH) and not isinstance(number, bool):
-            unit = unit_along(name.split("."))
-            half_width = numbers.get(name + HALF_WIDTH)
-            found[name] = Result(name, float(number), half_width, unit, floor=ROUNDING.get(unit, 0.0))
+            record = named(f"results.{name}").figure
+            found[name] = Result(name, float(number), numbers.get(name + HALF_WIDTH), record)
     return found
 
 
@@ -193,29 +194,20 @@ def _read(folder: Path) -> RunResults:
         raise FolderUnusable(f"{folder}: is no run that has ended: it has no {SUMMARY}")
     summary = RunReader(admit(folder)).summary
     status = str(summary.get("status", "unknown"))
-    results, tables = tidy_results(summary), summary.get("results") or {}
+    results, (unsteady, unsettled) = tidy_results(summary), why_transient(summary)
     if results.keys() <= OF_THE_WIDTH:
-        why = json.dumps(tables.get("missing") or {"status": status})
+        why = json.dumps(entry_at(summary, "results.missing") or {"status": status})
         raise FolderUnusable(f"{folder}: the run has no results ({why})")
-    unsteady, unsettled = why_transient(tables)
     return RunResults(
         folder=folder,
         case=str(summary.get("case", folder.name)),
         level=str(summary.get("level") or ""),
         status=status,
         results=results,
-        share_of_width=float(tables.get("share_of_width", 1.0)),
+        share_of_width=entry_at(summary, "results.share_of_width") or 1.0,
         unsteady=unsteady,
         unsettled=unsettled,
     )
-
-
-def why_transient(results: Mapping[str, Any]) -> tuple[str, str]:
-    """Return why a bed that is fed is not steady, and why a machine has not settled; empty if they are."""
-    unsteady, unsettled = (
-        str((results.get(part) or {}).get("reason") or "") for part in ("steady", "motion")
-    )
-    return "" if unsteady == BATCH else unsteady, unsettled  # a batch never could be steady
 
 
 def doubtful(runs: Sequence[RunResults], scaled: str = BY_PATH) -> list[str]:

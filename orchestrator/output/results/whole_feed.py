@@ -22,7 +22,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -30,8 +29,10 @@ from scipy.special import roots_legendre
 
 from orchestrator.case.bed.size_distribution import coarser_share, given_classes
 from orchestrator.case.tables.bed import Feed
-from orchestrator.output.results.estimate import Estimate, share
-from orchestrator.output.results.events import LOST, UNDERSIZE, Events, per_cycle
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.material import Continuation, Curve, WholeFeed, WholeFeedSection
+from orchestrator.output.results.estimate import share
+from orchestrator.output.results.events import LOST, UNDERSIZE, Events
 from orchestrator.output.results.listed_feed import ListedFeed, feed_parts, listed_feed, mass_between
 from orchestrator.ports import Array
 
@@ -153,7 +154,7 @@ def feed_fines(
     return FeedFines(cut_m, listed, np.concatenate(diameter_m), np.concatenate(shares))
 
 
-def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: float) -> dict[str, Any] | str:
+def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: float) -> WholeFeed | str:
     """Return the separation of the whole feed, and the curve by which its fines are completed.
 
     ``opening_m`` is the smaller side of the openings, which are all alike, and ``open_share`` their share of
@@ -219,52 +220,52 @@ def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: f
         return replace(found, half_width=wider)
 
     sections = [
-        {
-            "exit": events.exits.names[number],
-            "cumulative_efficiency_percent": figure(partial(placement, place + 1), error[place + 1]),
-            "yield_percent": figure(
+        WholeFeedSection(
+            exit=events.exits.names[number],
+            cumulative_efficiency_percent=figure(partial(placement, place + 1), error[place + 1]),
+            yield_percent=figure(
                 partial(section_yield, place),
                 fines.total * (abs(told[place + 1] - told[place]) + max(doubt[place : place + 2])),
             ),
-        }
+        )
         for place, number in enumerate(undersize)
     ]
     curve = curves[-1]
-    return {
-        "left_out_percent": 100.0 * fines.left_out,
-        "smallest_m": fines.smallest_m,
-        "smallest_computed_m": fines.smallest_computed_m,
-        "fines_percent": 100.0 * fines.total,
-        "fine_placement_percent": figure(partial(placement, last), error[last]),
-        "efficiency_percent": figure(efficiency, error[last]),
-        "continuation": {
-            "factor": math.exp(reach),
-            "tested_factor": math.exp(tested_reach),
-            "tested_error_percent": 100.0 * tested[last],
-            "error_percent": error[last],
-        },
-        "sections": sections,
-        "curve": None if curve is None else _course(curve, min(*fines.diameter_m, *mean_m)),
-    }
+    return WholeFeed(
+        left_out_percent=100.0 * fines.left_out,
+        smallest_m=fines.smallest_m,
+        smallest_computed_m=fines.smallest_computed_m,
+        fines_percent=100.0 * fines.total,
+        fine_placement_percent=figure(partial(placement, last), error[last]),
+        efficiency_percent=figure(efficiency, error[last]),
+        continuation=Continuation(
+            factor=math.exp(reach),
+            tested_factor=math.exp(tested_reach),
+            tested_error_percent=float(100.0 * tested[last]),
+            error_percent=float(error[last]),
+        ),
+        sections=sections,
+        curve=None if curve is None else _course(curve, min(*fines.diameter_m, *mean_m)),
+    )
 
 
-def _course(curve: PartitionCurve, smallest_m: float) -> dict[str, Any]:
+def _course(curve: PartitionCurve, smallest_m: float) -> Curve:
     """Return the curve's numbers, and its course from a diameter to the openings' width."""
     diameter_m = np.linspace(smallest_m, curve.opening_m, 41)
-    return {
-        "attempts": curve.attempts,
-        "exponent": curve.exponent,
-        "opening_m": curve.opening_m,
-        "open_share": curve.open_share,
-        "diameter_m": diameter_m,
-        "oversize_percent": 100.0 * (1.0 - curve.passed(diameter_m)),
-    }
+    return Curve(
+        attempts=curve.attempts,
+        exponent=curve.exponent,
+        opening_m=curve.opening_m,
+        open_share=curve.open_share,
+        diameter_m=diameter_m,
+        oversize_percent=100.0 * (1.0 - curve.passed(diameter_m)),
+    )
 
 
 def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]:
-    """Return the mean diameter (bins,) of fine particles, and what left in each cycle by size and exit.
+    """Return the mean diameter (bins,) of fine particles, and what left by size and exit, part by part.
 
-    The latter are numbers and masses, (cycles, bins + 1, exits, 2); the last size is all that is coarse.
+    The latter are numbers and masses, (parts, bins + 1, exits, 2); the last size is all that is coarse.
     Masses are those for which the particles stand in the feed as it is listed.
     """
     removed, exits = events.removed, len(events.exits.names)
@@ -277,8 +278,5 @@ def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]
     summed_m = np.bincount(size[fine], diameter_m, BINS)
     mean_m = np.divide(summed_m, number, out=np.sqrt(edges_m[1:] * edges_m[:-1]), where=number > 0)
     group = np.where(left, exits * size + removed.exit, -1)
-    tables = [
-        per_cycle(removed.time_s, each, events.edges_s, group, (BINS + 1) * exits)
-        for each in (np.ones(len(group)), events.left_kg)
-    ]
+    tables = [events.sums(each, group, (BINS + 1) * exits) for each in (np.ones(len(group)), events.left_kg)]
     return mean_m, np.stack(tables, axis=-1).reshape(-1, BINS + 1, exits, 2)

@@ -320,7 +320,8 @@ class _Drawing:
         along = ends_m @ self._machine.down
         first_m, last_m = ends_m[along.argmin()], ends_m[along.argmax()]
         if self._view.name == "side":
-            ends = "along the deck" if self._is_straight else "from end to end"
+            slopes = [float(row.panel.rectangle.along[2]) for row in self._machine.panels]
+            ends = "along the deck" if np.ptp(slopes) < 1e-4 else "from end to end"
             self._dimension(first_m, last_m, f"{np.ptp(along):.4g} m {ends}")
             self._slopes(self._view.of(last_m))
         if self._view.name == "top":
@@ -361,12 +362,6 @@ class _Drawing:
         box = {"boxstyle": f"round,pad={pad}", "fc": "white", "ec": "none"}
         style |= {"va": "center", "fontsize": 8.5, "color": DIMENSION, "zorder": 15, "bbox": box}
         self._texts.append(self._axes.text(*at, text, **style))
-
-    @property
-    def _is_straight(self) -> bool:
-        """Whether all panels have the same slope."""
-        slopes = [float(row.panel.rectangle.along[2]) for row in self._machine.panels]
-        return float(np.ptp(slopes)) < 1e-4
 
     def _slopes(self, end: Array) -> None:
         """Draw the slope of a straight deck at its lower ``end`` (2,), or write that of each segment."""

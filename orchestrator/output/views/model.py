@@ -122,7 +122,6 @@ def _serialised(plotter: Any) -> bytes:
 
 
 def _legend(machine: MachineOutline) -> str:
-    """Return the HTML of the legend in the page's corner."""
     rows = [(PANEL_COLORS[0], f"{len(machine.panels)} panels")] if machine.panels else []
     rows += [(frame_color(machine, name), f"frame {name}") for name in machine.frames]
     for what, color, things in (

@@ -59,7 +59,6 @@ def modes_svg(machine: MachineOutline, modes: Sequence[FrameMode], excited_Hz: S
 
 
 def _cell(machine: MachineOutline, mode: FrameMode, excited_Hz: Sequence[float]) -> Iterator[str]:
-    """Yield the elements of a mode's cell."""
     view = VIEWS[int(np.argmax(mode.energy.sum(axis=0)))]
     cell = _fit(machine, view)
     near = [f for f in excited_Hz if abs(mode.frequency_Hz - f) <= 0.15 * f]
@@ -79,8 +78,9 @@ def _cell(machine: MachineOutline, mode: FrameMode, excited_Hz: Sequence[float])
         if len(points) < 2:
             continue
         own = frame_color(machine, name)
-        hull = _hull_rows(cell.of(points))
-        outline = _listed(cell.of(points)[hull])
+        drawn = cell.of(points)
+        hull = [int(np.linalg.norm(drawn - corner, axis=1).argmin()) for corner in convex_hull(drawn)]
+        outline = _listed(drawn[hull])
         yield f'<polygon points="{outline}" fill="none" stroke="#b5bcc4" stroke-dasharray="3 3"/>'
         path = [cell.of(points + share * factor * moved[name])[hull] for share in SHARES]
         yield _moving(path, f'fill="{own}" fill-opacity="0.18" stroke="{own}" stroke-width="1.5"')
@@ -123,14 +123,7 @@ def _fit(machine: MachineOutline, view: View) -> Cell:
     return Cell(view, scale, center - middle * scale * [1.0, -1.0])
 
 
-def _hull_rows(points: Array) -> list[int]:
-    """Return the numbers of the points on the convex hull, in order."""
-    corners = convex_hull(points)
-    return [int(np.argmin(np.linalg.norm(points - corner, axis=1))) for corner in corners]
-
-
 def _two_lines(shape: str) -> tuple[str, str]:
-    """Return the name of a shape as two lines."""
     for word in (" against ", " with "):
         if word in shape:
             first, second = shape.split(word, 1)

@@ -17,7 +17,6 @@ TABLE_RULES = (
     panels.openings,
     panels.stops,
     panels.panel_integrator,
-    panels.named_recording,
     machine.probes,
     surfaces.plates,
     bed.works_of_adhesion,

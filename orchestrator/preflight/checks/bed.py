@@ -50,7 +50,9 @@ def written_size(case: Case) -> Iterator[CaseProblem]:
     text = tomli_w.dumps(case.original.model_dump(mode="json", exclude_none=True))
     if (size := len(text.encode())) > LARGEST_BYTES:
         what = f"has {size} bytes with all defaults, and a file may have {LARGEST_BYTES}"
-        yield CaseProblem((), what, "write many particles into a file of their own: bed.table")
+        yield CaseProblem(
+            (), what, "write many particles into a file of their own: bed.table", kind="out-of-range"
+        )
 
 
 def complete_materials(case: Case) -> Iterator[CaseProblem]:
@@ -59,7 +61,7 @@ def complete_materials(case: Case) -> Iterator[CaseProblem]:
         material = case.materials.get(panel.material)
         if material is not None and material.hyperelastic is None:
             key: Key = ("materials", panel.material, "hyperelastic")
-            yield CaseProblem(key, f"missing: panel {name} is made of it")
+            yield CaseProblem(key, f"missing: panel {name} is made of it", kind="missing")
     surfaces = surface_materials(case) - _grains(case)
     for key, material in rows(case, "materials"):
         if material.shape is not None and key[-1] in surfaces:
@@ -67,17 +69,16 @@ def complete_materials(case: Case) -> Iterator[CaseProblem]:
         if material.hyperelastic is None:
             for field in ("youngs_modulus_Pa", "poisson_ratio"):
                 if getattr(material, field) is None:
-                    yield CaseProblem((*key, field), "missing")
+                    yield CaseProblem((*key, field), "missing", kind="missing")
         elif (shear_Pa := 2 * (material.hyperelastic.c10_Pa + material.hyperelastic.c01_Pa)) == 0:
             what = "C10 and C01 are both zero: no stiffness"
-            yield CaseProblem((*key, "hyperelastic", "c10_Pa"), what)
+            yield CaseProblem((*key, "hyperelastic", "c10_Pa"), what, kind="out-of-range")
         elif 3 * material.hyperelastic.bulk_modulus_Pa < 2 * shear_Pa < STIFFEST_PA:
             what = f"is below two thirds of the shear modulus, {shear_Pa:.3g} Pa: Poisson's ratio is negative"
-            yield CaseProblem((*key, "hyperelastic", "bulk_modulus_Pa"), what)
+            yield CaseProblem((*key, "hyperelastic", "bulk_modulus_Pa"), what, kind="out-of-range")
 
 
 def _grains(case: Case) -> set[str]:
-    """Return the materials of the particles."""
     carried = case.bed.carried.materials if case.bed.carried is not None else ()
     return {row.material for row in (*case.bed.particles.values(), *case.bed.sources)} | {*carried}
 
@@ -109,7 +110,9 @@ def complete_contacts(case: Case) -> Iterator[CaseProblem]:
             hint = f'give [[contacts]] with between = ["{one}", "{two}"]'
             if (name := no_grains(one)) is not None:
                 hint = f"{name} is no grain of the library; {hint}"
-            yield CaseProblem(("contacts",), f"{one} and {two} can meet but have no contact", hint)
+            yield CaseProblem(
+                ("contacts",), f"{one} and {two} can meet but have no contact", hint, kind="missing"
+            )
 
 
 def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
@@ -120,16 +123,18 @@ def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
         for number, size in enumerate(source.sizes):
             if size.smallest_m > size.largest_m:
                 what = f"is larger than largest_m = {size.largest_m:g}"
-                yield CaseProblem((*key, "sizes", number, "smallest_m"), what)
+                yield CaseProblem((*key, "sizes", number, "smallest_m"), what, kind="out-of-range")
         for field, what, hint in faults(source):
             yield CaseProblem((*key, field), what, hint)
         total = sum(size.mass_fraction for size in source.sizes)
         if source.sizes and abs(total - 1) > 1e-6:
-            yield CaseProblem((*key, "sizes"), f"the mass fractions add up to {total:g}, not to 1")
+            yield CaseProblem(
+                (*key, "sizes"), f"the mass fractions add up to {total:g}, not to 1", kind="out-of-range"
+            )
     for key, (low, high) in boxes:
         if not all(a < b for a, b in zip(low, high, strict=True)):
             what = f"{list(low)} is not below {list(high)} in every direction"
-            yield CaseProblem(key, what, LOWEST_FIRST)
+            yield CaseProblem(key, what, LOWEST_FIRST, kind="out-of-range")
 
 
 def fines(case: Case, fate: str) -> Iterator[str]:
@@ -232,14 +237,14 @@ def crowded_boxes(case: Case) -> Iterator[CaseProblem]:
         largest_m = max(size.largest_m for size in classes(source))
         if largest_m > min(sides_m):
             what = f"particles of {largest_m:g} m do not fit in {min(sides_m):.4g} m"
-            yield CaseProblem((*key, "box_m"), what, "enlarge the box")
+            yield CaseProblem((*key, "box_m"), what, "enlarge the box", kind="out-of-range")
         if key[1] == "blocks":
             smallest_m = min(size.smallest_m for size in classes(source))
             filled = source.count * sphere_volume_m3(smallest_m) / math.prod(sides_m)
             if filled > FULLEST:
                 what = f"{source.count} particles fill {filled:.3g} times the box or more"
                 hint = f"random places end at {FULLEST:g}; enlarge the box"
-                yield CaseProblem((*key, "count"), what, hint)
+                yield CaseProblem((*key, "count"), what, hint, kind="out-of-range")
 
 
 WIDEST_NECK = 0.5  # over the smaller radius; JKR's theory takes spheres for paraboloids
@@ -272,11 +277,13 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
         if neck > WIDEST_NECK:
             what = f"{who} would stick with a neck as wide as {neck:.2g} of their radius"
             hint = f"up to {WIDEST_NECK:g} the law holds: less work, or stiffer contacts"
-            yield CaseProblem(key, what, hint)
+            yield CaseProblem(key, what, hint, kind="out-of-range")
         pull = pair.pull_off_N / (pair.reduced_kg * STANDARD_GRAVITY_M_PER_S2)
         if pull > STRONGEST_PULL:
             what = f"{who} would stick with {pull:.2g} times their weight"
-            yield CaseProblem(key, what, "is the unit right? Surface energies are given in mJ/m2, too")
+            yield CaseProblem(
+                key, what, "is the unit right? Surface energies are given in mJ/m2, too", kind="out-of-range"
+            )
     shared = surface_materials(case) & set(smallest_diameters_m(case))
     for name in sorted(shared) if adhesion_law(case) == "sjkr" else ():
         what = f"particles and surfaces are both made of {name}; sjkr cannot tell them apart"
@@ -349,7 +356,6 @@ def rounded_counts(case: Case) -> Iterator[str]:
 
 
 def _range_mm(sizes: Sequence[SizeClass]) -> str:
-    """Return the range of diameters of size classes in words."""
     smallest_m, largest_m = min(row.smallest_m for row in sizes), max(row.largest_m for row in sizes)
     return f"{1e3 * smallest_m:.3g} to {1e3 * largest_m:.3g} mm"
 
@@ -368,20 +374,22 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
         key: Key = ("bed", "feeds", name)
         if inlet.start_s >= case.duration_s:
             what = f"{inlet.start_s:g} s is not before the end, duration_s = {case.duration_s:g} s"
-            yield CaseProblem((*key, "start_s"), what)
+            yield CaseProblem((*key, "start_s"), what, kind="out-of-range")
         if inlet.stop_s <= inlet.start_s:
             what = f"{inlet.stop_s:g} s is not after start_s = {inlet.start_s:g} s"
-            yield CaseProblem((*key, "stop_s"), what)
+            yield CaseProblem((*key, "stop_s"), what, kind="out-of-range")
         if (inlet.corners_m < low - SLACK_M).any() or (inlet.corners_m > high + SLACK_M).any():
-            yield CaseProblem((*key, "box_m"), "is not inside domain_m")
+            yield CaseProblem((*key, "box_m"), "is not inside domain_m", kind="misplaced")
         if inlet.rate_kg_per_s > inlet.largest_rate_kg_per_s:
             what = f"{inlet.rate_kg_per_s:g} kg/s find no room in the box"
             largest = f"the largest rate is {inlet.largest_rate_kg_per_s:.3g} kg/s"
             hint = f"{largest}; a larger box or velocity_m_per_s takes more"
-            yield CaseProblem((*key, "rate_kg_per_s"), what, hint)
+            yield CaseProblem((*key, "rate_kg_per_s"), what, hint, kind="out-of-range")
     for (one, first), (two, second) in combinations(by_name.items(), 2):
         if not are_apart(first, second):
-            yield CaseProblem(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
+            yield CaseProblem(
+                ("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"', kind="misplaced"
+            )
 
 
 ENOUGH = 0.8  # share of the mass due by the end that must come
@@ -499,25 +507,25 @@ def exits(case: Case) -> Iterator[CaseProblem]:
     for name, box_m in boxes_m.items():
         key: Key = ("screen", "exits", name, "box_m")
         if not (box_m[0] < box_m[1]).all():
-            yield CaseProblem(key, "is empty", LOWEST_FIRST)
+            yield CaseProblem(key, "is empty", LOWEST_FIRST, kind="out-of-range")
             return
         corners_m = to_world(case, np.array(list(product(*box_m.T))))
         low, high = np.array(case.domain_m)
         if ((corners_m < low).all(axis=0) | (corners_m > high).all(axis=0)).any():
-            yield CaseProblem(key, "is outside domain_m: no particle gets there")
+            yield CaseProblem(key, "is outside domain_m: no particle gets there", kind="misplaced")
         least_m = THICKNESS * largest_diameter_m(case) if has_particles(case) else 0.0
         if (thin_m := float(np.ptp(box_m, axis=0).min())) < least_m:
             what = f"is {thin_m:g} m thin: the fastest particles may go through it and not be taken out"
-            yield CaseProblem(key, what, f"make it {least_m:.3g} m thick or more")
+            yield CaseProblem(key, what, f"make it {least_m:.3g} m thick or more", kind="out-of-range")
         for panel in single_panels(case):  # straight between its clamps, in deck axes
             r = panel.rectangle
             ends_m = r.mounted(np.array(list(product((0.0, r.length_m), (0.0, r.width_m)))))
             in_deck_m = ends_m @ to_world(case, np.eye(3)).T
             if _overlap(box_m, np.array([in_deck_m.min(axis=0), in_deck_m.max(axis=0)])):
-                yield CaseProblem(key, f"panel {panel.name} reaches into it")
+                yield CaseProblem(key, f"panel {panel.name} reaches into it", kind="misplaced")
     for (one, first_m), (two, second_m) in combinations(boxes_m.items(), 2):
         if _overlap(first_m, second_m):
-            yield CaseProblem(("screen", "exits", two, "box_m"), f'overlaps exit "{one}"')
+            yield CaseProblem(("screen", "exits", two, "box_m"), f'overlaps exit "{one}"', kind="misplaced")
 
 
 def _overlap(one_m: Array, two_m: Array) -> bool:
@@ -541,7 +549,7 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
         if len(pitches_m := {each.pitch_across_m for each in openings if each is not None}) == 1:
             pitches = math.ceil(least_m / min(pitches_m) - 1e-9)
             hint = f"take {pitches * min(pitches_m):g} m, which is {pitches} pitches of the openings, or more"
-        yield CaseProblem(("slice", "width_m"), what, hint)
+        yield CaseProblem(("slice", "width_m"), what, hint, kind="out-of-range")
 
 
 def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:

@@ -61,7 +61,6 @@ def openings_and_particles(case: Case) -> Iterator[str]:
 
 
 def _faults(joint: Joint) -> Iterator[tuple[str, str]]:
-    """Yield the kind and a description of each fault of a joint."""
     upper, lower = joint.upper, joint.lower
     along = upper.along + lower.along
     normal = np.cross(along, upper.across) / np.linalg.norm(np.cross(along, upper.across))

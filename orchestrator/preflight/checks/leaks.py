@@ -101,7 +101,7 @@ class _Deck:
     def upper_ends(self) -> Iterator[str]:
         """Yield a warning for each upper end on which material lands and where no wall holds it back."""
         for panel in self.rows.first:
-            if not self._lands_on(panel):
+            if all(box_m[0, 0] >= panel.lower_m[0] for box_m in self.boxes_m):
                 continue
             widths_m = [
                 self._gap_beside(panel.point_m(0.0, across), -panel.along, panel) for across in ACROSS
@@ -120,8 +120,9 @@ class _Deck:
     def lower_ends(self) -> Iterator[str]:
         """Yield a warning for each lower end from which material falls into no exit."""
         for panel in self.rows.last:
-            if not self._reaches_end(panel):
-                continue
+            way_m = min(panel.lower_m[0] - box_m[1, 0] for box_m in self.boxes_m)
+            if way_m >= TRANSPORT_M_PER_S * self.case.duration_s:
+                continue  # no material comes there within the run
             edge_m = panel.point_m(1.0, 0.5) + self.largest_m / 2 * panel.normal
             if np.isfinite(self._wall_beyond(edge_m, panel.along)):
                 continue  # A wall closes this end.
@@ -236,15 +237,6 @@ class _Deck:
             > box_m[1, 2] - box_m[0, 2] + self.largest_m
             for box_m in self.boxes_m
         )
-
-    def _lands_on(self, panel: PlacedPanel) -> bool:
-        """Return whether material begins above the first panel of a row, or uphill of it."""
-        return any(box_m[0, 0] < panel.lower_m[0] for box_m in self.boxes_m)
-
-    def _reaches_end(self, panel: PlacedPanel) -> bool:
-        """Return whether material comes to the lower end of a row within the run."""
-        way_m = min(panel.lower_m[0] - box_m[1, 0] for box_m in self.boxes_m)
-        return bool(way_m < TRANSPORT_M_PER_S * self.case.duration_s)
 
 
 def _source_boxes_m(case: Case) -> list[Array]:

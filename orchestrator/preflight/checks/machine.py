@@ -32,22 +32,32 @@ def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
         return
     if not case.screen.frames:
         still = solvers.names_able_to("frames", lambda frames: not frames.moved_by_forces)
-        yield CaseProblem(("frames", "solver"), f"{solver} has no frame to move", f"frames.solver = {still}")
+        yield CaseProblem(
+            ("frames", "solver"), f"{solver} has no frame to move", f"frames.solver = {still}", kind="solver"
+        )
     driving = solvers.names_able_to("frames", lambda frames: frames.drives and frames.moved_by_forces)
     for key, frame in rows(case, "screen.frames"):
         if frame.drive is not None:
             if not able.drives:
                 hint = f"take the drive out, or frames.solver = {driving}"
-                yield CaseProblem((*key, "drive"), f"frames.solver {solver} knows no drives", hint)
+                yield CaseProblem(
+                    (*key, "drive"), f"frames.solver {solver} knows no drives", hint, kind="solver"
+                )
             continue
         if frame.mass_kg is None:
             hint = f"or move it by a drive, with frames.solver = {driving}"
-            yield CaseProblem((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
+            yield CaseProblem(
+                (*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint, kind="missing"
+            )
         if frame.inertia_kg_m2 is None and able.rotates:
-            yield CaseProblem((*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it")
+            yield CaseProblem(
+                (*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it", kind="missing"
+            )
         if frame.center_of_mass_m is None and able.rotates:
             what = "missing: it decides how the frame turns"
-            yield CaseProblem((*key, "center_of_mass_m"), what, _describe_middle(case, str(key[-1])))
+            yield CaseProblem(
+                (*key, "center_of_mass_m"), what, _describe_middle(case, str(key[-1])), kind="missing"
+            )
 
 
 def _describe_middle(case: Case, frame: str) -> str:
@@ -85,8 +95,7 @@ def frame_weights(case: Case) -> Iterator[CaseProblem]:
     able = case.frames.adapter
     if not (able.moved_by_forces and case.screen.drawn_at_rest):
         return
-    rotating = linear_frames.PLANE if "sideways-motion" in able.leaves_out else linear_frames.SPACE
-    coordinates = rotating if able.rotates else linear_frames.TRANSLATIONS
+    coordinates = linear_frames.SPACE if able.rotates else linear_frames.TRANSLATIONS
     plan = frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
     free = [plan.bodies[number] for number in linear_frames.free(plan)]
     if not free:
@@ -132,7 +141,7 @@ def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
         if bushing.between[0] == bushing.between[1]:
             yield CaseProblem((*key, "between"), f'"{bushing.between[0]}" twice', "name two frames")
         if not any(bushing.stiffness_N_per_m):
-            yield CaseProblem((*key, "stiffness_N_per_m"), "is zero in every direction")
+            yield CaseProblem((*key, "stiffness_N_per_m"), "is zero in every direction", kind="out-of-range")
     able = case.frames.adapter
     for key, exciter in rows(case, "screen.exciters"):
         if exciter.frame == GROUND:
@@ -148,12 +157,14 @@ def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
                 what = f"{synchronous:g} is below the exciter's speed_rad_per_s = "
                 what += f"{exciter.speed_rad_per_s:g}"
                 motor_key = (*key, "motor", "synchronous_speed_rad_per_s")
-                yield CaseProblem(motor_key, what, "a motor lags behind it")
+                yield CaseProblem(motor_key, what, "a motor lags behind it", kind="out-of-range")
             elif synchronous > FASTEST_MOTOR * exciter.speed_rad_per_s:
                 what = f"{synchronous:g} is {synchronous / exciter.speed_rad_per_s:.2g} times the exciter's "
                 what += f"speed_rad_per_s = {exciter.speed_rad_per_s:g}, by which cycles are counted"
                 motor_key = (*key, "motor", "synchronous_speed_rad_per_s")
-                yield CaseProblem(motor_key, what, "both are in rad/s: 1000 rpm are 104.7 rad/s")
+                yield CaseProblem(
+                    motor_key, what, "both are in rad/s: 1000 rpm are 104.7 rad/s", kind="out-of-range"
+                )
 
 
 def right_angle(key: Key, row: Any, one: str, other: str) -> Iterator[CaseProblem]:
@@ -162,7 +173,7 @@ def right_angle(key: Key, row: Any, one: str, other: str) -> Iterator[CaseProble
     sizes = np.linalg.norm(vectors, axis=1)
     for name, size in zip((one, other), sizes, strict=True):
         if size == 0:
-            yield CaseProblem((*key, name), "is zero", "give a direction")
+            yield CaseProblem((*key, name), "is zero", "give a direction", kind="out-of-range")
     if sizes.all() and abs(np.dot(*vectors)) > 1e-9 * sizes.prod():
         yield CaseProblem((*key, other), f"is not at right angles to {one}")
 
@@ -179,7 +190,9 @@ def solvers_objections(case: Case) -> Iterator[CaseProblem]:
     for port, plans in asked:
         objections = (o for plan in plans for o in case.adapters[port].objections(plan))
         for objection in dict.fromkeys(objections):
-            yield CaseProblem(objection.key or (port, "solver"), objection.what, objection.hint)
+            yield CaseProblem(
+                objection.key or (port, "solver"), objection.what, objection.hint, kind="solver"
+            )
 
 
 def probes(case: Case) -> Iterator[CaseProblem]:
@@ -193,7 +206,7 @@ def probes(case: Case) -> Iterator[CaseProblem]:
             given = getattr(probe, place) is not None
             if (kind in on) != given:
                 what = f"is for a probe on a {kind}" if given else f"missing: where on the {kind}?"
-                yield CaseProblem((*key, place), what)
+                yield CaseProblem((*key, place), what, kind="conflict" if given else "missing")
         if probe.frame == GROUND:
             yield CaseProblem((*key, "frame"), "the ground does not move", "name a frame")
         if probe.sensor_kg > 0 and probe.panel is None:
@@ -211,7 +224,9 @@ def start_of_drives(case: Case) -> Iterator[CaseProblem]:
     for key, drive in rows(case, "screen.frames.drive"):
         if any(drive.rotation_rad) and drive.center_m is None:
             what = "missing: rotation_rad turns the frame about it"
-            yield CaseProblem((*key, "center_m"), what, "give the point that stays where it is")
+            yield CaseProblem(
+                (*key, "center_m"), what, "give the point that stays where it is", kind="missing"
+            )
         if drive.run_up_s > 0:
             continue
         for phase, unit, size, phase_rad in (
@@ -234,7 +249,7 @@ def stops_of_exciters(case: Case) -> Iterator[CaseProblem]:
                 yield CaseProblem((*key, "run_down_s"), "is of no use without stop_s", "give stop_s")
         elif exciter.stop_s < full_s:
             what = f"{exciter.stop_s:g} s is before the end of the run-up at {full_s:g} s"
-            yield CaseProblem((*key, "stop_s"), what, "stop it later")
+            yield CaseProblem((*key, "stop_s"), what, "stop it later", kind="out-of-range")
 
 
 def sudden_drives(case: Case) -> Iterator[str]:

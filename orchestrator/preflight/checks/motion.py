@@ -38,8 +38,9 @@ def resonances(scene: Scene) -> Iterator[str]:
         excited_Hz = shaking.speed_rad_per_s / (2 * math.pi)
         if near := modes_near(scene, shaking.speed_rad_per_s):
             which = "; ".join(mode.in_words for mode in near)
+            modes = "a mode" if len(near) == 1 else f"{len(near)} modes"
             yield (
-                f"the excitation at {excited_Hz:.3g} Hz is within {NEAR:.0%} of {_count(len(near))} of the "
+                f"the excitation at {excited_Hz:.3g} Hz is within {NEAR:.0%} of {modes} of the "
                 f"frames: {which}; small changes of stiffness, mass or load then change the motion strongly; "
                 "change bushings, masses or the speed"
             )
@@ -251,7 +252,3 @@ def _parts_m(amplitudes_m: list[Array], moving: MovedPanel) -> tuple[float, floa
 
 def _more(count: int) -> str:
     return f" and {count - 1} more" if count > 1 else ""
-
-
-def _count(modes: int) -> str:
-    return "a mode" if modes == 1 else f"{modes} modes"

@@ -68,7 +68,7 @@ def unknown_names(case: Case) -> Iterator[CaseProblem]:
             if name not in known[kind]:
                 of_names = did_you_mean(name, known[kind], f"{kind}s")
                 hint = suggest(name, known[kind]) if kind == "material" else of_names
-                yield CaseProblem(key, f'no {kind} "{name}"', hint)
+                yield CaseProblem(key, f'no {kind} "{name}"', hint, kind="unknown-name")
 
 
 def shared_names(case: Case) -> Iterator[CaseProblem]:

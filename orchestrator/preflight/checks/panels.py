@@ -1,19 +1,16 @@
-"""The checks of panels: their tables, openings, meshes and recordings, and the beams below them."""
+"""The checks of panels: their tables, openings and meshes, and the beams below them."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case import recordings, solvers
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.file.layers import is_outside
-from orchestrator.case.recordings import NoMatch, playbacks, turning
 from orchestrator.case.solver_plans import UNKNOWNS, memory_GiB, mesh_sizes
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.case.tables.screen import PanelTable
@@ -25,8 +22,6 @@ from orchestrator.preflight.checks.names import rows
 DEEPEST_SAG = 0.2  # moulded, over the free length: its slope is 40 degrees
 THINNEST_LAND = 0.02  # over the longer pitch: no unit cell's mesh resolves thinner lands
 PLATE = 3.0  # ratio of thickness to the openings' longer pitch above which a panel is a block, no plate
-RECORDING = ("panel", "recording")
-OTHER_SPEED = 0.01
 GIB = 2**30
 
 
@@ -34,11 +29,15 @@ def panel_rows(case: Case) -> Iterator[CaseProblem]:
     """Check that each row gives one of tension and span, a pitch, and the directions of a rectangle that does
     not lie on its back."""
     if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
-        yield CaseProblem(("screen", "panels"), "missing: there is nothing for particles to touch")
+        yield CaseProblem(
+            ("screen", "panels"), "missing: there is nothing for particles to touch", kind="missing"
+        )
     for key, panel in rows(case, "screen.panels"):
         yield from _one_span(key, panel)
         if panel.count > 1 and panel.pitch_m is None:
-            yield CaseProblem((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
+            yield CaseProblem(
+                (*key, "pitch_m"), f"missing: count = {panel.count} panels need it", kind="missing"
+            )
         yield from right_angle(key, panel, "along", "across")
         normal = np.cross(panel.along, panel.across)
         if normal[2] < -1e-9 * np.linalg.norm(normal):
@@ -52,17 +51,19 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
         what = "contradicts tension_m, which gives the span, too"
         yield CaseProblem((*key, "span_m"), what, "give one of the two")
     if panel.tension_m is None and panel.span_m is None:
-        yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m")
+        yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m", kind="missing")
     span = panel.span_m or panel.length_m + (panel.tension_m or 0.0)
     yield from _mounting(key, panel)
     if not 0.5 * panel.length_m <= span <= 1.5 * panel.length_m:
         given = "span_m" if panel.span_m is not None else "tension_m"
         what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
-        yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted")
+        yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted", kind="out-of-range")
     needed_m = span + 2 * panel.clamp_m * math.cos(math.radians(panel.clamp_angle_deg))
     if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < needed_m:
         what = f"{panel.pitch_m:g} m lets neighbours overlap"
-        yield CaseProblem((*key, "pitch_m"), what, f"span and two clamps need {needed_m:g} m")
+        yield CaseProblem(
+            (*key, "pitch_m"), what, f"span and two clamps need {needed_m:g} m", kind="misplaced"
+        )
 
 
 def _mounting(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
@@ -73,7 +74,9 @@ def _mounting(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
     deepest_m = DEEPEST_SAG * panel.length_m
     if panel.moulded_sag_m > deepest_m:
         what = f"{panel.moulded_sag_m:g} m is too deep for a free length of {panel.length_m:g} m"
-        yield CaseProblem((*key, "moulded_sag_m"), what, f"at most {deepest_m:.3g} m is allowed")
+        yield CaseProblem(
+            (*key, "moulded_sag_m"), what, f"at most {deepest_m:.3g} m is allowed", kind="out-of-range"
+        )
 
 
 def panel_integrator(case: Case) -> Iterator[CaseProblem]:
@@ -83,7 +86,7 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
         others = solvers.names_able_to("panel", lambda panel: asked in panel.integrators)
         hint = f'take "{able[0]}", or panel.solver = {others}'
         what = f"the {case.panel.solver} is {' or '.join(able)} only"
-        yield CaseProblem(("panel", "integrator"), what, hint)
+        yield CaseProblem(("panel", "integrator"), what, hint, kind="solver")
 
 
 def openings(case: Case) -> Iterator[CaseProblem]:
@@ -100,7 +103,9 @@ def openings(case: Case) -> Iterator[CaseProblem]:
             what = (
                 f"the panel is {thickness_m:g} m thick, its openings are only {longest_m:g} m apart: no plate"
             )
-            yield CaseProblem((*key, "thickness_m"), what, f"at most {PLATE * longest_m:g} m is wanted")
+            yield CaseProblem(
+                (*key, "thickness_m"), what, f"at most {PLATE * longest_m:g} m is wanted", kind="out-of-range"
+            )
 
 
 def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[CaseProblem]:
@@ -111,11 +116,13 @@ def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[Cas
         land_m = pitch_m - size_m
         if land_m <= 0:
             what = f"{pitch_m:g} m leaves no land between openings of {size_m:g} m {way}"
-            yield CaseProblem((*key, f"pitch_{way}_m"), what, f"more than {size_m:g} m is wanted")
+            yield CaseProblem(
+                (*key, f"pitch_{way}_m"), what, f"more than {size_m:g} m is wanted", kind="out-of-range"
+            )
         elif land_m < THINNEST_LAND * longest_m:
             what = f"leaves lands of {land_m:.3g} m, too thin for a mesh"
             hint = f"at least {THINNEST_LAND:g} of the longer pitch is wanted"
-            yield CaseProblem((*key, f"pitch_{way}_m"), what, hint)
+            yield CaseProblem((*key, f"pitch_{way}_m"), what, hint, kind="out-of-range")
 
 
 def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[CaseProblem]:
@@ -127,11 +134,13 @@ def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[Ca
     ):
         if count == 0 and pitch_m > whole_m:
             what = f"{pitch_m:g} m is larger than the panel, {whole_m:g} m"
-            yield CaseProblem((*key, f"pitch_{way}_m"), what)
+            yield CaseProblem((*key, f"pitch_{way}_m"), what, kind="out-of-range")
         elif count == 0:
             left_m = max(whole_m - 2 * margin_m, 0.0)
             what = f"{margin_m:g} m at both ends leaves {left_m:.3g} m of the panel's {whole_m:g} m"
-            yield CaseProblem((*key, f"margin_{way}_m"), what, f"one pitch needs {pitch_m:g} m")
+            yield CaseProblem(
+                (*key, f"margin_{way}_m"), what, f"one pitch needs {pitch_m:g} m", kind="out-of-range"
+            )
 
 
 def triangles(case: Case) -> Iterator[CaseProblem]:
@@ -146,7 +155,7 @@ def triangles(case: Case) -> Iterator[CaseProblem]:
     try:
         surface_grids(case)
     except BadMesh as bad:
-        yield CaseProblem(("panel", "surface_cells"), str(bad))
+        yield CaseProblem(("panel", "surface_cells"), str(bad), kind="out-of-range")
     except SolverMissing:
         return
 
@@ -161,13 +170,13 @@ def mesh_memory(case: Case) -> Iterator[CaseProblem]:
     if not sizes:
         along, across = case.panel.cells
         what = f"{along} x {across} cells on each of {len(panels)} panels need {allowed}"
-        yield CaseProblem(("panel", "cells"), what, "some ten to thirty along are usual")
+        yield CaseProblem(("panel", "cells"), what, "some ten to thirty along are usual", kind="out-of-range")
         return
     cells, unknowns = sum(size.cells for size in sizes), UNKNOWNS * sum(size.nodes for size in sizes)
     fits = max(panel.rectangle.width_m for panel in panels) * LARGEST_MESHES_GIB / needed_GiB
     hint = f'panels {int(1e3 * fits)} mm wide would fit: take a slice, or panel.solver = "sheet"'
     what = f"{cells} cells and {unknowns} unknowns on all panels need {allowed}"
-    yield CaseProblem(("panel", "solver"), what, hint)
+    yield CaseProblem(("panel", "solver"), what, hint, kind="out-of-range")
 
 
 def machine_memory(case: Case) -> Iterator[str]:
@@ -195,9 +204,11 @@ def stops(case: Case) -> Iterator[CaseProblem]:
         free_m = panel.table.length_m
         if stop.to_m > free_m * (1 + 1e-9):
             what = f"lies beyond the free length of {free_m:g} m"
-            yield CaseProblem((*key, "to_m"), what, "stops lie between the clamps' inner edges")
+            yield CaseProblem(
+                (*key, "to_m"), what, "stops lie between the clamps' inner edges", kind="out-of-range"
+            )
         if stop.from_m >= stop.to_m:
-            yield CaseProblem((*key, "from_m"), f"is not before to_m = {stop.to_m:g} m")
+            yield CaseProblem((*key, "from_m"), f"is not before to_m = {stop.to_m:g} m", kind="out-of-range")
         if panel.table.material not in case.materials or stop.stiffness_Pa_per_m is None:
             continue
         most_Pa_per_m = stiffest_Pa_per_m(case, panel)
@@ -205,48 +216,4 @@ def stops(case: Case) -> Iterator[CaseProblem]:
             interval_s = case.coupling.sync_interval_s
             what = f"is too stiff for a sync interval of {interval_s:g} s: the panel would be kicked"
             hint = f"at most {most_Pa_per_m:.3g} Pa/m, or a shorter coupling.sync_interval_s"
-            yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint)
-
-
-def named_recording(case: Case) -> Iterator[CaseProblem]:
-    """Check that a solver that plays back has a file, and a machine whose angle it can follow."""
-    if not case.panel.adapter.plays_back:
-        return
-    if case.panel.recording is None:
-        what = "missing: what is to be played back?"
-        yield CaseProblem(RECORDING, what, "flipflow record makes a file")
-    if turning(case) is None:
-        yield CaseProblem(("panel", "solver"), f"{case.panel.solver} needs an exciter or a drive to follow")
-
-
-def own_recording(case: Case, folder: Path, source: str) -> Iterator[CaseProblem]:
-    """Check that only the user names a recording outside of the case's folder.
-
-    ``source`` is the file or option that gave the key.
-    """
-    if not case.panel.adapter.plays_back or case.panel.recording is None or source == "--set":
-        return
-    file = folder / case.panel.recording
-    if file.is_file() and is_outside(file, folder):
-        yield CaseProblem(RECORDING, "is outside of the case's folder", "copy it there, or name it by --set")
-
-
-def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """Check that the file is a recording of panels like those of the case."""
-    try:
-        playbacks(case, folder)
-    except (NoMatch, recordings.UnreadableRecording) as error:
-        yield CaseProblem(RECORDING, str(error))
-
-
-def other_speed(case: Case, folder: Path) -> Iterator[str]:
-    """Yield a warning if a recording was made at another speed than the one of its playback."""
-    machine = turning(case)
-    if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
-        return
-    recorded = recordings.read(folder / case.panel.recording).speed_rad_per_s
-    if abs(machine.speed_rad_per_s / recorded - 1) > OTHER_SPEED:
-        yield (
-            f"panel.recording was made at {recorded:.4g} rad/s and is played back at "
-            f"{machine.speed_rad_per_s:.4g} rad/s: panels would move otherwise there"
-        )
+            yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint, kind="out-of-range")

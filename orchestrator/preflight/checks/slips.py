@@ -61,12 +61,14 @@ def unusual_motion(shaken: Scene) -> Iterator[CaseProblem]:
                 for unit, factor in MISTAKEN["_rad_per_s"].items()
                 if low <= speed * factor <= high
             )
-            yield CaseProblem((*key, "speed_rad_per_s"), what, next(hints, ""), guesses_unit=True)
+            yield CaseProblem(
+                (*key, "speed_rad_per_s"), what, next(hints, ""), guesses_unit=True, kind="out-of-range"
+            )
     if usual_speeds and not _is_usual(hardest):
         drive = ("drive",) if hardest.frame in {row.body for row in shaken.plan.drives} else ()
         key, hint = _mistaken_size(shaken) or (("screen", "frames", hardest.frame, *drive), "")
         what = f"{moves}; screens have some mm, and up to {LARGEST_G:g} g"
-        yield CaseProblem(key, what, hint, guesses_unit=True)
+        yield CaseProblem(key, what, hint, guesses_unit=True, kind="out-of-range")
 
 
 def _hardest(shaken: Scene) -> FrameMotion:
@@ -84,7 +86,6 @@ def _is_usual(motion: FrameMotion) -> bool:
 
 
 def _shakers(case: Case) -> Iterator[tuple[Key, Exciter | Drive]]:
-    """Yield the exciters that move frames, and the drives that move, with their keys."""
     if has_moved_by_forces(case) and case.frames.adapter.moved_by_forces:
         for name, exciter in case.screen.exciters.items():
             yield ("screen", "exciters", name), exciter
@@ -122,7 +123,10 @@ def late_exciters(case: Case) -> Iterator[CaseProblem]:
         if exciter.start_s >= case.duration_s:
             what = f"is after the end of the run, duration_s = {case.duration_s:g}: it never turns"
             yield CaseProblem(
-                ("screen", "exciters", name, "start_s"), what, "start it earlier, or run longer"
+                ("screen", "exciters", name, "start_s"),
+                what,
+                "start it earlier, or run longer",
+                kind="out-of-range",
             )
 
 
@@ -155,10 +159,12 @@ def angles_in_other_units(given: Mapping[str, Any] | list[Any], key: Key = ()) -
             name = next(str(part) for part in reversed(at) if not isinstance(part, int))
             if name.endswith("_deg") and SMALL_RAD <= abs(value) < 1:
                 hint = f"{value:g} rad would be {math.degrees(value):.3g} degrees"
-                yield CaseProblem(at, f"is {value:g} degrees", hint, guesses_unit=True)
+                yield CaseProblem(at, f"is {value:g} degrees", hint, guesses_unit=True, kind="unit")
             elif name.endswith("phase_rad") and abs(value) > 2 * math.pi:
                 hint = f"{value:g} degrees would be {math.radians(value):.3g} rad"
-                yield CaseProblem(at, f"is {value:g} rad, more than a turn", hint, guesses_unit=True)
+                yield CaseProblem(
+                    at, f"is {value:g} rad, more than a turn", hint, guesses_unit=True, kind="unit"
+                )
 
 
 def cut_beside_all_sizes(case: Case) -> Iterator[CaseProblem]:
@@ -172,4 +178,9 @@ def cut_beside_all_sizes(case: Case) -> Iterator[CaseProblem]:
         where, kind = ("above", "fine") if cut_m >= largest_m else ("below", "coarse")
         sizes = f"{1e3 * smallest_m:.3g} to {1e3 * largest_m:.3g} mm"
         what = f"is {where} all sizes, {sizes}: all that comes is {kind}"
-        yield CaseProblem(("output", "cut_size_m"), what, "without it, the openings' smaller side counts")
+        yield CaseProblem(
+            ("output", "cut_size_m"),
+            what,
+            "without it, the openings' smaller side counts",
+            kind="out-of-range",
+        )

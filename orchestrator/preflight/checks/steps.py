@@ -30,14 +30,18 @@ def particle_step(case: Case) -> Iterator[CaseProblem]:
             f"a step of {step_s:.3g} s is {step_s / rayleigh_s:.2g} of the smallest particle's "
             f"Rayleigh time {rayleigh_s:.3g} s; the limit is {limit_s:.3g} s"
         )
-        yield CaseProblem(("particles", key), what, f"take {0.75 * limit_s:.2g} s or less")
+        yield CaseProblem(
+            ("particles", key), what, f"take {0.75 * limit_s:.2g} s or less", kind="out-of-range"
+        )
     sticky_s = adhesive_step_s(case)
     if step_s > sticky_s * (1 + 1e-9):
         what = (
             f"a step of {step_s:.3g} s is longer than 1/{STEPS_PER_CONTACT} of the shortest "
             f"contact of particles that stick, {sticky_s:.3g} s"
         )
-        yield CaseProblem(("particles", "step_s"), what, "take 0 for the longest possible")
+        yield CaseProblem(
+            ("particles", "step_s"), what, "take 0 for the longest possible", kind="out-of-range"
+        )
 
 
 def panel_step(case: Case) -> Iterator[CaseProblem]:
@@ -56,7 +60,7 @@ def panel_step(case: Case) -> Iterator[CaseProblem]:
     if case.panel.step_s > limit_s:
         what = f"{case.panel.step_s:g} s is above the limit {limit_s:.3g} s of panel.solver "
         hint = f"take {0.9 * limit_s:.2g} s, or 0 for the solver's own"
-        yield CaseProblem(("panel", "step_s"), what + case.panel.solver, hint)
+        yield CaseProblem(("panel", "step_s"), what + case.panel.solver, hint, kind="out-of-range")
 
 
 def rounded_times(case: Case) -> Iterator[str]:
@@ -85,7 +89,7 @@ def whole_times(case: Case) -> Iterator[CaseProblem]:
     for key, time_s in times_s.items():
         if time_s < interval_s:
             what = f"{time_s:g} s is shorter than coupling.sync_interval_s = {interval_s:g} s"
-            yield CaseProblem(key, what)
+            yield CaseProblem(key, what, kind="out-of-range")
 
 
 def missing_solvers(case: Case) -> Iterator[str]:

@@ -38,15 +38,15 @@ def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
         try:
             facets = stl.read(folder, file)
         except stl.UnreadableStl as error:
-            yield CaseProblem(key, f'"{file}": {error}')
+            yield CaseProblem(key, f'"{file}": {error}', kind="file")
             continue
         for what, hint in faults(facets):
-            yield CaseProblem(key, f'"{file}": {what}', hint)
+            yield CaseProblem(key, f'"{file}": {what}', hint, kind="file")
         position_m = to_world(case, facets.position_m)
         if outside := _outside(case, position_m):
             millimetres = np.ptp(position_m, axis=0).max() > 50
             hint = "is it in mm? m are wanted" if millimetres else ENLARGE
-            yield CaseProblem(key, f'"{file}": {outside}', hint)
+            yield CaseProblem(key, f'"{file}": {outside}', hint, kind="misplaced")
 
 
 def plates(case: Case) -> Iterator[CaseProblem]:
@@ -56,12 +56,14 @@ def plates(case: Case) -> Iterator[CaseProblem]:
         if surface.stl is not None and any(given):
             yield CaseProblem(key, "is a file and a plate", "give stl, or corner_m and edges_m")
         elif surface.stl is None and not all(given):
-            yield CaseProblem(key, "is no surface", "give stl, or corner_m and edges_m")
+            yield CaseProblem(key, "is no surface", "give stl, or corner_m and edges_m", kind="missing")
         elif surface.edges_m is not None:
             longest_m = max(math.hypot(*edge) for edge in surface.edges_m)
             one, two = np.array(surface.edges_m) / (longest_m or 1.0)
             if not np.linalg.norm(np.cross(one, two)) > THINNEST:
-                yield CaseProblem((*key, "edges_m"), "span no area", "give two edges at an angle")
+                yield CaseProblem(
+                    (*key, "edges_m"), "span no area", "give two edges at an angle", kind="out-of-range"
+                )
 
 
 def panels_inside(case: Case) -> Iterator[CaseProblem]:
@@ -70,11 +72,11 @@ def panels_inside(case: Case) -> Iterator[CaseProblem]:
         if surface.edges_m is None:
             continue
         if outside := _outside(case, to_world(case, plate_corners_m(surface))):
-            yield CaseProblem((*key, "corner_m"), f"surface {key[-1]}: {outside}", ENLARGE)
+            yield CaseProblem((*key, "corner_m"), f"surface {key[-1]}: {outside}", ENLARGE, kind="misplaced")
     for panel in single_panels(case):
         if outside := _outside(case, _outline_m(panel)):
             panel_key: Key = ("screen", "panels", panel.table_name, "corner_m")
-            yield CaseProblem(panel_key, f"panel {panel.name}: {outside}", ENLARGE)
+            yield CaseProblem(panel_key, f"panel {panel.name}: {outside}", ENLARGE, kind="misplaced")
 
 
 HALVES = np.array([[0, 1, 2], [0, 2, 3]])  # triangles of the four corners of a rectangle
@@ -95,7 +97,7 @@ def parts_in_one_place(case: Case) -> Iterator[CaseProblem]:
         for two in (panels[number + 1 + other] for other in np.unique(np.flatnonzero(met) // 2)):
             panel_key: Key = ("screen", "panels", two.table_name, "corner_m")
             what = f"panel {two.name} lies in the place of panel {one.name}, or crosses it"
-            yield CaseProblem(panel_key, what, "take one of them away, or move it")
+            yield CaseProblem(panel_key, what, "take one of them away, or move it", kind="misplaced")
     surfaces = [row for row in rows(case, "screen.surfaces") if row[1].edges_m is not None]
     for (key, surface), panel in product(surfaces, panels):
         corners_m, at = to_world(case, plate_corners_m(surface)), panel.rectangle
@@ -103,7 +105,7 @@ def parts_in_one_place(case: Case) -> Iterator[CaseProblem]:
         in_plane = (np.abs((corners_m - at.corner_m) @ at.normal) <= height_m).all()
         if in_plane and _reach_into_panel(at, corners_m[HALVES], 0.0, height_m).any():
             what = f"surface {key[-1]} lies in the plane of panel {panel.name} and overlaps it"
-            yield CaseProblem((*key, "corner_m"), what, "move it above or below the panel")
+            yield CaseProblem((*key, "corner_m"), what, "move it above or below the panel", kind="misplaced")
 
 
 def _outline_m(panel: SinglePanel) -> Array:
@@ -173,7 +175,7 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     try:
         particles = initial_particles(case, material_numbers(case))
     except NoRoom as full:
-        yield CaseProblem(("bed", "blocks", full.block, "count"), str(full))
+        yield CaseProblem(("bed", "blocks", full.block, "count"), str(full), kind="misplaced")
         return
     if len(particles) == 0:
         return
@@ -184,14 +186,16 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
         key, name = _describe_particle(case, outside[0])
         place = np.round(particles.position_m[outside[0]], 4).tolist()
         hint = LEAVE_OUT if case.bed.carried is not None else ""
-        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}", hint)
+        yield CaseProblem(
+            key, f"{name} at {place} is outside domain_m{_count_of_others(outside)}", hint, kind="misplaced"
+        )
     placed = ~beyond & _in_slice(case, particles)
     if beside := len(particles) - len(outside) - int(placed.sum()):
         assert case.bed.carried is not None  # others are placed in the slice
         first_m, last_m = bounds_m(case.whole_machine)
         what = f"{beside} particles of {case.bed.carried.source} are not in the slice"
         key = _describe_particle(case, int(np.argmin(placed)))[0]
-        yield CaseProblem(key, f"{what} from y = {first_m:g} to {last_m:g} m", LEAVE_OUT)
+        yield CaseProblem(key, f"{what} from y = {first_m:g} to {last_m:g} m", LEAVE_OUT, kind="misplaced")
     yield from closed_bodies(case, particles, folder)
     if case.bed.carried is not None and case.bed.push_out:  # pushed before the start, and checked then
         return
@@ -229,7 +233,7 @@ def surface_penetrations(
         through = f"{deepest.depth_m:.3g} m through {deepest.surface}"
         what = f"panel {deepest.panel} hangs {through} before anything moves"
         hint = "tighten it, move one of them, or give the panel a stop where it is to lie"
-        yield CaseProblem(("screen", "panels", tables[deepest.panel]), what, hint)
+        yield CaseProblem(("screen", "panels", tables[deepest.panel]), what, hint, kind="misplaced")
 
 
 def hanging_panels(
@@ -269,6 +273,7 @@ def _in_surface(
             key,
             f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_count_of_others(inside)}",
             _how_to_make_room(case),
+            kind="misplaced",
         )
 
 
@@ -278,7 +283,7 @@ def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CasePro
         low, high = inlet.box_m
         rim_m = ALLOWED * (high - low)  # a box may stand against a wall
         if reach_into(corners_m @ inlet.axes, np.stack([low + rim_m, high - rim_m])).any():
-            yield CaseProblem(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it")
+            yield CaseProblem(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it", kind="misplaced")
 
 
 def _in_exit_box(case: Case, name: str, corners_m: Array) -> Iterator[CaseProblem]:
@@ -288,7 +293,9 @@ def _in_exit_box(case: Case, name: str, corners_m: Array) -> Iterator[CaseProble
         rim_m = ALLOWED * (high - low)
         if reach_into(corners_m @ axes(case), np.stack([low + rim_m, high - rim_m])).any():
             hint = "move the box away from it: particles on the panel would be taken for what has left it"
-            yield CaseProblem(("screen", "exits", exit_, "box_m"), f"{name} reaches into it", hint)
+            yield CaseProblem(
+                ("screen", "exits", exit_, "box_m"), f"{name} reaches into it", hint, kind="misplaced"
+            )
 
 
 def closed_bodies(case: Case, particles: ParticleList, folder: Path) -> Iterator[CaseProblem]:
@@ -308,7 +315,7 @@ def closed_bodies(case: Case, particles: ParticleList, folder: Path) -> Iterator
             place = np.round(particles.position_m[inside[0]], 4).tolist()
             what = f"{name} at {place} is inside surface {wall.name}, a closed body"
             hint = "move it out; a housing around particles needs an open side"
-            yield CaseProblem(key, f"{what}{_count_of_others(np.array(inside))}", hint)
+            yield CaseProblem(key, f"{what}{_count_of_others(np.array(inside))}", hint, kind="misplaced")
 
 
 RAY = np.array([0.5347, 0.2718, 0.8001])  # along no edge or face that a machine is likely to have
@@ -367,7 +374,7 @@ def _overlapping(
         key, name = _describe_particle(case, one[deepest])
         other = _describe_particle(case, two[deepest])[1]
         what = f"{name} overlaps {other} by {depth_m[deepest]:.3g} m{_count_of_others(pairs)}"
-        yield CaseProblem(key, what, _how_to_make_room(case))
+        yield CaseProblem(key, what, _how_to_make_room(case), kind="misplaced")
 
 
 def allowed_overlap(case: Case) -> float:

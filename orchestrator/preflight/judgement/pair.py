@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.scalars import Value, is_of_particles, scalar
+from orchestrator.figures.short_names import Value, named
 from orchestrator.preflight.scene.effect import TENTH
 
 
@@ -78,12 +78,15 @@ class Pair:
     summary_without: Mapping[str, Any] | None = None
 
     def change(self, name: str) -> Change | None:
-        """Return the change of a result by its name in ``case/scalars.py``; None without runs."""
+        """Return the change of a result by its name in ``figures/short_names.py``; None without runs."""
         if self.summary_with is None or self.summary_without is None:
             return None
-        asked = scalar(name)
-        change = compute_change(asked.of(self.summary_with), asked.of(self.summary_without), asked.floor)
-        return replace(change, by_chance=change.uncertain is None and is_of_particles(name))
+        asked = named(name)
+        of_particles = asked.figure.part == "particles"
+        change = compute_change(
+            asked.of(self.summary_with), asked.of(self.summary_without), asked.figure.floor
+        )
+        return replace(change, by_chance=change.uncertain is None and of_particles)
 
     def changes(self, names: Sequence[str]) -> dict[str, Change]:
         """Return the changes of the named results that the runs have, by name."""
@@ -109,7 +112,6 @@ def compute_change(with_it: Value | None, without: Value | None, floor: float) -
 
 
 def _memory() -> Path:
-    """Return the folder of all remembered pairs."""
     home = Path(os.getenv("XDG_CACHE_HOME") or Path.home() / ".cache")
     return home / "flipflow" / "pairs"
 

@@ -25,8 +25,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import replace
 
-from orchestrator.case.scalars import is_of_separation, is_peak, part_of
 from orchestrator.case.tables.case import Case
+from orchestrator.figures.short_names import is_of_separation, named, part_of
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
     Judged,
@@ -58,7 +58,11 @@ def weigh_effects(
     separates = any(is_of_separation(name) for name in asked)
     parts = {part_of(name, case) for name in asked}
     unsteady = doubt_of_steady_motion(numbers)
-    rising = on_the_way_up(numbers) if not asked or any(is_peak(name) for name in asked) else None
+    rising = (
+        on_the_way_up(numbers)
+        if not asked or not all(named(name).figure.is_decisive for name in asked)
+        else None
+    )
     doubted = {}
     for name, effect in judged.items():
         why = _doubt(effect, parts, separates) or _doubt_of_motion(effect, unsteady, rising)

@@ -124,7 +124,7 @@ def _sheet(plan: PanelPlan) -> PanelPlan:
         plan.rectangle, corner_m=np.zeros(3), along=np.eye(3)[0].copy(), across=np.eye(3)[1].copy()
     )
     weightless = replace(plan, gravity_m_per_s2=np.zeros(3))
-    return replace(weightless, name="", rectangle=unplaced, frames=("", ""), playback=None)
+    return replace(weightless, name="", rectangle=unplaced, frames=("", ""))
 
 
 def mats_or_reason(scene: Scene) -> tuple[Mats, ...] | str:

@@ -101,11 +101,10 @@ def mat_solver() -> str:
     """Return the name of the cheapest solver whose panels bend and yield."""
 
     def can(adapter: PanelAdapter) -> bool:
-        bends = adapter.deforms and adapter.yields and "explicit" in adapter.integrators
-        return bends and adapter.fidelity is not None
+        return adapter.deforms and adapter.yields and "explicit" in adapter.integrators
 
     able = {name: _adapter(name) for name in solvers.names("panel")}
-    return min((name for name in able if can(able[name])), key=lambda name: able[name].fidelity or 0.0)
+    return min((name for name in able if can(able[name])), key=lambda name: able[name].fidelity)
 
 
 def _adapter(name: str) -> PanelAdapter:
@@ -187,7 +186,6 @@ def _move(trials: Sequence[Trial], panels: Sequence[MeshedPanel], rows: int) -> 
 
 
 def _concatenate(states: Sequence[PanelState]) -> PanelState:
-    """Return the states of several panels as one, one panel after the other."""
     motions = [state.surface for state in states]
     surface = Motion(
         np.concatenate([motion.position_m for motion in motions]),
@@ -206,7 +204,7 @@ def _amplitudes_m(trial: Trial, panel: MeshedPanel) -> Array:
 def _middle(trial: Trial, panel: MeshedPanel) -> csr_array:
     """Return the matrix (1, surface points) that takes values at the surface points to the mat's middle."""
     at = trial.plan.rectangle
-    return panel.interpolation(np.array([[at.length_m / 2, at.width_m / 2]]))
+    return panel.interpolation(np.array([[at.length_m / 2, at.width_m / 2]])).values
 
 
 def _watch(trial: Trial, time_s: Array, middle_m: Array, middle_m_per_s: Array, watched_turns: int) -> Regime:

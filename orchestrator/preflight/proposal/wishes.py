@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
+from orchestrator.case.file.errors import CaseError, CaseProblem, Kind, did_you_mean, show_value
 from orchestrator.case.file.sieve_analysis import curve_of
 from orchestrator.case.file.units import parse_quantity, split_quantity
 from orchestrator.case.materials.library import (
@@ -278,9 +278,9 @@ class ImpossibleWishes(CaseError):
     where = "in the wishes"
 
 
-def problem(option: str, what: str, hint: str = "") -> CaseProblem:
+def problem(option: str, what: str, hint: str = "", kind: Kind = "out-of-range") -> CaseProblem:
     """Return a problem with the answer to a question."""
-    return CaseProblem((), what, hint, file=f"--{option}")
+    return CaseProblem((), what, hint, file=f"--{option}", kind=kind)
 
 
 def default_answer(template: str, name: str, answers: Mapping[str, str]) -> str:
@@ -307,7 +307,7 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
     if len(numbers["opening"]) > 1:
         if numbers["opening-length"]:
             what = f"contradicts --opening {show_value(texts['opening'])}, which has a length"
-            problems.append(problem("opening-length", what, "leave one of them out"))
+            problems.append(problem("opening-length", what, "leave one of them out", kind="conflict"))
         numbers["opening"], numbers["opening-length"] = numbers["opening"][:1], numbers["opening"][1:]
     panels = int(numbers["panels"][0]) if numbers["panels"] else TEMPLATES[template].fewest_panels
     if RANGE in texts["slope"]:
@@ -319,7 +319,9 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
     if moisture := texts["moisture"].lower():
         if (said := find_grains(material).moisture) and said != moisture:
             hint = "leave one of them out"
-            problems.append(problem("moisture", f"{moisture} contradicts --material {material!r}", hint))
+            problems.append(
+                problem("moisture", f"{moisture} contradicts --material {material!r}", hint, kind="conflict")
+            )
         material = material if said else f"{moisture} {material}"
     if problems:
         raise ImpossibleWishes(problems)
@@ -367,10 +369,10 @@ def _check_feed_file(name: str) -> None:
         curve_of(Path(name).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise ImpossibleWishes(
-            [problem("feed", f"{show_value(name)} cannot be read: {error.strerror}")]
+            [problem("feed", f"{show_value(name)} cannot be read: {error.strerror}", kind="file")]
         ) from None
     except ValueError as error:
-        raise ImpossibleWishes([problem("feed", f"{show_value(name)}: {error}")]) from None
+        raise ImpossibleWishes([problem("feed", f"{show_value(name)}: {error}", kind="file")]) from None
 
 
 def find_wrong_answers(template: str | None, answers: Mapping[str, str]) -> list[CaseProblem]:
@@ -390,7 +392,9 @@ def find_wrong_answers(template: str | None, answers: Mapping[str, str]) -> list
             hint = "leave it out"
             if name in _MATERIAL:
                 hint += ", or take --template crank-link --panels 1 for one panel under material"
-            problems.append(problem(name, f"the template {template} does not ask for it", hint))
+            problems.append(
+                problem(name, f"the template {template} does not ask for it", hint, kind="unknown-key")
+            )
         try:
             if text.strip():
                 read_answer(name, text)
@@ -403,7 +407,9 @@ def read_template(name: str) -> Template:
     """Return the template of a name.  Raises ImpossibleWishes, which names the nearest, if there is none."""
     if name not in TEMPLATES:
         hint = did_you_mean(name, TEMPLATES, say="templates")
-        raise ImpossibleWishes([problem("template", f"no template {show_value(name)}", hint)])
+        raise ImpossibleWishes(
+            [problem("template", f"no template {show_value(name)}", hint, kind="unknown-name")]
+        )
     return TEMPLATES[name]
 
 
@@ -425,12 +431,16 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
     if name == "shape":
         if (shape := text.strip().lower()) and shape not in shapes():
             hint = did_you_mean(shape, shapes(), say="shapes")
-            raise ImpossibleWishes([problem("shape", f"no shape {show_value(text)}", hint)])
+            raise ImpossibleWishes(
+                [problem("shape", f"no shape {show_value(text)}", hint, kind="unknown-name")]
+            )
         return ()
     if name == "moisture":
         if text.strip().lower() not in ("", *MOISTURES):
             hint = did_you_mean(text.strip().lower(), MOISTURES, say="classes")
-            raise ImpossibleWishes([problem(name, f"{show_value(text)} is no class of moisture", hint)])
+            raise ImpossibleWishes(
+                [problem(name, f"{show_value(text)} is no class of moisture", hint, kind="unknown-name")]
+            )
         return ()
     if name == "feed" and is_file_name(text.strip()):
         _check_feed_file(text.strip())
@@ -440,10 +450,14 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
         try:
             numbers.append(_read_number(part.strip(), question))
         except ValueError as error:
-            problems.append(problem(name, str(error)))
+            problems.append(problem(name, str(error), kind="wrong-type"))
     if name == "feed" and not problems and numbers and not (len(numbers) == 2 and numbers[0] < numbers[1]):
         what = f"{show_value(text)} is no range of sizes"
-        problems.append(problem(name, what, 'give two, such as "0-30 mm", or the file of a sieve analysis'))
+        problems.append(
+            problem(
+                name, what, 'give two, such as "0-30 mm", or the file of a sieve analysis', kind="wrong-type"
+            )
+        )
     if problems:
         raise ImpossibleWishes(problems)
     return tuple(numbers)
@@ -478,10 +492,14 @@ def find_grains(name: str) -> NamedMaterial:
         named = find(name)
     except UnknownMaterial as error:
         hint = str(error) or did_you_mean(name, grains, say="materials")
-        raise ImpossibleWishes([problem("material", f"no material {show_value(name)}", hint)]) from None
+        raise ImpossibleWishes(
+            [problem("material", f"no material {show_value(name)}", hint, kind="unknown-name")]
+        ) from None
     if named.material.kind != "grains":
         what = f"{show_value(name)} is not screened"
-        raise ImpossibleWishes([problem("material", what, f"take one of {', '.join(grains)}")])
+        raise ImpossibleWishes(
+            [problem("material", what, f"take one of {', '.join(grains)}", kind="unknown-name")]
+        )
     return named
 
 

@@ -1,8 +1,6 @@
-"""The motion of the panels' clamps by the frames' steady motion: strokes, and the share of rotations."""
+"""The motion of the panels' clamps by the frames' steady motion: strokes, and the arms of rotations."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 
@@ -10,7 +8,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.preflight.scene.effect import Verdict, compare
 from orchestrator.preflight.scene.scene import Scene, stroke_m
-from orchestrator.preflight.scene.shaking import Shaking, free_frames, solve_shakings
+from orchestrator.preflight.scene.shaking import Shaking
 
 
 def has_moved_by_forces(case: Case) -> bool:
@@ -36,42 +34,6 @@ def change_of_stroke(scene: Scene, other: tuple[Shaking, ...], what: str) -> tup
     return then_m / now_m - 1, words
 
 
-MotionPart = Callable[[Array, Array, Array], Array]
-"""Function that returns a part of the displacement (n, 3) at ``arms_m`` (n, 3) from a centre of mass, which
-moves by ``amplitude_m`` (3,) and turns by ``angle_rad`` (3,), both complex."""
-
-
-def motion_by_rotation(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """Return the part of the displacement by rotation."""
-    return np.cross(angle_rad, arms_m)
-
-
-def motion_out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """Return the part of the displacement by motion across, by roll and by yaw."""
-    return np.asarray(amplitude_m * [0, 1, 0] + np.cross(angle_rad * [1, 0, 1], arms_m))
-
-
-def compare_outermost(
-    scene: Scene, observed: tuple[float, str] | None, part: MotionPart, number: str, cost: str
-) -> Verdict | None:
-    """Return the verdict on a part of the motion at a frame's outermost clamp.
-
-    The number is its ratio to the translation of the frame's centre of mass, as a run has shown it
-    (``observed``) or as estimated.  Return None without free frames, or if nothing shakes them.
-    """
-    free = free_frames(scene.plan)
-    if not free or scene.speed_rad_per_s == 0:
-        return None
-    if observed is None:
-        inertia = {body.name: body.inertia_kg_m2 for body in scene.plan.bodies}
-        if not all(np.linalg.det(inertia[name]) > 0 for name in free):
-            return compare(number, None, "no inertia_kg_m2 is given", cost=cost)
-        turning = solve_shakings(scene.plan, scene.springs, None, 6)
-        ratio, name = max((_ratio(scene, name, turning, part), name) for name in free)
-        observed = ratio, f"at the outermost clamp of {name}"
-    return compare(number, *observed, cost=cost)
-
-
 def compare_throw(scene: Scene, thrown: str, slow: str, still: str, cost: str) -> Verdict:
     """Return the verdict on the force that throws particles and panels, over their weight.
 
@@ -83,15 +45,6 @@ def compare_throw(scene: Scene, thrown: str, slow: str, still: str, cost: str) -
         return compare(number, None, still, threshold, cost=cost)
     verdict = compare(number, scene.throw, thrown, threshold, cost=cost)
     return verdict if verdict.matters else verdict.doubted(slow)
-
-
-def _ratio(scene: Scene, name: str, turning: tuple[Shaking, ...], part: MotionPart) -> float:
-    arms_m, at_clamp_m, moved_m = clamp_arms_m(scene, name), 0.0, 0.0
-    for shaking in turning:
-        displacement_m = part(shaking.amplitude_m[name], shaking.angle_rad[name], arms_m)
-        at_clamp_m += float(np.linalg.norm(displacement_m, axis=1).max())
-        moved_m += float(np.linalg.norm(shaking.amplitude_m[name]))
-    return at_clamp_m / moved_m if moved_m else 0.0
 
 
 def clamp_arms_m(scene: Scene, name: str) -> Array:

@@ -57,21 +57,20 @@ class ExciterLoad:
 class Observed:
     """The numbers of a run; each is None if the run does not tell it.
 
-    ``frames_throw`` is the throw intensity of the frame that moves most normal to the deck; with it,
-    the scene's panels have the strokes and, if they bend, the shapes of the run.  ``bed_kg_per_m2`` is
-    the largest mass on the deck per area.  ``rotation`` and ``sideways`` are the displacement of a
-    frame's outermost clamp by rotation, and out of the vertical plane, over the frame's translation,
-    each with a text.  ``transport_m_per_s`` is the speed of the bed along the deck.  ``panels_N_per_m``
-    is the stiffness of all panels along themselves, pull over stretch; with it, the scene's springs
-    have the stiffness of the run, and ``shaken`` is the frames' motion with them.  ``loss_factor`` is
-    the largest loss factor of the panels at the frequencies of their pull.  ``closed`` says that the
-    panels of the run have no openings.  ``exciter_load`` has the power and torque of the run's exciters.
+    ``frames_throw`` is the throw intensity of the frame that moves most normal to the deck; with it, the
+    scene's panels have the strokes and, if they bend, the shapes of the run.  ``bed_kg_per_m2`` is the
+    largest mass on the deck per area.  ``rotation`` is the displacement of a frame's outermost clamp by
+    rotation over the frame's translation, with a text.  ``transport_m_per_s`` is the speed of the bed
+    along the deck.  ``panels_N_per_m`` is the stiffness of all panels along themselves, pull over
+    stretch; with it, the scene's springs have the stiffness of the run, and ``shaken`` is the frames'
+    motion with them.  ``loss_factor`` is the largest loss factor of the panels at the frequencies of
+    their pull.  ``closed`` says that the panels of the run have no openings.  ``exciter_load`` has the
+    power and torque of the run's exciters.
     """
 
     frames_throw: float | None = None
     bed_kg_per_m2: float | None = None
     rotation: tuple[float, str] | None = None
-    sideways: tuple[float, str] | None = None
     transport_m_per_s: float | None = None
     panels_N_per_m: float | None = None
     loss_factor: float | None = None

@@ -133,7 +133,6 @@ def _shaking(
 
 
 def _with_loss(plan: FramesPlan, loss_factor: float | None, speed_rad_per_s: float) -> FramesPlan:
-    """Return the plan with the damping of bushings that have a loss factor at a speed."""
     if loss_factor is None:
         return plan
     per_speed_s = loss_factor / speed_rad_per_s

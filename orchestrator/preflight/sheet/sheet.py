@@ -221,7 +221,6 @@ def _machine(whole: Scene) -> Iterator[SheetLine]:
 
 
 def _supports(whole: Scene) -> Iterator[SheetLine]:
-    """Yield a line for the supports of each table of bushings, with the most loaded of them."""
     forces = support_forces(whole)
     for name, bushing in whole.case.screen.bushings.items():
         count = len(bushing.positions_m)

@@ -228,14 +228,11 @@ def stability_report(case: Case) -> StabilityReport:
     for name in IN_TURN if has_particles(case) else IN_TURN[:1]:
         report = behind.report(name)
         if not report.is_unsafe:
-            return replace(report, why="; ".join([*map(_too_long, beyond), _within(report)]))
+            within = f"the sync interval is within {report.scheme}'s safe one, {report.limit}"
+            return replace(report, why="; ".join([*map(_too_long, beyond), within]))
         beyond.append(report)
     taken = max(beyond[:2], key=lambda report: report.grows_s)
     return replace(taken, why="; ".join(map(_too_long, beyond)))
-
-
-def _within(report: StabilityReport) -> str:
-    return f"the sync interval is within {report.scheme}'s safe one, {report.limit}"
 
 
 def _too_long(report: StabilityReport) -> str:

@@ -61,12 +61,6 @@ class MonitorItem:
     message: ClassVar[str]
     """The message about a value beyond the limit, with places for ``{value}`` and ``{where}``."""
 
-    def __init_subclass__(cls) -> None:
-        former = {"add_interval": "add_intervals", "observe_output": "observe_books or observe_surface"}
-        for name, now in former.items():
-            if hasattr(cls, name):  # or it would never be called
-                raise TypeError(f"{cls.__name__}.{name} is now {now}")
-
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
 

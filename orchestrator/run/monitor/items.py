@@ -357,6 +357,7 @@ def unknown_items(case: Case) -> list[CaseProblem]:
             ("monitor", "items", name),
             f'there is no item "{name}" of the monitor',
             did_you_mean(name, names) if names else "docs/how-to/add-a-monitor-item.md adds one",
+            kind="unknown-name",
         )
         for name in case.monitor.items
         if name not in names

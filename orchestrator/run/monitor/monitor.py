@@ -232,7 +232,6 @@ class Monitor:
                 limited.item.add_intervals(pending)
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
-        """Return the gravest reaction that is due, and its reason."""
         self._catch_up()
         for limited in self._observing:
             self._alarms += limited.judge(limited.item.observe(), time_s)

@@ -121,7 +121,7 @@ def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
     The part "start" is the time before the wall time is measured.  The rest is divided in the proportions of
     the wall time; what a scheme lets solvers repeat counts as theirs.
     """
-    before_s = summary.get("processor_before_s", 0.0)  # absent from runs of older versions
+    before_s = summary["processor_before_s"]
     rate = (summary["processor_s"] - before_s) / summary["wall_s"]
     return {"start": before_s} | {part: rate * time_s for part, time_s in worked_by_part_s(summary).items()}
 

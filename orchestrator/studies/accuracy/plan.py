@@ -182,7 +182,7 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
     if model is None or not decisive:
         return verdict
-    widths = model.get("half_width", {})  # absent from studies of older versions
+    widths = model.get("half_width", {})
     known = {name: widths.get(name) or 0.0 for name in decisive}
     surely = any(value - known[name] > TENTH for name, value in decisive.items())
     if not surely and any(value + known[name] > TENTH for name, value in decisive.items()):
@@ -228,7 +228,7 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     """
 
     def problem(file: Path, what: str) -> CaseError:
-        return CaseError([CaseProblem((), what, file=str(file))])
+        return CaseError([CaseProblem((), what, file=str(file), kind="file")])
 
     if given and not given.is_file():
         raise problem(given, "no such file")
@@ -336,7 +336,11 @@ def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
     base = study.table["base"]
     if not study.table["short"]:
         raise CaseError(
-            [CaseProblem((), "has no times: its short run was not to be trusted", file=str(study.file))]
+            [
+                CaseProblem(
+                    (), "has no times: its short run was not to be trusted", file=str(study.file), kind="file"
+                )
+            ]
         )
     (short,) = study.table["short"].values()
     here = time_run(case, level, [*study.table["sets"], *study.table["shared"], *short["sets"]])
@@ -369,7 +373,7 @@ def _stepping_s(time_s: Mapping[str, float]) -> float:
 
 
 SHARED = ("particles", "panel")  # parts whose work the ranks share
-MOST_RANKS = 1024
+MOST_RANKS = 64  # the cores of a workstation
 
 
 @dataclass(frozen=True)

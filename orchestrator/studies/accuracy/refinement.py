@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.sources import largest_diameter_m
@@ -30,7 +30,6 @@ SCHEME_ORDERS = {"particles-first": 2.0, "serial-staggered": 1.0, "aitken": 2.0,
 # without particles the other schemes equal the first
 WITHOUT_PARTICLES = ("particles-first", "serial-staggered")
 USUAL_CELLS = (22, 8)  # a sheet's default cells
-PLAYED_BACK = 0.5  # fidelity: above a rigid panel, below any panel that bends
 USUAL_SHARE = 0.8  # the part of the largest step that solvers choose by themselves: 0.8 or a little more
 FINEST_STEPS = 3  # the case's own step, its half and its quarter
 SOFTER = 10**0.5  # ratio of neighbouring moduli
@@ -56,14 +55,14 @@ class Setting:
 
     ``sets`` are its ``--set`` overlays; the unchanged case has none.  ``h`` is the length with which the
     error goes to zero, in the unit of the series; it is None for a setting without a length.
-    ``made_from_run`` names the data that must be made from the run of the unchanged case before this setting
-    can be run: a recording of the panels, or drives that move the frames as in that run.
+    ``needs_drives`` says that the run of the unchanged case must come first, since drives then move the
+    frames as in that run.
     """
 
     label: str
     sets: tuple[str, ...] = ()
     h: float | None = None
-    made_from_run: Literal["", "recording", "motion"] = ""
+    needs_drives: bool = False
 
 
 def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
@@ -163,7 +162,13 @@ def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> li
     for name in variants:
         if name not in known:
             hint = did_you_mean(name, filter(None, known))
-            raise CaseError([CaseProblem((), f'no variant "{name}" for this case', hint, "--parameters")])
+            raise CaseError(
+                [
+                    CaseProblem(
+                        (), f'no variant "{name}" for this case', hint, "--parameters", kind="unknown-name"
+                    )
+                ]
+            )
     return [each for each in series if each.variant in variants]
 
 
@@ -266,10 +271,9 @@ def _panel_model(case: Case, points: int) -> Iterable[RefinementSeries]:
         if adapter.refined_by:
             wide = 1 if not adapter.varies_across else max(1, across // 2) if adapter.mesh_size else across
             yield _meshes(case, name, (along, wide), min(points, 3))
-        elif own.deforms or not adapter.plays_back:
+        else:
             sets = (f"panel.solver={name}", "panel.integrator=explicit", "panel.step_s=0")
-            made = adapter.plays_back and not case.panel.recording
-            yield _model("panel", Setting(name, sets, made_from_run="recording" if made else ""))
+            yield _model("panel", Setting(name, sets))
 
 
 def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> RefinementSeries:
@@ -287,28 +291,17 @@ def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> Refin
         label = f"{name}, {along} x {across} cells" if across > 1 else f"{name}, {along} cells"
         sets = () if own and degree == 0 else (*solver, f"panel.cells=[{along},{across}]")
         settings.append(Setting(label, sets, cells[0] / along))
-    length, rank = "cell length / own", _fidelity("panel", name)
+    length, rank = "cell length / own", adapter.fidelity
     return RefinementSeries("panel", name, tuple(settings), length, adapter.order, rank)
 
 
 def _model(port: solvers.Port, setting: Setting) -> RefinementSeries:
-    """Return the series of one model, which is named after its solver."""
-    rank, is_choice = _fidelity(port, setting.label), not setting.made_from_run
+    rank, is_choice = _adapter(port, setting.label).fidelity, not setting.needs_drives
     return RefinementSeries(port, setting.label, (setting,), rank=rank, is_choice=is_choice)
 
 
 def _by_fidelity(port: solvers.Port) -> list[str]:
-    """Return the solvers of a port in ascending order of fidelity."""
-    return sorted(solvers.names(port), key=lambda name: _fidelity(port, name))
-
-
-def _fidelity(port: solvers.Port, name: str) -> float:
-    """Return the fidelity of a solver.
-
-    A solver that plays a recorded motion back has no fidelity of its own and ranks above a rigid panel.
-    """
-    fidelity: float | None = _adapter(port, name).fidelity
-    return PLAYED_BACK if fidelity is None else fidelity
+    return sorted(solvers.names(port), key=lambda name: _adapter(port, name).fidelity)
 
 
 def _adapter(port: solvers.Port, name: str) -> Any:
@@ -347,18 +340,15 @@ def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ..
 
 
 def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the series of every model of the frames."""
     driven = all(frame.drive for frame in case.screen.frames.values())
     for name in _by_fidelity("frames"):
         own = name == case.frames.solver
         free = _adapter("frames", name).moved_by_forces
-        made: Literal["", "motion"] = "" if own or free or driven else "motion"
         sets = () if own else (f"frames.solver={name}",)
-        yield _model("frames", Setting(name, sets, made_from_run=made))
+        yield _model("frames", Setting(name, sets, needs_drives=not (own or free or driven)))
 
 
 def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the series without particles, and the series of every solver of particles."""
     own, without = case.particles.solver, Setting(solvers.NONE, (f"particles.solver={solvers.NONE}",))
     yield RefinementSeries("particles", solvers.NONE, (without,), rank=-1.0, is_choice=False)
     for name in _by_fidelity("particles"):
@@ -366,7 +356,6 @@ def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _particle_step(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Yield the series of the particles' step, its half and its quarter."""
     settings = _steps(case, "particles.step_s", particle_step_s(case), points)
     note = DAMPED_STEPS if damped_contacts(case) else JUMPING if _surface_jumps(case) else ""
     yield RefinementSeries("particle-step", "", settings, "step / s", 1.0 if note else 2.0, note=note)

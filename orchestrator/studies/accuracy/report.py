@@ -224,7 +224,6 @@ def warnings(study: AccuracyStudy) -> Iterator[str]:
 
 
 def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
-    """Return the error of a quantity with its uncertainty, in words."""
     if name not in errors:
         return ""
     width = errors[name].half_width
@@ -393,7 +392,6 @@ def draw_costs(study: AccuracyStudy, file: Path) -> Path:
 
 
 def _places(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
-    """Return the processor times and the errors of rows as coordinates."""
     heights = [max(row.error.value if row.error else 0.0, LEAST) for row in rows]
     return [row.point.processor_s for row in rows], heights
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, inf
 
-from orchestrator.case import recordings
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.tables.case import has_particles
 from orchestrator.ports.clock import exact
@@ -50,13 +49,12 @@ from orchestrator.studies.accuracy.convergence import (
 from orchestrator.studies.accuracy.recommendation import recommend
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
+from orchestrator.studies.frame_drives import drives
 from orchestrator.studies.points import Point, is_random, run_points, seed_sets
 from orchestrator.studies.quantities import COMPARED, happens, is_over
-from orchestrator.studies.record import drives, record
 
 TOLERANCES = (0.01, 0.02, 0.05, 0.1, 0.2)
 RECOMMENDED = (0.01, 0.05, 0.1)
-RECORDING = "panels.h5"
 SHORT = 5  # the number of parts of the run, of which the short run has one
 
 
@@ -340,7 +338,7 @@ def plan_study(request: StudyRequest) -> AccuracyStudy:
     points = [base, study.combine(CALIBRATION, _short(base))]
     for series in offered.series:
         for setting in series.settings:
-            if setting.sets and not setting.made_from_run:
+            if setting.sets and not setting.needs_drives:
                 points.append(study.combine(ALONE, {series.axis: setting}))
     return study.with_points(points)
 
@@ -414,16 +412,10 @@ def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
     """Yield the points whose settings are made from the run of the unchanged case."""
     for series in study.offer.series:
         for setting in series.settings:
-            if not setting.made_from_run:
+            if not setting.needs_drives:
                 continue
             try:
-                if setting.made_from_run == "recording":
-                    file = study.request.study.folder / RECORDING
-                    recordings.write(file, record(run.folder, None).file)
-                    sets = [f"panel.recording={file.resolve()}"]
-                else:
-                    sets = drives(run.folder)
-                complete = replace(setting, sets=(*setting.sets, *sets))
+                complete = replace(setting, sets=(*setting.sets, *drives(run.folder)))
                 yield study.combine(ALONE, {series.axis: complete})
             except CaseError as error:
                 settings = {series.axis: setting}

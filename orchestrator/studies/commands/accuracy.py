@@ -42,7 +42,6 @@ def command(
         str, typer.Option(help="which errors decide, with commas [default: what repeats itself]")
     ] = "",
     dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
-    knobs: Annotated[str, typer.Option(hidden=True)] = "",
 ) -> StudyOutput:
     """Measure the cost of accuracy: run a case over its refinement parameters.
 
@@ -54,8 +53,6 @@ def command(
 
     Exit code 4: a run failed; 2: the case is wrong.
     """
-    if knobs:
-        raise CaseError([CaseProblem((), "is called --parameters now", f"--parameters {knobs}", "--knobs")])
     duration_sets = [f"duration_s={duration!r}"] if duration else []
     request = StudyRequest(
         replace(study, sets=(*study.sets, *duration_sets)),
@@ -84,7 +81,9 @@ def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) 
     for name in names:
         word = name.partition("=")[0] if option == "--parameters" else name  # scheme=aitken+robin
         if word not in known:
-            raise CaseError([CaseProblem((), f'no "{name}"', did_you_mean(name, known), option)])
+            raise CaseError(
+                [CaseProblem((), f'no "{name}"', did_you_mean(name, known), option, kind="unknown-name")]
+            )
     return tuple(names)
 
 

@@ -77,7 +77,7 @@ def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
         raise CaseError(problems)
     if not papers:
         what = f"is no case, and has no case with a source in {FILE}"
-        raise CaseError([CaseProblem((), what, "docs/criteria.md", str(study.case))])
+        raise CaseError([CaseProblem((), what, "docs/criteria.md", str(study.case), kind="file")])
     return papers
 
 

@@ -27,7 +27,7 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.drawing import save
 from orchestrator.output.records.run_folder import study_folder
 from orchestrator.preflight.scene.scene import bed_kg
-from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
+from orchestrator.studies.criteria import FILE, interval_sets
 from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
 from orchestrator.studies.quantities import is_over, outcome
@@ -77,7 +77,9 @@ def command(
     """
     parts = {word.strip() for word in part.split(",")}
     if unknown := parts - {"hard", "map"}:
-        raise CaseError([CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part")])
+        raise CaseError(
+            [CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part", kind="unknown-name")]
+        )
     benchmarks = find_benchmarks(cases, out / "hard") if "hard" in parts else []
     spots = map_spots(cases / base, out / "map") if "map" in parts else []
     points = [*(p for each in benchmarks for p in each.points), *(spot.run for spot in spots)]
@@ -122,15 +124,12 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
     Raises CaseError if one of them is wrong or there is none, and FolderUnusable where its runs would go into
     a case's folder.
     """
-    for case in folder.glob("*/"):
-        if not (case / FILE).exists():
-            refuse_former(case)
     cases = [file.parent for file in sorted(folder.glob(f"*/{FILE}"))]
     for case in cases:
         check_folder(out / case.name, "stability")
     benchmarks = [benchmark(case, out) for case in cases]
     if not benchmarks:
-        raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder))])
+        raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder), kind="file")])
     return sorted(benchmarks, key=lambda each: each.criteria.number or 0)
 
 

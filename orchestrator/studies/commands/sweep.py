@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,10 +12,10 @@ import typer
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable
-from orchestrator.case.scalars import scalar
+from orchestrator.figures.results import FIGURES, entry_at, orbit_places, why_no_orbits
+from orchestrator.figures.short_names import named, value_at
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
-from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
 from orchestrator.output.results.tidy import single_numbers
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
@@ -35,13 +35,8 @@ from orchestrator.studies.sweep_results import (
 
 AXES = {0: "x", 2: "z"}
 SETTLED, NOT_SETTLED = "yes", "no"
-DRAWN = {
-    "screening.efficiency_percent": ("screening efficiency / %", 1.0),
-    "bed.velocity_m_per_s": ("material velocity / (m/s)", 1.0),
-    "bed.largest_depth_m": ("largest bed depth / mm", 1e3),
-    "bed.on_deck_kg": ("mass on the deck / kg", 1.0),
-}
-"""Results that are drawn beside the amplitudes, where a sweep has them, each with its label and scale."""
+DRAWN = ("screening.efficiency_percent", "bed.velocity_m_per_s", "bed.largest_depth_m", "bed.on_deck_kg")
+"""Results that are drawn beside the amplitudes, where a sweep has them."""
 
 Row = dict[str, Cell]
 Part = tuple[str, list[tuple[str, str]], float]
@@ -143,9 +138,9 @@ def _check_results(names: Sequence[str] | None) -> tuple[str, ...]:
     problems = []
     for name in names or ():
         try:
-            scalar(name)
+            named(name)
         except KeyError as error:
-            problems.append(CaseProblem((), str(error.args[0]), file=f"--result {name}"))
+            problems.append(CaseProblem((), str(error.args[0]), file=f"--result {name}", kind="unknown-name"))
     if problems:
         raise CaseError(problems)
     return tuple(names or ())
@@ -193,22 +188,21 @@ def sweep_rows(vary: Vary | SweepPlan, points: Sequence[Point], wanted: Sequence
     return rows
 
 
-def _motion(summary: dict[str, Any]) -> Row:
+def _motion(summary: Mapping[str, Any]) -> Row:
     """Return the columns of the motion: whether it had settled, and the amplitudes with their half widths."""
-    results = summary.get("results") or {}
-    orbits = find_orbits(results)
-    if not orbits:
-        return {"settled": f"unknown: {why_no_orbits(results)}"}
-    motion = results["motion"]
+    places = orbit_places(summary)
+    if not places:
+        return {"settled": f"unknown: {why_no_orbits(summary)}"}
+    motion = entry_at(summary, "results.motion")
     row: Row = {"settled": SETTLED if motion["is_settled"] else NOT_SETTLED}
     row["speed_rad_per_s"] = motion.get("speed_rad_per_s", 2 * math.pi / summary["cycle_s"])
     if motion["drift"] is not None:
         row["drift"] = motion["drift"]
-    for name, orbit in orbits.items():
+    for name, place in places.items():
         for axis, letter in AXES.items():
-            row[f"{name}.{letter}_m"] = orbit["amplitude_m"][axis]
-            if orbit["half_width_m"] is not None:
-                row[f"{name}.{letter}_m.half_width"] = orbit["half_width_m"][axis]
+            for key, ending in (("amplitude_m", ""), ("half_width_m", ".half_width")):
+                if (number := value_at(summary, f"{place}.{key}.{axis}")) is not None:
+                    row[f"{name}.{letter}_m{ending}"] = number.value
     return row
 
 
@@ -220,7 +214,8 @@ def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:
         names = [(name, name.removesuffix(ending)) for name in columns if name.endswith(ending)]
         if names:
             parts.append((f"amplitude {where} the deck / mm", names, 1e3))
-    return parts + [(label, [(name, "")], scale) for name, (label, scale) in DRAWN.items() if name in columns]
+    figures = {name: FIGURES[f"results.{name}"] for name in DRAWN if name in columns}
+    return parts + [(each.label, [(name, "")], each.shown_scale) for name, each in figures.items()]
 
 
 def _plot(

@@ -75,7 +75,6 @@ class Campaign:
         return replace(trial, predicted=predicted)
 
     def _meaning(self, name: str) -> tuple[str, str]:
-        """Return the scale of a response and the result that it is."""
         response = self.study.file.responses[name]
         return response.scale, response.result or name
 

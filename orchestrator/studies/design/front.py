@@ -17,15 +17,6 @@ def nondominated(gains: Array, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bo
     return best
 
 
-def hypervolume(gains: Array, reference: Array) -> float:
-    """Compute the area above the reference, (2,), that points, (2, n), dominate."""
-    total, front = 0.0, np.empty((2, 0))
-    for point in gains.T:
-        total += float(improvements(front, reference, point[:, None])[0])
-        front = np.column_stack([front, point])
-    return total
-
-
 def improvements(gains: Array, reference: Array, new: Array) -> Array:
     """Compute the area, (k,), that each new point, (2, k), adds to that of points, (2, n)."""
     above = gains[:, (gains > reference[:, None]).all(axis=0)]

@@ -13,14 +13,12 @@ from orchestrator.studies.design.campaign import BEST, CENTRE, SAME, SIMPLER, Ca
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.surrogates import settings_of
-from orchestrator.studies.design.tables import effect_rows, point_rows, published_rows, term_name
+from orchestrator.studies.design.tables import effect_rows, point_rows, term_name
 from orchestrator.studies.report import align_rows, write_page
 
 AT_THE_END = 0.95  # coded: from there on a setting is at the end of a range
 SURE = 0.005  # by which the probability that the limits are kept may miss the confidence: by the search
 WIDENED = 1.05  # factor on the noise from which on it is mentioned
-ROUNDING = 1.1  # ratio of implied standard errors that printed digits explain
-NEARLY_FITTED = 0.01  # of R2, below that of the best coefficients
 ON_SCALE = {"percent": "logit ln(p / (100 − p))", "logarithm": "natural logarithm"}
 OUTLIER = 4.0  # studentised residual from which on a run is named
 SHOWN = (
@@ -266,30 +264,6 @@ def members_in_words(findings: Findings) -> Iterator[str]:
                 )
 
 
-def published_in_words(findings: Findings) -> Iterator[str]:
-    """Yield in sentences what of the printed results follows from the data and what does not."""
-    errors, formulas = published_rows(findings)
-    for source, response in dict.fromkeys((row["source"], row["response"]) for row in errors):
-        mine = [row for row in errors if (row["source"], row["response"]) == (source, response)]
-        implied = [float(row["standard error implied"] or 0.0) for row in mine]
-        own = float(mine[0]["standard error of the fit"] or 0.0)
-        agree = max([*implied, own]) < ROUNDING * min([*implied, own])
-        verdict = "follows" if agree else "does not follow"
-        yield (
-            f"{source}, {response}: every printed p implies a standard error of one run, and all must "
-            f"agree with each other and with the surface's. They imply {min(implied):.3g} to "
-            f"{max(implied):.3g}; the surface has {own:.3g}. The table {verdict} from the data."
-        )
-    for source, response in dict.fromkeys((row["source"], row["response"]) for row in formulas):
-        row = next(row for row in formulas if (row["source"], row["response"]) == (source, response))
-        printed, refitted = float(row["R2 as printed"] or 0.0), float(row["R2 refitted"] or 0.0)
-        verdict = "follows" if refitted - printed < NEARLY_FITTED else "does not follow"
-        yield (
-            f"{source}, {response}: on these data the printed formula has R² {printed:.4f}, its "
-            f"terms fitted anew {refitted:.4f}. The formula {verdict} from the data."
-        )
-
-
 def scope(findings: Findings) -> str:
     """Return for which model of the machine the answer holds."""
     file = findings.campaign.study.file
@@ -306,7 +280,6 @@ def scope(findings: Findings) -> str:
 def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path) -> Path:
     """Write ``design.html``, which holds its pictures."""
     study = findings.campaign.study
-    errors, formulas = published_rows(findings)
     return write_page(
         "design/page.html",
         folder / "design.html",
@@ -332,9 +305,6 @@ def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path
         noise=list(noise_in_words(findings)),
         anova=list(anova_tables(findings)),
         effects=align_rows(effect_rows(findings)),
-        published_p=errors,
-        published_formulas=formulas,
-        published_words=list(published_in_words(findings)),
         failures=[row for row in point_rows(findings) if row["why_no_data"]],
         provenance=f"{len(findings.campaign.outcomes)} runs, of which {len(findings.data.x)} are data. "
         "The tables are points.csv, costs.csv, fit.json, front.csv and best.csv beside this page; each run "

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.scalars import Value, part_of, value_at
+from orchestrator.figures.results import entry_at, why_transient
+from orchestrator.figures.short_names import Value, part_of, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
-from orchestrator.output.results.tidy import why_transient
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.scales import SCALES
@@ -133,8 +133,7 @@ class Runs:
         if state != trust.DONE:
             why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or state)
             return Outcome(trial, state, why, **cost)
-        steady = (summary.get("results") or {}).get("steady") or {}  # of the material
-        responses, unsteady = {}, not steady.get("is_steady")
+        responses, unsteady = {}, not entry_at(summary, "results.steady.is_steady")  # of the material
         for name, table in self._study.file.responses.items():
             if table.steady and unsteady:
                 continue
@@ -143,10 +142,10 @@ class Runs:
         why = self._why_off_scale(responses) if responses else self._why_nothing(unsteady)
         return Outcome(trial, state, why, responses, **cost, not_steady=self._not_steady(summary, responses))
 
-    def _not_steady(self, summary: dict[str, Any], responses: Iterable[str]) -> str:
+    def _not_steady(self, summary: Mapping[str, Any], responses: Iterable[str]) -> str:
         """Say why the bed, of which frames and panels tell nothing, or the machine is not steady."""
         results = [self._study.file.responses[name].result or name for name in responses]
-        bed, motion = why_transient(summary.get("results") or {})
+        bed, motion = why_transient(summary)
         bed = bed if any(map(self._is_of_the_bed, results)) else ""
         return "; ".join(filter(None, (bed, motion and f"the machine has not settled: {motion}")))
 
@@ -183,7 +182,7 @@ def _deviation(result: Value) -> float | None:
     return result.half_width / NORMAL_95
 
 
-def _cost(summary: dict[str, Any]) -> dict[str, Any]:
+def _cost(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a run cost, as ``Outcome`` has it."""
     particles_s = worked_by_part_s(summary)["particles"] if "wall_by_part_s" in summary else 0.0
     return {

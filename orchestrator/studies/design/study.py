@@ -16,7 +16,7 @@ from orchestrator.ports import Array
 from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import SAME, Campaign
 from orchestrator.studies.design.findings import Findings
-from orchestrator.studies.design.page import answers, borders, doubts, published_in_words, write_study_page
+from orchestrator.studies.design.page import answers, borders, doubts, write_study_page
 from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import Study, StudyError
@@ -152,7 +152,6 @@ class DesignStudy:
         yield from pictures.values()
         yield write_study_page(findings, pictures, self.folder)
         yield from fit_tables(findings)
-        yield from published_in_words(findings)
         yield from answers(findings)
         yield from doubts(findings)
         yield from borders(findings)

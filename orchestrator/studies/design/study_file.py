@@ -14,20 +14,19 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Ge, Gt, Len, Lt
+from annotated_types import Ge, Len, Lt
 from pydantic import Field, Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation, show_value
 from orchestrator.case.file.layers import read_toml
-from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Table, Whole, same_unit
+from orchestrator.figures.short_names import SHORT_NAMES, named
 from orchestrator.ports import Array
 from orchestrator.studies.design import formulas, plans
 from orchestrator.studies.design.aim import Aim, Goal, Limit
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS
-from orchestrator.studies.design.published import term
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.space import SimplerSpace, Space
 
@@ -120,20 +119,14 @@ class SearchTable(Table):
 
 
 class PublishedTable(Table):
-    """Printed results for the surface of a response, to be compared with the data."""
+    """Published runs for a response, whose effects stand beside those of the study."""
 
     source: OneLine
     """Where the results are printed."""
     response: Name
     """Name of the response."""
-    table: OneLine = ""
-    """CSV file with the published runs, in the format of ``table`` of a study; its effects are put beside
-    those of this study."""
-    p: dict[Name, Annotated[float, Strict(), Gt(0), Lt(1)]] = Field(default_factory=dict)
-    """Probability, printed for the linear term of each factor, that chance alone makes its effect."""
-    coefficients: dict[OneLine, Number] = Field(default_factory=dict)
-    """Printed coefficients of terms such as ``1``, ``slope``, ``slope*stroke`` and ``slope**2``, in the
-    factors' own units."""
+    table: OneLine
+    """CSV file with the published runs, in the format of ``table`` of a study."""
 
 
 class StudyFile(Table):
@@ -325,7 +318,7 @@ def _with_its_place(problem: CaseProblem) -> CaseProblem:
     alone, key = StudyFile.model_fields.keys() - TABLES, problem.key
     hint = "a key of the whole study belongs before the first [table]"
     if key[:1] == ("set",) and alone.intersection(key[1:2]):
-        return CaseProblem(key[:2], "is no key of a case", hint)
+        return CaseProblem(key[:2], "is no key of a case", hint, kind="unknown-key")
     if len(key) > 1 and key[-1] in alone and problem.what.startswith("unknown key"):
         other = f"; or {problem.hint}" if problem.hint.startswith("did you mean") else ""
         return replace(problem, hint=hint + other)
@@ -370,28 +363,24 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
     for name, factor in file.factors.items():
         low, high = factor.range
         if not low < high:
-            problems.append(CaseProblem(("factors", name, "range"), f"{low:g} is not below {high:g}"))
+            problems.append(
+                CaseProblem(("factors", name, "range"), f"{low:g} is not below {high:g}", kind="out-of-range")
+            )
         elif high - low < max(NARROWEST * max(abs(low), abs(high)), sys.float_info.min):
             what = f"{low!r} to {high!r} is no more than rounding"
-            problems.append(CaseProblem(("factors", name, "range"), what))
+            problems.append(CaseProblem(("factors", name, "range"), what, kind="out-of-range"))
     for name, response in file.responses.items():
         try:
             problems.extend(_unlike_its_result(name, response) if file.case else ())
         except KeyError as error:
-            problems.append(CaseProblem(("responses", name, "result"), str(error.args[0])))
+            problems.append(
+                CaseProblem(("responses", name, "result"), str(error.args[0]), kind="unknown-name")
+            )
     for place, table in enumerate(file.published):
         if table.response not in file.responses:
             hint = did_you_mean(table.response, file.responses)
             key = ("published", place, "response")
-            problems.append(CaseProblem(key, f'no response "{table.response}"', hint))
-        for name in table.p.keys() - file.factors.keys():
-            hint = did_you_mean(name, file.factors)
-            problems.append(CaseProblem(("published", place, "p", name), f'no factor "{name}"', hint))
-        for text in table.coefficients:
-            try:
-                term(text, list(file.factors))
-            except BadFormula as error:
-                problems.append(CaseProblem(("published", place, "coefficients", text), str(error)))
+            problems.append(CaseProblem(key, f'no response "{table.response}"', hint, kind="unknown-name"))
 
 
 def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProblem]:
@@ -400,8 +389,8 @@ def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProbl
     Raises KeyError where there is no such result.
     """
     result = response.result or name
-    unit = scalar(result).unit
-    if unit == "1" or not (result in SCALARS or result.startswith(("results.", "probes."))):
+    unit = named(result).figure.unit
+    if unit == "1" or not (result in SHORT_NAMES or result.startswith(("results.", "probes."))):
         return
     if response.unit and not same_unit(response.unit, unit):
         what = f'"{response.unit}" is not the unit of {result}, which is in {unit}'
@@ -429,12 +418,16 @@ def _check_methods(file: StudyFile, problems: list[CaseProblem]) -> None:
     """Check the names of plans, surrogates and optimisers, and what they can do."""
     for key, known in (("surrogate", SURROGATES), ("optimiser", OPTIMISERS)):
         if (word := getattr(file.search, key)) not in known:
-            problems.append(CaseProblem(("search", key), f'no {key} "{word}"', did_you_mean(word, known)))
+            problems.append(
+                CaseProblem(
+                    ("search", key), f'no {key} "{word}"', did_you_mean(word, known), kind="unknown-name"
+                )
+            )
     levels, factors = file.plan.levels, len(file.factors)
     if file.plan.kind == "factorial" and levels**factors > MOST_SETTINGS:
         what = f"{levels} values of each of {factors} factors make {show_value(levels**factors)} runs"
         hint = f"a factorial has {MOST_SETTINGS} at most; sobol has as many as are asked for"
-        problems.append(CaseProblem(("plan", "levels"), what, hint))
+        problems.append(CaseProblem(("plan", "levels"), what, hint, kind="out-of-range"))
     if file.plan.kind == "box-behnken":
         try:
             plans.box_behnken(factors)
@@ -454,12 +447,14 @@ def _derived(file: StudyFile, problems: list[CaseProblem]) -> dict[str, ast.expr
         try:
             expression = formulas.parse(text)
         except BadFormula as error:
-            problems.append(CaseProblem(key, str(error)))
+            problems.append(CaseProblem(key, str(error), kind="wrong-type"))
             continue
         known = [*file.factors, *parsed]
         for used in sorted(formulas.names_in(expression) - set(known)):
             hint = did_you_mean(used, known)
-            problems.append(CaseProblem(key, f'no factor or number above is called "{used}"', hint))
+            problems.append(
+                CaseProblem(key, f'no factor or number above is called "{used}"', hint, kind="unknown-name")
+            )
         parsed[name] = expression
     return parsed
 
@@ -478,13 +473,13 @@ def _formulas(
         try:
             parsed[key] = tuple(map(formulas.parse, texts))
         except BadFormula as error:
-            problems.append(CaseProblem(("set", key), str(error)))
+            problems.append(CaseProblem(("set", key), str(error), kind="wrong-type"))
             continue
         names = set(itertools.chain(*map(formulas.names_in, parsed[key])))
         used |= names
         for name in sorted(names - known):
             hint = did_you_mean(name, known)
-            problems.append(CaseProblem(("set", key), f'no factor "{name}"', hint))
+            problems.append(CaseProblem(("set", key), f'no factor "{name}"', hint, kind="unknown-name"))
     if file.set and len(parsed) == len(file.set) and used <= known:
         for name in file.factors:
             if name not in used and name not in formulas.CONSTANTS:
@@ -499,16 +494,18 @@ def _simpler(file: StudyFile, problems: list[CaseProblem]) -> dict[str, ast.expr
         key = ("simpler", name)
         if name not in file.factors:
             hint = did_you_mean(name, file.factors)
-            problems.append(CaseProblem(key, f'no factor "{name}"', hint))
+            problems.append(CaseProblem(key, f'no factor "{name}"', hint, kind="unknown-name"))
         try:
             parsed[name] = formulas.parse(text)
         except BadFormula as error:
-            problems.append(CaseProblem(key, str(error)))
+            problems.append(CaseProblem(key, str(error), kind="wrong-type"))
             continue
         free = file.factors.keys() - file.simpler.keys()
         for used in sorted(formulas.names_in(parsed[name]) - free):
             hint = did_you_mean(used, free, "factors that are left")
-            problems.append(CaseProblem(key, f'"{used}" is no factor of the simpler design', hint))
+            problems.append(
+                CaseProblem(key, f'"{used}" is no factor of the simpler design', hint, kind="unknown-name")
+            )
     return parsed
 
 
@@ -519,7 +516,11 @@ def _chains(file: StudyFile, problems: list[CaseProblem]) -> tuple[tuple[int, ..
         key = ("ordered", place)
         others = {name for other in file.ordered[:place] for name in other}
         if unknown := [name for name in chain if name not in numbers]:
-            problems.append(CaseProblem(key, f'no factor "{unknown[0]}"', did_you_mean(unknown[0], numbers)))
+            problems.append(
+                CaseProblem(
+                    key, f'no factor "{unknown[0]}"', did_you_mean(unknown[0], numbers), kind="unknown-name"
+                )
+            )
         elif len({file.factors[name].range for name in chain}) > 1:
             problems.append(CaseProblem(key, "ordered factors must have one range"))
         elif len(set(chain)) < len(chain) or set(chain) & others:
@@ -558,7 +559,7 @@ def _goals(file: StudyFile, problems: list[CaseProblem]) -> list[Goal]:
     for place, text in enumerate(file.goals):
         if not (match := GOAL.fullmatch(text.strip())):
             hint = '"maximise RESPONSE" or "minimise RESPONSE" is wanted'
-            problems.append(CaseProblem(("goals", place), f'"{text}" is no goal', hint))
+            problems.append(CaseProblem(("goals", place), f'"{text}" is no goal', hint, kind="wrong-type"))
         elif (number := _response(file, match[2], ("goals", place), problems)) is not None:
             goals.append(Goal(number, 1.0 if match[1].startswith("max") else -1.0))
     return goals
@@ -573,7 +574,7 @@ def _limits(file: StudyFile, place: int, text: str, problems: list[CaseProblem])
         values = [math.nan]
     if match is None or not np.isfinite(values).all():
         hint = '"RESPONSE >= NUMBER" or "RESPONSE <= NUMBER" is wanted'
-        problems.append(CaseProblem(("limits", place), f'"{text}" is no limit', hint))
+        problems.append(CaseProblem(("limits", place), f'"{text}" is no limit', hint, kind="wrong-type"))
     elif (number := _response(file, match[1], ("limits", place), problems)) is not None:
         scale, sign = file.responses[match[1]].scale, 1.0 if match[2] == ">=" else -1.0
         low, high, range_in_words = POSSIBLE[scale]
@@ -581,7 +582,7 @@ def _limits(file: StudyFile, place: int, text: str, problems: list[CaseProblem])
         for value in values:
             if not low < value < high:
                 what = f"{value:g} is impossible: the scale of {match[1]} is {scale}, {range_in_words}"
-                problems.append(CaseProblem(("limits", place), what))
+                problems.append(CaseProblem(("limits", place), what, kind="out-of-range"))
             limits[f"{match[1]} {match[2]} {value:g}"] = Limit(number, sign, float(to_fit(value)))
     return limits or {text: Limit(NO_RESPONSE, 1.0, math.nan)}
 
@@ -590,5 +591,5 @@ def _response(file: StudyFile, name: str, key: tuple[str, int], problems: list[C
     names = list(file.responses)
     if name in names:
         return names.index(name)
-    problems.append(CaseProblem(key, f'no response "{name}"', did_you_mean(name, names)))
+    problems.append(CaseProblem(key, f'no response "{name}"', did_you_mean(name, names), kind="unknown-name"))
     return None

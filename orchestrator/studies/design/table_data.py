@@ -33,14 +33,16 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
             head = pd.read_csv(path, comment="#", skipinitialspace=True, header=None, nrows=1, dtype=str)
     except pd.errors.ParserWarning:
         what = f"{path} has rows with more cells than columns (decimals have points, not commas)"
-        raise StudyError([CaseProblem(key, what)]) from None
+        raise StudyError([CaseProblem(key, what, kind="wrong-type")]) from None
     except (OSError, ValueError) as error:
         what = f"{path} cannot be read: {str(error).splitlines()[0]}"
-        raise StudyError([CaseProblem(key, what)]) from None
+        raise StudyError([CaseProblem(key, what, kind="file")]) from None
     columns = {name: response.result or name for name, response in file.responses.items()}
     optional = [column + DEVIATION for column in columns.values() if column + DEVIATION in table]
     problems = [
-        CaseProblem(key, f'{path.name} has no column "{name}"', did_you_mean(name, table.columns))
+        CaseProblem(
+            key, f'{path.name} has no column "{name}"', did_you_mean(name, table.columns), kind="unknown-name"
+        )
         for name in [*file.factors, *columns.values()]
         if name not in table
     ]
@@ -51,7 +53,7 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
         if written.count(name) > 1
     ]
     if not problems and table.empty:
-        problems.append(CaseProblem(key, f"{path.name} has no rows"))
+        problems.append(CaseProblem(key, f"{path.name} has no rows", kind="file"))
     if problems:
         raise StudyError(problems)
     wanted = dict.fromkeys([*file.factors, *columns.values(), *optional])  # two responses may share a column
@@ -63,16 +65,20 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
     for row, column in zip(*np.nonzero(text.to_numpy()), strict=True):
         cell = table[numbers.columns[column]].iloc[row]
         what = f'row {row + 1} of {path.name}: "{cell}" is not a number of {numbers.columns[column]}'
-        problems.append(CaseProblem(key, what, "a column's unit belongs into study.toml"))
+        problems.append(CaseProblem(key, what, "a column's unit belongs into study.toml", kind="wrong-type"))
     for name, column in columns.items():
         low, high = SCALES[file.responses[name].scale].ends
         for row in np.flatnonzero((numbers[column] < low) | (numbers[column] > high)):
             what = f"row {row + 1} of {path.name}: {column} = {numbers[column].iloc[row]:g}"
-            problems.append(CaseProblem(key, f'{what} is not on the scale "{file.responses[name].scale}"'))
+            problems.append(
+                CaseProblem(
+                    key, f'{what} is not on the scale "{file.responses[name].scale}"', kind="out-of-range"
+                )
+            )
     for column in optional:
         for row in np.flatnonzero(numbers[column] < 0):
             what = f"row {row + 1} of {path.name}: {column} = {numbers[column].iloc[row]:g} is negative"
-            problems.append(CaseProblem(key, what))
+            problems.append(CaseProblem(key, what, kind="out-of-range"))
     if problems:
         raise StudyError(problems)
     settings = study.space.coded(numbers[list(file.factors)].to_numpy(float))

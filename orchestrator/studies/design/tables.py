@@ -10,15 +10,14 @@ import numpy as np
 import tomli_w
 
 from orchestrator.case.file.errors import CaseProblem
+from orchestrator.figures.figure import to_json
 from orchestrator.output.records.run_folder import write_json, write_text
-from orchestrator.output.results.compute import to_json
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text
 from orchestrator.studies.design.campaign import BEST, role_of
 from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
-from orchestrator.studies.design.published import compare_formula, implied_errors
 from orchestrator.studies.design.quadratic import Surface, Term, least_squares, model_matrix, quadratic_terms
 from orchestrator.studies.design.study_file import StudyError
 from orchestrator.studies.design.surrogates import TooFewPoints
@@ -36,7 +35,7 @@ def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
     Tables and levels of an earlier call are removed: what follows no more from the outcomes must not stay.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    for pattern in ("front.csv", "best.csv", "effects.csv", "published_*.csv", "recommended*.toml"):
+    for pattern in ("front.csv", "best.csv", "effects.csv", "recommended*.toml"):
         for old in folder.glob(pattern):
             old.unlink()
     file, study = folder / "study.toml", findings.campaign.study
@@ -51,12 +50,12 @@ def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
     write_json(file, to_json(fit_table(findings)))  # what is not defined is no number in JSON
     yield file
     if len(findings.front):
-        yield write_csv([_setting_row(findings, x) for x in findings.front], folder / "front.csv")
+        rows = [{**study.actual(x), **_intervals(findings.predict(x), "")} for x in findings.front]
+        yield write_csv(rows, folder / "front.csv")
     if best := best_rows(findings):
         yield write_csv(best, folder / "best.csv")
     if effects := effect_rows(findings):
         yield write_csv(effects, folder / "effects.csv")
-    yield from _write_published(findings, folder)
 
 
 def point_rows(findings: Findings) -> list[Row]:
@@ -169,11 +168,6 @@ def term_name(term: Term, factors: Sequence[str]) -> str:
     return "*".join(factors[i] for i in term) or "1"
 
 
-def _setting_row(findings: Findings, setting: Array) -> Row:
-    """Return a setting and its predicted responses."""
-    return findings.campaign.study.actual(setting) | _intervals(findings.predict(setting), "")
-
-
 def best_rows(findings: Findings) -> list[Row]:
     """Return the best setting of each aim, its simpler rival and the centre: predicted and measured."""
     confirmed = {each.role: each for each in findings.confirmed}
@@ -257,55 +251,3 @@ def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> I
             )
             write_text(file, level_text(loaded, study.overlays(study.actual(setting)), about))
             yield file
-
-
-def _write_published(findings: Findings, folder: Path) -> Iterator[Path]:
-    """Write the comparison with printed results, if the study has any."""
-    errors, formulas = published_rows(findings)
-    if errors:
-        yield write_csv(errors, folder / "published_p.csv")
-    if formulas:
-        yield write_csv(formulas, folder / "published_formulas.csv")
-
-
-def published_rows(findings: Findings) -> tuple[list[Row], list[Row]]:
-    """Return the comparison with printed results: a row for each printed p, and one for each printed
-    coefficient."""
-    study, data = findings.campaign.study, findings.data
-    factors = list(study.file.factors)
-    errors: list[Row] = []
-    formulas: list[Row] = []
-    for table in study.file.published:
-        surface = findings.quadratic.get(table.response)
-        if table.p and surface is not None:
-            own = float(np.sqrt(surface.fitted.scale))
-            errors += [
-                {
-                    "source": table.source,
-                    "response": table.response,
-                    "factor": each.factor,
-                    "p printed": each.printed_p,
-                    "p of the fit": each.p_of_fit,
-                    "standard error implied": each.standard_error,
-                    "standard error of the fit": own,
-                }
-                for each in implied_errors(surface, table.p, factors)
-            ]
-        if table.coefficients:
-            scale = findings.campaign.scales[table.response]
-            y = scale.from_fit(data.y[:, findings.responses.index(table.response)])
-            known = np.isfinite(y)
-            fit = compare_formula(study.space.actual(data.x[known]), y[known], table.coefficients, factors)
-            quality = {"R2 as printed": fit.r2, "RMSE as printed": fit.rmse, "R2 refitted": fit.r2_refitted}
-            formulas += [
-                {
-                    "source": table.source,
-                    "response": table.response,
-                    "term": text,
-                    "printed": printed,
-                    "refitted": refitted,
-                    **quality,
-                }
-                for text, printed, refitted in zip(fit.terms, fit.printed, fit.refitted, strict=True)
-            ]
-    return errors, formulas

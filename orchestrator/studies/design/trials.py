@@ -19,10 +19,7 @@ DONE = "done"
 
 
 class Prediction(NamedTuple):
-    """What a surrogate said of a response: value and standard deviation on a scale, and of which result.
-
-    Scale and result are empty in files of earlier versions, which do not tell them.
-    """
+    """What a surrogate said of a response: value and standard deviation on a scale, and of which result."""
 
     mean: float
     deviation: float

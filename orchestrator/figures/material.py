@@ -1,0 +1,390 @@
+"""The tables of what happens to the material: steady state, screening, contacts, transport and bed.
+
+docs/theory/screening.md has the definitions, methods and sources.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from pydantic import PlainValidator
+
+from orchestrator.figures.estimate import Estimate
+from orchestrator.figures.figure import figure
+from orchestrator.ports import Array
+
+Numbers = Annotated[Array, PlainValidator(lambda values: np.array(values, dtype=float))]
+"""An array, which is a list in JSON; NaN is null."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steady:
+    """The cycles over which figures of bed and screening are averaged."""
+
+    is_steady: bool = figure(
+        "whether there is a steady state",
+        "If not, the figures of bed and screening cover the whole run and have no intervals",
+    )
+    reason: str = figure("why there is none", "empty if there is one")
+    start_s: float = figure("the beginning of the first averaged cycle")
+    end_s: float = figure("the end of the last one")
+    cycles: int = figure("the number of averaged cycles", "0 where nothing drives the machine")
+    imbalance_percent: float | None = figure(
+        "in less out",
+        "the mass that came in less the mass that went out during these cycles, over the mass that came in; "
+        "null if nothing was fed",
+    )
+    drift_percent: float | None = figure("the slope of the hold-up over the rate of feed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlowsInTime:
+    """The mass flows of each cycle."""
+
+    time_s: Numbers = figure("the end of each cycle")
+    feed_kg_per_s: Numbers = figure("feed", is_extensive=True)
+    undersize_kg_per_s: Numbers = figure("undersize", is_extensive=True)
+    oversize_kg_per_s: Numbers = figure("oversize", is_extensive=True)
+    hold_up_kg: Numbers = figure("hold-up at the end of the cycle", is_extensive=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CohortShares:
+    """The grains of a run that is fed and not steady which were fed so early that nearly all have left."""
+
+    fed_until_s: float = figure("the time until which they were fed")
+    remaining_percent: float = figure("the share of their mass that has not left")
+    particles: int = figure("the number of those that have")
+    efficiency_percent: Estimate | None = figure(
+        "screening efficiency η", optional=True, resolution=0.1, is_of_cut=True
+    )
+    fine_placement_percent: Estimate | None = figure("undersize recovery", optional=True, is_of_cut=True)
+    oversize_yield_percent: Estimate | None = figure("oversize yield", optional=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """The shares of mass at an exit for undersize."""
+
+    exit: str = figure("exit")
+    yield_percent: Estimate = figure("yield", "what passes there over the feed")
+    cumulative_efficiency_percent: Estimate | None = figure(
+        "efficiency up to here",
+        "the fines that have passed up to its end over those of the feed",
+        optional=True,
+        is_of_cut=True,
+    )
+    local_efficiency_percent: Estimate | None = figure(
+        "local efficiency",
+        "the fines that pass there over those that arrive there",
+        optional=True,
+        is_of_cut=True,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Partition:
+    """The partition curve, in size classes."""
+
+    edges_m: Numbers = figure("edges of the classes", shown_in="mm")
+    mean_m: Numbers = figure("mean diameters", shown_in="mm")
+    particles: Numbers = figure("numbers of particles")
+    feed_percent: Numbers = figure("shares of the feed")
+    oversize_percent: Numbers = figure("partition numbers", "the share of each class that stays above")
+    d50_m: Estimate = figure("cut size reached, d50", shown_in="mm")
+    ep_m: Estimate = figure("probable error Ep", shown_in="mm")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Continuation:
+    """How far the partition curve is continued, and by what it is wrong there."""
+
+    factor: float = figure("the ratio of sizes over which the curve is continued")
+    tested_factor: float = figure(
+        "the same in the test", "from the coarser half of the computed fines to the finer half"
+    )
+    tested_error_percent: float = figure("what the curve of the coarser half lets pass too much of the finer")
+    error_percent: float = figure(
+        "the error of `fine_placement_percent` that follows, in points",
+        "over a factor of more than 2 it has the distance to the bounds of what passes, too",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class WholeFeedSection:
+    """The fines of the whole feed at an exit for undersize."""
+
+    exit: str = figure("exit")
+    cumulative_efficiency_percent: Estimate = figure("efficiency up to here")
+    yield_percent: Estimate = figure("yield", "the fines that pass there over the whole feed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """The partition curve between the openings' width and the finest fed size."""
+
+    attempts: float = figure("attempts to pass")
+    exponent: float = figure("exponent")
+    opening_m: float = figure("width of the openings")
+    open_share: float = figure("open share of the deck")
+    diameter_m: Numbers = figure("diameters")
+    oversize_percent: Numbers = figure("partition numbers")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WholeFeed:
+    """The run's fines, completed by those that `smallest_fed_m` leaves out.
+
+    All openings have one width, and the computed fines show that the curve is continued within 25 points:
+    `missing` has the reason where they do not. Half widths have the error of the continuation, too, and are
+    wider than their standard errors tell.
+    """
+
+    left_out_percent: float = figure("the share of the feed's mass that is not computed")
+    smallest_computed_m: float = figure("the finest diameter that is computed")
+    smallest_m: float = figure("the finest diameter of the feed", "the curve is continued to it")
+    fines_percent: float = figure("the share of the feed's mass that is fine")
+    fine_placement_percent: Estimate = figure("undersize recovery", "the share of all fines that pass")
+    efficiency_percent: Estimate = figure(
+        "screening efficiency η", "that share, less the coarse particles that pass", resolution=0.1
+    )
+    continuation: Continuation = figure("how far the curve is continued, and how well")
+    sections: list[WholeFeedSection] = figure("for each exit for undersize")
+    curve: Curve | None = figure("the partition curve", "null if the particles that left do not determine it")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Screening:
+    """The feed and the products.
+
+    Shares of mass are taken from all particles that left through an exit in the averaged cycles, by the
+    masses for which they stand in the feed as it is listed ([theory](theory/screening.md#separation));
+    `*_kg_per_s` and `hold_up_kg` are of those that are computed.
+    """
+
+    cut_size_m: float | None = figure(
+        "the size below which a particle is fine",
+        "`output.cut_size_m`, or else the smaller side of the openings",
+        shown_in="mm",
+    )
+    lost_particles: int = figure("particles lost", "that left elsewhere than through an exit")
+    particles: int = figure("the number of particles that left through an exit in the averaged cycles")
+    fine_particles: int | None = figure(
+        "the number of these that are fine", "null without a cut size", is_of_cut=True
+    )
+    feed_kg_per_s: Estimate = figure("feed", "mean rate", is_extensive=True, resolution=1e-6, shown_in="t/h")
+    undersize_kg_per_s: Estimate = figure(
+        "undersize", "mean rate through the exits for it", is_extensive=True, resolution=1e-6, shown_in="t/h"
+    )
+    oversize_kg_per_s: Estimate = figure(
+        "oversize", "mean rate through the exits for it", is_extensive=True, resolution=1e-6, shown_in="t/h"
+    )
+    hold_up_kg: Estimate = figure(
+        "hold-up in the machine", "the mass that was fed and has not left", is_extensive=True
+    )
+    in_time: FlowsInTime = figure("the rates of each cycle, and the hold-up at its end")
+    efficiency_percent: Estimate | None = figure(
+        "screening efficiency η",
+        "the sum of fine and coarse placement less 100; the fine placement where nothing coarse left. This "
+        "figure and the next five exist only with a cut size",
+        optional=True,
+        resolution=0.1,
+        is_of_cut=True,
+    )
+    fine_placement_percent: Estimate | None = figure(
+        "undersize recovery",
+        "fine placement: the share of the fines that pass",
+        optional=True,
+        is_of_cut=True,
+    )
+    recovered_percent: Estimate | None = figure(
+        "fines recovered, of what came in",
+        "fines that stay on the deck are not recovered",
+        optional=True,
+        resolution=0.1,
+        is_of_cut=True,
+    )
+    coarse_placement_percent: Estimate | None = figure(
+        "coarse placement",
+        "the share of the coarse particles that stay above the deck; its value is null where none left",
+        optional=True,
+        is_of_cut=True,
+    )
+    misplaced_percent: Estimate | None = figure(
+        "misplaced material",
+        "the fines in the oversize and the coarse particles in the undersize, over the feed",
+        optional=True,
+        is_of_cut=True,
+    )
+    fines_in_oversize_percent: Estimate | None = figure(
+        "fines left in the oversize", "its share that is fine", optional=True, is_of_cut=True
+    )
+    oversize_yield_percent: Estimate = figure("oversize yield", "the oversize over the feed")
+    cohort: CohortShares | None = figure(
+        "of a run that is fed and not steady: the grains that were fed so early that nearly all have left",
+        "`missing` says why there is none",
+        optional=True,
+    )
+    sections: list[Section] = figure("for each exit for undersize")
+    partition: Partition | None = figure("the partition curve", "null as long as nothing has left")
+    whole_feed: WholeFeed | None = figure(
+        "the separation of the whole feed",
+        "if `smallest_fed_m` leaves out fines of a feed",
+        optional=True,
+        is_of_cut=True,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PanelContacts:
+    """The contacts of fine particles with a panel of the deck."""
+
+    panel: str = figure("panel")
+    came_percent: float = figure("of all fines come", "those that came to the panel")
+    stay_s: float = figure("stay of those that go on", "mean time over the panel")
+    contacts_per_s: float = figure("contacts", "with its open mat in a second over it")
+    within_reach_percent: float = figure("within reach")
+    chance_percent: float = figure("chance of a contact")
+    geometric_percent: float = figure("geometric")
+    rate_per_s: float = figure("rate k")
+    passed_percent: float = figure("passed up to here", "the share that has passed up to its end")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RateFit:
+    """The one rate *k* with which 1 − exp(−*k t*) fits the shares passed best."""
+
+    rate_per_s: float = figure("the rate")
+    rms_percent: float = figure("root mean square of what it leaves over")
+    time_s: Numbers = figure("sum of `stay_s` up to each panel's end")
+    passed_percent: Numbers = figure("the share passed by the fit")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactSizes:
+    """The contacts over the whole deck in size classes."""
+
+    mean_m: Numbers = figure("mean diameters", shown_in="mm")
+    particles: Numbers = figure("numbers of particles")
+    contacts_per_s: Numbers = figure("contacts")
+    within_reach_percent: Numbers = figure("within reach")
+    chance_percent: Numbers = figure("chance of a contact")
+    geometric_percent: Numbers = figure("geometric")
+    rate_per_s: Numbers = figure("rate k")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contacts:
+    """Why so much of the fines passes ([definitions](theory/screening.md#why-so-much-passes)).
+
+    It is of the fine particles that left in the averaged cycles, or in a run that is not steady of the
+    cohort, on a deck with openings whose panels follow one another. `missing` has the reason where there is
+    no such table.
+    """
+
+    particles: int = figure("the number of fine particles")
+    counted_percent: float = figure(
+        "the share of their mass that passed after a contact",
+        "the fine placement but for what fell through elsewhere",
+    )
+    rebuilt_percent: float = figure(
+        "the same, rebuilt from `along` (`stay_s`, `contacts_per_s`) and the chances of `sizes`"
+    )
+    stay_s: Estimate = figure(
+        "time over the deck of the fines that go over its end", "their mean", resolution=1e-3
+    )
+    contacts_per_s: Estimate = figure(
+        "contacts of a fine particle with the open mat", "in a second over the deck", resolution=1e-2
+    )
+    within_reach_percent: Estimate = figure(
+        "time of the fines within reach of the mat",
+        "the share of their time over the deck with a gap below the particle of less than the width of the "
+        "openings",
+        resolution=1e-2,
+    )
+    chance_percent: Estimate = figure(
+        "chance of a fine particle to pass in a contact",
+        "those that passed over the contacts",
+        resolution=0.1,
+    )
+    geometric_percent: Estimate = figure(
+        "geometric chance",
+        "that of spheres of these sizes that fall straight onto the openings, mean of all contacts (Gaudin)",
+    )
+    rate_per_s: Estimate = figure(
+        "rate at which fines pass",
+        "those that passed over the time over the deck: contacts a second times chance",
+        resolution=1e-3,
+    )
+    along: list[PanelContacts] = figure("the same for each panel in the order of the deck")
+    fit: RateFit = figure("the one rate that fits the shares passed along the deck")
+    sizes: ContactSizes = figure("the same for size classes over the whole deck")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Passing:
+    """The undersize along the deck."""
+
+    along_m: Numbers = figure("middles of the bins along the deck")
+    rate_kg_per_s_m: Numbers = figure("passing rate", is_extensive=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transport:
+    """How long the oversize stays, and where the undersize passes."""
+
+    residence_s: Estimate = figure(
+        "residence time of the oversize", "without the particles of a bed at the start"
+    )
+    residence_velocity_m_per_s: Estimate | None = figure(
+        "velocity from it", "the deck's length over the residence time", optional=True
+    )
+    passing: Passing | None = figure("the undersize along the deck", optional=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """Means along the deck."""
+
+    along_m: Numbers = figure("distance along the deck")
+    mass_kg_per_m: Numbers = figure("bed mass", is_extensive=True)
+    velocity_m_per_s: Numbers = figure("velocity")
+    depth_m: Numbers = figure("95 % lies below", shown_in="mm")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bed:
+    """Means of the bed over output times."""
+
+    output_times: int = figure("the number of output times")
+    particles: float = figure("the mean number of particles in them")
+    on_deck_kg: Estimate = figure("mass on the deck", is_extensive=True, resolution=1e-6)
+    load_kg_per_m2: Estimate = figure("load per area of the deck", "this mass over its area")
+    velocity_m_per_s: Estimate = figure(
+        "material velocity", "along the deck, weighted by mass", resolution=1e-3
+    )
+    mean_depth_m: Estimate = figure(
+        "height below which 95 % of the material lies, mean along the deck",
+        "with thrown particles",
+        shown_in="mm",
+        resolution=1e-4,
+    )
+    largest_depth_m: Estimate = figure(
+        "largest depth of the bed",
+        "the largest height along the deck below which 95 % of the material lies, with thrown particles",
+        shown_in="mm",
+        resolution=1e-4,
+    )
+    profile: Profile = figure("the bed along the deck")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Held:
+    """What the openings hold."""
+
+    openings: int = figure("the number of openings", is_extensive=True)
+    stickers: Estimate = figure("stuck particles", is_extensive=True)
+    sticking_kg: Estimate = figure("mass of stuck particles", is_extensive=True)
+    blinded_openings: Estimate = figure("blinded openings", is_extensive=True)

@@ -1,0 +1,1 @@
+"""The tables of results in docs/run-folder.md, made from their records."""
