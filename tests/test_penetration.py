@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.ports import Array
-from orchestrator.ports.geometry import Rectangle
+from orchestrator.ports.geometry import Rectangle, RigidVertices, shares_in, tetrahedron_m
 from orchestrator.ports.penetration import (
     Penetration,
     Penetrations,
@@ -59,6 +60,32 @@ def test_a_panel_hangs_through_a_plate_as_deep_as_it_hangs_beyond_it(side: float
     assert (deepest.panel, deepest.surface) == ("deck", "plate")
     assert deepest.depth_m == pytest.approx(0.019, rel=1e-12)
     assert deepest.thicknesses == pytest.approx(0.019 / THICK_M, rel=1e-12)
+
+
+def test_a_plate_that_four_points_carry_is_gone_through_alike() -> None:
+    """The plate sinks and turns; places to rounding."""
+    plate_drawn_m = plate_m(-0.02)
+    corners_m = tetrahedron_m(plate_drawn_m)
+    share = shares_in(corners_m, plate_drawn_m)
+    points, turn = len(DRAWN_M), Rotation.from_rotvec([0.02, 0.03, 0.0])
+    plate = SurfaceBody("plate", np.array([[0, 1, 2], [0, 2, 3]]) + points + 4)
+    panel = ProbedPanel(0, np.column_stack([FREE, FREE]), THICK_M)
+    carried = Penetrations(
+        np.vstack([DRAWN_M, corners_m]),
+        [SurfaceBody("deck", CELLS.triangles), plate],
+        [panel],
+        RigidVertices(np.full(4, points), share),
+    )
+    plain = search(plate_drawn_m)
+    for sag_m, up_m in ((0.0, 0.0), (0.039, 0.0), (0.039, 0.01), (0.005, -0.02)):
+        deepest, expected = (
+            looked.deepest(np.vstack([hanging_m(sag_m), turn.apply(points_m) + np.array([0, 0, up_m])]))
+            for looked, points_m in ((carried, corners_m), (plain, plate_drawn_m))
+        )
+        assert (deepest is None) == (expected is None)
+        if deepest is not None and expected is not None:
+            assert deepest.depth_m == pytest.approx(expected.depth_m, rel=1e-9)
+    assert carried.deepest(np.vstack([hanging_m(0.039), corners_m])) is not None
 
 
 def test_it_is_found_however_large_or_small_the_plates_triangles() -> None:

@@ -13,12 +13,15 @@ stiff ones beside them would turn the rounding of metres into forces.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from adapters.frames.common.collocation import Collocation
+from adapters.frames.common.drive import drawn_pose
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
 from adapters.frames.common.rigid_frames import RigidFrames, Unbalances, onto_bodies
-from orchestrator.ports import Account, Array, Load, Motion, check_point_count, linear_frames
+from orchestrator.ports import Account, Array, Load, Motion, Pose, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
@@ -79,6 +82,11 @@ class TwoMassFrames(RigidFrames):
         ledger.reaction_J += float(reaction_N.ravel() @ (self._displacement_m - before_m))
         ledger.outside_N_s -= interval.length_s * reaction.force_N[outside].sum(axis=0)
         return self._carried()
+
+    def pose(self) -> Pose:
+        drawn, moved = drawn_pose(self._plan), self._bodies()
+        position_m = drawn.position_m + moved.moved_m
+        return replace(drawn, position_m=position_m, velocity_m_per_s=moved.velocity_m_per_s)
 
     def account(self) -> Account:
         stretch_m = self._machine.stretch @ (self._sag + self._displacement_m)

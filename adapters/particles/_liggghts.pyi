@@ -30,8 +30,18 @@ class Engine:
     def command(self, line: str) -> None:
         """Execute one line of LIGGGHTS input."""
 
-    def set_surface(self, *, position_m: Array, triangles: Ints, type: Ints, largest_radius_m: float) -> None:
-        """Set the points (n, 3), the triangles (m, 3) and their materials' types (m,), from 1."""
+    def set_surface(
+        self,
+        *,
+        position_m: Array,
+        rigid_first: Ints,
+        rigid_share: Array,
+        triangles: Ints,
+        type: Ints,
+        largest_radius_m: float,
+    ) -> None:
+        """Set the points (n, 3), the vertices of rigid surfaces (v,) and (v, 3) as ``RigidVertices`` has
+        them, the triangles (m, 3) of vertices, the points first, and their materials' types (m,), from 1."""
 
     def set_laws(
         self,
@@ -63,7 +73,7 @@ class Engine:
 
     def repeat_surface(self, *, period_m: float, joined_triangles: Ints) -> None:
         """Repeat the surface after a period along y; ``joined_triangles`` (m, 3) are the triangles
-        with one number for points that are one period apart and the same place."""
+        with one number for vertices that are one period apart and the same place."""
 
     def set_exits(
         self, *, center_m: Array, axes: Array, half_m: Array, domain_m: Array, below_deck: Ints, deck: Ints
@@ -158,7 +168,7 @@ class Engine:
         (points, 3, 3)."""
 
     def worn_m3(self) -> Array:
-        """Return the volume worn off at each point since t = 0; empty without ``set_wear``."""
+        """Return the volume worn off at each vertex since t = 0; empty without ``set_wear``."""
 
     def angular_impulse_N_m_s(self) -> Array:
         """Return (3,) about the world's origin, of all forces of this rank's particles on the

@@ -326,7 +326,7 @@ def _make_room(particles: ParticleList, surface: TriangleSurface, case: Case) ->
     gravity_m_per_s2 = np.array(case.gravity_m_per_s2)
     size = float(np.linalg.norm(gravity_m_per_s2))
     up = -gravity_m_per_s2 / size if size else np.array([0.0, 0.0, 1.0])
-    pushed = push_out(particles, surface.position_m[surface.triangles], up, period_m(case))
+    pushed = push_out(particles, surface.vertices_m[surface.triangles], up, period_m(case))
     moved_m = np.linalg.norm(pushed.position_m - particles.position_m, axis=1)
     if moved_m.any():
         count, mean_m = int((moved_m > 0).sum()), moved_m[moved_m > 0].mean()

@@ -50,7 +50,13 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
     from orchestrator.ports.clock import steps_in
     from orchestrator.preflight.check import given_rates_kg_per_s, warnings
     from orchestrator.preflight.checks.steps import missing_solvers
-    from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
+    from orchestrator.preflight.cost import (
+        THICK,
+        THIN,
+        particles_at_start,
+        predicted_parts_s,
+        rigid_triangles,
+    )
     from orchestrator.preflight.mats.mats import mat_tables
     from orchestrator.preflight.scene.frame_motion import frame_motions
     from orchestrator.preflight.scene.scene import scene
@@ -60,6 +66,8 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
     case = loaded.case
     stability = stability_report(case)
     costed, at_start = with_scheme(case, stability.scheme), particles_at_start(case)
+    rigid = sum(rigid_triangles(case, loaded.folder))
+    predicted_s = {bed: predicted_parts_s(costed, at_start, bed, rigid=rigid) for bed in (THIN, THICK)}
     return {
         "case": loaded.name,
         "level": loaded.level or None,
@@ -77,8 +85,8 @@ def check_form(loaded: JudgedCase) -> dict[str, Any]:
         "sync_intervals": steps_in(case.duration_s, case.coupling.sync_interval_s),
         "particle_step_s": particle_step_s(case) if has_particles(case) else None,
         "predicted_processor_s": {
-            "thin_bed": sum(predicted_parts_s(costed, at_start, THIN).values()),
-            "thick_bed": sum(predicted_parts_s(costed, at_start, THICK).values()),
+            "thin_bed": sum(predicted_s[THIN].values()),
+            "thick_bed": sum(predicted_s[THICK].values()),
         },
         "left_out": loaded.left_out,
         "changed": list(loaded.changed),

@@ -11,7 +11,7 @@ from orchestrator.case.bed.adhesion import adhesion_law, pull_offs
 from orchestrator.case.bed.contact_times import shortest_rayleigh_s
 from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.deck.openings import openings
-from orchestrator.case.deck.panels import single_panels, walls
+from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.file.base import case_folders
 from orchestrator.case.file.bushing_curve import compare_with_points
@@ -24,7 +24,15 @@ from orchestrator.preflight.check import given_rates_kg_per_s, warnings
 from orchestrator.preflight.checks.bed import fines
 from orchestrator.preflight.checks.defaults import taken_defaults
 from orchestrator.preflight.checks.steps import missing_solvers
-from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
+from orchestrator.preflight.cost import (
+    THICK,
+    THIN,
+    bed_cost,
+    in_words,
+    particles_at_start,
+    predicted_parts_s,
+    rigid_triangles,
+)
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, lines_at_start
 from orchestrator.preflight.mats.mats import mat_lines
@@ -50,7 +58,8 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
         yield from _particles(loaded)
     yield from _sheet(loaded)
     yield from _times(loaded)
-    yield from _cost(with_scheme(case, stability.scheme), particles_at_start(case))
+    rigid = sum(rigid_triangles(case, loaded.folder))
+    yield from _cost(with_scheme(case, stability.scheme), particles_at_start(case), rigid)
     yield from lines_at_start(
         account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
     )
@@ -92,7 +101,7 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
     yield from _curves(case)
     yield from _damping(case)
     yield from openings(case)
-    rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
+    rigid = rigid_triangles(case, loaded.folder)
     of_panels = f"{_triangles_on_panels(case)}, " if panels else ""
     if panels or rigid:
         yield f"  triangles  {of_panels}{sum(rigid)} on {len(rigid)} rigid surfaces"
@@ -186,9 +195,9 @@ def adhesion_lines(case: Case) -> Iterator[str]:
         yield f"  adhesion   {pair.in_words} ({adhesion_law(case)})"
 
 
-def _cost(case: Case, at_start: int) -> Iterator[str]:
+def _cost(case: Case, at_start: int, rigid: int) -> Iterator[str]:
     """Yield lines about the time of the whole run, and of the parts that take more than a tenth of it."""
-    ranges = [predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK)]
+    ranges = [predicted_parts_s(case, at_start, bed, rigid=rigid) for bed in (THIN, THICK)]
     least, most = (sum(parts.values()) for parts in ranges)
     shortest, longest = in_words(least), in_words(most)
     fed = most > 1.1 * least and shortest != longest

@@ -23,7 +23,7 @@ from orchestrator.coupling.ablation import (
     UnloadedPanel,
     UnpushedFrames,
 )
-from orchestrator.coupling.bushing_forces import BushingForces, frame_points
+from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import (
     MeteredFrames,
@@ -66,8 +66,7 @@ def _open_machine(
     opened_surface = OpenSurface.of(case, loaded.folder, stopwatch, world)
     surface_panel = opened_surface.together
     opened.callback(surface_panel.close)
-    surface, centres = opened_surface.triangle_surface(), opened_surface.centres()
-    of_frames, points = frame_points(centres)
+    surface = opened_surface.triangle_surface()
     # plans of the other solvers
     plan_of_particles = particles_plan(case, surface, world, folder, opened_surface.deck())
     if problems := _problems_at_rest(loaded, opened_surface, plan_of_particles):
@@ -92,9 +91,9 @@ def _open_machine(
         panel_of_triangle=opened_surface.panel_of_triangle(),
         panels=opened_surface.panel_points(),
         penetrations=opened_surface.penetrations(),
-        centres=centres,
+        frames=tuple(case.screen.frames),
         probes=opened_surface.probes(),
-        bushings=BushingForces.of(bushings(case), of_frames, surface_panel.mount.position_m[points]),
+        bushings=BushingForces.of(bushings(case), plan_of_frames.bodies),
         material=material,
         wearing=wearing,
     )

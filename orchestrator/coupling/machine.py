@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from orchestrator.case.bed.material_book import MaterialBook
 from orchestrator.coupling.bushing_forces import BushingForces
@@ -39,21 +41,22 @@ class PanelPoints:
 class PlacedProbe:
     """A point whose time series is recorded.
 
-    ``on`` is "clamps" (a point that a frame carries), "surface" (a point of a panel) or
-    "particle"; ``index`` is the number of the point there, or the id of the particle.
+    ``on`` is "frame", "surface" (a point of a panel) or "particle"; ``index`` is the number of the frame, the
+    number of the point on the surface, or the id of the particle.  ``arm_m`` (3,) leads from the frame's
+    centre of mass to the point, at t = 0.
     """
 
     name: str
     on: str
     index: int
+    arm_m: Array = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True)
 class Machine:
     """The machine of a run: its open solvers, its scheme, and the places of its points.
 
-    ``centres`` maps the name of a frame to the number of its centre of mass among the carried points; the
-    next three points are the ends of the arms that show its rotation (``coupling/surface_parts.py``).
+    ``frames`` are the frames' names, in the order of their poses.
     ``panel_of_triangle`` (triangles,) are panel numbers in the order of ``panels``, or -1 for walls.
     ``material`` is None if the case has no particles, and ``wearing`` is None if nothing wears.
     """
@@ -66,7 +69,7 @@ class Machine:
     panel_of_triangle: Indices
     panels: tuple[PanelPoints, ...]
     penetrations: Penetrations
-    centres: dict[str, int]
+    frames: tuple[str, ...]
     probes: tuple[PlacedProbe, ...]
     bushings: BushingForces
     material: MaterialBook | None

@@ -16,7 +16,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports import Account, Array, Frames, Known, Load, Motion, Saved
+from orchestrator.ports import Account, Array, Frames, Known, Load, Motion, Pose, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.frames import find_driven_points, find_element_forces_N, find_shaft_angles_rad
 
@@ -107,6 +107,10 @@ class FramesOnFirstRank:
             numbers[:] = motion.position_m, motion.velocity_m_per_s
         self._world.Bcast(numbers)
         return Motion(*numbers)
+
+    def pose(self) -> Pose:
+        """Return the pose on rank 0, which records it; a pose of no body on other ranks."""
+        return self._frames.pose() if self._frames is not None else Pose.nothing()
 
     def element_forces_N(self) -> Array | None:
         """Return the forces on rank 0, which records them; None on other ranks."""

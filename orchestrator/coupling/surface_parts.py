@@ -1,13 +1,13 @@
 """The surface of a machine: its parts, and the indices of their points and triangles in the whole.
 
-The parts are panels, seen through the particles' triangles; walls that a frame carries; and points on frames
-that are only observed.  The coupling treats all of them together as one ``Panel``.
+The parts are panels, seen through the particles' triangles, and walls that a frame carries.  The coupling
+treats all of them together as one ``Panel``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, cast
@@ -29,7 +29,7 @@ from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
 from orchestrator.ports import Array, Indices, Interpolation, MeshedPanel, Panel
-from orchestrator.ports.geometry import Edges, TriangleSurface
+from orchestrator.ports.geometry import Edges, RigidVertices, TriangleSurface, shares_in, tetrahedron_m
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import DeckPlan, PanelPlan
 from orchestrator.ports.shape_grid import ShapeGrid
@@ -43,15 +43,13 @@ class SurfacePart:
     """A part of the surface, as far as it is known before anything opens.
 
     ``drawn_m`` (n, 3) are its surface points as drawn; a panel is drawn straight between its clamps.
-    ``triangles`` (m, 3) holds the part's own point numbers.  ``points`` maps the names of observed points
-    (probes, centres of mass) to their numbers.
+    ``triangles`` (m, 3) holds the part's own point numbers.
     """
 
     name: str
     drawn_m: Array
-    points: dict[str, int] = field(default_factory=dict)
-    triangles: Indices = field(default_factory=lambda: NO_TRIANGLES)
-    material: str = ""
+    triangles: Indices
+    material: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,22 +58,31 @@ class PanelPart(SurfacePart):
 
     ``open`` opens the panel, and returns it with the interpolation that takes its motion to the part's
     points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
-    (the points of its ``ShapeGrid`` if it is recorded) hold the part's own point numbers.  The last three
-    times ``stops`` clamp points belong to beams below the part.
+    (the points of its ``ShapeGrid`` if it is recorded) hold the part's own point numbers, and ``probes``
+    those of probes by name.  The last three times ``stops`` clamp points belong to beams below the part.
     """
 
     open: Callable[[], tuple[Panel, Interpolation]]
     edges: Edges
     centre_line: Indices
     shape: Indices
+    probes: dict[str, int]
     stops: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class RigidPart(SurfacePart):
-    """Points that ``frame`` carries: a wall, or points of the frame that are only observed."""
+    """A wall that ``frame`` carries by the four points ``drawn_m``.
+
+    Its triangles have the numbers of its own ``vertices_m`` (k, 3).
+    """
 
     frame: str
+    vertices_m: Array
+
+    def vertices(self, first: int) -> RigidVertices:
+        """Return the vertices, whose four points begin with the number ``first``."""
+        return RigidVertices(np.full(len(self.vertices_m), first), shares_in(self.drawn_m, self.vertices_m))
 
 
 def panel_parts(case: Case, stopwatch: Stopwatch, world: Any = None) -> list[PanelPart]:
@@ -115,7 +122,7 @@ def _panel(
         name=plan.name,
         open=open_panel,
         drawn_m=plan.rectangle.mounted(coordinates),
-        points={name: first + number for number, name in enumerate(at)},
+        probes={name: first + number for number, name in enumerate(at)},
         stops=len(plan.stops),
         triangles=touched.triangles,
         edges=Edges.of(touched.coordinates_m, touched.triangles),
@@ -150,7 +157,8 @@ def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:
     return [
         RigidPart(
             name=wall.name,
-            drawn_m=wall.position_m,
+            drawn_m=tetrahedron_m(wall.position_m),
+            vertices_m=wall.position_m,
             triangles=wall.triangles,
             material=wall.material,
             frame=wall.frame,
@@ -159,31 +167,12 @@ def wall_parts(case: Case, case_folder: Path) -> list[RigidPart]:
     ]
 
 
-def _frame_points(case: Case, frame: str) -> RigidPart:
-    """Return the part of a frame's points that are only observed.
-
-    They are its centre of mass (under the frame's name), the ends of three arms of 1 m from there along the
-    world's axes, which show its rotation, and its probes.
-    """
-    probes = {
-        name: probe.point_m
-        for name, probe in case.probes.items()
-        if probe.frame == frame and probe.point_m is not None
-    }
-    centre_m = to_world(case, case.screen.frames[frame].recorded_point_m)
-    probes_m = to_world(case, np.array(list(probes.values())).reshape(-1, 3))
-    position_m = np.vstack([centre_m, centre_m + np.eye(3), probes_m])
-    points = {frame: 0} | {name: number for number, name in enumerate(probes, start=4)}
-    return RigidPart(name=frame, drawn_m=position_m, points=points, frame=frame)
-
-
 @dataclass(frozen=True)
 class OpenSurface:
     """The open surface of a machine: ``together`` has the points of all parts, part by part.
 
-    The parts are the panels in the case's order, the walls, and the observed points of the frames; part i
-    has the points ``surface[i]`` and ``clamps[i]`` of the whole.  Particles touch the parts that have a
-    material; points on frames belong to the surface, but to no triangle.
+    The parts are the panels in the case's order and the walls; part i has the points ``surface[i]`` and
+    ``clamps[i]`` of the whole.
     """
 
     case: Case
@@ -199,10 +188,7 @@ class OpenSurface:
         All rigid parts are one member of the set of panels, and one interpolation maps the whole surface.
         """
         panels = panel_parts(case, stopwatch, world)
-        rigid = [
-            *wall_parts(case, case_folder),
-            *(_frame_points(case, frame) for frame in case.screen.frames),
-        ]
+        rigid = wall_parts(case, case_folder)
         opened: dict[int, Interpolation] = {}
 
         def open_member(number: int) -> Panel:
@@ -229,23 +215,38 @@ class OpenSurface:
         return consecutive_slices([len(part.drawn_m) for part in self.parts])
 
     def bodies(self) -> list[SurfaceBody]:
-        """Return the triangles of every part, in points of the whole surface."""
+        """Return the triangles of every part, in vertices of the whole surface."""
+        starts = [points.start for points in self.surface[: len(self.panels)]]
+        starts += [of.start + self.surface[-1].stop for of in self._rigid_vertices()]
         return [
-            SurfaceBody(part.name, part.triangles + points.start)
-            for part, points in zip(self.parts, self.surface, strict=True)
+            SurfaceBody(part.name, part.triangles + start)
+            for part, start in zip(self.parts, starts, strict=True)
         ]
+
+    def _rigid_vertices(self) -> tuple[slice, ...]:
+        """Return the vertices of each wall among those of all walls."""
+        return consecutive_slices([len(part.vertices_m) for part in self.rigid])
+
+    def rigid_vertices(self) -> RigidVertices:
+        """Return the vertices of all walls."""
+        points = self.surface[len(self.panels) :]
+        each = [part.vertices(at.start) for part, at in zip(self.rigid, points, strict=True)]
+        return RigidVertices(
+            np.concatenate([NO_POINTS, *(one.first for one in each)]),
+            np.concatenate([np.empty((0, 3)), *(one.share for one in each)]),
+        )
 
     def triangle_surface(self) -> TriangleSurface:
         """Return the surface that particles touch, at rest."""
         number = material_numbers(self.case)
-        touched = [part for part in self.parts if part.material]
         return TriangleSurface(
             self.together.initial().surface.position_m,
             np.concatenate([NO_TRIANGLES, *(body.triangles for body in self.bodies())]),
             np.concatenate(
-                [NO_POINTS, *(np.full(len(part.triangles), number[part.material]) for part in touched)]
+                [NO_POINTS, *(np.full(len(part.triangles), number[part.material]) for part in self.parts)]
             ),
             self.panel_of_triangle(),
+            self.rigid_vertices(),
         )
 
     def panel_of_triangle(self) -> Indices:
@@ -297,29 +298,27 @@ class OpenSurface:
             ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
             for number, (single, part, points) in enumerate(singles)
         ]
-        return Penetrations(np.concatenate([part.drawn_m for part in self.parts]), self.bodies(), probed)
-
-    def centres(self) -> dict[str, int]:
-        """Return the number of each frame's centre of mass among the carried points."""
-        frames = self.case.screen.frames
-        places = zip(self.parts, self.clamps, strict=True)
-        return {part.name: clamps.start for part, clamps in places if part.name in frames}
+        drawn_m = np.concatenate([part.drawn_m for part in self.parts])
+        return Penetrations(drawn_m, self.bodies(), probed, self.rigid_vertices())
 
     def probes(self) -> tuple[PlacedProbe, ...]:
-        """Return the case's probes; probes on frames use the clamp points, which are exact."""
+        """Return the case's probes."""
+        number = {name: place for place, name in enumerate(self.case.screen.frames)}
+        on_panels = {
+            name: points.start + point
+            for part, points in zip(self.panels, self.surface, strict=False)
+            for name, point in part.probes.items()
+        }
         placed = []
-        for number, part in enumerate(self.parts):
-            on_frame = part.name in self.case.screen.frames
-            points = self.clamps[number] if on_frame else self.surface[number]
-            for name, point in part.points.items():
-                if name in self.case.probes:
-                    on = "clamps" if on_frame else "surface"
-                    placed.append(PlacedProbe(name, on, points.start + point))
-        placed += [
-            PlacedProbe(name, "particle", probe.particle)
-            for name, probe in self.case.probes.items()
-            if probe.particle is not None
-        ]
+        for name, probe in self.case.probes.items():
+            if probe.particle is not None:
+                placed.append(PlacedProbe(name, "particle", probe.particle))
+            elif probe.frame is not None and probe.point_m is not None:
+                centre_m = self.case.screen.frames[probe.frame].recorded_point_m
+                arm_m = to_world(self.case, np.subtract(probe.point_m, centre_m))
+                placed.append(PlacedProbe(name, "frame", number[probe.frame], arm_m))
+            else:
+                placed.append(PlacedProbe(name, "surface", on_panels[name]))
         return tuple(placed)
 
 
@@ -340,7 +339,7 @@ def _free_pairs(single: SinglePanel, part: PanelPart) -> Indices:
 
 
 def _open_rigid(parts: list[RigidPart]) -> tuple[Panel, Interpolation]:
-    """Open all rigid parts as one surface; return it with the identity as its mapping."""
+    """Open the points of all walls as one surface; return it with the identity as its mapping."""
     points_m = np.concatenate([np.empty((0, 3)), *(part.drawn_m for part in parts)])
     frames = tuple(part.frame for part in parts for _ in part.drawn_m)
     surface = import_module("adapters.panel.common.carried").build(points_m, frames)

@@ -25,6 +25,7 @@ from orchestrator.ports import (
     PanelState,
     Particles,
     ParticleSnapshot,
+    Pose,
     Predicting,
     Removed,
     Saved,
@@ -67,6 +68,9 @@ class FramesWrapper(Wrapper[Frames]):
 
     def ahead(self, interval: Interval) -> Known | None:
         return find_driven_points(self._solver, interval)
+
+    def pose(self) -> Pose:
+        return self._solver.pose()
 
     def element_forces_N(self) -> Array | None:
         return find_element_forces_N(self._solver)

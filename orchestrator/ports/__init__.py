@@ -7,7 +7,7 @@ protocol below shows a complete small solver that runs.
 **What crosses.**  Everything that crosses is a list of points with a vector at each (``Motion``,
 ``Load``), in SI units and in one world frame, so the power through any interface is the sum of
 F . v.  Motion runs down (frames -> panels -> particles), load runs up (particles -> panels ->
-frames).
+frames).  Frames tell the ``Pose`` of their bodies besides, for records.
 
 **Signs.**  A ``Load`` is the force that its *giver* exerts on its *receiver*: of the particles on the
 surface, of the panel on the frames.  A load that crosses is the mean over the sync interval
@@ -45,6 +45,7 @@ from orchestrator.ports.interface_records import (
     Motion,
     Mount,
     PanelState,
+    Pose,
     check_point_count,
 )
 from orchestrator.ports.interpolation import Interpolation

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Protocol, runtime_checkable
 
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.interface_records import Array, Known, Load, Motion
+from orchestrator.ports.interface_records import Array, Known, Load, Motion, Pose
 from orchestrator.ports.state import Solver
 
 
@@ -23,7 +23,7 @@ class Frames(Solver, Protocol):
     A frame on springs that only translates, by the exact solution for a constant load.
 
     >>> import numpy as np
-    >>> from orchestrator.ports import Account, Interval, Load, Motion
+    >>> from orchestrator.ports import Account, Interval, Load, Motion, Pose
     >>> from orchestrator.ports.state import SavedAttributes
     >>> class SwingingFrame(SavedAttributes):
     ...     STATE = ("offset_m", "velocity_m_per_s", "reaction_J", "springs_N_s")
@@ -36,6 +36,10 @@ class Frames(Solver, Protocol):
     ...     def initial(self):
     ...         places_m = self.points_m + self.offset_m
     ...         return Motion(places_m, np.tile(self.velocity_m_per_s, (len(places_m), 1)))
+    ...
+    ...     def pose(self):
+    ...         centre_m = self.points_m.mean(axis=0) + self.offset_m
+    ...         return Pose(centre_m[None], np.eye(3)[None], self.velocity_m_per_s[None], np.zeros((1, 3)))
     ...
     ...     def advance(self, interval, reaction):
     ...         force_N, before_m = reaction.force_N.sum(axis=0), self.offset_m
@@ -100,6 +104,16 @@ class Frames(Solver, Protocol):
         ------
         SolverFailed
             The bodies cannot be moved; the message says why.
+        """
+        ...
+
+    def pose(self) -> Pose:
+        """Return how the bodies stand and move at the last sync point.  The call changes nothing.
+
+        Returns
+        -------
+        Pose
+            A row for each body, in the order of the plan; the carried points move as it says.
         """
         ...
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -178,26 +179,96 @@ def _lost_m2(radius_m: float, pieces: int) -> float:
 
 
 @dataclass(frozen=True)
+class RigidVertices:
+    """The vertices of rigid surfaces: each moves as a fixed mean of the four points that carry its surface.
+
+    The four are the corners of a tetrahedron around the surface, as ``tetrahedron_m`` makes it.  They move as
+    the body does, and so the vertices do; what acts on a vertex acts, by the same shares, on the four points,
+    with the same force, moment and power.  So a surface of any number of triangles crosses a port as four
+    points.
+
+    Parameters
+    ----------
+    first
+        (v,) the number of the first of the four points, which follow one another.
+    share
+        (v, 3) the shares of the other three; the first has the rest.  None is negative.
+    """
+
+    first: Indices
+    share: Array
+
+    @staticmethod
+    def none() -> RigidVertices:
+        """Return the record of a surface without rigid parts."""
+        return RigidVertices(np.empty(0, dtype=np.int64), np.empty((0, 3)))
+
+    def at(self, points: Array, vertices: Indices | None = None) -> Array:
+        """Return the values (..., 3) at vertices by their numbers (...), from those at the points (n, 3).
+
+        The points are the first n vertices, and the rigid ones follow; by default all are returned.
+        """
+        if vertices is None:
+            vertices = np.arange(len(points) + len(self.first))
+        elif not len(self.first):
+            return points[vertices]
+        rigid = vertices >= len(points)
+        values = np.empty((*vertices.shape, 3))
+        values[~rigid] = points[vertices[~rigid]]
+        own = vertices[rigid] - len(points)
+        first, share = self.first[own], self.share[own]
+        values[rigid] = (1.0 - share.sum(axis=1))[:, None] * points[first]
+        for k in range(3):
+            values[rigid] += share[:, k, None] * points[first + 1 + k]
+        return values
+
+
+def tetrahedron_m(position_m: Array) -> Array:
+    """Return the corners (4, 3) of a tetrahedron around points (n, 3).
+
+    Three equal edges leave the first corner along the axes.
+    """
+    low_m = position_m.min(axis=0)
+    return np.asarray(low_m + (position_m.max(axis=0) - low_m).sum() * np.vstack([np.zeros(3), np.eye(3)]))
+
+
+def shares_in(corners_m: Array, place_m: Array) -> Array:
+    """Return the shares (n, 3) of a tetrahedron's other corners (4, 3) in places (n, 3), as ``RigidVertices``
+    has them; outside some are negative."""
+    edges_m = (corners_m[1:] - corners_m[0]).T
+    return np.asarray(np.linalg.solve(edges_m, (place_m - corners_m[0]).T).T)
+
+
+@dataclass(frozen=True)
 class TriangleSurface:
     """The surface that particles touch; its triangles are two-sided.
 
     Parameters
     ----------
     position_m
-        (n, 3) at t = 0; points that no triangle uses (probes) are allowed.
+        (n, 3) of the points that move, at t = 0; points that no triangle uses (probes) are allowed.
     triangles
-        (m, 3) numbers of points.
+        (m, 3) numbers of vertices: the points, then the vertices of rigid surfaces.  The corners of a
+        triangle are of one kind.
     material
         (m,) the index of each triangle's material.
     panel
         (m,) the number of each triangle's panel, -1 for walls; None without panels.  The normals of a panel's
         triangles point to its upper side.
+    rigid
+        The vertices of rigid surfaces.
     """
 
     position_m: Array
     triangles: Indices
     material: Indices
     panel: Indices | None = None
+    rigid: RigidVertices = field(default_factory=RigidVertices.none)
+
+    @cached_property
+    def vertices_m(self) -> Array:
+        """The places (vertices, 3) of all vertices at t = 0."""
+        return self.rigid.at(self.position_m)
 
 
 @dataclass(frozen=True)

@@ -171,7 +171,7 @@ class Wearing(Protocol):
     """Particles that wear the surface, built from a plan that asks for it."""
 
     def worn_m3(self) -> Array:
-        """Return the volume worn off since t = 0, in m3, (surface points,), alike on every rank."""
+        """Return the volume worn off since t = 0, in m3, (surface vertices,), alike on every rank."""
         ...
 
 

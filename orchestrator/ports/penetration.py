@@ -15,22 +15,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import foot_on_triangle
+from orchestrator.ports.geometry import RigidVertices, foot_on_triangle, shares_in
 
 IN_PLANE = 1e-3  # of its thickness: a panel drawn nearer to a surface's plane is on neither side
 FAR = 20  # thicknesses: pairs are not listed for longer motions, since they would be too many
+NEARLY = 0.999  # of a distance: more is rounding
+NO_RIGID = RigidVertices.none()
 ON_RIM = 1e-9  # share of a corner: rounding on an edge that two triangles share
 
 
 @dataclass(frozen=True)
 class SurfaceBody:
-    """A panel or a rigid surface with its ``triangles`` (m, 3) of point numbers."""
+    """A panel or a rigid surface with its ``triangles`` (m, 3) of vertex numbers."""
 
     name: str
     triangles: Indices
@@ -56,19 +59,71 @@ class Penetration:
     thicknesses: float
 
 
-class ListedPairs(NamedTuple):
-    """Pairs (k,) of a point of a panel and a triangle that may meet before the next list.
+class Pairs(NamedTuple):
+    """Pairs (k,) of a point of a panel and a triangle.
 
-    ``panel`` has the panels' numbers, and ``ends`` (k, 2) the points whose middles are looked at.
-    ``triangles`` (m,) has the numbers of all triangles, and ``of_pair`` the place of each pair's own one
-    among these; over its plane the point was drawn at the height ``was_m``.
+    ``panel``, ``ends`` (k, 2: the points whose middles are looked at) and ``triangle`` are numbers.  Over the
+    triangle's plane the point was drawn at the height ``was_m``.
     """
 
     panel: Indices
     ends: Indices
-    triangles: Indices
-    of_pair: Indices
+    triangle: Indices
     was_m: Array
+
+    def part(self, pairs: Indices | npt.NDArray[np.bool_]) -> Pairs:
+        """Return some of the pairs."""
+        return Pairs(self.panel[pairs], self.ends[pairs], self.triangle[pairs], self.was_m[pairs])
+
+
+class MovingPairs:
+    """Listed pairs whose triangles have points of their own, with the ``corners`` (k, 3) of these."""
+
+    def __init__(self, pairs: Pairs, corners: Indices) -> None:
+        self._pairs = pairs
+        _, first, self._of_pair = np.unique(pairs.triangle, return_index=True, return_inverse=True)
+        self._corners = corners[first]
+
+    def crossed(self, position_m: Array) -> Pairs:
+        """Return the pairs whose point is on the other side of the plane with all points at (n, 3)."""
+        place_m = middles_m(self._pairs.ends, position_m)
+        is_m = height_m(position_m[self._corners], self._of_pair, place_m)
+        return self._pairs.part(np.flatnonzero(self._pairs.was_m * is_m < 0.0))
+
+
+class RigidPairs:
+    """Listed pairs whose triangles belong to one rigid surface, in whose own axes their planes stand still.
+
+    There a point crosses no plane before it has moved by its least height over them, so that the heights of
+    few points are computed anew.  ``first`` is the number of the four points that carry the surface, whose
+    edges are ``edge_m`` long, and ``shares`` (k, 3, 3) are those of the triangles' corners.
+    """
+
+    def __init__(self, pairs: Pairs, first: int, edge_m: float, shares: Array) -> None:
+        self._ends, row = np.unique(pairs.ends, axis=0, return_inverse=True)
+        order = np.argsort(row.ravel(), kind="stable")
+        self._pairs, self._row, corners_m = pairs.part(order), row.ravel()[order], edge_m * shares[order]
+        self._carriers, self._edge_m = slice(first, first + 4), edge_m
+        normal = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+        self._normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+        self._at_m = np.einsum("nk,nk->n", self._normal, corners_m[:, 0])
+        self._crossed = np.zeros(len(row), dtype=np.bool_)
+        self._seen_m, self._free_m = np.zeros((len(self._ends), 3)), np.full(len(self._ends), -1.0)
+
+    def crossed(self, position_m: Array) -> Pairs:
+        """Return the pairs whose point is on the other side of the plane with all points at (n, 3)."""
+        place_m = middles_m(self._ends, position_m)
+        own_m = self._edge_m * shares_in(position_m[self._carriers], place_m)
+        due = np.linalg.norm(own_m - self._seen_m, axis=1) > self._free_m
+        if due.any():
+            pairs = np.flatnonzero(due[self._row])
+            row = self._row[pairs]
+            is_m = np.einsum("nk,nk->n", self._normal[pairs], own_m[row]) - self._at_m[pairs]
+            self._crossed[pairs] = self._pairs.was_m[pairs] * is_m < 0.0
+            starts = np.flatnonzero(np.diff(row, prepend=-1))
+            self._free_m[due] = NEARLY * np.minimum.reduceat(np.abs(is_m), starts)
+            self._seen_m[due] = own_m[due]
+        return self._pairs.part(np.flatnonzero(self._crossed))
 
 
 class Penetrations:
@@ -82,19 +137,31 @@ class Penetrations:
         Everything that has triangles.
     panels
         The panels with the points to be examined.
+    rigid
+        The vertices of rigid surfaces, whose numbers follow those of the points.
     """
 
-    def __init__(self, drawn_m: Array, bodies: Sequence[SurfaceBody], panels: Sequence[ProbedPanel]) -> None:
+    def __init__(
+        self,
+        drawn_m: Array,
+        bodies: Sequence[SurfaceBody],
+        panels: Sequence[ProbedPanel],
+        rigid: RigidVertices = NO_RIGID,
+    ) -> None:
         self._bodies, self._panels = tuple(bodies), tuple(panels)
-        self._drawn_m = drawn_m
+        self._drawn_m, self._rigid = drawn_m, rigid
         nothing = np.empty((0, 3), dtype=np.int64)
         self._triangles = np.concatenate([nothing, *(body.triangles for body in bodies)])
         counts = [len(body.triangles) for body in bodies]
         self._body = np.repeat(np.arange(len(counts)), counts)
         self._points = [np.unique(body.triangles) for body in bodies]
-        self._drawn_boxes_m = self._boxes_of_bodies(drawn_m)
-        self._drawn_triangles_m = boxes_of(drawn_m[self._triangles])
+        vertices_m = rigid.at(drawn_m)
+        carriers = np.concatenate([np.full(len(drawn_m), -1), rigid.first])
+        self._carrier = carriers[self._triangles[:, 0]]  # of each triangle: its first of four points, or -1
+        self._drawn_boxes_m = self._boxes_of_bodies(vertices_m)
+        self._drawn_triangles_m = boxes_of(vertices_m[self._triangles])
         self._thickness_m = np.array([panel.thickness_m for panel in panels])
+        self._pairs: list[MovingPairs | RigidPairs] = []
         self._listed_m, self._skin_m = drawn_m, np.full(3, -1.0)  # so that the first search makes a list
 
     def deepest(self, position_m: Array) -> Penetration | None:
@@ -105,21 +172,20 @@ class Penetrations:
         """
         moved_m = np.abs(position_m - self._listed_m).max(axis=0, initial=0.0)
         if (moved_m > self._skin_m).any():
-            self._list_pairs(position_m, moved_m)
-        pairs = self._pairs
-        corners = self._triangles[pairs.triangles]
-        is_m = height_m(position_m[corners], pairs.of_pair, middles_m(pairs.ends, position_m))
-        crossed = np.flatnonzero(pairs.was_m * is_m < 0.0)
-        if not len(crossed):
+            is_first = self._skin_m < 0.0  # then it is no motion: the panels sag since they were drawn
+            self._list_pairs(position_m, np.where(is_first, 0.0, moved_m))
+        crossed = _joined([pairs.crossed(position_m) for pairs in self._pairs])
+        if not len(crossed.panel):
             return None
-        was_m, is_m, panel = pairs.was_m[crossed], is_m[crossed], pairs.panel[crossed]
-        triangle, corners = pairs.triangles[pairs.of_pair[crossed]], corners[pairs.of_pair[crossed]]
-        points_m = [middles_m(pairs.ends[crossed], at_m) for at_m in (self._drawn_m, position_m)]
-        corners_m = [at_m[corners] for at_m in (self._drawn_m, position_m)]
+        panel, triangle, was_m = crossed.panel, crossed.triangle, crossed.was_m
+        corners = self._triangles[triangle]
+        points_m = [middles_m(crossed.ends, at_m) for at_m in (self._drawn_m, position_m)]
+        corners_m = [self._rigid.at(at_m, corners) for at_m in (self._drawn_m, position_m)]
         beyond = are_beyond(
             np.stack([points_m] * 2, axis=2), np.stack([boxes_of(each) for each in corners_m])
         )
-        before, after = (foot_on_triangle(*each).share for each in zip(corners_m, points_m, strict=True))
+        feet = [foot_on_triangle(*each) for each in zip(corners_m, points_m, strict=True)]
+        (before, after), is_m = (foot.share for foot in feet), feet[1].height_m
         on_plane = before + (was_m / (was_m - is_m))[:, None] * (after - before)
         through = np.flatnonzero(~beyond & (on_plane >= -ON_RIM).all(axis=1))
         if not len(through):
@@ -140,27 +206,40 @@ class Penetrations:
         skin_m = 2 * moved_m + least_m
         self._listed_m, self._skin_m = position_m.copy(), np.where(skin_m > FAR * least_m, 0.0, skin_m)
         around_m = 2.001 * np.outer([-1, 1], self._skin_m)  # both move; more than twice, for rounding
-        boxes_m = np.stack([self._drawn_boxes_m, self._boxes_of_bodies(position_m) + around_m])
+        vertices_m = self._rigid.at(position_m)
+        boxes_m = np.stack([self._drawn_boxes_m, self._boxes_of_bodies(vertices_m) + around_m])
         none = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
-        near = [self._near(panel, position_m, boxes_m, around_m) for panel in self._panels]
+        near = [self._near(panel, vertices_m, boxes_m, around_m) for panel in self._panels]
         number = np.repeat(np.arange(len(near)), [len(triangle) for _, triangle in near])
         ends, triangle = (np.concatenate(each) for each in zip(none, *near, strict=True))
         triangles, of_pair = np.unique(triangle, return_inverse=True)
-        was_m = height_m(self._drawn_m[self._triangles[triangles]], of_pair, middles_m(ends, self._drawn_m))
+        drawn_m = self._rigid.at(self._drawn_m, self._triangles[triangles])
+        was_m = height_m(drawn_m, of_pair, middles_m(ends, self._drawn_m))
         beside = np.abs(was_m) > IN_PLANE * self._thickness_m[number]
-        self._pairs = ListedPairs(number[beside], ends[beside], triangles, of_pair[beside], was_m[beside])
+        listed = Pairs(number, ends, triangle, was_m).part(beside)
+        carrier = self._carrier[listed.triangle]
+        moving = listed.part(carrier < 0)
+        self._pairs = [MovingPairs(moving, self._triangles[moving.triangle])]
+        self._pairs += [
+            self._on_rigid(listed.part(carrier == first), first) for first in np.unique(carrier[carrier >= 0])
+        ]
 
-    def _boxes_of_bodies(self, position_m: Array) -> Array:
+    def _on_rigid(self, pairs: Pairs, first: int) -> RigidPairs:
+        edge_m = float(np.linalg.norm(self._drawn_m[first + 1] - self._drawn_m[first]))
+        vertices = self._triangles[pairs.triangle] - len(self._drawn_m)
+        return RigidPairs(pairs, first, edge_m, self._rigid.share[vertices])
+
+    def _boxes_of_bodies(self, vertices_m: Array) -> Array:
         """Return the lowest and highest corners (bodies, 2, 3) of the boxes around all bodies; of NaN
         around a body without triangles."""
         boxes_m = np.full((len(self._bodies), 2, 3), np.nan)
         for box_m, points in zip(boxes_m, self._points, strict=True):
             if len(points):
-                box_m[:] = position_m[points].min(axis=0), position_m[points].max(axis=0)
+                box_m[:] = vertices_m[points].min(axis=0), vertices_m[points].max(axis=0)
         return boxes_m
 
     def _near(
-        self, panel: ProbedPanel, position_m: Array, boxes_m: Array, around_m: Array
+        self, panel: ProbedPanel, vertices_m: Array, boxes_m: Array, around_m: Array
     ) -> tuple[Indices, Indices]:
         """Return the ends (k, 2) of a panel's points and the triangles (k,) through which they may go.
 
@@ -170,16 +249,21 @@ class Penetrations:
         """
         if not len(panel.pairs):
             return panel.pairs, np.empty(0, dtype=np.int64)
-        points_m = np.stack([middles_m(panel.pairs, at_m) for at_m in (self._drawn_m, position_m)])
+        points_m = np.stack([middles_m(panel.pairs, at_m) for at_m in (self._drawn_m, vertices_m)])
         panel_m = np.stack([points_m.min(axis=1), points_m.max(axis=1)], axis=1)[:, None]
         bodies = ~are_beyond(panel_m, boxes_m)
         bodies[panel.body] = False
         triangles = np.flatnonzero(bodies[self._body])
         corners = self._triangles[triangles]
-        boxes_m = np.stack([self._drawn_triangles_m[triangles], boxes_of(position_m[corners]) + around_m])
+        boxes_m = np.stack([self._drawn_triangles_m[triangles], boxes_of(vertices_m[corners]) + around_m])
         met = ~are_beyond(panel_m, boxes_m)
         row, column = pairs_that_meet(points_m, boxes_m[:, met])
         return panel.pairs[row], triangles[met][column]
+
+
+def _joined(parts: Sequence[Pairs]) -> Pairs:
+    """Return all pairs."""
+    return Pairs(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
 def middles_m(pairs: Indices, position_m: Array) -> Array:
@@ -202,18 +286,20 @@ def are_beyond(one_m: Array, other_m: Array) -> npt.NDArray[np.bool_]:
 def pairs_that_meet(points_m: Array, boxes_m: Array) -> tuple[Indices, Indices]:
     """Return the numbers of points (2, n, 3) and boxes (2, m, 2, 3), where no side parts the two both times.
 
-    The pairs are in the order of points, then of boxes.  Along the axis on which the points lie widest apart,
-    places in order give the pairs that may meet; then all axes are compared.
+    The pairs are in the order of points, then of boxes.  Balls around the ways of both give those that may
+    meet; then all axes are compared.
     """
-    first_m, last_m = points_m.min(axis=0), points_m.max(axis=0)
-    axis = int(np.argmax(np.ptp(first_m, axis=0)))
-    order = np.argsort(first_m[:, axis], kind="stable")
-    in_order_m, farthest_m = first_m[order, axis], (last_m - first_m)[:, axis].max()
-    low = np.searchsorted(in_order_m, boxes_m[:, :, 0, axis].min(axis=0) - farthest_m)
-    high = np.searchsorted(in_order_m, boxes_m[:, :, 1, axis].max(axis=0), side="right")
-    counts = high - low
-    column = np.repeat(np.arange(len(counts)), counts)
-    row = order[np.arange(counts.sum()) + np.repeat(low - np.cumsum(counts) + counts, counts)]
+    from scipy.spatial import cKDTree
+
+    middle_m, box_m = (
+        points_m.mean(axis=0),
+        np.stack([boxes_m[:, :, 0].min(axis=0), boxes_m[:, :, 1].max(axis=0)]),
+    )
+    way_m = np.linalg.norm(points_m[0] - points_m[1], axis=1).max(initial=0.0)
+    reach_m = (np.linalg.norm(box_m[1] - box_m[0], axis=1) + way_m) / 2
+    near = cKDTree(middle_m).query_ball_point(box_m.mean(axis=0), reach_m, return_sorted=False)
+    column = np.repeat(np.arange(len(near)), np.fromiter(map(len, near), np.int64, len(near)))
+    row = np.fromiter(chain.from_iterable(near), np.int64, len(column))
     for axis in range(3):
         at_m, low_m, high_m = points_m[:, row, axis], boxes_m[:, column, 0, axis], boxes_m[:, column, 1, axis]
         met = ~((at_m < low_m).all(axis=0) | (at_m > high_m).all(axis=0))

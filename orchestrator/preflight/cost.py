@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ import numpy as np
 from orchestrator.case.bed.adhesion import adhesion_law
 from orchestrator.case.bed.size_distribution import mean_mass_kg
 from orchestrator.case.bed.sources import initial_particles, inlets
-from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, single_panels, stay_s
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, single_panels, stay_s, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.solver_plans import mesh_sizes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
@@ -31,6 +32,8 @@ IMPORT_S = 0.6
 """Time to start Python, and to read and check the case."""
 MESHED_S = 2e-5
 """Time to mesh a triangle that particles may touch."""
+RIGID_S = 4.7e-5
+"""Time to read, check and list a triangle of a rigid surface, whose intervals cost nothing."""
 INTERVAL_S = {"rest": 1.5e-5, "monitor": 1.5e-5, "coupling": 2e-5, "mapping": 1.2e-5}
 """Time per sync interval of each part; particles double it."""
 TRIANGLE_S = {"monitor": 9e-9, "coupling": 1.1e-8, "mapping": 1.8e-8}
@@ -119,10 +122,10 @@ WHOLE = RankShare()
 
 
 def predicted_parts_s(
-    case: Case, at_start: int, transport_m_per_s: float = THICK, share: RankShare = WHOLE
+    case: Case, at_start: int, transport_m_per_s: float = THICK, share: RankShare = WHOLE, rigid: int = 0
 ) -> dict[str, float]:
     """Return the processor time by part, on a rank with a ``share`` of the work, of a run with ``at_start``
-    particles at t = 0.
+    particles at t = 0 and ``rigid`` triangles of rigid surfaces.
 
     The first part, "start", is the time of imports, which no wall time counts.  Pictures and the
     report are not included.
@@ -140,7 +143,7 @@ def predicted_parts_s(
     if particles and case.particles.adapter is not None:
         work = _particles_work(case, share.particles * mean, tries.particles, triangles)
         costs["particles"] = case.particles.adapter.cost(replace(work, thrown=transport_m_per_s >= THIN))
-    parts_s = {"start": IMPORT_S + MESHED_S * triangles, "particles": 0.0}
+    parts_s = {"start": IMPORT_S + MESHED_S * triangles + RIGID_S * rigid, "particles": 0.0}
     parts_s |= {part: cost.stepping_s for part, cost in costs.items()}
     for part, each_s in INTERVAL_S.items():
         times = tries.panel if part == "mapping" else 1.0
@@ -216,6 +219,11 @@ def surface_triangles(case: Case) -> int:
     except SolverMissing:
         along, across = case.panel.surface_cells
         return 2 * along * across * len(single_panels(case))
+
+
+def rigid_triangles(case: Case, folder: Path) -> list[int]:
+    """Return the numbers of triangles of a case's rigid surfaces.  Raises stl.UnreadableStl."""
+    return [len(wall.triangles) for wall in walls(case, folder)]
 
 
 def _output_s(case: Case, particles: float) -> float:

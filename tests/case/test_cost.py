@@ -12,7 +12,15 @@ import pytest
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.numerics import FramesSolver, PanelSolver
 from orchestrator.case.tables.quantities import Table
-from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
+from orchestrator.preflight.cost import (
+    THICK,
+    THIN,
+    bed_cost,
+    in_words,
+    particles_at_start,
+    predicted_parts_s,
+    rigid_triangles,
+)
 from orchestrator.preflight.judge import load_judged
 from tests.cases import CASE, load_case
 from tests.runs.outside import ROOT
@@ -101,6 +109,16 @@ def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
     thin, thick = (predicted_parts_s(fed, 0, bed) for bed in (THIN, THICK))
     assert 0.0 < thin["particles"] < thick["particles"]
     assert thin["frames"] == thick["frames"]
+
+
+def test_triangles_of_rigid_surfaces_are_read_once() -> None:
+    """They cost the start of a run some time and its intervals none."""
+    folder = ROOT / "cases/quickstart"
+    case = load_judged(folder, "draft").case
+    assert rigid_triangles(case, folder) == [6]
+    plain, fine = (predicted_parts_s(case, 100, rigid=rigid) for rigid in (6, 24_576))
+    assert fine.pop("start") - plain.pop("start") == pytest.approx(1.15, abs=0.01)
+    assert fine == plain
 
 
 @pytest.mark.parametrize(

@@ -73,15 +73,17 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[Amplitudes, Amplitud
     loaded = load_case(tmp_path_factory.mktemp("one"), EMPTY, SETTINGS)
     one = solved(loaded.case, COUNT * INTERVAL_s, INTERVAL_s)
     with opened(loaded) as run:
-        centres = run.machine.centres
         middles = [panel.centre_line[len(panel.centre_line) // 2] for panel in run.machine.panels]
-        states = [run.advance(1) for _ in range(COUNT)]
+        states, poses = [], []
+        for _ in range(COUNT):
+            states.append(run.advance(1))
+            poses.append(run.machine.members.frames.pose())
     time_s = INTERVAL_s * np.arange(1, COUNT + 1)
-    clamps_m = np.array([state.clamps.position_m for state in states])[:, :, [0, 2]]
+    frames_m = np.array([pose.position_m for pose in poses])[:, :, [0, 2]]
     surface_m = np.array([state.panel.surface.position_m for state in states])[:, :, [0, 2]]
     coupled = amplitudes(
         time_s,
-        {name: clamps_m[:, point] for name, point in centres.items()},
+        {name: frames_m[:, number] for number, name in enumerate(run.machine.frames)},
         [surface_m[:, point] for point in middles],
     )
     return coupled, amplitudes(one.time_s, one.frames_m, one.middles_m)

@@ -20,7 +20,7 @@ WHOLE = "slice.width_m=0.1"  # periodic, too
 
 
 def centres_m(machine: Coupled) -> Array:
-    return machine.state.clamps.position_m[list(machine.machine.centres.values())]
+    return machine.machine.members.frames.pose().position_m
 
 
 def moved_m(folder: Path, settings: Sequence[str]) -> Array:

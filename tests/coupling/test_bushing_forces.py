@@ -1,35 +1,35 @@
-"""Bushings' deformations from the points that the frames carry."""
+"""Bushings' deformations from the poses of the frames."""
 
 from __future__ import annotations
+
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling.bushing_forces import BushingForces
-from orchestrator.output.records.series import rotations
-from orchestrator.ports import Array, Motion
-from orchestrator.ports.plans import BushingPlan
+from orchestrator.output.records.series import rotations_rad
+from orchestrator.ports import Array, Pose
+from orchestrator.ports.plans import BodyPlan, BushingPlan
 
-CENTRES = {"driving": 0, "driven": 5}
 CENTRE_M = np.array([[1.0, 0.2, -0.3], [0.8, 0.3, 0.1]])
-PROBE_M = np.array([[9.0, 9.0, 9.0]])
 PLACE_M = np.array([0.4, -0.1, 0.2])
 AXES = Rotation.from_euler("xyz", [10, 20, 30], degrees=True).as_matrix()
 STIFFNESS, DAMPING = np.array([2e5, 5e6, 3e5]), np.array([10.0, 40.0, 20.0])
-ARMS = np.vstack([np.zeros(3), np.eye(3)])
-DRAWN_M = np.vstack([CENTRE_M[0] + ARMS, PROBE_M, CENTRE_M[1] + ARMS])
+BODIES = [BodyPlan(n, 1.0, np.eye(3), c) for n, c in zip(("driving", "driven"), CENTRE_M, strict=True)]
 
 
 def forces(*bodies: str) -> BushingForces:
     bushing = BushingPlan("b", (bodies[0], bodies[1]), PLACE_M, AXES, STIFFNESS, DAMPING)
-    return BushingForces.of([bushing], CENTRES, DRAWN_M)
+    return BushingForces.of([bushing], BODIES)
 
 
-def moved(turn: Rotation, shift_m: Array, spin_rad_per_s: Array, speed_m_per_s: Array) -> Motion:
-    """All that is carried, as one rigid body about the origin."""
-    position_m = turn.apply(DRAWN_M) + shift_m
-    return Motion(position_m, np.cross(spin_rad_per_s, position_m - shift_m) + speed_m_per_s)
+def moved(turn: Rotation, shift_m: Array, spin_rad_per_s: Array, speed_m_per_s: Array) -> Pose:
+    """Both frames, as one rigid body about the origin."""
+    position_m, spin = turn.apply(CENTRE_M) + shift_m, np.tile(spin_rad_per_s, (2, 1))
+    velocity_m_per_s = np.cross(spin, position_m - shift_m) + speed_m_per_s
+    return Pose(position_m, np.tile(turn.as_matrix(), (2, 1, 1)), velocity_m_per_s, spin)
 
 
 TURN = Rotation.from_rotvec([0.1, -0.2, 0.05])
@@ -47,9 +47,10 @@ def test_axes_turn_with_the_first_body() -> None:
     extra_m, rate_m_per_s = np.array([1e-3, -2e-3, 3e-3]), np.array([0.1, 0.2, -0.3])
     together = moved(TURN, SHIFT_M, np.zeros(3), SPEED)
     position_m, velocity_m_per_s = together.position_m.copy(), together.velocity_m_per_s.copy()
-    position_m[5:] += TURN.apply(extra_m)
-    velocity_m_per_s[5:] += TURN.apply(rate_m_per_s)
-    deformation_m, force_N = forces("driving", "driven").at(Motion(position_m, velocity_m_per_s))
+    position_m[1] += TURN.apply(extra_m)
+    velocity_m_per_s[1] += TURN.apply(rate_m_per_s)
+    further = replace(together, position_m=position_m, velocity_m_per_s=velocity_m_per_s)
+    deformation_m, force_N = forces("driving", "driven").at(further)
     assert deformation_m[0] == pytest.approx(AXES @ extra_m, abs=1e-14)
     assert force_N[0] == pytest.approx(STIFFNESS * (AXES @ extra_m) + DAMPING * (AXES @ rate_m_per_s))
 
@@ -74,15 +75,12 @@ def test_several_moments_at_once_change_no_bit() -> None:
     """The series are computed in blocks, and a resumed run has other blocks than one that never stopped."""
     turns = [Rotation.from_rotvec(0.01 * (number + 1) * np.array([1.0, -2.0, 0.5])) for number in range(7)]
     every = [moved(turn, SHIFT_M, SPIN, SPEED) for turn in turns]
-    together = Motion.unchecked(
-        np.stack([one.position_m for one in every]), np.stack([one.velocity_m_per_s for one in every])
-    )
+    together = Pose(*(np.stack([getattr(one, f.name) for one in every]) for f in fields(Pose)))
     bushing, element_N = forces("driving", "driven"), np.arange(21.0).reshape(7, 1, 3)
-    centres = np.array(list(CENTRES.values()))
     for number, one in enumerate(every):
         for found, alone in (
             (bushing.at(together, element_N), bushing.at(one, element_N[number])),
-            (rotations(together, centres), rotations(one, centres)),
+            ([rotations_rad(together)], [rotations_rad(one)]),
         ):
             for values, single in zip(found, alone, strict=True):
                 assert np.array_equal(values[number], single)

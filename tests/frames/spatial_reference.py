@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.frames.common.rigid_frames import BushingTable, Unbalances, onto_bodies
-from adapters.frames.exudyn.poses import Attached, Poses, cross, turn, turning
+from adapters.frames.exudyn.poses import Attached, Poses, turning
 from orchestrator.ports import Array, Load, linear_frames
+from orchestrator.ports.interface_records import cross, turn
 from orchestrator.ports.plans import FramesPlan
 
 

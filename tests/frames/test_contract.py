@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.case import solvers
-from orchestrator.ports import BrokenRecord, Load
+from orchestrator.ports import BrokenRecord, Load, linear_frames
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.frames import find_driven_points
 from orchestrator.ports.state import as_arrays
@@ -128,6 +128,24 @@ def test_velocity_is_the_rate_of_position(case: Case) -> None:
     assert INTERVAL_S * bent_m_per_s / 12 < 1e-6
     mean_m_per_s = (velocity_m_per_s[1:] + velocity_m_per_s[:-1]) / 2
     assert moved_m == pytest.approx(INTERVAL_S * mean_m_per_s, abs=1.1 * INTERVAL_S * bent_m_per_s / 12)
+
+
+@every_adapter
+def test_carried_points_move_as_the_pose_says(case: Case) -> None:
+    """To rounding, with places of a metre and speeds of a metre per second.  A rotation keeps lengths."""
+    plan = case.moving(0.0)
+    frames, carrier = case.open(plan), linear_frames.numbers(plan, plan.carrier)
+    drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
+    assert np.array_equal(frames.pose().position_m, drawn_m)
+    for index, force_N in enumerate(loads(100)):
+        motion = frames.advance(Interval(index, INTERVAL_S), Load(force_N))
+        pose = frames.pose()
+        position_m, velocity_m_per_s = pose.carried(carrier, plan.points_m - drawn_m[carrier])
+        assert motion.position_m == pytest.approx(position_m, abs=1e-14)
+        assert motion.velocity_m_per_s == pytest.approx(velocity_m_per_s, abs=1e-13)
+    assert np.abs(pose.position_m - drawn_m).max() > 1e-4
+    product = pose.rotation @ np.swapaxes(pose.rotation, 1, 2)
+    assert product == pytest.approx(np.tile(np.eye(3), (2, 1, 1)), abs=1e-14)
 
 
 @every_adapter

@@ -58,9 +58,9 @@ def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -
         panel_of_triangle=NOBODY,
         panels=(),
         penetrations=Penetrations(NOWHERE, (), ()),
-        centres={},
+        frames=(),
         probes=(),
-        bushings=BushingForces.of((), {}, NOWHERE),
+        bushings=BushingForces.of((), ()),
         material=None,
         wearing=None,
     )

@@ -13,7 +13,7 @@ import pytest
 from orchestrator.output.records import cycle_record
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.history import History
-from orchestrator.ports import Array, Motion
+from orchestrator.ports import Array, Motion, Pose
 from orchestrator.ports.geometry import Rectangle
 
 CYCLE_S, SYNC_POINTS = 0.08, 16
@@ -27,9 +27,26 @@ AT = Rectangle(
     clamp_m=0.0,
 )
 LINE_M = np.array([[0.0, 0.1, 0.0], [0.15, 0.1, 0.0], [0.3, 0.1, 0.0]])
+
+
+class Frames:
+    """A frame that swings along x with an amplitude that falls from cycle to cycle."""
+
+    time_s = 0.0
+
+    def pose(self) -> Pose:
+        phase = 2 * np.pi * self.time_s / CYCLE_S
+        cycle = max(0, np.ceil(self.time_s / CYCLE_S - 1e-9) - 1)
+        position_m = np.array([[0.001 * (3 - cycle) * np.sin(phase), 0.0, 0.0]])
+        velocity_m_per_s = np.array([[0.0, 0.5 * np.cos(phase), 0.0]])
+        return Pose(position_m, np.eye(3)[None], velocity_m_per_s, np.zeros((1, 3)))
+
+
+FRAMES = Frames()
 MACHINE: Any = SimpleNamespace(
     panels=[SimpleNamespace(name="deck", centre_line=np.arange(3))],
-    centres={"frame": 0},
+    frames=("frame",),
+    members=SimpleNamespace(frames=FRAMES),
     probes=[
         SimpleNamespace(name="middle", index=1, on="surface"),
         SimpleNamespace(name="ball", index=1, on="particle"),
@@ -38,19 +55,16 @@ MACHINE: Any = SimpleNamespace(
 
 
 def at(time_s: float) -> tuple[Any, Array]:
-    """State and forces: a frame that swings along x with an amplitude that falls from cycle to
-    cycle, a middle that goes up and down, a pull of 100 N and more, a load downwards."""
+    """State and forces: a middle that goes up and down, a pull of 100 N and more, a load downwards."""
+    FRAMES.time_s = time_s
     phase = 2 * np.pi * time_s / CYCLE_S
-    cycle = max(0, np.ceil(time_s / CYCLE_S - 1e-9) - 1)
-    clamps_m = np.array([[0.001 * (3 - cycle) * np.sin(phase), 0.0, 0.0]])
     surface_m = LINE_M + np.outer([0.0, 0.01 * np.sin(phase), 0.0], [0.0, 0.0, 1.0])
     pull_N = 100.0 + 20.0 * np.sin(phase)
     forces_N = np.zeros((5, 1, 3))
     forces_N[0, 0] = [0.0, 0.0, -3.0]
     forces_N[2, 0, 0], forces_N[3, 0, 0] = pull_N, -pull_N
-    clamps = Motion(clamps_m, np.array([[0.0, 0.5 * np.cos(phase), 0.0]]))
     panel = SimpleNamespace(surface=Motion(surface_m, 0.0 * surface_m))
-    return SimpleNamespace(clamps=clamps, panel=panel), forces_N
+    return SimpleNamespace(panel=panel), forces_N
 
 
 def recorded(path: Path, stop_after: int | None = None) -> Path:
@@ -63,6 +77,7 @@ def recorded(path: Path, stop_after: int | None = None) -> Path:
         record.add_sync_point(time_s, *at(time_s))
         if number == stop_after:
             saved = record.save()
+            at(0.0)  # a machine is opened as it was at the start
             record = CycleRecord(MACHINE, start, [AT], CYCLE_S, history)
             record.restore(saved)
     record.close()

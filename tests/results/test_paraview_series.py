@@ -11,7 +11,9 @@ import meshio
 import numpy as np
 import pytest
 
-from orchestrator.output.records.snapshots import Series
+from orchestrator.output.records.snapshots import Series, walls_mesh, write_mesh
+from orchestrator.output.report.rendering import snapshots
+from orchestrator.ports.geometry import RigidVertices, TriangleSurface, shares_in, tetrahedron_m
 
 POINT = meshio.Mesh(np.zeros((1, 3)), [("vertex", np.zeros((1, 1), dtype=int))])
 
@@ -62,3 +64,40 @@ def test_a_full_disk_leaves_the_list_as_it_was(tmp_path: Path) -> None:
         signal.signal(signal.SIGXFSZ, handler)
     assert listed(tmp_path) == before
     assert len(list((tmp_path / "series").iterdir())) == 60
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_what_stands_still_is_listed_beside_each_time(tmp_path: Path, moves: bool) -> None:
+    """As a second part of the time, or as the only one where nothing moves; the pictures take the first."""
+    write_mesh(tmp_path / "walls.vtu", POINT)
+    series = Series(tmp_path, "series", "walls.vtu", moves)
+    for number in range(3):
+        series.add(float(number), POINT)
+    own = [f"series/series_{number:05d}.vtu" for number in range(3)]
+    first = own if moves else ["walls.vtu"] * 3
+    assert listed(tmp_path) == [
+        (float(number), file)
+        for number in range(3)
+        for file in ([own[number], "walls.vtu"] if moves else ["walls.vtu"])
+    ]
+    assert [str(file.relative_to(tmp_path)) for _, file in snapshots(tmp_path, "series")] == first
+    series.restore(series.save())
+    assert (tmp_path / "walls.vtu").is_file()
+
+
+def test_walls_are_written_as_they_are_drawn(tmp_path: Path) -> None:
+    """One triangle of a panel and two of a wall that four points carry, at corners of its own."""
+    corners_m = np.array([[0.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 1.0, 1.0], [0.0, 1.0, 1.0]])
+    carriers_m = tetrahedron_m(corners_m)
+    surface = TriangleSurface(
+        np.vstack([np.eye(3), carriers_m]),
+        np.array([[0, 1, 2], [7, 8, 9], [7, 9, 10]]),
+        np.zeros(3, dtype=np.int64),
+        np.array([0, -1, -1]),
+        RigidVertices(np.full(4, 3), shares_in(carriers_m, corners_m)),
+    )
+    write_mesh(tmp_path / "walls.vtu", walls_mesh(surface, {"worn_depth_m": np.arange(11.0)}))
+    found = meshio.read(tmp_path / "walls.vtu")
+    assert found.points == pytest.approx(corners_m, abs=1e-6)
+    assert found.cells_dict["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert found.point_data["worn_depth_m"].tolist() == [7.0, 8.0, 9.0, 10.0]

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.coupling.bushing_forces import BushingForces, frame_points
+from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.coupling.machine import PlacedProbe
 from orchestrator.output.records.history import CHUNK_ROWS, History, Reserved
-from orchestrator.output.records.series import PanelForces, TimeSeries, rotations
-from orchestrator.ports import Array, Load, Motion, PanelState
-from orchestrator.ports.plans import BushingPlan
+from orchestrator.output.records.series import PanelForces, TimeSeries, rotations_rad
+from orchestrator.ports import Array, Load, Motion, PanelState, Pose
+from orchestrator.ports.plans import BodyPlan, BushingPlan
 
 REST = Motion(np.zeros((4, 3)), np.zeros((4, 3)))
 
@@ -40,9 +40,9 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
         )
         for n in range(2)
     ]
-    still = SimpleNamespace(names=(), at=lambda motion, _: np.empty((2, len(motion.position_m), 0, 3)))
-    members = SimpleNamespace(frames=None)
-    machine: Any = SimpleNamespace(centres={}, probes=(), panels=panels, bushings=still, members=members)
+    still = SimpleNamespace(names=(), at=lambda pose, _: np.empty((2, len(pose.position_m), 0, 3)))
+    members = SimpleNamespace(frames=SimpleNamespace(pose=Pose.nothing))
+    machine: Any = SimpleNamespace(frames=(), probes=(), panels=panels, bushings=still, members=members)
     history = History(tmp_path / "history.h5")
     forces, series = PanelForces(machine, state(0.0)), TimeSeries(machine, state(0.0), history)
     for time_s, loads_N in ((0.0, [5.0]), (1.0, [1.0, 2.0, 6.0]), (2.0, [0.0, 3.0])):
@@ -62,59 +62,58 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
 
 def test_every_row_has_what_its_moment_had(tmp_path: Path) -> None:
     """Rows are computed together; frames, probes, bushings and rows are of different numbers."""
-    random, centres = np.random.default_rng(5), {"one": 0, "two": 5}
-    start_m = random.normal(size=(10, 3))
-    of_frames, points = frame_points(centres)
-    assert points.tolist() == [0, 1, 2, 3, 5, 6, 7, 8]
+    random, names = np.random.default_rng(5), ("one", "two")
+    start = Pose(random.normal(size=(2, 3)), np.tile(np.eye(3), (2, 1, 1)), *np.zeros((2, 2, 3)))
     bushings = BushingForces.of(
         [
             BushingPlan(f"b-{n}", ends, random.normal(size=3), np.eye(3), np.full(3, 1e5), np.full(3, 40.0))
             for n, ends in enumerate((("one", "two"), ("ground", "one"), ("two", "ground")))
         ],
-        of_frames,
-        start_m[points],
+        [BodyPlan(n, 1.0, np.eye(3), at_m) for n, at_m in zip(names, start.position_m, strict=True)],
     )
-    probes = [PlacedProbe("p", "clamps", 4), PlacedProbe("q", "surface", 2)]
+    arm_m = random.normal(size=3)
+    probes = [PlacedProbe("p", "frame", 1, arm_m), PlacedProbe("q", "surface", 2)]
     elements_N: list[Array] = []
-    frames = SimpleNamespace(element_forces_N=lambda: elements_N[-1])
+    poses = [start]
+    frames = SimpleNamespace(element_forces_N=lambda: elements_N[-1], pose=lambda: poses[-1])
     machine: Any = SimpleNamespace(
-        centres=centres, probes=probes, panels=[], bushings=bushings, members=SimpleNamespace(frames=frames)
+        frames=names, probes=probes, panels=[], bushings=bushings, members=SimpleNamespace(frames=frames)
     )
     history, states = History(tmp_path / "history.h5"), []
-    series = TimeSeries(machine, SimpleNamespace(clamps=Motion(start_m, 0 * start_m)), history)  # type: ignore[arg-type]
+    series = TimeSeries(machine, None, history)  # type: ignore[arg-type]
     for row in range(4):
-        turn = Rotation.from_rotvec(0.1 * random.normal(size=3))
+        turns = Rotation.from_rotvec(0.1 * random.normal(size=(2, 3))).as_matrix()
         elements_N.append(random.normal(size=(3, 3)))
-        carried = [turn.apply(start_m), random.normal(size=(10, 3))]
-        for centre in centres.values():
-            carried[0][centre + 1 : centre + 4] = carried[0][centre] + turn.as_matrix().T
-        state: Any = SimpleNamespace(
-            clamps=Motion(*carried), panel=SimpleNamespace(surface=Motion(*random.normal(size=(2, 3, 3))))
-        )
+        poses.append(Pose(random.normal(size=(2, 3)), turns, *random.normal(size=(2, 2, 3))))
+        state: Any = SimpleNamespace(panel=SimpleNamespace(surface=Motion(*random.normal(size=(2, 3, 3)))))
         series.add_forces(np.empty((5, 0, 3)))
         series.write_row(float(row), state, None)
         states.append(state)
     history.close()
     with h5py.File(tmp_path / "history.h5") as file:
         assert set(file["probes"]) == {"p", "q"}
-        for row, (state, element_N) in enumerate(zip(states, elements_N, strict=True)):
-            clamps, surface = state.clamps, state.panel.surface
-            of_points = Motion(clamps.position_m[points], clamps.velocity_m_per_s[points])
-            rotation_rad, spin_rad_per_s = rotations(clamps, np.array([0, 5]))
-            for number, name in enumerate(centres):
-                centre = centres[name]
-                moved_m = clamps.position_m[centre] - start_m[centre]
-                assert np.array_equal(file[f"frames/{name}/displacement_m"][row], moved_m)
-                rate = file[f"frames/{name}/velocity_m_per_s"][row]
-                assert np.array_equal(rate, clamps.velocity_m_per_s[centre])
-                assert np.array_equal(file[f"frames/{name}/rotation_rad"][row], rotation_rad[number])
-                assert np.array_equal(file[f"frames/{name}/spin_rad_per_s"][row], spin_rad_per_s[number])
-            for name, motion, index in (("p", clamps, 4), ("q", surface, 2)):
-                assert np.array_equal(file[f"probes/{name}/position_m"][row], motion.position_m[index])
-                rate = file[f"probes/{name}/velocity_m_per_s"][row]
-                assert np.array_equal(rate, motion.velocity_m_per_s[index])
+        for row, (state, pose, element_N) in enumerate(zip(states, poses[1:], elements_N, strict=True)):
+            of_frames = {
+                "displacement_m": pose.position_m - start.position_m,
+                "velocity_m_per_s": pose.velocity_m_per_s,
+                "rotation_rad": rotations_rad(pose),
+                "spin_rad_per_s": pose.spin_rad_per_s,
+            }
+            for column, values in of_frames.items():
+                for number, name in enumerate(names):
+                    assert np.array_equal(file[f"frames/{name}/{column}"][row], values[number])
+            turned_m = pose.rotation[1] @ arm_m
+            carried = (
+                pose.position_m[1] + turned_m,
+                pose.velocity_m_per_s[1] + np.cross(pose.spin_rad_per_s[1], turned_m),
+            )
+            surface = state.panel.surface
+            touched = (surface.position_m[2], surface.velocity_m_per_s[2])
+            for name, motion in (("p", carried), ("q", touched)):
+                for column, values in zip(("position_m", "velocity_m_per_s"), motion, strict=True):
+                    assert file[f"probes/{name}/{column}"][row] == pytest.approx(values, abs=1e-15)
             for column, values in zip(
-                ("deformation_m", "force_N"), bushings.at(of_points, element_N), strict=True
+                ("deformation_m", "force_N"), bushings.at(pose, element_N), strict=True
             ):
                 for number in range(3):
                     assert np.array_equal(file[f"bushings/b-{number}/{column}"][row], values[number])

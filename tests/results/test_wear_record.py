@@ -7,7 +7,7 @@ import pytest
 
 from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.coupling.machine import PanelPoints
-from orchestrator.output.records.wear_record import PATCHES, WearRecord, point_area_m2
+from orchestrator.output.records.wear_record import PATCHES, WearRecord, vertex_area_m2
 from orchestrator.ports.geometry import Rectangle, TriangleSurface
 
 AT = Rectangle(
@@ -44,15 +44,15 @@ def record(cells: tuple[int, int] = (16, 8)) -> tuple[WearRecord, TriangleSurfac
 
 
 def test_areas_add_up() -> None:
-    area_m2 = point_area_m2(record()[1])
+    area_m2 = vertex_area_m2(record()[1])
     assert area_m2.sum() == pytest.approx(0.34 * 0.2, rel=1e-12)  # with both clamps
     assert (area_m2[:2] == 0.0).all()
 
 
 def test_even_wear_is_even_everywhere() -> None:
     wear, surface = record()
-    worn_m3 = 1e-5 * point_area_m2(surface)
-    depth_m = wear.point_depth_m(worn_m3)
+    worn_m3 = 1e-5 * vertex_area_m2(surface)
+    depth_m = wear.vertex_depth_m(worn_m3)
     np.testing.assert_allclose(depth_m[2:], 1e-5, rtol=1e-12)
     assert (depth_m[:2] == 0.0).all()
     found = wear.groups(worn_m3)["wear/deck"]
@@ -77,10 +77,10 @@ def test_patches_divide_a_panel_evenly_whatever_its_cells(cells: tuple[int, int]
     """A depth that grows from side to side is in each patch that of its middle."""
     wear, surface = record(cells)
     across_m = (surface.position_m - AT.corner_m) @ AT.across
-    worn_m3 = across_m * point_area_m2(surface)
+    worn_m3 = across_m * vertex_area_m2(surface)
     depth_m = np.asarray(wear.groups(worn_m3)["wear/deck"]["depth_m"])
     middles_m = 0.2 * (np.arange(4) + 0.5) / 4
     np.testing.assert_allclose(depth_m, np.tile(middles_m, (8, 1)), rtol=0.02)
-    mirrored = (0.2 - across_m) * point_area_m2(surface)
+    mirrored = (0.2 - across_m) * vertex_area_m2(surface)
     other_m = np.asarray(wear.groups(mirrored)["wear/deck"]["depth_m"])
     np.testing.assert_allclose(other_m[:, ::-1], depth_m, rtol=0.02)

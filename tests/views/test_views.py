@@ -31,7 +31,7 @@ from orchestrator.output.views.drawings import (
 )
 from orchestrator.output.views.modes import modes_svg
 from orchestrator.output.views.openings import draw_openings, sizes_m
-from orchestrator.output.views.outline import MachineOutline, face_edges_m, outline
+from orchestrator.output.views.outline import MOST_DRAWN, MachineOutline, face_edges_m, outline, simplified
 from orchestrator.output.views.page import Views
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.frame_modes import frame_modes
@@ -274,3 +274,28 @@ def test_a_case_with_problems_is_shown_and_the_problems_named(tmp_path: Path) ->
     )
     assert done.exit_code == 2
     assert not (tmp_path / "not").exists()
+
+
+def test_a_surface_of_very_many_triangles_is_drawn_with_few() -> None:
+    """A plate with a fold, in 20 000 triangles: the same area, bounds and edges, to the rounding of single
+    precision.  A surface of few triangles stays as it is."""
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 101), np.linspace(0.0, 1.0, 101), indexing="ij")
+    at_m = np.stack([x, y, np.abs(x - 0.5)], axis=-1).reshape(-1, 3)
+    a = np.arange(101 * 101).reshape(101, 101)
+    corners = [(a[:-1, :-1], a[1:, :-1], a[1:, 1:]), (a[:-1, :-1], a[1:, 1:], a[:-1, 1:])]
+    triangles = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in corners])
+    coarse_m, few = simplified(at_m, triangles)
+    assert len(few) <= MOST_DRAWN
+    sides_m = [
+        points_m[t][:, 1:] - points_m[t][:, :1] for points_m, t in ((at_m, triangles), (coarse_m, few))
+    ]
+    area_m2, coarse_m2 = (np.linalg.norm(np.cross(s[:, 0], s[:, 1]), axis=1).sum() / 2 for s in sides_m)
+    assert coarse_m2 == pytest.approx(area_m2, rel=1e-6)
+    assert np.array([coarse_m.min(axis=0), coarse_m.max(axis=0)]) == pytest.approx(
+        np.array([at_m.min(axis=0), at_m.max(axis=0)]), abs=1e-6
+    )
+    edges_m = face_edges_m(coarse_m, few)
+    assert np.linalg.norm(edges_m[:, 1] - edges_m[:, 0], axis=1).sum() == pytest.approx(
+        3 + 2 * 2**0.5, rel=1e-5
+    )
+    assert simplified(coarse_m, few)[1] is few

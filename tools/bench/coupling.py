@@ -84,8 +84,8 @@ class Runner:
 
     def surface_velocity_m_per_s(self) -> Array:
         """Return the velocity (points, 3) of the points that particles touch, now."""
-        touched = np.unique(self._machine.surface.triangles)
-        return self._state.panel.surface.velocity_m_per_s[touched]
+        surface = self._machine.surface
+        return surface.rigid.at(self._state.panel.surface.velocity_m_per_s, np.unique(surface.triangles))
 
     def close(self) -> None:
         """Close the machine."""

@@ -35,7 +35,7 @@ from orchestrator.case.solver_plans import particles_plan
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.geometry import RigidVertices, TriangleSurface
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
 
 SPAWN = multiprocessing.get_context("spawn")
@@ -117,9 +117,9 @@ def _stock_plan(case: Case, surface: TriangleSurface, bed: ParticleSnapshot) -> 
     assert plan is not None, "asked of a case without particles"
     if plan.periodic_y:  # stock meshes end the run where a node lies beyond a periodic side, be it by microns
         _, (low_m, high_m), _ = np.array(plan.domain_m).T
-        inside_m = surface.position_m.copy()
+        inside_m = surface.vertices_m.copy()
         inside_m[:, 1] = inside_m[:, 1].clip(low_m + ROOM_M, high_m - ROOM_M)
-        plan = replace(plan, surface=replace(surface, position_m=inside_m))
+        plan = replace(plan, surface=replace(surface, position_m=inside_m, rigid=RigidVertices.none()))
     return replace(plan, particles=ParticleList(**rows), feed=None, exits=())
 
 
@@ -187,7 +187,7 @@ def _stock_walls(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> It
     for number in np.unique(plan.surface.material):
         name = f"mesh{number}"
         stl, triangles = folder / f"{name}.stl", plan.surface.triangles[plan.surface.material == number]
-        _write_stl(stl, _divided(plan.surface.position_m[triangles]))
+        _write_stl(stl, _divided(plan.surface.vertices_m[triangles]))
         yield f"fix {name} all mesh/surface file {stl} type {number + 1} curvature_tolerant yes"
         meshes.append(name)
     yield f"fix surface all wall/gran {model} mesh n_meshes {len(meshes)} meshes {' '.join(meshes)}"

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orchestrator.ports import Array, Known, Motion
+from orchestrator.ports import Array, Known, Motion, Pose
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.linear_frames import skew
+from orchestrator.ports.linear_frames import driven, skew
 from orchestrator.ports.plans import DrivePlan, FramesPlan
 
 if TYPE_CHECKING:
@@ -58,6 +58,25 @@ def driving(drive: DrivePlan, time_s: float) -> Driving:
 def carried_motion(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
     """Return position and velocity, (n, 3) each, of points that a driven body carries."""
     return driving(drive, time_s).carried(points_m - drive.center_m)
+
+
+def driven_pose(plan: FramesPlan, time_s: float) -> Pose:
+    """Return the exact pose of a plan's bodies at a time; bodies without a drive stand as they were drawn."""
+    pose = drawn_pose(plan)
+    for number, drive in zip(driven(plan), plan.drives, strict=True):
+        now = driving(drive, time_s)
+        pose.position_m[number], pose.velocity_m_per_s[number] = now.carried(
+            pose.position_m[number] - drive.center_m
+        )
+        pose.rotation[number], pose.spin_rad_per_s[number] = now.rotation.as_matrix(), now.spin_rad_per_s
+    return pose
+
+
+def drawn_pose(plan: FramesPlan) -> Pose:
+    """Return the pose of a plan's bodies as they are drawn, at rest."""
+    bodies = len(plan.bodies)
+    position_m = np.array([body.center_of_mass_m for body in plan.bodies]).reshape(-1, 3)
+    return Pose(position_m, np.tile(np.eye(3), (bodies, 1, 1)), *np.zeros((2, bodies, 3)))
 
 
 class DrivenPoints:

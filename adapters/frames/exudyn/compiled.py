@@ -14,8 +14,9 @@ import numpy as np
 
 from adapters.frames.common.ledger import BodyMotion
 from adapters.frames.common.rigid_frames import BushingTable
-from adapters.frames.exudyn.poses import Attached, Poses, turn
-from orchestrator.ports import Array, Indices, Motion, Saved, linear_frames
+from adapters.frames.exudyn.poses import Attached, Poses
+from orchestrator.ports import Array, Indices, Motion, Pose, Saved, linear_frames
+from orchestrator.ports.interface_records import turn
 from orchestrator.ports.plans import FramesPlan, SolverMissing
 
 try:
@@ -87,6 +88,16 @@ class CompiledBodies:
     def carried(self) -> Motion:
         """Return the motion of the carried points."""
         return Motion(*self.kernel.carry())
+
+    def pose(self) -> Pose:
+        """Return the pose of the bodies."""
+        poses, bodies = self.poses, slice(-1)
+        return Pose(
+            poses.center_m[bodies].copy(),
+            poses.rotation[bodies].copy(),
+            poses.velocity_m_per_s[bodies].copy(),
+            poses.spin_rad_per_s[bodies].copy(),
+        )
 
     def motion(self) -> BodyMotion:
         """Return the motion of the bodies."""

@@ -26,7 +26,7 @@ from adapters.frames.common.rigid_frames import RigidFrames
 from adapters.frames.exudyn import LARGEST_TILT_RAD
 from adapters.frames.exudyn.compiled import CompiledBodies
 from adapters.frames.exudyn.shaft import SpatialShaft
-from orchestrator.ports import Account, Array, Load, Motion, Saved, check_point_count, linear_frames
+from orchestrator.ports import Account, Array, Load, Motion, Pose, Saved, check_point_count, linear_frames
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 
@@ -100,6 +100,9 @@ class ExudynFrames(RigidFrames):
         )
         self._ledger.add(**books)
         return self._points
+
+    def pose(self) -> Pose:
+        return self._bodies.pose()
 
     def account(self) -> Account:
         shafts = [(shaft, shaft.velocity_m_per_s(self._bodies.poses)) for shaft in self._shafts]

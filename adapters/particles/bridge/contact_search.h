@@ -17,6 +17,48 @@ struct Spheres {
   int count;
 };
 
+// A rigid surface, whose triangles are listed once, where they are in its own axes: those of the edges between
+// the four points that carry it, which are equally long and at right angles.
+struct RigidSurface {
+  int first;  // of the four points
+  double edge_m;
+  std::vector<int> triangles;
+  TriangleGrid grid;
+
+  Vec3 place(const RigidVertex &vertex) const {
+    return edge_m * Vec3{vertex.weight[1], vertex.weight[2], vertex.weight[3]};
+  }
+};
+
+// Where a rigid surface is: takes places of the world to its own axes.  On a path the edges lengthen and turn
+// against each other a little; `stretch` is the most by which that lengthens a distance in its own axes.
+class RigidPlace {
+ public:
+  RigidPlace(const SurfacePath &surface, const RigidSurface &of) : origin_(surface.position(of.first)) {
+    Vec3 edge[3];
+    for (int k = 0; k < 3; ++k) edge[k] = surface.position(of.first + 1 + k) - origin_;
+    const double per_volume = of.edge_m / dot(edge[0], cross(edge[1], edge[2]));
+    for (int k = 0; k < 3; ++k) row_[k] = per_volume * cross(edge[(k + 1) % 3], edge[(k + 2) % 3]);
+    double off2 = 0.0;  // squared sum of rows x rows' - 1
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const double off = dot(row_[i], row_[j]) - (i == j);
+        off2 += off * off;
+      }
+    stretch_ = std::sqrt(1.0 + std::sqrt(off2));
+  }
+
+  double stretch() const { return stretch_; }
+  Vec3 own(Vec3 world) const {
+    const Vec3 from = world - origin_;
+    return {dot(row_[0], from), dot(row_[1], from), dot(row_[2], from)};
+  }
+
+ private:
+  Vec3 origin_, row_[3];
+  double stretch_;
+};
+
 // Finds where spheres touch the moving triangles.  A search lists for every sphere the triangles
 // it may touch for a while, as Verlet lists do; the touches of a step come from that list.
 //
@@ -30,11 +72,26 @@ class ContactSearch {
     Vec3 position_m;  // at the search
   };
 
-  void set(std::vector<Triangle> triangles, double largest_reach_m) {
+  void set(const SurfacePath &surface, std::vector<Triangle> triangles, double largest_reach_m) {
     triangles_ = std::move(triangles);
     joined_ = triangles_;
     largest_reach_ = largest_reach_m;
     no_grid_ = true;
+    rigid_reach_ = 0.0;
+    boxes_m_.resize(triangles_.size());
+    moving_.clear();
+    rigid_.clear();
+    for (size_t t = 0; t < triangles_.size(); ++t) {
+      const Triangle &corner = triangles_[t];
+      if (!surface.is_rigid(corner[0])) {
+        moving_.push_back(static_cast<int>(t));
+        continue;
+      }
+      RigidSurface &body = rigid_surface(surface, surface.rigid(corner[0]).first);
+      const auto place = [&](int k) { return body.place(surface.rigid(corner[k])); };
+      body.triangles.push_back(static_cast<int>(t));
+      boxes_m_[t] = TriangleBox::of(place(0), place(1), place(2));
+    }
   }
 
   // The surface goes on after `period_m` along y.  `joined` are the triangles again, with one number
@@ -60,18 +117,22 @@ class ContactSearch {
   // listed neighbours?  If not, a sphere may now be half a skin off and go to the other side.
   void search(const SurfacePath &surface, const Spheres &spheres, double factor, double skin_m,
               bool neighbours_listed_now) {
+    find_boxes(surface);
     if (no_grid_ || since_grid_ > 0.5 * skin_m) {
       grid_reach_ = largest_reach_ * factor + 2.0 * skin_m;
-      grid_.build(surface, triangles_, grid_reach_);
+      grid_.build(moving_, boxes_m_, grid_reach_);
       no_grid_ = false;
       since_grid_ = 0.0;
     }
+    if (rigid_reach_ != grid_reach_)
+      for (RigidSurface &body : rigid_) body.grid.build(body.triangles, boxes_m_, grid_reach_);
+    rigid_reach_ = grid_reach_;
+    const std::vector<RigidPlace> placed = places(surface);
     const double margin = neighbours_listed_now ? skin_m : 1.5 * skin_m;
-    find_boxes(surface);
     near_.clear();
     candidates_.clear();
     for (int i = 0; i < spheres.count; ++i)
-      list(surface, i, from(spheres.position_m[i]), spheres.radius_m[i] * factor + margin);
+      list(surface, placed, i, from(spheres.position_m[i]), spheres.radius_m[i] * factor + margin);
     since_search_ = 0.0;
     bed_at_search_ = bed_;
   }
@@ -84,12 +145,12 @@ class ContactSearch {
     };
     if (no_grid_ || reach_m + since_grid_ > grid_reach_) return any_image(nearer);
     const int most = period_ > 0 ? 1 : 0;
-    for (int periods = -most; periods <= most; ++periods) {
-      const auto cell = grid_.near(image(place, periods));
-      if (std::any_of(cell[0], cell[1], [&](int triangle) { return nearer(triangle, periods); }))
-        return true;
-    }
-    return false;
+    const std::vector<RigidPlace> placed = places(surface);
+    bool found = false;
+    for (int periods = -most; periods <= most && !found; ++periods)
+      each_near(placed, image(place, periods), reach_m,
+                [&](int triangle, Vec3, double) { found = found || nearer(triangle, periods); });
+    return found;
   }
 
   const std::vector<Near> &near() const { return near_; }
@@ -207,32 +268,55 @@ class ContactSearch {
     return {triangle, at, away, dot(away, away)};
   }
 
-  // Is a place farther than `reach_m` from the triangle's bounding box along any axis?
-  bool boxes_apart(Vec3 position_m, int triangle, double reach_m) const {
-    const auto &[low, high] = boxes_m_[triangle];
-    const auto apart = [reach_m](double x, double low_m, double high_m) {
-      return x + reach_m < low_m || x - reach_m > high_m;
-    };
-    return apart(position_m.z, low.z, high.z) || apart(position_m.x, low.x, high.x) ||
-           apart(position_m.y, low.y, high.y);
+  RigidSurface &rigid_surface(const SurfacePath &surface, int first) {
+    for (RigidSurface &body : rigid_)
+      if (body.first == first) return body;
+    const double edge_m = norm(surface.position(first + 1) - surface.position(first));
+    rigid_.push_back({first, edge_m, {}, {}});
+    return rigid_.back();
   }
 
-  void find_boxes(const SurfacePath &surface) {
-    boxes_m_.clear();
-    for (const Triangle &corner : triangles_) {
-      const Vec3 a = surface.position(corner[0]), b = surface.position(corner[1]),
-                 c = surface.position(corner[2]);
-      boxes_m_.push_back({{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})},
-                          {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})}});
+  std::vector<RigidPlace> places(const SurfacePath &surface) const {
+    std::vector<RigidPlace> placed;
+    placed.reserve(rigid_.size());
+    for (const RigidSurface &body : rigid_) placed.emplace_back(surface, body);
+    return placed;
+  }
+
+  // Visits the triangles that may lie within `reach_m` of a place: `visit(triangle, place, reach)`, with place
+  // and reach in the axes of the triangle's box.
+  template <class Visit>
+  void each_near(const std::vector<RigidPlace> &placed, Vec3 place_m, double reach_m, Visit visit) const {
+    const auto cell = grid_.near(place_m);
+    for (const int *t = cell[0]; t != cell[1]; ++t) visit(*t, place_m, reach_m);
+    for (size_t b = 0; b < rigid_.size(); ++b) {
+      const Vec3 own_m = placed[b].own(place_m);
+      const double reach = placed[b].stretch() * reach_m;
+      if (reach > grid_reach_) {  // an interval in which it turns by far more than machines do
+        for (const int t : rigid_[b].triangles) visit(t, own_m, reach);
+        continue;
+      }
+      const auto near = rigid_[b].grid.near(own_m);
+      for (const int *t = near[0]; t != near[1]; ++t) visit(*t, own_m, reach);
     }
   }
 
-  void list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m) {
+  // The boxes around the triangles that move by themselves, where they are now.
+  void find_boxes(const SurfacePath &surface) {
+    for (const int t : moving_) {
+      const Triangle &corner = triangles_[t];
+      boxes_m_[t] = TriangleBox::of(surface.position(corner[0]), surface.position(corner[1]),
+                                    surface.position(corner[2]));
+    }
+  }
+
+  void list(const SurfacePath &surface, const std::vector<RigidPlace> &placed, int sphere, Vec3 position_m,
+            double reach_m) {
     const auto first = candidates_.size();
-    look(surface, position_m, 0, reach_m);
+    look(surface, placed, position_m, 0, reach_m);
     if (period_ > 0) {
-      look(surface, image(position_m, -1), -1, reach_m);
-      look(surface, image(position_m, 1), 1, reach_m);
+      look(surface, placed, image(position_m, -1), -1, reach_m);
+      look(surface, placed, image(position_m, 1), 1, reach_m);
     }
     if (candidates_.size() == first) return;
     std::sort(candidates_.begin() + first, candidates_.end(),
@@ -241,21 +325,23 @@ class ContactSearch {
     near_.push_back({sphere, static_cast<int>(first), end, position_m});
   }
 
-  void look(const SurfacePath &surface, Vec3 position_m, int image, double reach_m) {
-    const auto cell = grid_.near(position_m);
-    for (const int *t = cell[0]; t != cell[1]; ++t) {
-      if (boxes_apart(position_m, *t, reach_m)) continue;
-      const double distance2 = nearest_place(surface, position_m, *t).distance2;
-      if (distance2 < reach_m * reach_m) candidates_.push_back({*t, image, std::sqrt(distance2)});
-    }
+  void look(const SurfacePath &surface, const std::vector<RigidPlace> &placed, Vec3 position_m, int image,
+            double reach_m) {
+    each_near(placed, position_m, reach_m, [&](int triangle, Vec3 place_m, double reach) {
+      if (boxes_m_[triangle].apart(place_m, reach)) return;
+      const double distance2 = nearest_place(surface, position_m, triangle).distance2;
+      if (distance2 < reach_m * reach_m) candidates_.push_back({triangle, image, std::sqrt(distance2)});
+    });
   }
 
   std::vector<Triangle> triangles_, joined_;
-  std::vector<std::pair<Vec3, Vec3>> boxes_m_;  // around each triangle at the search: lowest, highest corner
+  std::vector<int> moving_;  // triangles that are not of a rigid surface
+  std::vector<RigidSurface> rigid_;
+  std::vector<TriangleBox> boxes_m_;  // at the search; in its own axes of a rigid surface
   double period_ = 0.0;
   double largest_reach_ = 0.0;
   TriangleGrid grid_;
-  double grid_reach_ = 0.0;  // how near its cells know of triangles
+  double grid_reach_ = 0.0, rigid_reach_ = 0.0;  // how near cells know of triangles
   bool no_grid_ = true;
   double since_grid_ = 0.0, since_search_ = 0.0;  // how far the surface may have moved, m
   Vec3 bed_ = {0, 0, 0}, bed_at_search_ = {0, 0, 0};

@@ -5,7 +5,7 @@
 #include "atom.h"
 
 #include "saved_state.h"
-#include "triangle.h"
+#include "surface_path.h"
 
 namespace flipflow {
 
@@ -17,8 +17,7 @@ class ContactTangent {
   // goes through the sphere's centre; the contact point is `lever_m` from there.
   struct Contact {
     int sphere;
-    Triangle corner;
-    double weight[3];
+    Footing at;
     Vec3 normal, force, elastic;
     double stiffness_N_per_m[2], damping_N_s_per_m[2];  // normal, tangential
     double lever_m;
@@ -53,12 +52,12 @@ class ContactTangent {
       const Vec3 push = split(free, share[0] * z[0], share[1] * z[1]) -
                         split(contact.elastic, share[0], share[1]);
       const Vec3 rows[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-      for (int k = 0; k < 3; ++k) {
-        const int p = contact.corner[k];
-        add_to(&push_N[3 * p], contact.weight[k] * push);
+      for (int k = 0; k < 4; ++k) {
+        const int p = contact.at.point[k];
+        add_to(&push_N[3 * p], contact.at.weight[k] * push);
         for (int d = 0; d < 3; ++d)
           add_to(&impedance_N_s_per_m[9 * p + 3 * d],
-                 contact.weight[k] * split(rows[d], share[0] * z[0], share[1] * z[1]));
+                 contact.at.weight[k] * split(rows[d], share[0] * z[0], share[1] * z[1]));
       }
     }
   }
@@ -67,8 +66,9 @@ class ContactTangent {
     auto &reals = saved.reals["contact_tangent"];
     auto &wholes = saved.wholes["contact_tangent_at"];
     for (const Contact &c : contacts_) {
-      wholes.insert(wholes.end(), {c.sphere, c.corner[0], c.corner[1], c.corner[2]});
-      reals.insert(reals.end(), c.weight, c.weight + 3);
+      wholes.push_back(c.sphere);
+      wholes.insert(wholes.end(), c.at.point, c.at.point + 4);
+      reals.insert(reals.end(), c.at.weight, c.at.weight + 4);
       for (Vec3 v : {c.normal, c.force, c.elastic}) reals.insert(reals.end(), {v.x, v.y, v.z});
       reals.insert(reals.end(), c.stiffness_N_per_m, c.stiffness_N_per_m + 2);
       reals.insert(reals.end(), c.damping_N_s_per_m, c.damping_N_s_per_m + 2);
@@ -80,18 +80,18 @@ class ContactTangent {
     const auto &reals = saved.real("contact_tangent");
     const auto &wholes = saved.whole("contact_tangent_at");
     contacts_.clear();
-    for (size_t c = 0; 4 * c < wholes.size(); ++c) {
+    for (size_t c = 0; 5 * c < wholes.size(); ++c) {
       const double *r = &reals[kReals * c];
-      const auto *w = &wholes[4 * c];
+      const auto *w = &wholes[5 * c];
       const auto whole = [&](int k) { return static_cast<int>(w[k]); };
-      contacts_.push_back({whole(0), {whole(1), whole(2), whole(3)}, {r[0], r[1], r[2]},
-                           from(r + 3), from(r + 6), from(r + 9), {r[12], r[13]}, {r[14], r[15]},
-                           r[16]});
+      const Footing at = {{whole(1), whole(2), whole(3), whole(4)}, {r[0], r[1], r[2], r[3]}};
+      contacts_.push_back({whole(0), at, from(r + 4), from(r + 7), from(r + 10), {r[13], r[14]},
+                           {r[15], r[16]}, r[17]});
     }
   }
 
  private:
-  static constexpr int kReals = 17;  // of a contact
+  static constexpr int kReals = 18;  // of a contact
 
   // A contact's own velocity for the mean over the interval, were its force not there: of the point
   // of the sphere that touches, which turns with it.

@@ -87,7 +87,7 @@ void FixSurface::set_surface(SurfacePath surface, std::vector<Triangle> triangle
   surface_ = std::move(surface);
   type_ = std::move(type);
   largest_radius_ = largest_radius_m;
-  search_.set(std::move(triangles), largest_radius_m);
+  search_.set(surface_, std::move(triangles), largest_radius_m);
   load_.set(surface_.points());
 }
 
@@ -358,10 +358,8 @@ void FixSurface::add_tangent(const Touch &touch,
     }
   }
   const double w = touch.weight, normal = 2.0 * law(contact.i, touch).e_star_Pa * neck;
-  const double *corner = touch.at.weight;
   tangent_.add({contact.i,
-                 search_.triangle(touch.triangle),
-                 {corner[0], corner[1], corner[2]},
+                 surface_.footing(search_.triangle(touch.triangle), touch.at.weight),
                  n,
                  w * added,
                  w * (added - damping) + turned,

@@ -52,6 +52,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void begin_path(const double *start_m, const double *start_m_per_s, const double *end_m,
                   const double *end_m_per_s, double length_s, int steps);
   int points() const { return surface_.points(); }
+  int vertices() const { return surface_.vertices(); }
   const SurfacePath &path() const { return surface_; }
   LAMMPS_NS::bigint first_step() const { return first_step_; }  // before the path's first step
   void begin_sums(double step_s);

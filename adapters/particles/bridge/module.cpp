@@ -98,12 +98,23 @@ std::vector<flipflow::Triangle> corners_of(const char *name, const Ints &triangl
   return corners;
 }
 
-void set_surface(Engine &engine, const Doubles &position_m, const Ints &triangles, const Ints &type,
-                 double largest_radius_m) {
+void set_surface(Engine &engine, const Doubles &position_m, const Ints &rigid_first, const Doubles &rigid_share,
+                 const Ints &triangles, const Ints &type, double largest_radius_m) {
   check_shape("position_m", position_m, {kAny, 3});
+  check_shape("rigid_first", rigid_first, {kAny});
+  check_shape("rigid_share", rigid_share, {rigid_first.size(), 3});
   check_shape("type", type, {triangles.shape(0)});
-  auto corners = corners_of("triangles", triangles, static_cast<int>(position_m.shape(0)));
-  engine.surface().set_surface(flipflow::SurfacePath(values_of(position_m)), std::move(corners),
+  std::vector<flipflow::RigidVertex> rigid;
+  for (py::ssize_t v = 0; v < rigid_first.size(); ++v) {
+    const int first = rigid_first.at(v);
+    const double *share = rigid_share.data(v, 0), rest = 1.0 - share[0] - share[1] - share[2];
+    if (first < 0 || first + 4 > position_m.shape(0))
+      throw py::value_error("rigid_first: vertex " + std::to_string(v) + " hangs on points that are not there");
+    rigid.push_back({first, {rest, share[0], share[1], share[2]}});
+  }
+  flipflow::SurfacePath surface(values_of(position_m), std::move(rigid));
+  auto corners = corners_of("triangles", triangles, surface.vertices());
+  engine.surface().set_surface(std::move(surface), std::move(corners),
                                {type.data(), type.data() + type.size()}, largest_radius_m);
 }
 
@@ -130,7 +141,7 @@ std::vector<bool> overlaps(Engine &engine, const Doubles &position_m, const Doub
 
 void repeat_surface(Engine &engine, double period_m, const Ints &joined_triangles) {
   flipflow::FixSurface &surface = engine.surface();
-  surface.repeat(period_m, corners_of("joined_triangles", joined_triangles, surface.points()));
+  surface.repeat(period_m, corners_of("joined_triangles", joined_triangles, surface.vertices()));
 }
 
 void set_exits(Engine &engine, const Doubles &center_m, const Doubles &axes, const Doubles &half_m,
@@ -291,7 +302,7 @@ void set_wear(Engine &engine, const Doubles &rate_m3_per_N_m) {
   const flipflow::ContactLaws &laws = engine.laws();
   flipflow::FixSurface &surface = engine.surface();
   surface.set_wear({table("rate_m3_per_N_m", rate_m3_per_N_m, laws.types), laws.types, laws.spring(),
-                    surface.points()});
+                    surface.vertices()});
 }
 
 py::dict by_name(flipflow::ContactEnergy energy) {
@@ -361,8 +372,8 @@ PYBIND11_MODULE(_liggghts, module) {
            by_keyword, py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"),
            py::arg("contact_distance_factor"), py::arg("as_packaged") = false)
       .def("command", &Engine::command, py::arg("line"))
-      .def("set_surface", &set_surface, by_keyword, exactly("position_m"), exactly("triangles"),
-           exactly("type"), py::arg("largest_radius_m"))
+      .def("set_surface", &set_surface, by_keyword, exactly("position_m"), exactly("rigid_first"),
+           exactly("rigid_share"), exactly("triangles"), exactly("type"), py::arg("largest_radius_m"))
       .def("set_laws", &set_laws, by_keyword, exactly("e_star_Pa"), exactly("g_star_Pa"),
            py::arg("tangential_spring"), exactly("work_J_per_m2"), exactly("energy_density_J_per_m3"))
       .def("set_wear", &set_wear, exactly("rate_m3_per_N_m"))

@@ -9,7 +9,8 @@
 
 namespace flipflow {
 
-// Impulse of this rank's particles on each surface point, and the surface's work on them.
+// Impulse of this rank's particles on each surface point, and the surface's work on them.  What acts on a rigid
+// surface goes to the four points that carry it, with the same sum, moment and power.
 //
 // Velocity Verlet gives a particle half a step of the force at the interval's start, a whole one
 // of each force inside and half a one of the force at the end.  The sums here do the same, so
@@ -50,8 +51,10 @@ class SurfaceLoad {
       const int p = corner[k];
       power_ -= dot(force[k], surface.velocity(p));
       moment_ = moment_ + cross(surface.position(p), force[k]);
-      add_to(&impulse_[3 * p], step_s * force[k]);
-      if (last_) add_to(&force_[3 * p], force[k]);
+      surface.hand_on(p, force[k], [&](int point, Vec3 part) {
+        add_to(&impulse_[3 * point], step_s * part);
+        if (last_) add_to(&force_[3 * point], part);
+      });
     }
   }
 

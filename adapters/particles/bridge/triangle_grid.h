@@ -5,30 +5,46 @@
 #include <cmath>
 #include <vector>
 
-#include "surface_path.h"
-#include "triangle.h"
+#include "../../vec3.h"
 
 namespace flipflow {
+
+// The lowest and the highest corner of the box around a triangle.
+struct TriangleBox {
+  Vec3 low, high;
+
+  static TriangleBox of(Vec3 a, Vec3 b, Vec3 c) {
+    return {{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})},
+            {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})}};
+  }
+
+  // Is a place farther than `reach_m` from the box along any axis?
+  bool apart(Vec3 place, double reach_m) const {
+    return place.z + reach_m < low.z || place.z - reach_m > high.z || place.x + reach_m < low.x ||
+           place.x - reach_m > high.x || place.y + reach_m < low.y || place.y - reach_m > high.y;
+  }
+};
 
 // Which triangles may lie within `reach` of a place: a uniform grid over the surface's bounding
 // box; each cell lists the triangles whose bounding box, grown by `reach`, meets the cell.
 class TriangleGrid {
  public:
-  void build(const SurfacePath &surface, const std::vector<Triangle> &triangles, double reach_m) {
+  // `numbers`: the triangles; `boxes_m`: the boxes around all triangles, by their numbers.
+  void build(const std::vector<int> &numbers, const std::vector<TriangleBox> &boxes_m, double reach_m) {
     std::fill_n(count_, 3, 0);
-    if (triangles.empty()) return;
-    lay_out(surface.positions(), triangles.size(), reach_m);
+    if (numbers.empty()) return;
+    lay_out(numbers, boxes_m, reach_m);
     first_.assign(static_cast<size_t>(count_[0]) * count_[1] * count_[2] + 1, 0);
-    std::vector<Box> boxes(triangles.size());
-    for (size_t t = 0; t < triangles.size(); ++t) {
-      boxes[t] = cells(surface, triangles[t], reach_m);
+    std::vector<Box> boxes(numbers.size());
+    for (size_t t = 0; t < numbers.size(); ++t) {
+      boxes[t] = cells(boxes_m[numbers[t]], reach_m);
       each_cell(boxes[t], [&](int cell) { ++first_[cell]; });
     }
     int end = 0;
     for (int &first : first_) first = end += first;  // now one past each cell's last
     triangle_.resize(end);
-    for (size_t t = triangles.size(); t-- > 0;)
-      each_cell(boxes[t], [&](int cell) { triangle_[--first_[cell]] = static_cast<int>(t); });
+    for (size_t t = numbers.size(); t-- > 0;)
+      each_cell(boxes[t], [&](int cell) { triangle_[--first_[cell]] = numbers[t]; });
   }
 
   // Range of triangle numbers for the cell that holds `p` (empty outside of the grid).
@@ -45,20 +61,20 @@ class TriangleGrid {
  private:
   using Box = std::array<std::array<int, 3>, 2>;
 
-  void lay_out(const std::vector<double> &position_m, size_t triangles, double reach_m) {
+  void lay_out(const std::vector<int> &numbers, const std::vector<TriangleBox> &boxes_m, double reach_m) {
     double size[3], cells = 1.0;
     for (int k = 0; k < 3; ++k) {
-      double low = position_m[k], high = position_m[k];
-      for (size_t i = k; i < position_m.size(); i += 3) {
-        low = std::min(low, position_m[i]);
-        high = std::max(high, position_m[i]);
+      double low = HUGE_VAL, high = -HUGE_VAL;
+      for (const int t : numbers) {
+        low = std::min(low, (&boxes_m[t].low.x)[k]);
+        high = std::max(high, (&boxes_m[t].high.x)[k]);
       }
       low_[k] = low - reach_m;
       size[k] = high - low + 2 * reach_m;
       cells *= size[k] / (2 * reach_m);
     }
     // cells of twice the reach, or larger where that would be far more cells than triangles
-    const double most = 4096.0 + 8.0 * static_cast<double>(triangles);
+    const double most = 4096.0 + 8.0 * static_cast<double>(numbers.size());
     const double cell = 2 * reach_m * std::max(1.0, std::cbrt(cells / most));
     for (int k = 0; k < 3; ++k) {
       count_[k] = std::max(1, static_cast<int>(size[k] / cell));
@@ -66,12 +82,10 @@ class TriangleGrid {
     }
   }
 
-  Box cells(const SurfacePath &surface, const Triangle &t, double reach_m) const {
-    const Vec3 corner[3] = {surface.position(t[0]), surface.position(t[1]), surface.position(t[2])};
+  Box cells(const TriangleBox &around, double reach_m) const {
     Box box;
     for (int k = 0; k < 3; ++k) {
-      const double a = (&corner[0].x)[k], b = (&corner[1].x)[k], c = (&corner[2].x)[k];
-      const double low = std::min({a, b, c}) - reach_m, high = std::max({a, b, c}) + reach_m;
+      const double low = (&around.low.x)[k] - reach_m, high = (&around.high.x)[k] + reach_m;
       const auto cell = [&](double x) {
         return std::clamp(static_cast<int>((x - low_[k]) * per_m_[k]), 0, count_[k] - 1);
       };

@@ -40,7 +40,7 @@ class Places:
     @classmethod
     def on_deck(cls, plan: ParticlesPlan) -> Places:
         """Return the middles of the surface's triangles, with their shares of the area seen along gravity."""
-        corners_m = plan.surface.position_m[plan.surface.triangles]
+        corners_m = plan.surface.vertices_m[plan.surface.triangles]
         area_m2 = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0]) / 2.0
         seen = np.abs(area_m2 @ plan.gravity_m_per_s2)
         seen = seen if seen.sum() > 0.0 else np.linalg.norm(area_m2, axis=1)

@@ -46,6 +46,8 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         engine.cut(first_cuts(plan, grid, corners_m, cutoff_m(plan)))
     engine.set_surface(
         position_m=floats(plan.surface.position_m),
+        rigid_first=ints(plan.surface.rigid.first),
+        rigid_share=floats(plan.surface.rigid.share),
         triangles=ints(plan.surface.triangles),
         type=ints(plan.surface.material + 1),
         largest_radius_m=plan.largest_radius_m,
@@ -149,19 +151,19 @@ def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[Array, Array
 
 
 def join_across(surface: TriangleSurface, period_m: float) -> Indices:
-    """Return the triangles (m, 3) with periodic points identified.
+    """Return the triangles (m, 3) with periodic vertices identified.
 
-    Points that are the same place one period along y further on have the number of the lower point.  Where
+    Vertices that are the same place one period along y further on have the number of the lower point.  Where
     bodies meet, it is that of the point's own body, so that the body goes on there; only a surface whose
     triangles do not share points is joined to any.
     """
-    number = np.arange(len(surface.position_m))
+    number = np.arange(len(surface.vertices_m))
     used = np.unique(surface.triangles)
     edges = np.concatenate([surface.triangles[:, [0, 1]], surface.triangles[:, [1, 2]]])
     linked = csr_array((np.ones(len(edges)), edges.T), shape=2 * (len(number),))
     body = connected_components(linked, directed=False)[1][used]
     for bodies_apart_m in (0.0, period_m):  # the own body's point takes the place of another's
-        place_m = np.column_stack([surface.position_m[used], bodies_apart_m * body])
+        place_m = np.column_stack([surface.vertices_m[used], bodies_apart_m * body])
         lower = cKDTree(place_m).query(
             place_m - [0.0, period_m, 0.0, 0.0], distance_upper_bound=SAME_PLACE * period_m
         )[1]

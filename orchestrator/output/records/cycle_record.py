@@ -18,7 +18,7 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_number
 from orchestrator.output.records.history import History, groups
 from orchestrator.output.records.panel_lines import PanelLines, panel_pull_N, sum_of_products
-from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports import Array, Indices, Motion, Saved
 from orchestrator.ports.geometry import Rectangle
 from orchestrator.ports.state import SavedAttributes
 
@@ -66,13 +66,16 @@ class CycleRecord(SavedAttributes):
     ) -> None:
         """Begin the first cycle; ``rectangles`` are the places of the panels, in the machine's order."""
         self._history, self._cycle_s = history, cycle_s
-        carried = machine.centres | {p.name: p.index for p in machine.probes if p.on == "clamps"}
+        on_frames = [probe for probe in machine.probes if probe.on == "frame"]
         touched = {p.name: p.index for p in machine.probes if p.on == "surface"}
-        self._points = [*carried, *touched]
-        self._carried = np.fromiter(carried.values(), np.int64)
+        self._points = [*machine.frames, *(probe.name for probe in on_frames), *touched]
+        self._frames = machine.members.frames
+        self._carrier = np.array([*range(len(machine.frames)), *(p.index for p in on_frames)], dtype=np.int64)
+        self._arm_m = np.zeros((len(self._carrier), 3))
+        self._arm_m[len(machine.frames) :] = [probe.arm_m for probe in on_frames] or np.empty((0, 3))
         self._touched = np.fromiter(touched.values(), np.int64)
         start_m = start.panel.surface.position_m
-        self._start_m = self._of_points(start.clamps.position_m, start_m)
+        self._start_m, _ = self._motion_of_points(start.panel.surface)
         self._panels = [panel.name for panel in machine.panels]
         lines = [panel.centre_line for panel in machine.panels]
         self._on_lines: Indices = np.concatenate([np.empty(0, dtype=np.int64), *lines])
@@ -91,9 +94,8 @@ class CycleRecord(SavedAttributes):
         cycle = cycle_number(time_s, self._cycle_s)
         if cycle != self._cycle:
             self.close()
-        clamps, surface = state.clamps, state.panel.surface
-        position_m = self._of_points(clamps.position_m, surface.position_m)
-        velocity_m_per_s = self._of_points(clamps.velocity_m_per_s, surface.velocity_m_per_s)
+        surface = state.panel.surface
+        position_m, velocity_m_per_s = self._motion_of_points(surface)
         line_m = surface.position_m.take(self._on_lines, axis=0)  # a fifth of the time of an index
         self._kept.append((position_m, velocity_m_per_s, line_m, forces_N))
         self._cycle, self._last_s, self._count = cycle, time_s, self._count + 1
@@ -136,8 +138,14 @@ class CycleRecord(SavedAttributes):
         for row in values:  # one after the other, so that the sum does not depend on who is kept together
             self._sum += row
 
-    def _of_points(self, carried: Array, touched: Array) -> Array:
-        return np.concatenate([carried.take(self._carried, axis=0), touched.take(self._touched, axis=0)])
+    def _motion_of_points(self, surface: Motion) -> tuple[Array, Array]:
+        """Return positions and velocities (points, 3) at the last sync point."""
+        position_m, velocity_m_per_s = self._frames.pose().carried(self._carrier, self._arm_m)
+        touched = surface.part(self._touched)
+        return (
+            np.concatenate([position_m, touched.position_m]),
+            np.concatenate([velocity_m_per_s, touched.velocity_m_per_s]),
+        )
 
     def _point_values(self, position_m: Array, velocity_m_per_s: Array) -> Array:
         """Return the ``POINT_VALUES`` values of each point at n times, (n, all values), from its motion (n,

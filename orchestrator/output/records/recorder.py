@@ -34,9 +34,9 @@ from orchestrator.output.cycles import counted_cycle_s, cycle_number, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.history import COLUMNS, History, columns
-from orchestrator.output.records.run_folder import HISTORY
+from orchestrator.output.records.run_folder import HISTORY, WALLS
 from orchestrator.output.records.series import PanelForces, TimeSeries
-from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh, walls_mesh, write_mesh
 from orchestrator.output.records.surface_fields import SurfaceFields
 from orchestrator.output.records.wear_record import WearRecord
 from orchestrator.ports import Array, Overlaps, ParticleSnapshot, Restorable, Saved
@@ -104,10 +104,16 @@ class Recorder:
         self._cycles = CycleRecord(machine, start, rectangles, counted_cycle_s(case), self._history)
         self._parts: dict[str, Restorable]
         self._parts = {"overlaps": self._deepest, "series": self._series, "cycles": self._cycles}
+        self._on_panels = machine.panel_of_triangle >= 0
+        self._walls = None if self._on_panels.all() else folder / WALLS
         if len(machine.surface.triangles):
-            self._parts["surface"] = self._surface = Series(folder, "surface")
-            start_m, triangles = start.panel.surface.position_m, machine.surface.triangles
+            beside = WALLS if self._walls is not None else ""
+            surface = Series(folder, "surface", beside, moves=bool(self._on_panels.any()))
+            self._parts["surface"] = self._surface = surface
+            start_m, triangles = start.panel.surface.position_m, machine.surface.triangles[self._on_panels]
             self._fields = SurfaceFields(start_m, triangles, self._interval_s)
+        if self._walls is not None:
+            write_mesh(self._walls, walls_mesh(machine.surface, {}))
         if machine.material is not None:
             self._parts["particles"] = self._particles = Series(folder, "particles")
             exits = machine.material.exits
@@ -186,14 +192,17 @@ class Recorder:
         for panel in machine.panels:
             line_m = surface.position_m[panel.centre_line]
             self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line_m})
-        triangles = machine.surface.triangles
-        if len(triangles):
+        if len(machine.surface.triangles):
+            triangles, panels = (
+                each[self._on_panels] for each in (machine.surface.triangles, machine.panel_of_triangle)
+            )
             at_points = self._fields.at_points(surface, before.panel.surface, state.load)
             if worn_m3 is not None:
                 self._add_groups(time_s, self._wear.groups(worn_m3))
-                at_points["worn_depth_m"] = self._wear.point_depth_m(worn_m3)
+                at_points["worn_depth_m"] = depth_m = self._wear.vertex_depth_m(worn_m3)
+                if self._walls is not None:
+                    write_mesh(self._walls, walls_mesh(machine.surface, {"worn_depth_m": depth_m}))
             stretch = {"stretch_percent": self._fields.stretch_percent(surface)}
-            panels = machine.panel_of_triangle
             self._surface.add(time_s, surface_mesh(surface, triangles, panels, at_points, stretch))
         if bed is not None and machine.material is not None:
             particles = bed.particles

@@ -30,6 +30,7 @@ from orchestrator.preflight.judge import JudgedCase
 
 LOG = logging.getLogger("flipflow")
 HISTORY, SUMMARY, PAGE = "history.h5", "summary.json", "report.html"
+WALLS = "walls.vtu"
 PICTURES = (
     "frame_motion.png",
     "panel_shapes.png",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from math import prod
 from typing import ClassVar
 
@@ -10,11 +11,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling._kernel import PointMatrix
-from orchestrator.coupling.bushing_forces import frame_points
 from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import COLUMNS, Groups, History, groups
-from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Pose
 from orchestrator.ports.frames import find_element_forces_N, find_shaft_angles_rad
 from orchestrator.ports.state import SavedAttributes
 
@@ -58,9 +58,7 @@ class TimeSeries(SavedAttributes):
 
     def __init__(self, machine: Machine, start: State, history: History) -> None:
         self._machine, self._history = machine, history
-        centres, self._points = frame_points(machine.centres)
-        self._centres = np.fromiter(centres.values(), np.int64)
-        self._start_m = start.clamps.position_m[self._points[self._centres]]
+        self._start_m = machine.members.frames.pose().position_m
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
         self._shafts = list(find_shaft_angles_rad(machine.members.frames))
@@ -76,10 +74,10 @@ class TimeSeries(SavedAttributes):
         """Write a row; ``followed`` are the particles if a probe follows one of them."""
         solver = self._machine.members.frames
         element_N = find_element_forces_N(solver)
-        probes = [_probe_motion(probe, state, followed) for probe in self._machine.probes]
+        pose = solver.pose()
+        probes = [_probe_motion(probe, state, pose, followed) for probe in self._machine.probes]
         row: dict[str, Array | float] = {
-            "position_m": state.clamps.position_m[self._points],
-            "velocity_m_per_s": state.clamps.velocity_m_per_s[self._points],
+            **vars(pose),
             "probes": np.array(probes).reshape(-1, 2, 3),
             "forces_N": self._sum_N / self._summed,
             "angle_rad": np.array(list(find_shaft_angles_rad(solver).values())),
@@ -89,14 +87,14 @@ class TimeSeries(SavedAttributes):
 
     def _groups(self, rows: Mapping[str, Array]) -> Groups:
         """Yield the groups of ``history.h5`` with their rows, from rows as ``write_row`` adds them."""
-        machine, centres = self._machine, self._centres
-        frames = Motion.unchecked(rows["position_m"], rows["velocity_m_per_s"])
-        moved_m = frames.position_m[:, centres] - self._start_m
-        of_frames = (moved_m, frames.velocity_m_per_s[:, centres], *rotations(frames, centres))
-        bushings = machine.bushings.at(frames, rows.get("element_N"))
+        machine = self._machine
+        pose = Pose(**{each.name: rows[each.name] for each in fields(Pose)})
+        moved_m = pose.position_m - self._start_m
+        of_frames = (moved_m, pose.velocity_m_per_s, rotations_rad(pose), pose.spin_rad_per_s)
+        bushings = machine.bushings.at(pose, rows.get("element_N"))
         probes, panels = ([one.name for one in every] for every in (machine.probes, machine.panels))
         for kind, names, values in (
-            ("frames", machine.centres, of_frames),
+            ("frames", machine.frames, of_frames),
             ("probes", probes, np.moveaxis(rows["probes"], 2, 0)),
             ("bushings", machine.bushings.names, bushings),
             ("forces", panels, np.moveaxis(rows["forces_N"], 1, 0)),
@@ -109,32 +107,25 @@ class TimeSeries(SavedAttributes):
                 yield group, of_group
 
 
-def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
-    """Return the frames' rotation vectors since t = 0 in rad and their angular velocities in rad/s.
+def rotations_rad(pose: Pose) -> Array:
+    """Return the frames' rotation vectors since t = 0 in rad, (frames, 3), in world axes.
 
-    Both are (frames, 3), in world axes.  ``centres`` (frames,) are the point numbers of the centres of mass.
-    The three points after each centre are the ends of arms that are 1 m long and lie along the world's axes
-    at t = 0 (``coupling/surface_parts.py``).  All arrays may have a leading axis of moments.
+    There may be a leading axis of moments.
     """
-    shape = (*carried.position_m.shape[:-2], len(centres), 3)
+    shape = pose.position_m.shape
     if not prod(shape):  # Rotation refuses empty arrays
-        return np.empty(shape), np.empty(shape)
-    ends = centres[:, None] + np.arange(1, 4)
-    arms_m, rates_m_per_s = (
-        value[..., ends, :] - value[..., centres, None, :]
-        for value in (carried.position_m, carried.velocity_m_per_s)
-    )
-    turns = np.swapaxes(arms_m, -1, -2).reshape(-1, 3, 3)
-    rotation_rad = Rotation.from_matrix(turns).as_rotvec().reshape(shape)
-    # for orthonormal arms a:  sum of a x (spin x a) = 2 spin
-    (x, y, z), (u, v, w) = np.moveaxis(arms_m, -1, 0), np.moveaxis(rates_m_per_s, -1, 0)
-    products = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)  # quicker than np.cross
-    return rotation_rad, products.sum(axis=-2) / 2
+        return np.empty(shape)
+    return np.reshape(Rotation.from_matrix(pose.rotation.reshape(-1, 3, 3)).as_rotvec(), shape)
 
 
-def _probe_motion(probe: PlacedProbe, state: State, followed: ParticleSnapshot | None) -> tuple[Array, Array]:
+def _probe_motion(
+    probe: PlacedProbe, state: State, pose: Pose, followed: ParticleSnapshot | None
+) -> tuple[Array, Array]:
     """Return the position and the velocity (3,) of a probe; NaN if its particle is not present."""
-    motion: Motion | ParticleSnapshot = state.clamps if probe.on == "clamps" else state.panel.surface
+    if probe.on == "frame":
+        position_m, velocity_m_per_s = pose.carried(np.array([probe.index]), probe.arm_m[None])
+        return position_m[0], velocity_m_per_s[0]
+    motion: Motion | ParticleSnapshot = state.panel.surface
     index = probe.index
     if probe.on == "particle":
         if followed is None or probe.index not in followed.id:

@@ -1,6 +1,7 @@
 """Snapshots of the surface and the particles, which ParaView opens as an animation.
 
-``surface.pvd`` and ``particles.pvd`` list one VTU file for each output time.
+``surface.pvd`` and ``particles.pvd`` list one VTU file for each output time; rigid surfaces stand in one
+file, as they are drawn.
 """
 
 from __future__ import annotations
@@ -18,16 +19,21 @@ import numpy.typing as npt
 
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
+from orchestrator.ports.geometry import TriangleSurface
 
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
 TAIL = "</Collection>\n</VTKFile>\n"
 
 
 class Series:
-    """A ParaView series: ``<name>.pvd`` beside the folder ``<name>/`` with a file for each time."""
+    """A ParaView series: ``<name>.pvd`` beside the folder ``<name>/`` with a file for each time.
 
-    def __init__(self, folder: Path, name: str) -> None:
+    With ``moves`` False there are no such files.  Each row lists the file ``beside``, too, if there is one.
+    """
+
+    def __init__(self, folder: Path, name: str, beside: str = "", moves: bool = True) -> None:
         self._folder, self._name, self._list = folder, name, folder / f"{name}.pvd"
+        self._beside, self._moves = beside, moves
         self._time_s: list[float] = []
         (folder / name).mkdir(exist_ok=True)
 
@@ -36,7 +42,8 @@ class Series:
         number = len(self._time_s)
         file = self._folder / self._file(number)
         try:
-            meshio.write(file, in_single_precision(mesh), compression=None)
+            if self._moves:
+                write_mesh(file, mesh)
             self._time_s.append(time_s)
             if number and self._list.exists():
                 self._extend_list(self._row(number))
@@ -63,7 +70,10 @@ class Series:
         return f"{self._name}/{self._name}_{number:05d}.vtu"
 
     def _row(self, number: int) -> str:
-        return f'<DataSet timestep="{self._time_s[number]!r}" file={quoteattr(self._file(number))}/>\n'
+        files = [*([self._file(number)] if self._moves else []), *([self._beside] if self._beside else [])]
+        time = f'timestep="{self._time_s[number]!r}"'
+        rows = (f'<DataSet {time} part="{n}" file={quoteattr(file)}/>\n' for n, file in enumerate(files))
+        return "".join(rows)
 
     def _write_list(self) -> None:
         rows = "".join(map(self._row, range(len(self._time_s))))
@@ -85,6 +95,11 @@ class Series:
                 opened.seek(end)
                 opened.write(TAIL.encode())
                 raise
+
+
+def write_mesh(file: Path, mesh: meshio.Mesh) -> None:
+    """Write a mesh as VTU, with real numbers of 4 bytes."""
+    meshio.write(file, in_single_precision(mesh), compression=None)
 
 
 def in_single_precision(mesh: meshio.Mesh) -> meshio.Mesh:
@@ -111,8 +126,7 @@ def surface_mesh(
     """Return the mesh of the triangles (n, 3), with the number of the ``panel`` (n,) in each cell.
 
     Its points have their velocity and the fields ``at_points``, by name; its cells have the fields
-    ``of_triangles``.  Points without a triangle
-    (probes, arms of frames) are left out: they would enlarge a viewer's view.
+    ``of_triangles``.  Points without a triangle (probes) are left out: they would enlarge a viewer's view.
     """
     points, corners = np.unique(triangles, return_inverse=True)
     return meshio.Mesh(
@@ -123,6 +137,18 @@ def surface_mesh(
             **{name: values[points] for name, values in at_points.items()},
         },
         cell_data={"panel": [panel], **{name: [values] for name, values in of_triangles.items()}},
+    )
+
+
+def walls_mesh(surface: TriangleSurface, of_vertices: Mapping[str, Array]) -> meshio.Mesh:
+    """Return the mesh of the rigid surfaces as they are drawn, with fields ``of_vertices`` by name."""
+    assert surface.panel is not None, "a machine's surface knows its panels"
+    triangles = surface.triangles[surface.panel < 0]
+    vertices, corners = np.unique(triangles, return_inverse=True)
+    return meshio.Mesh(
+        surface.vertices_m[vertices],
+        [("triangle", corners.reshape(triangles.shape))],
+        point_data={name: values[vertices] for name, values in of_vertices.items()},
     )
 
 

@@ -25,14 +25,14 @@ class WearRecord:
     def __init__(
         self, surface: TriangleSurface, panels: Sequence[PanelPoints], rectangles: Sequence[Rectangle]
     ) -> None:
-        self._area_m2 = point_area_m2(surface)
+        self._area_m2 = vertex_area_m2(surface)
         self._panels = {
             panel.name: (panel.surface, _area_of_patches_m2(surface, panel.surface, rectangle))
             for panel, rectangle in zip(panels, rectangles, strict=True)
         }
 
-    def point_depth_m(self, worn_m3: Array) -> Array:
-        """Return the depth (points,) in m at the points; zero at points without a triangle."""
+    def vertex_depth_m(self, worn_m3: Array) -> Array:
+        """Return the depth (vertices,) in m at the vertices; zero at vertices without a triangle."""
         there = self._area_m2 > 0
         return np.divide(worn_m3, self._area_m2, out=np.zeros(len(worn_m3)), where=there)
 
@@ -42,31 +42,31 @@ class WearRecord:
         The depth has the shape ``PATCHES``, and is NaN where a patch has no triangle.
         """
         groups: dict[str, Mapping[str, Array | float]] = {}
-        point_depth_m = self.point_depth_m(worn_m3)
+        depth_at_m = self.vertex_depth_m(worn_m3)
         for name, (points, area_m2) in self._panels.items():
             of_patch_m2, worn = area_m2.sum(axis=1), float(worn_m3[points].sum())
             depth_m = np.full(len(of_patch_m2), np.nan)
-            np.divide(area_m2 @ point_depth_m[points], of_patch_m2, out=depth_m, where=of_patch_m2 > 0)
+            np.divide(area_m2 @ depth_at_m[points], of_patch_m2, out=depth_m, where=of_patch_m2 > 0)
             whole = {"worn_m3": worn, "mean_m": worn / float(self._area_m2[points].sum())}
             groups[f"wear/{name}"] = {**whole, "depth_m": depth_m.reshape(PATCHES)}
         return groups
 
 
-def point_area_m2(surface: TriangleSurface) -> Array:
-    """Return the area (points,) of the points: a third of the area of the triangles around each."""
-    a, b, c = (surface.position_m[surface.triangles[:, k]] for k in range(3))
+def vertex_area_m2(surface: TriangleSurface) -> Array:
+    """Return the area (vertices,) of the vertices: a third of the area of the triangles around each."""
+    a, b, c = (surface.vertices_m[surface.triangles[:, k]] for k in range(3))
     area_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     points, thirds_m2 = surface.triangles.ravel(), np.repeat(area_m2 / 3, 3)
-    return np.bincount(points, thirds_m2, len(surface.position_m)).astype(np.float64)
+    return np.bincount(points, thirds_m2, len(surface.vertices_m)).astype(np.float64)
 
 
 def _area_of_patches_m2(surface: TriangleSurface, points: slice, at: Rectangle) -> Array:
     """Return the area (patches, points) that each of the panel's ``points`` has in each patch."""
-    number = np.full(len(surface.position_m), -1)
+    number = np.full(len(surface.vertices_m), -1)
     number[points] = np.arange(len(number[points]))
     corners = number[surface.triangles]
     corners = corners[(corners >= 0).all(axis=1)]
-    a, b, c = (surface.position_m[points][corners[:, k]] for k in range(3))
+    a, b, c = (surface.vertices_m[points][corners[:, k]] for k in range(3))
     triangle_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     weights = _middles()
     patch = _patch(weights @ np.stack([a, b, c], axis=1), at)

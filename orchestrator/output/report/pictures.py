@@ -434,7 +434,7 @@ def write_pictures(folder: Path) -> None:
 
 
 def _write_deck(folder: Path, end_s: float) -> None:
-    if any((folder / "surface").glob("*.vtu")):
+    if (folder / "surface.pvd").is_file():
         from orchestrator.output.report.rendering import render_deck
 
         render_deck(folder, end_s, folder / "deck.png")

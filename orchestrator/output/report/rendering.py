@@ -16,8 +16,9 @@ import pyvista
 from PIL import Image
 
 from orchestrator.case.file.folder import part_of
+from orchestrator.output.records.run_folder import WALLS
 
-PANELS, WALLS = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels differ in colour
+PANELS, GREY = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels differ in colour
 PICTURE_VIEW = (0.45, -1.0, 0.75)  # from the side and above
 FILM_VIEW = (0.12, -1.0, 0.28)  # nearly from the side, a little from above
 PICTURE_BAR = {"vertical": True, "position_x": 0.06, "position_y": 0.3, "height": 0.5, "n_labels": 5}
@@ -35,8 +36,8 @@ def render_deck(folder: Path, time_s: float, file: Path) -> None:
     """Write a picture of the last surface, with the particles as spheres in the colours of their speeds."""
     plotter = pyvista.Plotter(off_screen=True, window_size=(1280, 720))
     plotter.enable_anti_aliasing("ssaa")
-    surface = pyvista.read(snapshots(folder, "surface")[-1][1])
-    _add_deck(plotter, surface, show_edges=True, edge_opacity=0.25)
+    surface, walls = pyvista.read(snapshots(folder, "surface")[-1][1]), _wall_edges(folder)
+    _add_deck(plotter, surface, walls, show_edges=True, edge_opacity=0.25)
     if last := snapshots(folder, "particles"):
         particles = pyvista.read(last[-1][1])
         _add_spheres(plotter, particles, _fast_m_per_s(particles), **PICTURE_BAR)
@@ -44,7 +45,7 @@ def render_deck(folder: Path, time_s: float, file: Path) -> None:
     plotter.add_axes(color="black")
     plotter.set_background("white")
     plotter.view_vector(PICTURE_VIEW, viewup=(0, 0, 1))
-    plotter.reset_camera(bounds=surface.bounds)
+    plotter.reset_camera(bounds=pyvista.MultiBlock([surface, walls]).bounds)
     plotter.camera.zoom(1.2)
     plotter.screenshot(file)
     plotter.close()
@@ -59,7 +60,9 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
     if not frames:
         raise FileNotFoundError("the run has no snapshots of the surface")
     particles = dict(snapshots(folder, "particles"))
-    ends = np.vstack([_triangle_points_m(pyvista.read(file)) for _, file in (frames[0], frames[-1])])
+    walls = _wall_edges(folder)
+    ends = [_triangle_points_m(pyvista.read(file)) for _, file in (frames[0], frames[-1])]
+    ends_m = np.vstack(ends if walls is None else [*ends, walls.points])
     middle = _read(particles.get(frames[len(frames) // 2][0]))
     fast_m_per_s = _fast_m_per_s(middle) if middle is not None else 1.0
     plotter = pyvista.Plotter(off_screen=True)
@@ -67,10 +70,10 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
     pictures = []
     for time_s, surface in frames:
         plotter.clear()
-        _add_deck(plotter, pyvista.read(surface), ambient=0.3)
+        _add_deck(plotter, pyvista.read(surface), walls, ambient=0.3)
         _add_spheres(plotter, _read(particles.get(time_s)), fast_m_per_s, **FILM_BAR)
         plotter.add_text(f"t = {time_s:.3f} s", color="black", font_size=10)
-        _aim_camera(plotter, ends)
+        _aim_camera(plotter, ends_m)
         pictures.append(Image.fromarray(plotter.screenshot(return_img=True)))
     plotter.close()
     webp, first = io.BytesIO(), pictures[0]
@@ -80,11 +83,12 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
 
 
 def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
-    """Return the times and files of a ParaView series; empty if there is no such series."""
+    """Return the times and files of a ParaView series, without what only stands beside; empty if there is no
+    such series."""
     index = folder / f"{series}.pvd"
     if not index.is_file():
         return []
-    entries = ElementTree.parse(index).getroot().iter("DataSet")
+    entries = [e for e in ElementTree.parse(index).getroot().iter("DataSet") if e.get("part", "0") == "0"]
     pairs = [(float(e.get("timestep", "nan")), part_of(folder, e.get("file", ""))) for e in entries]
     return [(time_s, file) for time_s, file in pairs if file.is_file()]
 
@@ -114,16 +118,22 @@ def _triangle_points_m(surface: Any) -> Any:
     return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
 
 
-def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
+def _wall_edges(folder: Path) -> Any:
+    """Return the edges of a run's rigid surfaces; None without any."""
+    file = folder / WALLS
+    edges = pyvista.read(file).extract_feature_edges(20) if file.is_file() else None
+    return edges if edges is not None and edges.n_points else None
+
+
+def _add_deck(plotter: Any, surface: Any, walls: Any, **panels: Any) -> None:
     """Add the panels in two colours, and the edges of walls."""
-    panel = surface.cell_data["panel"]
+    panel = surface.cell_data.get("panel", np.empty(0))
     for number in (0, 1):
-        cells = np.flatnonzero((panel >= 0) & (panel % 2 == number))
+        cells = np.flatnonzero(panel % 2 == number)
         if len(cells):
             plotter.add_mesh(surface.extract_cells(cells), color=PANELS[number], **panels)
-    if (panel < 0).any():
-        walls = surface.extract_cells(np.flatnonzero(panel < 0))
-        plotter.add_mesh(walls.extract_feature_edges(20), color=WALLS, line_width=1)
+    if walls is not None:
+        plotter.add_mesh(walls, color=GREY, line_width=1)
 
 
 def _add_spheres(plotter: Any, particles: Any, fast_m_per_s: float, **bar: Any) -> None:

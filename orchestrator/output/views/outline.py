@@ -20,6 +20,7 @@ from orchestrator.ports import Array, Indices
 from orchestrator.ports.grains import Grain
 
 FLAT_DEG = 20.0  # Neighbouring triangles that bend less make one face.
+MOST_DRAWN = 2000  # triangles of a rigid surface: each is a patch of a drawing
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ class PanelOutline:
 
 @dataclass(frozen=True)
 class WallOutline:
-    """A rigid surface: its triangles (m, 3, 3), and the edges (n, 2, 3) that bound its faces."""
+    """A rigid surface: its triangles (m, 3, 3), fewer than particles touch where these are very many, and the
+    edges (n, 2, 3) that bound its faces."""
 
     name: str
     frame: str
@@ -130,13 +132,9 @@ def outline(
         case=case,
         panels=tuple(_panel(panel) for panel in single_panels(case)),
         walls=tuple(
-            WallOutline(
-                wall.name,
-                wall.frame,
-                wall.position_m[wall.triangles],
-                face_edges_m(wall.position_m, wall.triangles),
-            )
+            WallOutline(wall.name, wall.frame, at_m[triangles], face_edges_m(at_m, triangles))
             for wall in walls(case, folder)
+            for at_m, triangles in [simplified(wall.position_m, wall.triangles)]
         ),
         centers_m={
             name: to_world(case, row.center_of_mass_m)
@@ -194,6 +192,18 @@ def _box(case: Case, name: str, text: str, row: Feed | Block | Exit) -> BoxOutli
     if isinstance(row, Exit) or row.axes == "deck":
         corners_m, velocity = to_world(case, corners_m), to_world(case, velocity)
     return BoxOutline(name, text, corners_m, velocity)
+
+
+def simplified(position_m: Array, triangles: Indices) -> tuple[Array, Indices]:
+    """Return the points (n, 3) and triangles (m, 3) of a surface, or those of one with nearly the same shape
+    and no more than ``MOST_DRAWN`` triangles, where it has more."""
+    if len(triangles) <= MOST_DRAWN:
+        return position_m, triangles
+    import pyvista
+
+    faces = np.column_stack([np.full(len(triangles), 3), triangles])
+    coarse = pyvista.PolyData(position_m, faces.ravel()).decimate_pro(1.0 - MOST_DRAWN / len(triangles))
+    return np.asarray(coarse.points, dtype=np.float64), coarse.faces.reshape(-1, 4)[:, 1:].astype(np.int64)
 
 
 def face_edges_m(position_m: Array, triangles: Indices) -> Array:

@@ -242,7 +242,7 @@ def hanging_panels(
 
     Check as well that particles that were pushed out have found room.
     """
-    corners_m = surface.position_m[surface.triangles]
+    corners_m = surface.vertices_m[surface.triangles]
     for number, panel in enumerate(single_panels(case)):
         at_rest = f"panel {panel.name} as it hangs at rest"
         own_m = corners_m[panel_of_triangle == number]

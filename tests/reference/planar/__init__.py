@@ -23,7 +23,7 @@ import numpy as np
 from adapters.frames.common.collocation import STAGES, Collocation, tableau
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
 from adapters.frames.common.rigid_frames import RigidFrames
-from orchestrator.ports import Account, Array, Load, Motion, check_point_count, linear_frames
+from orchestrator.ports import Account, Array, Load, Motion, Pose, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter, Objection
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork, SolverFailed
@@ -64,6 +64,7 @@ class PlanarFrames(RigidFrames):
     _shafts: list[PlanarShaft]
 
     def __init__(self, plan: FramesPlan) -> None:
+        self._order = np.argsort([*linear_frames.free(plan), *linear_frames.driven(plan)])
         super().__init__(free_first(plan))
         plan, drawn_m, machine = self._plan, self._drawn_m, self._machine
         driven = zip(linear_frames.driven(plan), plan.drives, strict=True)
@@ -107,6 +108,19 @@ class PlanarFrames(RigidFrames):
         ledger.pushed_J += float(work_J[self._moving.stop :].sum())
         ledger.outside_N_s -= interval.length_s * (reaction.force_N * self._into_outside).sum(axis=0)
         return self._moved()
+
+    def pose(self) -> Pose:
+        moved, order = self._bodies(), self._order
+        turn, spin_rad_per_s = self._poses.turn[0, order], self._poses.spin_rad_per_s[0, order]
+        rotation = np.zeros((len(order), 3, 3))
+        rotation[:, 0, 0] = rotation[:, 2, 2] = turn.real
+        rotation[:, 0, 2], rotation[:, 2, 0], rotation[:, 1, 1] = turn.imag, -turn.imag, 1.0
+        return Pose(
+            (self._drawn_m + moved.moved_m)[order],
+            rotation,
+            moved.velocity_m_per_s[order],
+            np.outer(spin_rad_per_s, [0.0, 1.0, 0.0]),
+        )
 
     def account(self) -> Account:
         elastic_J = self._bushings.elastic_J(self._bushings.pulls(self._poses))

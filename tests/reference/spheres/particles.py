@@ -4,6 +4,8 @@ does it.  Every MPI rank computes the same.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -25,7 +27,7 @@ from orchestrator.ports import (
     sort_removed,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import closest_on_triangle
+from orchestrator.ports.geometry import RigidVertices, closest_on_triangle
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 from tests.reference.spheres.bodies import Bodies
@@ -45,7 +47,9 @@ class SpheresSolver:
     """``Particles`` in NumPy."""
 
     def __init__(self, plan: ParticlesPlan) -> None:
-        self._plan = plan
+        self._rigid, self._points = plan.surface.rigid, len(plan.surface.position_m)
+        vertices = replace(plan.surface, position_m=plan.surface.vertices_m, rigid=RigidVertices.none())
+        self._plan = plan = replace(plan, surface=vertices)  # all vertices are points inside of here
         self._laws = Laws.of(plan)
         self._bodies = Bodies.of(plan.particles, 1)
         self._spheres = self._bodies.spheres(plan.shapes)
@@ -66,10 +70,15 @@ class SpheresSolver:
         self._came_kg_m2_per_s, self._given_kg_m2_per_s, self._mass_moment_time_kg_m_s = np.zeros((3, 3))
 
     def initial(self) -> Load:
-        return Load(self._now.on_points_N)
+        return Load(self._on_points(self._now.on_points_N))
 
     def advance(self, interval: Interval, path: HermitePath) -> Load:
-        check_point_count("particles' surface", path.end, len(self._surface_m))
+        check_point_count("particles' surface", path.end, self._points)
+        start, end = (
+            Motion(self._rigid.at(motion.position_m), self._rigid.at(motion.velocity_m_per_s))
+            for motion in (path.start, path.end)
+        )
+        path = HermitePath(start, end, path.length_s)
         self._feed(interval)
         before_m, impulse_N_s = self._surface_m, np.zeros_like(self._surface_m)
         steps = interval.steps(self._plan.step_s)
@@ -86,7 +95,7 @@ class SpheresSolver:
         self._remove(interval.end_s)
         if self._plan.deck is not None:
             self._visits.observe(self._plan.deck, self._surface_m, self._bodies, interval.length_s)
-        return Load(impulse_N_s / interval.length_s)
+        return Load(self._on_points(impulse_N_s) / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
         return self._bodies.snapshot()
@@ -103,7 +112,8 @@ class SpheresSolver:
         return self._crossings
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
-        return compute_contact_tangent(self._spheres, self._now, self._plan.gravity_m_per_s2, length_s)
+        at_vertices = compute_contact_tangent(self._spheres, self._now, self._plan.gravity_m_per_s2, length_s)
+        return ContactTangent(*map(self._on_points, vars(at_vertices).values()))
 
     def worn_m3(self) -> Array:
         assert self._plan.wear_m3_per_N_m is not None, "asked of a plan without wear"
@@ -144,6 +154,14 @@ class SpheresSolver:
 
     def _sorted(self, removed: list[Removed]) -> Removed:
         return sort_removed(removed, self._plan.particles.grains.shapes, self._plan.counted_panels)
+
+    def _on_points(self, at_vertices: Array) -> Array:
+        """Return what acts on the points (n, ...), from what acts on the vertices (vertices, ...)."""
+        at_points, first, share = at_vertices[: self._points].copy(), self._rigid.first, self._rigid.share
+        of_rigid = at_vertices[self._points :]
+        for k, part in enumerate([1.0 - share.sum(axis=1), *share.T]):
+            np.add.at(at_points, first + k, part.reshape(-1, *[1] * (of_rigid.ndim - 1)) * of_rigid)
+        return np.asarray(at_points)
 
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
         """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
