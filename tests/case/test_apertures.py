@@ -194,7 +194,9 @@ def test_equal_panels_share_their_triangles_and_their_mistakes(tmp_path: Path) -
     row += ["probes.middle.panel=deck-1"]
     grids = surface_grids(loaded(tmp_path, [SLOTTED, *row]).case)
     assert grids["deck-1"] is grids["deck-2"]
-    assert "no land" in only_complaint(tmp_path, SLOTTED, *row, f"{KEY}pitch_across_m=0.003")
+    assert kinds(tmp_path, SLOTTED, *row, f"{KEY}pitch_across_m=0.003") == [
+        "screen.panels.deck.apertures.pitch_across_m: out-of-range"
+    ]
 
 
 def test_openings_are_resolved_for_particles_only(tmp_path: Path) -> None:
