@@ -152,11 +152,10 @@ def test_run(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
     assert said("run", case, *CHEAP, "--out", case) == snapshot(name="a folder that exists")
 
 
-@pytest.mark.parametrize("command", ["resume", "report", "record"])
+@pytest.mark.parametrize("command", ["resume", "report"])
 def test_commands_of_a_run(said: Said, case: str, command: str, snapshot: SnapshotAssertion) -> None:
-    out = ["--out", "panels.h5"] if command == "record" else []
-    assert said(command, "absent", *out) == snapshot(name="no folder")
-    assert said(command, case, *out) == snapshot(name="the folder of a case")
+    assert said(command, "absent") == snapshot(name="no folder")
+    assert said(command, case) == snapshot(name="the folder of a case")
 
 
 def test_results(said: Said, runs: list[str], snapshot: SnapshotAssertion) -> None:
