@@ -52,7 +52,10 @@ class FlowsInTime:
 
 @dataclass(frozen=True, kw_only=True)
 class CohortShares:
-    """The grains of a run that is fed and not steady which were fed so early that nearly all have left."""
+    """The grains of a run that is fed and not steady which were fed so early that nearly all have left.
+
+    Their figures have no interval: the `reason` has that of the grains' chance alone.
+    """
 
     fed_until_s: float = figure("the time until which they were fed")
     remaining_percent: float = figure("the share of their mass that has not left")
