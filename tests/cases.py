@@ -70,7 +70,7 @@ tension_m = 0.002
 
 [bed.particles.ball]
 position_m = [0.15, 0.1, 0.05]
-diameter_m = 0.02
+sieve_size_m = 0.02
 material = "coal"
 
 [probes.middle]

@@ -14,6 +14,7 @@ import orchestrator.ports
 from orchestrator.coupling.schemes import create_scheme
 from orchestrator.coupling.schemes.scheme import Solvers, initial_state
 from orchestrator.ports import BrokenRecord, Frames, Interval, Load, Motion, Panel, Particles
+from tests.grains import one_sphere
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -50,7 +51,7 @@ def test_the_examples_make_a_machine(scheme: str) -> None:
     clamps_m = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]])
     frames = example(Frames)["SwingingFrame"](clamps_m, 10.0, 4e4)
     panel = example(Panel)["SpringPanel"](clamps_m, "deck", 0.1, 1e4, 1e-5)
-    particles = example(Particles)["Ball"](0.0101, 0.02, 1e4, 1e-5)
+    particles = example(Particles)["Ball"](0.0101, one_sphere(0.02, 2500.0), 1e4, 1e-5)
     solvers = Solvers(frames, panel, particles)
     state, way = initial_state(solvers), create_scheme(scheme)
     for index in range(200):

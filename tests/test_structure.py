@@ -12,6 +12,7 @@ import pytest
 
 BIN = Path(sys.executable).parent
 ROOT = Path(__file__).parents[1]
+MOST_WITH_DIAMETERS = 15
 
 
 @pytest.mark.parametrize(
@@ -22,6 +23,12 @@ ROOT = Path(__file__).parents[1]
 def test_rules_hold(command: list[str]) -> None:
     done = subprocess.run([BIN / command[0], *command[1:]], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_few_files_of_the_orchestrator_know_diameters() -> None:
+    """The others ask a grain for its size, its mass and its radii (``ports/grains.py``)."""
+    files = [file for file in ROOT.glob("orchestrator/**/*.py") if "diameter_m" in file.read_text()]
+    assert len(files) <= MOST_WITH_DIAMETERS, files
 
 
 def test_no_file_of_the_orchestrator_stands_in_an_import_circle() -> None:

@@ -177,7 +177,7 @@ def _particles(draw: random.Random, length_m: float, width_m: float) -> tuple[di
             "lump": {
                 "position_m": [*middle_m, above_m],
                 "velocity_m_per_s": [draw.uniform(-0.3, 0.3) * speed, 0.0, -speed],
-                "diameter_m": lump_m,
+                "sieve_size_m": lump_m,
                 "material": "grain",
             }
         }

@@ -2,20 +2,26 @@
 
     python -m tools.wording [FOLDER] [--list]
 
-An assertion is about wording if it looks for a text with a space in another text (``"no run" in output``), or
-compares, begins or ends with such a text, and so is ``pytest.raises(match="...")``.  A test compares wording
-alone if all that it asserts is of that kind.  Assertions in functions that a test calls are not followed.
+An assertion is about wording if it looks for a text with a space in another text (``"no run" in
+output``), or compares, begins or ends with such a text, and so is ``pytest.raises(match="...")``. A test
+compares wording alone if all that it asserts is of that kind. The key and the kind of a problem are no
+words. Assertions in functions that a test calls are not followed.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
+
+from orchestrator.case.file.errors import Kind
 
 TESTS = Path(__file__).parents[1] / "tests"
+KEY_AND_KIND = re.compile(rf"\S*: ({'|'.join(get_args(Kind))})")
 STARTS = ("startswith", "endswith", "match", "search", "fullmatch", "count")
 
 
@@ -116,7 +122,9 @@ def _is_text(node: ast.expr) -> bool:
         return any(isinstance(part, ast.Constant) and " " in str(part.value) for part in node.values)
     if isinstance(node, ast.BinOp):
         return _is_text(node.left) or _is_text(node.right)
-    return isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value
+    if not (isinstance(node, ast.Constant) and isinstance(node.value, str)):
+        return False
+    return " " in node.value and not KEY_AND_KIND.fullmatch(node.value)
 
 
 def _name(node: ast.expr) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from orchestrator.case.bed.carry import carry_bed, leave_out_outside
-from orchestrator.case.bed.work_of_adhesion import resolve_works_of_adhesion, typical_diameters_m
+from orchestrator.case.bed.work_of_adhesion import resolve_works_of_adhesion, typical_grains
 from orchestrator.case.file.base import (
     CASE_FILE,
     lay_chain,
@@ -176,7 +176,7 @@ def read_tables(merged: Mapping[str, Any], folder: Path) -> Case:
     """
     described = Case.model_validate(fill_in_materials(merged))
     carried = carry_bed(described, folder)
-    return resolve_works_of_adhesion(carried, typical_diameters_m(described, carried))
+    return resolve_works_of_adhesion(carried, typical_grains(described, carried))
 
 
 def complete(bare: Case) -> Case:

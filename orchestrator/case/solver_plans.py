@@ -15,8 +15,9 @@ import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
 from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
+from orchestrator.case.bed.grains import largest_length_m, material_numbers, shapes
 from orchestrator.case.bed.push_out import push_out
-from orchestrator.case.bed.sources import combine_feeds, initial_particles, largest_diameter_m
+from orchestrator.case.bed.sources import combine_feeds, initial_particles
 from orchestrator.case.deck.panels import (
     SinglePanel,
     axes,
@@ -64,15 +65,6 @@ def hyperelastic(material: Material) -> HyperelasticPlan:
         bulk_modulus_Pa=law.bulk_modulus_Pa,
         branches=tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell),
     )
-
-
-def material_numbers(case: Case) -> dict[str, int]:
-    """Return the number of each material of particles, panels and surfaces, in the case's order."""
-    bed, screen = case.bed, case.screen
-    rows = (bed.particles, bed.blocks, bed.feeds, screen.panels, screen.surfaces)
-    used = {row.material for table in rows for row in table.values()}
-    used.update(bed.carried.materials if bed.carried is not None else ())
-    return {name: number for number, name in enumerate(name for name in case.materials if name in used)}
 
 
 def by_pair(case: Case, numbers: dict[str, int], field: str, otherwise: float = 0.0) -> Array:
@@ -299,7 +291,7 @@ def particles_plan(
     if not has_particles(case):
         return None
     numbers = material_numbers(case)
-    particles = initial_particles(case, numbers)
+    particles = initial_particles(case)
     if case.bed.carried is not None and case.bed.push_out:
         particles = _make_room(particles, surface, case)
     cap = case.particles.largest_youngs_modulus_Pa
@@ -313,13 +305,14 @@ def particles_plan(
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         wear_m3_per_N_m=_wear(case, numbers),
         predicts_load=case.coupling.scheme == "robin",
+        shapes=shapes(case),
         particles=particles,
-        largest_diameter_m=largest_diameter_m(case),
+        largest_radius_m=largest_length_m(case) / 2,
         domain_m=np.array(case.domain_m),
         gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         step_s=particle_step_s(case),
         sync_interval_s=case.coupling.sync_interval_s,
-        feed=combine_feeds(case, numbers, particles),
+        feed=combine_feeds(case, particles),
         exits=exits(case),
         deck=deck,
         periodic_y=period_m(case) > 0,

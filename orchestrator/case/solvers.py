@@ -1,7 +1,8 @@
 """The solvers by name: lists of their names, access to their adapters, and a function that opens one.
 
 Every module in ``adapters/<port>`` that is not one of the port's shared parts is a solver, and so
-is every entry point of an installed package in the group ``flipflow.<port>``.  An adapter is imported
+is every entry point of an installed package in the group ``flipflow.<port>``.  Shapes of grains have names
+in the same way.  An adapter is imported
 only when a case asks for it, so that a solver which is not installed does no harm.
 """
 
@@ -24,17 +25,20 @@ from orchestrator.ports.failures import SolverMissing, solver_failure_context
 
 if TYPE_CHECKING:
     from orchestrator.ports.adapters import Adapter
+    from orchestrator.ports.grains import Shape
 
 Port = Literal["panel", "frames", "particles"]
+Door = Port | Literal["shapes"]
 NONE = "none"
 """The value of ``particles.solver`` for a machine that runs empty."""
 
 
 @dataclass(frozen=True)
 class SolverName:
-    """An annotation for a field of a case's table whose value is the name of a solver of ``port``."""
+    """An annotation for a field of a case's table whose value is the name of a solver of ``port``, or of a
+    shape."""
 
-    port: Port
+    port: Door
 
     @property
     def allowed(self) -> tuple[str, ...]:
@@ -53,7 +57,7 @@ class SolverName:
 
 
 @cache
-def names(port: Port) -> tuple[str, ...]:
+def names(port: Door) -> tuple[str, ...]:
     """Return the names of a port's solvers, as cases give them, in alphabetical order."""
     folder = import_module(f"adapters.{port}")
     own = {module.name for module in iter_modules(folder.__path__)} - folder.SHARED
@@ -62,7 +66,7 @@ def names(port: Port) -> tuple[str, ...]:
 
 
 @cache
-def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
+def adapter(port: Door, solver: str) -> Adapter[Any, Any, Any]:
     """Return the adapter of a solver.
 
     Raises SolverMissing if the solver belongs to an installed package and cannot be loaded.
@@ -74,6 +78,13 @@ def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
             raise SolverMissing(f"the solver {solver} of {entry.value} cannot be loaded: {error}") from error
     module = import_module(f"adapters.{port}.{solver.replace('-', '_')}")
     return cast("Adapter[Any, Any, Any]", module.ADAPTER)
+
+
+def shape(name: str) -> Shape:
+    """Return a shape of grains.  Raises SolverMissing if there is none of this name here."""
+    if name not in (known := names("shapes")):
+        raise SolverMissing(f'there is no shape "{name}" of grains here, but {", ".join(known)}')
+    return cast("Shape", adapter("shapes", name))
 
 
 def names_able_to(port: Port, can: Callable[[Any], bool]) -> str:

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesion_law, pull_offs
-from orchestrator.case.bed.contact_times import shortest_rayleigh_s, smallest_diameters_m
+from orchestrator.case.bed.contact_times import shortest_rayleigh_s
+from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.deck.triangle_grid import surface_grids
@@ -177,7 +178,7 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
 
 def rolling_lines(case: Case) -> Iterator[str]:
     """Yield a line about each kind of grains: its shape, and the rolling friction of its contacts."""
-    for name in smallest_diameters_m(case):
+    for name in smallest_grains(case):
         frictions = {
             other: row.rolling_friction
             for row in case.contacts

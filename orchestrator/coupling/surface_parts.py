@@ -16,11 +16,12 @@ import numpy as np
 from scipy.sparse import csr_array, identity
 
 from orchestrator.case import solvers
+from orchestrator.case.bed.grains import material_numbers
 from orchestrator.case.deck.deck_plan import deck_plan
 from orchestrator.case.deck.panels import SinglePanel, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.solver_plans import material_numbers, panel_plans
+from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import PanelPoints, PlacedProbe
 from orchestrator.coupling.mapping import mapped

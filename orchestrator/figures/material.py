@@ -52,7 +52,10 @@ class FlowsInTime:
 
 @dataclass(frozen=True, kw_only=True)
 class CohortShares:
-    """The grains of a run that is fed and not steady which were fed so early that nearly all have left."""
+    """The grains of a run that is fed and not steady which were fed so early that nearly all have left.
+
+    Their figures have no interval: the `reason` has that of the grains' chance alone.
+    """
 
     fed_until_s: float = figure("the time until which they were fed")
     remaining_percent: float = figure("the share of their mass that has not left")
@@ -89,7 +92,7 @@ class Partition:
     """The partition curve, in size classes."""
 
     edges_m: Numbers = figure("edges of the classes", shown_in="mm")
-    mean_m: Numbers = figure("mean diameters", shown_in="mm")
+    mean_m: Numbers = figure("mean sizes", shown_in="mm")
     particles: Numbers = figure("numbers of particles")
     feed_percent: Numbers = figure("shares of the feed")
     oversize_percent: Numbers = figure("partition numbers", "the share of each class that stays above")
@@ -129,7 +132,7 @@ class Curve:
     exponent: float = figure("exponent")
     opening_m: float = figure("width of the openings")
     open_share: float = figure("open share of the deck")
-    diameter_m: Numbers = figure("diameters")
+    sieve_size_m: Numbers = figure("sieve sizes")
     oversize_percent: Numbers = figure("partition numbers")
 
 
@@ -143,8 +146,8 @@ class WholeFeed:
     """
 
     left_out_percent: float = figure("the share of the feed's mass that is not computed")
-    smallest_computed_m: float = figure("the finest diameter that is computed")
-    smallest_m: float = figure("the finest diameter of the feed", "the curve is continued to it")
+    smallest_computed_m: float = figure("the finest size that is computed")
+    smallest_m: float = figure("the finest size of the feed", "the curve is continued to it")
     fines_percent: float = figure("the share of the feed's mass that is fine")
     fine_placement_percent: Estimate = figure("undersize recovery", "the share of all fines that pass")
     efficiency_percent: Estimate = figure(
@@ -266,7 +269,7 @@ class RateFit:
 class ContactSizes:
     """The contacts over the whole deck in size classes."""
 
-    mean_m: Numbers = figure("mean diameters", shown_in="mm")
+    mean_m: Numbers = figure("mean sizes", shown_in="mm")
     particles: Numbers = figure("numbers of particles")
     contacts_per_s: Numbers = figure("contacts")
     within_reach_percent: Numbers = figure("within reach")

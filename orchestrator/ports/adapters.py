@@ -4,7 +4,8 @@ Each solver has a door: a module of the port's folder, named after the solver, o
 installed package names in its entry points (group ``flipflow.panel``, ``flipflow.frames`` or
 ``flipflow.particles``).  The door holds one record ``ADAPTER`` of the kinds below.  Everything that
 the orchestrator must know of a solver (what it can do, what it costs, what it leaves out, what it
-cannot take) stands there, so that no other file names a solver.
+cannot take) stands there, so that no other file names a solver.  Shapes of grains come through such doors,
+too (folder ``shapes``, group ``flipflow.shapes``); their record is a ``ports.grains.Shape``.
 
 Importing a door must not import the solver's own library: ``build`` does that, and ``needs`` names
 the modules that it takes.
@@ -166,6 +167,9 @@ class ParticlesAdapter(Adapter[ParticlesPlan, ParticlesWork, Particles]):
     ----------
     periodic
         The sides of a slice may be periodic.
+    clumps
+        A grain may be made of several spheres; False where each is a single sphere.
     """
 
     periodic: bool = True
+    clumps: bool = True

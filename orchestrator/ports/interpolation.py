@@ -112,6 +112,11 @@ class Interpolation:
             np.concatenate([part.offset_m for part in parts]),
         )
 
+    def renumbered(self, numbers: Indices | list[int]) -> Interpolation:
+        """Return the interpolation from surface points in another order: k is the old ``numbers[k]``."""
+        values, along, across = (matrix[:, numbers] for matrix in (self.values, self.along, self.across))
+        return Interpolation(values, along, across, self.offset_m)
+
 
 def _among(points: int, numbers: Indices, rows: csr_array) -> csr_array:
     """Return a matrix of ``points`` rows: ``rows`` at ``numbers``, which ascend, and empty ones elsewhere."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from orchestrator.ports.grains import Grain, Grains, ShapeTable
 from orchestrator.ports.interface_records import Array, Indices
+from orchestrator.ports.rows import Rows
 
 LARGEST_CARRIED_OVERLAP = 0.5
 """A share of a radius.  Contact laws are for contacts that are small against the bodies; the area of one
@@ -18,7 +20,7 @@ radius the centre is through the surface."""
 
 
 @dataclass(frozen=True)
-class ParticleSnapshot:
+class ParticleSnapshot(Rows):
     """All particles at one instant, sorted by id; complete on rank 0 only.
 
     Parameters
@@ -26,11 +28,9 @@ class ParticleSnapshot:
     id
         (n,) each particle's own number.
     position_m, velocity_m_per_s, spin_rad_per_s
-        (n, 3) in the world frame, of the centers.
-    diameter_m, density_kg_per_m3
-        (n,).
-    material
-        (n,) the index of each particle's material in the plan.
+        (n, 3) in the world frame, of the centres of mass.
+    grains
+        What they are, n of them.
     force_N
         (n, 3) the sum of all forces on each particle, gravity included, in the last evaluation of the forces;
         None if the solver does not tell it.
@@ -42,22 +42,13 @@ class ParticleSnapshot:
     position_m: Array
     velocity_m_per_s: Array
     spin_rad_per_s: Array
-    diameter_m: Array
-    density_kg_per_m3: Array
-    material: Indices
+    grains: Grains
     force_N: Array | None = None
     contacts: Indices | None = None
 
-    def part(self, rows: Any) -> ParticleSnapshot:
-        """Return the particles of some rows, in their order."""
-        chosen: dict[str, Any] = {
-            name: None if values is None else values[rows] for name, values in vars(self).items()
-        }
-        return ParticleSnapshot(**chosen)
-
 
 @dataclass(frozen=True)
-class Removed:
+class Removed(Rows):
     """Particles that were taken out, in the order of time, then id; complete on rank 0 only.
 
     Parameters
@@ -66,15 +57,15 @@ class Removed:
         (n,) who was taken out, and when.
     position_m, velocity_m_per_s
         (n, 3) at that time.
-    diameter_m, density_kg_per_m3, material
-        (n,) as in ``ParticleSnapshot``.
+    grains
+        What they are, n of them.
     exit
         (n,) the number of the exit that the particle was in, -1 for one that left the domain.
     contacts
         (n, panels of the plan's deck) the number of its contacts with the perforated part of each panel, in
         the order of the deck; (n, 0) without one.  A contact is an episode: it begins with a touch, or
         without one when the particle is through the mat, and is over at a sync point at which the gap below
-        the particle is a quarter of its diameter or more and nothing touched since the last one.
+        the particle is a quarter of its size or more and nothing touched since the last one.
     over_s, within_reach_s
         (n, panels) the time over each panel, cross beam behind it included, from sync point to sync point,
         and the part of it within reach of the mat.
@@ -86,9 +77,7 @@ class Removed:
     time_s: Array
     position_m: Array
     velocity_m_per_s: Array
-    diameter_m: Array
-    density_kg_per_m3: Array
-    material: Indices
+    grains: Grains
     exit: Indices
     contacts: npt.NDArray[np.int32]
     over_s: npt.NDArray[np.float32]
@@ -177,17 +166,17 @@ class BedSnapshot(NamedTuple):
     overlaps: Overlaps
 
 
-def sort_removed(parts: Sequence[Removed], panels: int = 0) -> Removed:
+def sort_removed(parts: Sequence[Removed], shapes: ShapeTable, panels: int = 0) -> Removed:
     """Return the particles of several records (of none, too) in the order of time, then id.
 
-    ``panels`` is the number of panels whose contacts are counted.
+    ``shapes`` are those of the plan, and ``panels`` is the number of panels whose contacts are counted.
     """
     nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)
     places, by_panel = np.empty((0, 3)), np.empty((0, panels))
     contacts, seconds = by_panel.astype(np.int32), by_panel.astype(np.float32)
-    told = (nobody, nothing, places, places, nothing, nothing, nobody, nobody)
-    none = Removed(*told, contacts=contacts, over_s=seconds, within_reach_s=seconds, last_panel=nobody)
-    names = [part.name for part in fields(Removed)]
-    joined = {name: np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names}
-    order = np.lexsort((joined["id"], joined["time_s"]))
-    return Removed(**{name: values[order] for name, values in joined.items()})
+    grains: Grains = Grain(nothing, nothing, nobody, nobody, shapes)
+    none = Removed(
+        nobody, nothing, places, places, grains, nobody, contacts, seconds, seconds, last_panel=nobody
+    )
+    joined = Removed.joined([none, *parts])
+    return joined.part(np.lexsort((joined.id, joined.time_s)))

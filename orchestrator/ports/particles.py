@@ -26,22 +26,23 @@ class Particles(Solver, Protocol):
     >>> from orchestrator.ports import (
     ...     Account, Crossings, HermitePath, Interval, Load, Motion, Overlaps, ParticleSnapshot, sort_removed
     ... )
-    >>> from orchestrator.ports.physics import sphere_mass_kg
+    >>> from orchestrator.ports.grains import Grain, Shape, ShapeTable
     >>> from orchestrator.ports.state import SavedAttributes
     >>> DOWN = np.array([0.0, 0.0, -1.0])
+    >>> BALL = Shape("ball", "a ball", ((0.0, 0.0, 0.0, 0.5),), np.pi / 6, (np.pi / 60,) * 3)
     >>> class Ball(SavedAttributes):
     ...     STATE = (
     ...         "z_m", "velocity_m_per_s", "surface_m", "surface_J", "weight_N_s", "weight_J", "deepest_m"
     ...     )
     ...
-    ...     def __init__(self, z_m, diameter_m, stiffness_N_per_m, step_s):
+    ...     def __init__(self, z_m, grain, stiffness_N_per_m, step_s):
     ...         self.z_m, self.velocity_m_per_s, self.surface_m = z_m, 0.0, 0.0
-    ...         self.diameter_m, self.mass_kg = diameter_m, sphere_mass_kg(diameter_m, 2500.0)
+    ...         self.grain, self.mass_kg, self.radius_m = grain, grain.mass_kg, grain.bounding_radius_m
     ...         self.stiffness_N_per_m, self.step_s = stiffness_N_per_m, step_s
     ...         self.surface_J = self.weight_N_s = self.weight_J = self.deepest_m = 0.0
     ...
     ...     def contact_N(self, surface_m, z_m):
-    ...         overlap_m = max(surface_m + self.diameter_m / 2 - z_m, 0.0)
+    ...         overlap_m = max(surface_m + self.radius_m - z_m, 0.0)
     ...         self.deepest_m = max(self.deepest_m, overlap_m)
     ...         return self.stiffness_N_per_m * overlap_m
     ...
@@ -67,24 +68,21 @@ class Particles(Solver, Protocol):
     ...
     ...     def snapshot(self):
     ...         place_m, velocity = np.array([[0.0, 0.0, self.z_m]]), -self.velocity_m_per_s * DOWN[None]
-    ...         one = np.ones(1)
-    ...         return ParticleSnapshot(
-    ...             np.array([1]), place_m, velocity, np.zeros((1, 3)), self.diameter_m * one, 2500.0 * one,
-    ...             np.array([0]),
-    ...         )
+    ...         grains = self.grain.of_sizes(np.array([self.grain.sieve_size_m]))
+    ...         return ParticleSnapshot(np.array([1]), place_m, velocity, np.zeros((1, 3)), grains)
     ...
     ...     def removed(self):
-    ...         return sort_removed([])
+    ...         return sort_removed([], self.grain.shapes)
     ...
     ...     def overlaps(self):
     ...         deepest_m, self.deepest_m = self.deepest_m, 0.0
-    ...         return Overlaps(surface_m=deepest_m, surface_per_diameter=deepest_m / self.diameter_m)
+    ...         return Overlaps(surface_m=deepest_m, surface_per_diameter=deepest_m / self.grain.sieve_size_m)
     ...
     ...     def crossings(self):
     ...         return Crossings.none()
     ...
     ...     def account(self):
-    ...         overlap_m = max(self.surface_m + self.diameter_m / 2 - self.z_m, 0.0)
+    ...         overlap_m = max(self.surface_m + self.radius_m - self.z_m, 0.0)
     ...         stored_J = {
     ...             "kinetic": self.mass_kg / 2 * self.velocity_m_per_s**2,
     ...             "contact": self.stiffness_N_per_m / 2 * overlap_m**2,
@@ -94,7 +92,8 @@ class Particles(Solver, Protocol):
     ...             momentum_kg_m_per_s, -self.weight_N_s * DOWN, stored_J,
     ...             supplied_J={"gravity": self.weight_J}, received_J={"surface": self.surface_J},
     ...         )
-    >>> ball = Ball(z_m=0.01, diameter_m=0.02, stiffness_N_per_m=1e4, step_s=1e-5)
+    >>> glass = Grain(0.02, 2500.0, material=0, shape=0, shapes=ShapeTable.of([BALL]))
+    >>> ball = Ball(z_m=0.01, grain=glass, stiffness_N_per_m=1e4, step_s=1e-5)
     >>> triangle = Motion(np.array([[0.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]), np.zeros((3, 3)))
     >>> load = ball.initial()
     >>> for n in range(10):

@@ -3,29 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 if TYPE_CHECKING:
     from orchestrator.ports import Array
     from orchestrator.ports.plans import MotorPlan
 
-Number = TypeVar("Number", float, npt.NDArray[np.float64])
-
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 """The acceleration that is called 1 g (3rd General Conference on Weights and Measures, 1901)."""
-
-
-def sphere_volume_m3(diameter_m: Number) -> Number:
-    """Return the volume of one or several spheres from the diameter in m."""
-    return math.pi / 6 * diameter_m**3
-
-
-def sphere_mass_kg(diameter_m: Number, density_kg_per_m3: Number | float) -> Number:
-    """Return the mass of one or several spheres from diameter in m and density in kg/m3."""
-    return math.pi / 6 * density_kg_per_m3 * diameter_m**3
 
 
 def motor_torque_N_m(motor: MotorPlan, lag_rad_per_s: Array) -> Array:

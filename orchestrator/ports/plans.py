@@ -8,7 +8,7 @@ from which its adapter predicts the ``Cost``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -19,7 +19,9 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.failures import SolverFailed as SolverFailed
 from orchestrator.ports.failures import SolverMissing as SolverMissing
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
+from orchestrator.ports.grains import Grains, Shape
 from orchestrator.ports.interface_records import Array, Indices
+from orchestrator.ports.rows import Rows
 
 
 @dataclass(frozen=True)
@@ -295,23 +297,17 @@ class GrainMaterial:
 
 
 @dataclass(frozen=True)
-class ParticleList:
-    """A list of particles to create: positions (n, 3), velocities (n, 3), spins (n, 3) in rad/s,
-    diameters (n,), densities (n,), materials (n,) as indices.  Ids are given in order."""
+class ParticleList(Rows):
+    """A list of particles to create: positions (n, 3) and velocities (n, 3) of the centres of mass, spins
+    (n, 3) in rad/s, and what they are.  Ids are given in order."""
 
     position_m: Array
     velocity_m_per_s: Array
     spin_rad_per_s: Array
-    diameter_m: Array
-    density_kg_per_m3: Array
-    material: Indices
+    grains: Grains
 
     def __len__(self) -> int:
-        return len(self.diameter_m)
-
-    def part(self, rows: npt.NDArray[np.bool_]) -> ParticleList:
-        """Return the particles of some rows."""
-        return ParticleList(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return len(self.grains)
 
 
 class ParticleFeed(Protocol):
@@ -407,6 +403,8 @@ class ParticlesPlan:
     With ``periodic_y`` everything repeats itself along y with the domain's width, which the
     surface spans; nothing leaves there.
     ``deck``: the deck whose contacts with particles are counted; None counts nothing.
+    ``shapes``: those of all particles, in the order of their numbers; ``largest_radius_m``: the largest
+    bounding radius of all that there are or that come.
     """
 
     surface: TriangleSurface
@@ -414,8 +412,9 @@ class ParticlesPlan:
     restitution: Array
     sliding_friction: Array
     rolling_friction: Array
+    shapes: tuple[Shape, ...]
     particles: ParticleList
-    largest_diameter_m: float
+    largest_radius_m: float
     domain_m: Array
     gravity_m_per_s2: Array
     step_s: float

@@ -51,6 +51,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
             surfaces.panels_inside(whole),
             surfaces.parts_in_one_place(whole),
             machine.solvers_objections(whole),
+            bed.clumps(case),
             machine.inertia_tensors(whole),
             machine.frame_weights(whole),
             slips.refused_motion(whole),

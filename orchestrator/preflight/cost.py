@@ -22,7 +22,7 @@ from orchestrator.case.bed.size_distribution import mean_mass_kg
 from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, single_panels, stay_s, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
-from orchestrator.case.solver_plans import material_numbers, mesh_sizes, particle_step_s
+from orchestrator.case.solver_plans import mesh_sizes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import FramesWork, PanelsWork, ParticlesWork, SolverMissing
@@ -78,9 +78,9 @@ def bed_cost(case: Case, at_start: int, transport_m_per_s: float) -> BedCost:
     time_s = np.linspace(0.0, case.duration_s, TIMES)
     stays_s = stay_s(case, transport_m_per_s)
     count = np.where(time_s < stays_s, float(at_start), 0.0)
-    for inlet in inlets(case, material_numbers(case)).values():
+    for inlet in inlets(case).values():
         there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stays_s) for t in time_s]
-        count += np.array(there_kg) / mean_mass_kg(inlet.sizes, inlet.density_kg_per_m3)
+        count += np.array(there_kg) / mean_mass_kg(inlet.sizes, inlet.grain)
     interval_s = case.coupling.sync_interval_s
     steps = steps_in(case.duration_s, interval_s) * steps_in(interval_s, particle_step_s(case))
     return BedCost(float(count.max()), float(count.mean()), steps)
@@ -169,7 +169,7 @@ def likely_transport_m_per_s(case: Case, at_start: int) -> float:
 
 def particles_at_start(case: Case) -> int:
     """Return the number of particles at t = 0."""
-    return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
+    return len(initial_particles(case)) if has_particles(case) else 0
 
 
 def in_words(time_s: float) -> str:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import largest_length_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.decomposition import BORDER_COST, bordering_share, grids
@@ -118,7 +118,7 @@ def _hindrance(case: Case, at_start: int, time: RankTime) -> str:
 def _bordering(case: Case, ranks: int) -> float:
     """Return the particles at the borders of a rank's part over those in it, for the best grid of parts."""
     length_m, width_m = _bed_sides_m(case)
-    reach_m = LISTED_DIAMETERS * largest_diameter_m(case)
+    reach_m = LISTED_DIAMETERS * largest_length_m(case)
     return min(
         bordering_share((length_m / grid[0], width_m / grid[1], 1.0), grid, reach_m)
         for grid in grids(ranks)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.bed.grains import material_numbers
 from orchestrator.case.bed.saved_bed import from_snapshot
-from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import CheckpointSettings

@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from orchestrator.case.bed.saved_bed import grains_of
 from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import Number, OneLine, Table
@@ -31,7 +32,7 @@ from orchestrator.output.results.compute import interval_of
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.acceleration import acceleration_m_per_s2
-from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.shape_grid import ShapeGrid
 from orchestrator.studies.points import summary_of
 
@@ -427,7 +428,7 @@ def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s
     if "removed" in history and "time_s" in history["removed"]:
         removed = history["removed"]
         late = (removed["time_s"][:] > start_s) & (removed["exit"][:] >= 0)
-        mass_kg = sphere_mass_kg(removed["diameter_m"][:], removed["density_kg_per_m3"][:])
+        mass_kg = grains_of(removed, map(str, removed.attrs["shapes"])).mass_kg
         values["passing_kg_per_s"] = float(mass_kg[late].sum() / (end_s - start_s))
     return values
 

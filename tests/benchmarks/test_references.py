@@ -37,8 +37,8 @@ def reference(name: str, run: str, words: str) -> float:
 
 @pytest.mark.parametrize(("name", "run"), [("heavy-bed", "bed"), ("size-ratio", "both")])
 def test_weights(name: str, run: str) -> None:
-    bed = initial_particles(case(name), {"coal": 0, "glass": 1, "PU": 2})
-    weight_N = math.pi / 6 * float(bed.diameter_m**3 @ bed.density_kg_per_m3) * G
+    bed = initial_particles(case(name))
+    weight_N = math.pi / 6 * float(bed.grains.sieve_size_m**3 @ bed.grains.density_kg_per_m3) * G
     assert reference(name, run, "force on the panel") == pytest.approx(-weight_N, rel=1e-4)
 
 
@@ -61,7 +61,7 @@ def test_how_deep_the_lump_goes(run: str) -> None:
         strip,
         kept=known.shared(0.5, panel_kg) * (1 - math.pi / 2 * 0.12),  # loss factor, quarter swing
         stiffer=1.6,  # 1 + the branches' ratios
-        contact=(lump.diameter_m / 2, reduced_modulus_Pa(*moduli)),
+        contact=(lump.sieve_size_m / 2, reduced_modulus_Pa(*moduli)),
     )
     found = row("lump-drop", run, "deepest")
     assert found.reference == pytest.approx(-most_m, rel=1e-4)
@@ -152,7 +152,7 @@ def test_what_a_squeeze_can_give() -> None:
     cap_Pa = one.particles.largest_youngs_modulus_Pa
     moduli = (contact_moduli(one.materials[name], cap_Pa) for name in ("coal", "PU"))
     reduced_Pa = reduced_modulus_Pa(*moduli)
-    overlap_J = 8 / 15 * reduced_Pa * math.sqrt(ball.diameter_m / 2) * stroke_m**2.5
+    overlap_J = 8 / 15 * reduced_Pa * math.sqrt(ball.sieve_size_m / 2) * stroke_m**2.5
     squeeze_J = 2 * overlap_J
     speed_m_per_s = math.sqrt(2 * squeeze_J / bed_kg(one))
     speed_m_per_s += abs(drive.amplitude_m[0]) * drive.speed_rad_per_s

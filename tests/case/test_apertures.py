@@ -194,7 +194,9 @@ def test_equal_panels_share_their_triangles_and_their_mistakes(tmp_path: Path) -
     row += ["probes.middle.panel=deck-1"]
     grids = surface_grids(loaded(tmp_path, [SLOTTED, *row]).case)
     assert grids["deck-1"] is grids["deck-2"]
-    assert "no land" in only_complaint(tmp_path, SLOTTED, *row, f"{KEY}pitch_across_m=0.003")
+    assert kinds(tmp_path, SLOTTED, *row, f"{KEY}pitch_across_m=0.003") == [
+        "screen.panels.deck.apertures.pitch_across_m: out-of-range"
+    ]
 
 
 def test_openings_are_resolved_for_particles_only(tmp_path: Path) -> None:
@@ -213,7 +215,7 @@ def test_check_tells_what_openings_cost_and_let_through(tmp_path: Path) -> None:
     assert "none of the particles of 20 to 20 mm can pass" in openings[1]
     triangles = len(surface_grids(loaded(tmp_path, [SLOTTED]).case)["deck"].triangles)
     assert any(f"{triangles} on each panel" in line for line in lines)
-    small = [SLOTTED, "bed.particles.ball.diameter_m=0.001"]
+    small = [SLOTTED, "bed.particles.ball.sieve_size_m=0.001"]
     assert any("probability 0.25" in line for line in overview(loaded(tmp_path, small)))
 
 

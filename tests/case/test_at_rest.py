@@ -20,7 +20,7 @@ pytestmark = pytest.mark.solver
 TAUT_STRIP = ("panel.solver=strip", "particles.solver=spheres", "frames.solver=two-mass")
 # 0.3 m of panel between clamps 0.27 m apart: it hangs 59 mm deep
 SLACK = ("screen.panels.deck.tension_m=-0.03", *TAUT_STRIP)
-BALL = ("bed.particles.ball.diameter_m=0.03", "panel.surface_cells=[22, 4]")
+BALL = ("bed.particles.ball.sieve_size_m=0.03", "panel.surface_cells=[22, 4]")
 PLATE = (
     'screen.surfaces.plate={frame="ground", material="PU", corner_m=[0.05, 0.05, HEIGHT], '
     "edges_m=[[0.2, 0, 0], [0, 0.1, 0]]}"
@@ -89,7 +89,7 @@ def test_a_ball_in_an_opening_is_clear_of_the_panel(tmp_path: Path) -> None:
 
     def problems(along_m: float, height_m: float) -> int:
         place = f"bed.particles.ball.position_m=[{along_m}, {y}, {height_m}]"
-        sets = [*TAUT_STRIP, OPENINGS, "bed.particles.ball.diameter_m=0.012", place]
+        sets = [*TAUT_STRIP, OPENINGS, "bed.particles.ball.sieve_size_m=0.012", place]
         return len(find_problems(loaded(tmp_path, sets)))
 
     assert problems(x, 0.00335) == 0

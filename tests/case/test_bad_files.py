@@ -44,7 +44,7 @@ def test_what_is_no_case(tmp_path: Path, content: bytes, said: str) -> None:
 def test_a_case_too_large_with_its_defaults(tmp_path: Path) -> None:
     """Results and resumed runs read the case from the run's folder, where defaults make it larger."""
     balls = "".join(
-        f'[bed.particles.ball-{number}]\nmaterial = "coal"\ndiameter_m = 9e-5\n'
+        f'[bed.particles.ball-{number}]\nmaterial = "coal"\nsieve_size_m = 9e-5\n'
         f"position_m = [0, {number * 1e-4:g}, 0.5]\n"
         for number in range(8000)
     )

@@ -108,7 +108,7 @@ def test_files_are_found_where_their_names_were_written(below: Path) -> None:
 
 def test_a_bed_of_the_base_is_found_beside_the_base(below: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where the upper case or the working directory has a file of that name; else these count."""
-    bed = "x_m,y_m,z_m,diameter_m,material\n0.1,0.1,{},0.01,coal\n"
+    bed = "x_m,y_m,z_m,sieve_size_m,material\n0.1,0.1,{},0.01,coal\n"
     (below / "bed.csv").write_text(bed.format(0.1))
     (below / "case.toml").write_text(CASE + '[bed]\ntable = "bed.csv"\n')
     above = over(below)

@@ -14,9 +14,9 @@ import tomli_w
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.carry import read_run
 from orchestrator.case.bed.contact_times import impact_speed_m_per_s
+from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs, push_out
-from orchestrator.case.bed.sources import initial_particles, largest_diameter_m
-from orchestrator.case.solver_plans import material_numbers
+from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.output.records.run_folder import changed_files, create_run_folder, resolved_case
 from orchestrator.output.records.snapshots import Series, particle_mesh
@@ -27,6 +27,7 @@ from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.scene.scene import bed_kg
 from tests.cases import CASE, case_folder, complaints, contact, grains, load_case, loaded, only_complaint
+from tests.grains import spheres
 
 FLOOR = np.array([[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], dtype=float)
 UP = np.array([0.0, 0.0, 1.0])
@@ -36,7 +37,7 @@ ROWS = pd.DataFrame(
         "x_m": [0.10, 0.1195, 0.20],
         "y_m": [0.10, 0.10, 0.10],
         "z_m": [0.0099, 0.0101, 0.02],
-        "diameter_m": [0.02, 0.02, 0.01],
+        "sieve_size_m": [0.02, 0.02, 0.01],
         "material": ["coal", "coal", "coal"],
         "vz_m_per_s": [0.0, -0.5, 2.0],
     }
@@ -58,22 +59,22 @@ def write_table(folder: Path, rows: pd.DataFrame = ROWS, name: str = "bed.csv") 
 def test_a_table_replaces_the_particles_that_the_case_describes(tmp_path: Path, name: str) -> None:
     """Settled spheres touch each other and the panel, here by half a millimetre of 20."""
     found = load_case(tmp_path, CASE, [write_table(tmp_path, name=name)])
-    particles = initial_particles(found.case, material_numbers(found.case))
+    particles = initial_particles(found.case)
     assert find_problems(found) == []
     np.testing.assert_allclose(particles.position_m[:, 2], ROWS["z_m"])
     np.testing.assert_allclose(particles.velocity_m_per_s[:, 2], ROWS["vz_m_per_s"])
     assert not particles.spin_rad_per_s.any()
-    assert set(particles.density_kg_per_m3) == {1430.0}
-    assert largest_diameter_m(found.case) == 0.02
+    assert set(particles.grains.density_kg_per_m3) == {1430.0}
+    assert sieve_sizes_m(found.case)[1] == 0.02
     assert sizes_m(found.case.whole_machine) == [0.01, 0.02]  # beside the drawing of the openings
     assert impact_speed_m_per_s(found.case) == 2.0
-    mass_kg = 1430 * np.pi / 6 * (ROWS["diameter_m"] ** 3).sum()
+    mass_kg = 1430 * np.pi / 6 * (ROWS["sieve_size_m"] ** 3).sum()
     assert bed_kg(found.case) == pytest.approx(mass_kg, rel=1e-6)
 
 
 def test_velocities_are_zeroed_on_request(tmp_path: Path) -> None:
     found = load_case(tmp_path, CASE, [write_table(tmp_path), "bed.velocities=zero"])
-    assert not initial_particles(found.case, material_numbers(found.case)).velocity_m_per_s.any()
+    assert not initial_particles(found.case).velocity_m_per_s.any()
 
 
 def test_a_table_may_be_larger_than_a_case_file(tmp_path: Path) -> None:
@@ -81,11 +82,11 @@ def test_a_table_may_be_larger_than_a_case_file(tmp_path: Path) -> None:
     count = np.arange(20_000)
     grid = {"x_m": count % 200, "y_m": count // 200 % 10, "z_m": 1 + count // 2000}
     rows = pd.DataFrame({name: 0.0015 * number + 1e-4 for name, number in grid.items()})
-    rows = rows.assign(diameter_m=0.001, material="coal", vx_m_per_s=np.linspace(0, 1e-3, 20_000))
+    rows = rows.assign(sieve_size_m=0.001, material="coal", vx_m_per_s=np.linspace(0, 1e-3, 20_000))
     found = load_case(tmp_path, CASE, [write_table(tmp_path, rows)])
     assert (tmp_path / "bed.csv").stat().st_size > 1_000_000
     assert find_problems(found) == []
-    assert len(initial_particles(found.case, material_numbers(found.case))) == 20_000
+    assert len(initial_particles(found.case)) == 20_000
 
 
 def test_one_message_names_everything_that_does_not_fit(tmp_path: Path) -> None:
@@ -121,16 +122,7 @@ def test_one_message_names_materials_coarse_graining_sides_and_surfaces(tmp_path
     place_m = np.array([[0.1, 0.1, 0.004], [0.2, 0.19, 0.02], [0.25, 0.1, 5.0], [0.2, 0.1, 0.05]])
     still, ones = np.zeros((4, 3)), np.ones(4)
     bed = CarriedBed(
-        ("coal", "cool"),
-        np.array([0, 1, 0, 0]),
-        place_m,
-        still,
-        still,
-        0.01 * ones,
-        1430 * ones,
-        0.2,
-        2.0,
-        "",
+        ("coal", "cool"), place_m, still, still, spheres(0.01 * ones, material=[0, 1, 0, 0]), 0.2, 2.0, ""
     )
     saved_bed.write(run / "checkpoints" / f"{20:012d}" / saved_bed.BED, bed)
     said = complaints(tmp_path, f"bed.from_run={run}", "slice.width_m=0.1")
@@ -152,14 +144,12 @@ def test_a_bed_from_a_periodic_slice_fits_the_same_slice(tmp_path: Path) -> None
     (run / "case.toml").write_text(tomli_w.dumps(resolved_case(loaded(tmp_path, slice_of))))
     place_m = np.array([[0.1, 0.15 + 79e-6, 0.02], [0.2, 0.05 - 79e-6, 0.02], [0.15, np.float32(0.05), 0.02]])
     still, ones = np.zeros((3, 3)), np.ones(3)
-    bed = CarriedBed(
-        ("coal",), np.zeros(3, dtype=int), place_m, still, still, 0.01 * ones, 1430 * ones, 0.2, 1.0, ""
-    )
+    bed = CarriedBed(("coal",), place_m, still, still, spheres(0.01 * ones), 0.2, 1.0, "")
     saved_bed.write(run / "checkpoints" / f"{20:012d}" / saved_bed.BED, bed)
     sets = [f"bed.from_run={run}"]
     found = load_case(tmp_path, CASE, [*sets, *slice_of])
     assert find_problems(found) == []
-    y_m = initial_particles(found.case, material_numbers(found.case)).position_m[:, 1]
+    y_m = initial_particles(found.case).position_m[:, 1]
     np.testing.assert_allclose(y_m[:2], [0.05 + 79e-6, 0.15 - 79e-6], rtol=1e-9)
     narrower = "\n".join(complaints(tmp_path, *sets, "slice.width_m=0.08"))
     assert "3 particles of" in narrower
@@ -169,7 +159,7 @@ def test_particles_outside_are_left_out_on_request(tmp_path: Path) -> None:
     sets = [write_table(tmp_path, ROWS.assign(z_m=[0.0099, 0.0101, 5.0])), "bed.outside=leave-out"]
     found = load_case(tmp_path, CASE, sets)
     assert find_problems(found) == []
-    assert len(initial_particles(found.case, material_numbers(found.case))) == 2
+    assert len(initial_particles(found.case)) == 2
     sets[0] = write_table(tmp_path, ROWS.assign(z_m=5.0))
     assert "all 3 particles" in only_complaint(tmp_path, *sets)
 
@@ -183,7 +173,7 @@ def test_particles_beside_a_slice_are_refused_or_left_out(tmp_path: Path, sides:
     ]
     assert "1 particles of" in only_complaint(tmp_path, *sets)
     found = load_case(tmp_path, CASE, [*sets, "bed.outside=leave-out"])
-    assert len(initial_particles(found.case, material_numbers(found.case))) == 2
+    assert len(initial_particles(found.case)) == 2
 
 
 def test_a_run_of_an_earlier_bed_is_not_one_of_the_bed_that_stands_there_now(tmp_path: Path) -> None:
@@ -221,9 +211,8 @@ def test_a_run_that_left_particles_out_knows_them_and_its_materials(tmp_path: Pa
     run = create_run_folder(found, tmp_path / "run", None)
     origin = json.loads((run / "provenance.json").read_text())["bed"]
     assert (origin["particles"], origin["left_out"]) == (2, 1)
-    began = initial_particles(found.case, material_numbers(found.case))
-    fields = {name: getattr(began, name) for name in saved_bed.COLUMNS}
-    snapshot = ParticleSnapshot(id=np.arange(1, len(began) + 1), **fields)
+    began = initial_particles(found.case)
+    snapshot = ParticleSnapshot(id=np.arange(1, len(began) + 1), **vars(began))
     Series(run, "particles").add(0.1, particle_mesh(snapshot))
     state = read_run(run, 0.1)
     assert state.materials == ("coal",)
@@ -235,7 +224,7 @@ def test_a_run_that_left_particles_out_knows_them_and_its_materials(tmp_path: Pa
     [
         (ROWS.rename(columns={"vz_m_per_s": "vz_m_s"}), 'did you mean "vz_m_per_s"?'),
         (ROWS.drop(columns="material"), 'there is no column "material"'),
-        (ROWS.assign(diameter_m=[0.02, -0.01, 0.02]), "diameter_m = -0.01 is not a plausible diameter"),
+        (ROWS.assign(sieve_size_m=[0.02, -0.01, 0.02]), "sieve_size_m = -0.01 is not a plausible size"),
         (ROWS.assign(x_m=["a", 0.1, "b"]), "row 1: x_m = 'a' is not a number (1 more)"),
         (ROWS.assign(material="cool"), 'did you mean "coal"?'),
         (ROWS.iloc[:0], "there are no rows"),
@@ -269,18 +258,7 @@ def saved_run(folder: Path, coarse_graining: float = 1.0) -> Path:
         checkpoint.mkdir(parents=True)
         place_m = np.array([[0.1, 0.1, time_s]])
         spin = np.array([[1.0, 2.0, 3.0]])
-        bed = CarriedBed(
-            ("coal",),
-            np.zeros(1, dtype=np.int64),
-            place_m,
-            -place_m,
-            spin,
-            np.array([0.01]),
-            np.array([1430.0]),
-            time_s,
-            coarse_graining,
-            "",
-        )
+        bed = CarriedBed(("coal",), place_m, -place_m, spin, spheres([0.01]), time_s, coarse_graining, "")
         saved_bed.write(checkpoint / saved_bed.BED, bed)
     return folder / "run"
 
@@ -289,7 +267,7 @@ def saved_run(folder: Path, coarse_graining: float = 1.0) -> Path:
 def test_the_nearest_state_of_a_run_is_taken(tmp_path: Path, wanted: float | None, taken_s: float) -> None:
     sets = [f"bed.from_run={saved_run(tmp_path)}"]
     sets += [] if wanted is None else [f"bed.from_time_s={wanted}"]
-    particles = initial_particles((case := loaded(tmp_path, sets).case), material_numbers(case))
+    particles = initial_particles(loaded(tmp_path, sets).case)
     np.testing.assert_array_equal(particles.position_m, [[0.1, 0.1, taken_s]])
     np.testing.assert_array_equal(particles.velocity_m_per_s, [[-0.1, -0.1, -taken_s]])
     np.testing.assert_array_equal(particles.spin_rad_per_s, [[1.0, 2.0, 3.0]])
@@ -359,8 +337,8 @@ def column(diameter_m: Array, height_m: Array) -> ParticleList:
 
 def at_rest(place_m: Array, diameter_m: Array) -> ParticleList:
     count = len(diameter_m)
-    still, ones = np.zeros((count, 3)), np.ones(count)
-    return ParticleList(place_m, still, still, diameter_m, 1430 * ones, np.zeros(count, dtype=np.int64))
+    still = np.zeros((count, 3))
+    return ParticleList(place_m, still, still, spheres(diameter_m))
 
 
 def test_particles_are_pushed_out_of_surfaces_and_apart() -> None:
@@ -370,7 +348,7 @@ def test_particles_are_pushed_out_of_surfaces_and_apart() -> None:
     settled = column(diameter_m, 0.002 + 0.0199 * np.arange(12))
     pushed = push_out(settled, FLOOR, UP)
     assert (overlap_m(pushed.position_m, diameter_m / 2, FLOOR) <= SETTLED * diameter_m).all()
-    assert overlapping_pairs(pushed.position_m, diameter_m)[2].max() <= SETTLED * 0.02
+    assert overlapping_pairs(pushed.position_m, diameter_m / 2)[2].max() <= SETTLED * 0.02
     moved_m = np.linalg.norm(pushed.position_m - settled.position_m, axis=1)
     assert 0.006 < moved_m.max() < 0.0085
     assert not pushed.velocity_m_per_s.any()
@@ -389,7 +367,7 @@ def test_pairs_of_very_different_sizes_are_all_found() -> None:
     apart_m = np.linalg.norm(place_m[:, None] - place_m, axis=2)
     overlap_m = (diameter_m[:, None] + diameter_m) / 2 - apart_m
     wanted = {(i, j) for i, j in np.argwhere(np.triu(overlap_m, 1) > 0).tolist()}
-    one, two, found_m = overlapping_pairs(place_m, diameter_m)
+    one, two, found_m = overlapping_pairs(place_m, diameter_m / 2)
     assert {(min(pair), max(pair)) for pair in zip(one.tolist(), two.tolist(), strict=True)} == wanted
     assert len(one) == len(wanted) > 200
     np.testing.assert_allclose(found_m, overlap_m[one, two], rtol=1e-9)
@@ -399,14 +377,14 @@ def test_overlaps_across_periodic_sides_are_found_and_pushed_apart(tmp_path: Pat
     """Grains of 6 mm at both sides of a slice of 100 mm, half a millimetre inside, are neighbours."""
     diameter_m = np.full(2, 0.006)
     place_m = np.array([[0.1, 0.0505, 0.05], [0.1, 0.1495, 0.0502]])
-    assert len(overlapping_pairs(place_m, diameter_m)[0]) == 0
-    one, two, depth_m = overlapping_pairs(place_m, diameter_m, 0.1)
+    assert len(overlapping_pairs(place_m, diameter_m / 2)[0]) == 0
+    one, two, depth_m = overlapping_pairs(place_m, diameter_m / 2, 0.1)
     assert sorted([*one, *two]) == [0, 1]
     assert depth_m[0] == pytest.approx(0.006 - np.hypot(0.001, 0.0002), rel=1e-9)
     pushed = push_out(at_rest(place_m, diameter_m), FLOOR, UP, 0.1)
-    assert overlapping_pairs(pushed.position_m, diameter_m, 0.1)[2].max(initial=0.0) <= SETTLED * 0.006
+    assert overlapping_pairs(pushed.position_m, diameter_m / 2, 0.1)[2].max(initial=0.0) <= SETTLED * 0.006
     rows = pd.DataFrame(dict(zip(("x_m", "y_m", "z_m"), place_m.T, strict=True)))
-    rows = rows.assign(diameter_m=diameter_m, material="coal")
+    rows = rows.assign(sieve_size_m=diameter_m, material="coal")
     sets = [write_table(tmp_path, rows), "slice.width_m=0.1"]
     assert any("overlaps" in line for line in complaints(tmp_path, *sets))
 
@@ -415,6 +393,6 @@ def test_a_bed_on_a_part_of_the_width_is_warned_of(tmp_path: Path) -> None:
     """Sixty grains in a strip of 60 mm on a panel of 200 mm, as those of a slice are."""
     number = np.arange(60)
     rows = pd.DataFrame({"x_m": 0.02 + 0.01 * (number % 20), "y_m": 0.07 + 0.03 * (number // 20)})
-    rows = rows.assign(z_m=0.02, diameter_m=0.008, material="coal")
+    rows = rows.assign(z_m=0.02, sieve_size_m=0.008, material="coal")
     warned = warnings(load_case(tmp_path, CASE, [write_table(tmp_path, rows)]))
     assert any("lies on 68 of 200 mm of the width" in line for line in warned)

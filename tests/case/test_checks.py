@@ -121,7 +121,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (FEED.replace("sizes", "start_s=0.1, sizes"), "bed.feeds.chute.start_s: out-of-range"),
         (FEED.replace("0.02, mass", "0.12, mass"), "bed.feeds.chute.box_m: out-of-range"),
         (
-            FEED.replace("sizes=", "curve=[{diameter_m=0.1, passing=1}], sizes="),
+            FEED.replace("sizes=", "curve=[{sieve_size_m=0.1, passing=1}], sizes="),
             "bed.feeds.chute.curve: conflict",
         ),
         # exits
@@ -138,7 +138,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ),
         ("materials.coal.youngs_modulus_Pa=990", "materials.coal.youngs_modulus_Pa: out-of-range"),
         ("materials.PU.hyperelastic.c10_Pa=0.7", "materials.PU.hyperelastic.c10_Pa: out-of-range"),
-        ("bed.particles.ball.diameter_m=20", "bed.particles.ball.diameter_m: out-of-range"),
+        ("bed.particles.ball.sieve_size_m=20", "bed.particles.ball.sieve_size_m: out-of-range"),
         ("screen.exciters.shaft.speed_rad_per_s=1500", "screen.exciters.shaft.speed_rad_per_s: out-of-range"),
         ("duration_s=2e4", "duration_s: out-of-range"),
         (
@@ -161,9 +161,9 @@ def test_one_mistake_is_found_at_its_key(tmp_path: Path, override: str, wanted: 
 
 
 def test_a_share_of_the_rayleigh_time_above_the_limit_is_refused(tmp_path: Path) -> None:
-    said = only_complaint(tmp_path, "particles.rayleigh_fraction=0.3", "coupling.sync_interval_s=1e-3")
-    assert "particles.rayleigh_fraction: a step of" in said
-    assert "the limit is" in said
+    assert kinds(tmp_path, "particles.rayleigh_fraction=0.3", "coupling.sync_interval_s=1e-3") == [
+        "particles.rayleigh_fraction: out-of-range"
+    ]
 
 
 def test_a_hinge_holds_no_angle(tmp_path: Path) -> None:
@@ -173,7 +173,7 @@ def test_a_hinge_holds_no_angle(tmp_path: Path) -> None:
 
 def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
     row = "screen.panels.deck.count=2"
-    assert "pitch_m: missing" in only_complaint(tmp_path, row, "probes.middle.panel=deck-1")
+    assert kinds(tmp_path, row, "probes.middle.panel=deck-1") == ["screen.panels.deck.pitch_m: missing"]
     close = complaints(tmp_path, row, "screen.panels.deck.pitch_m=0.3", "probes.middle.panel=deck-2")
     assert "span and two clamps need 0.34 m" in close[0]
     assert not complaints(tmp_path, row, "screen.panels.deck.pitch_m=0.34", "probes.middle.panel=deck-2")
@@ -219,7 +219,7 @@ def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
 
 def test_feeds_may_not_share_a_box(tmp_path: Path) -> None:
     other = FEED.replace("chute", "second")
-    assert 'second.box_m: overlaps the box of feed "chute"' in only_complaint(tmp_path, FEED, other)
+    assert kinds(tmp_path, FEED, other) == ["bed.feeds.second.box_m: misplaced"]
     assert not complaints(tmp_path, FEED)
 
 
@@ -235,7 +235,7 @@ def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
 
 
 def test_overlapping_particles_are_named(tmp_path: Path) -> None:
-    other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], diameter_m=0.02, material="coal"}'
+    other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], sieve_size_m=0.02, material="coal"}'
     said = only_complaint(tmp_path, other)
     assert '"ball" overlaps "other" by 0.001 m' in said
     assert not complaints(tmp_path, other.replace("0.069", "0.0701"))
@@ -251,8 +251,8 @@ def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Pat
 
 def test_settings_that_a_strip_does_not_have(tmp_path: Path) -> None:
     strip = "panel.solver=strip"
-    assert "explicit only" in only_complaint(tmp_path, strip, "panel.integrator=implicit")
-    assert "at least two cells" in only_complaint(tmp_path, strip, "panel.cells=[1, 1]")
+    assert kinds(tmp_path, strip, "panel.integrator=implicit") == ["panel.integrator: solver"]
+    assert kinds(tmp_path, strip, "panel.cells=[1, 1]") == ["panel.cells.0: solver"]
 
 
 def test_frames_may_hang_on_each_other_and_drop_when_not_drawn_at_rest(tmp_path: Path) -> None:
@@ -262,7 +262,7 @@ def test_frames_may_hang_on_each_other_and_drop_when_not_drawn_at_rest(tmp_path:
         "stiffness_N_per_m=[0, 0, 2e4], rotation_deg=[0, -30, 0]}"  # upright again
     )
     assert not complaints(tmp_path, frame, shear, "screen.inclination_deg=30")
-    assert "frames.driven" in only_complaint(tmp_path, frame, shear)
+    assert kinds(tmp_path, frame, shear) == ["screen.frames.driven: conflict"]
     assert not complaints(tmp_path, frame, "screen.drawn_at_rest=false")
 
 
@@ -271,9 +271,7 @@ def test_bushings_must_keep_frames_from_tipping(tmp_path: Path) -> None:
     turns, beside = "frames.solver=exudyn", "screen.frames.driving.center_of_mass_m=[0.1, 0.1, 0]"
     one = "screen.bushings.isolation.positions_m=[[0, 0.1, 0]]"
     assert complaints(tmp_path, turns, one) == complaints(tmp_path, turns, beside) == []
-    assert "frames.driving: no bushing holds its weight, or keeps" in only_complaint(
-        tmp_path, turns, one, beside
-    )
+    assert kinds(tmp_path, turns, one, beside) == ["screen.frames.driving: conflict"]
     assert complaints(tmp_path, turns, one, beside, "screen.drawn_at_rest=false") == []
     aside = "screen.frames.driving.center_of_mass_m=[0, 0, 0]"
     assert "keeps it from tipping" in only_complaint(tmp_path, turns, aside)
@@ -297,9 +295,7 @@ def test_two_panels_in_one_place_are_refused(
     twin = TWIN.replace("CORNER", str(corner_m)).replace("ALONG", str(along))
     sets = (twin, "bed.particles.ball.position_m=[-0.5, 0, 0.5]", "screen.drawn_at_rest=false")
     if meets:
-        assert "twin.corner_m: panel twin lies in the place of panel deck, or" in only_complaint(
-            tmp_path, *sets
-        )
+        assert kinds(tmp_path, *sets) == ["screen.panels.twin.corner_m: misplaced"]
     else:
         assert complaints(tmp_path, *sets) == []
 
@@ -325,9 +321,7 @@ def test_a_plate_in_the_plane_of_a_panel_is_refused(
     lid = LID.replace("CORNER", str(corner_m))
     ball = "bed.particles.ball.position_m=[-0.5, 0, 0.5]"
     if meets:
-        assert "lid.corner_m: surface lid lies in the plane of panel deck and" in only_complaint(
-            tmp_path, lid, ball
-        )
+        assert kinds(tmp_path, lid, ball) == ["screen.surfaces.lid.corner_m: misplaced"]
     else:
         assert complaints(tmp_path, lid, ball) == []
 
@@ -372,7 +366,7 @@ def test_exits_are_apart_but_may_share_a_face(tmp_path: Path) -> None:
     )
     assert complaints(tmp_path, EXIT, beside, "domain_m.1.0=3") == []
     across = beside.replace("[1, -1, -0.5]", "[0.9, -1, -0.5]")
-    assert 'over.box_m: overlaps exit "under"' in only_complaint(tmp_path, EXIT, across, "domain_m.1.0=3")
+    assert kinds(tmp_path, EXIT, across, "domain_m.1.0=3") == ["screen.exits.over.box_m: misplaced"]
 
 
 def test_fines_left_out_are_said(tmp_path: Path) -> None:
@@ -394,7 +388,7 @@ def test_a_sample_that_cannot_be_is_refused(tmp_path: Path) -> None:
     feed = FEED.replace("sizes", "sampled_below_m=0.015, sampled_as_m=0.01, sizes")
     assert "chute.sampled_as_m: 0.01 m is less than sampled_below_m" in only_complaint(tmp_path, feed)
     block = BLOCK.replace("sizes", "sampled_below_m=0.015, sizes")
-    assert "sampled_below_m: unknown key" in only_complaint(tmp_path, block)
+    assert kinds(tmp_path, block) == ["bed.blocks.coal.sampled_below_m: unknown-key"]
 
 
 def warned(folder: Path, *overrides: str) -> list[str]:

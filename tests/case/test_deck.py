@@ -49,7 +49,7 @@ slope_deg = 45.0
 drop_m = 0.1
 [bed.particles.ball]
 position_m = [0.5, 0.1, 0.6]
-diameter_m = 0.02
+sieve_size_m = 0.02
 material = "coal"
 [probes.middle]
 panel = "deck-3"

@@ -97,13 +97,13 @@ def test_a_wrong_set_is_a_mistake_of_the_user(tmp_path: Path, override: str, sai
 
 @pytest.mark.smoke
 def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp_path: Path) -> None:
-    case = CASE.replace("thickness_m", "thicknes_m").replace("diameter_m = 0.02", "diameter_m = -1")
+    case = CASE.replace("thickness_m", "thicknes_m").replace("sieve_size_m = 0.02", "sieve_size_m = -1")
     folder = case_folder(tmp_path, case, draft=LEVEL.replace("strip", "stripe"))
     said = refused(folder, None, "coupling.sync_interval_s=fast").splitlines()
     assert said[0] == "4 problems in the case:"
     assert sorted(said[1:]) == [
         "  --set coupling.sync_interval_s: 'fast' is wrong, a valid number is wanted",
-        "  case.toml bed.particles.ball.diameter_m: -1 is wrong, greater than 0 is wanted",
+        "  case.toml bed.particles.ball.sieve_size_m: -1 is wrong, greater than 0 is wanted",
         "  case.toml screen.panels.deck.thicknes_m: unknown key (its value: 0.004); "
         'did you mean "thickness_m"?',
         "  levels/draft.toml panel.solver: 'stripe' is not one of 'rigid', 'sheet', "
@@ -130,7 +130,7 @@ def test_wrong_types_are_said_in_plain_words(tmp_path: Path, override: str, said
 
 def test_particles_need_something_to_touch(tmp_path: Path) -> None:
     bare = CASE.partition("[screen.panels.deck]")[0]
-    ball = "[bed.particles.ball]\nposition_m = [0, 0, 0]\ndiameter_m = 0.02\nmaterial = 'coal'\n"
+    ball = "[bed.particles.ball]\nposition_m = [0, 0, 0]\nsieve_size_m = 0.02\nmaterial = 'coal'\n"
     assert find_problems(load_case(tmp_path, bare)) == []
     (complaint,) = find_problems(load_case(tmp_path, bare + ball))
     assert "screen.panels: missing: there is nothing for particles to touch" in str(complaint)

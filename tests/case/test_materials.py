@@ -164,7 +164,7 @@ def test_a_material_of_another_name_may_be_like_one_of_the_library(tmp_path: Pat
 
 
 def test_grains_that_the_case_takes_over_need_an_empty_table_only(tmp_path: Path) -> None:
-    (tmp_path / "grains.csv").write_text("x_m,y_m,z_m,diameter_m,material\n0.1,0.1,0.05,0.01,gravel\n")
+    (tmp_path / "grains.csv").write_text("x_m,y_m,z_m,sieve_size_m,material\n0.1,0.1,0.05,0.01,gravel\n")
     text = NAMED.replace('material = "limestone"', 'material = "gravel"') + "[materials.gravel]\n"
     given = case(tmp_path, text, "bed.table=grains.csv")
     assert given.bed.carried is not None

@@ -16,7 +16,6 @@ from typer.testing import CliRunner
 from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.cli import new
 from orchestrator.cli.main import app
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
@@ -28,6 +27,7 @@ from orchestrator.preflight.proposal.wishes import TEMPLATES, ImpossibleWishes, 
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.scene.shaking import solve_shakings
 from orchestrator.preflight.stability.report import stability_report
+from tests.grains import sphere_kg
 from tests.runs.outside import flipflow, summary
 
 CALL = CliRunner()
@@ -251,7 +251,7 @@ def test_a_curve_of_twelve_sieves_is_sampled_in_both_levels(tmp_path: Path) -> N
         assert feed.sampled_below_m is not None
         assert feed.sampled_as_m is not None
         balanced_kg = feed.rate_kg_per_s * 30 * 0.08
-        grain_kg = sphere_mass_kg(feed.sampled_as_m, judged.case.materials["limestone"].density_kg_per_m3)
+        grain_kg = sphere_kg(feed.sampled_as_m, judged.case.materials["limestone"].density_kg_per_m3)
         edges_mm = np.arange(3.0, 1e3 * feed.sampled_below_m / 1.19, 0.1)
         shares = [np.diff(np.interp([mm, 1.2 * mm], sieves_mm, passing))[0] for mm in edges_mm]
         assert balanced_kg * min(shares) / grain_kg > 95

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.case.bed.grains import material_numbers
 from orchestrator.case.bed.sources import inlets
 from orchestrator.case.deck.panels import axes, single_panels, to_world
-from orchestrator.case.solver_plans import exits, frames_plan, material_numbers, panel_plans, particles_plan
+from orchestrator.case.solver_plans import exits, frames_plan, panel_plans, particles_plan
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
@@ -104,7 +105,7 @@ def test_pairs_of_materials_are_symmetric(tmp_path: Path) -> None:
     assert [material.name for material in plan.materials] == ["PU", "coal"]
     assert plan.restitution.tolist() == [[1.0, 0.34], [0.34, 0.13]]
     assert plan.rolling_friction.tolist() == [[0.0, 0.09], [0.09, 0.0]]
-    assert plan.particles.material.tolist() == [1]
+    assert plan.particles.grains.material.tolist() == [1]
     level = ("contacts.0.rolling_friction=0.09", 'particles.rolling="none"')
     assert not particles(tmp_path, *level).rolling_friction.any()
 
@@ -156,7 +157,7 @@ def test_a_feed_without_its_fines_feeds_the_rest_of_its_rate(tmp_path: Path) -> 
         "{smallest_m=0.004, largest_m=0.02, mass_fraction=0.7}]}"
     )
     case = loaded(tmp_path, [feed]).case
-    inlet = inlets(case, material_numbers(case))["coal"]
+    inlet = inlets(case)["coal"]
     assert inlet.rate_kg_per_s == pytest.approx(1.4)
     assert inlet.due_kg(3.0) == pytest.approx(4.2)
 
@@ -170,7 +171,7 @@ def test_feeds_are_handed_over_as_one(tmp_path: Path) -> None:
     two = feed.replace("NAME", "two").replace("X", "0.2").replace("Y", "0.3")
     plan = particles(tmp_path, one, two)
     assert plan.feed is not None
-    assert plan.largest_diameter_m == 0.02
+    assert plan.largest_radius_m == 0.01
     offered = plan.feed.due(Interval(1000, 1e-4))  # 0.1 s: 0.2 kg
-    assert np.pi / 6 * 1430 * np.sum(offered.diameter_m**3) == pytest.approx(0.2, abs=0.006)
-    assert set(offered.material.tolist()) == {1}
+    assert np.pi / 6 * 1430 * np.sum(offered.grains.sieve_size_m**3) == pytest.approx(0.2, abs=0.006)
+    assert set(offered.grains.material.tolist()) == {1}

@@ -22,7 +22,7 @@ FEED = (
 
 def points(text: str) -> list[tuple[float, float]]:
     """Return the points of a table in mm and shares."""
-    return [(point["diameter_m"] / MM, point["passing"]) for point in curve_of(text)]
+    return [(point["sieve_size_m"] / MM, point["passing"]) for point in curve_of(text)]
 
 
 @pytest.mark.parametrize(
@@ -111,16 +111,15 @@ def test_a_case_names_the_file(tmp_path: Path) -> None:
     (tmp_path / "other.csv").write_text(WHOLE.replace("16,", "31.5,"))
     given = f'bed.feeds.more={{{FEED}, curve={{file="lab.csv"}}}}'
     curve = loaded(tmp_path, [given]).case.bed.feeds["more"].curve
-    assert [(point.diameter_m / MM, point.passing) for point in curve] == [pytest.approx(p) for p in POINTS]
+    assert [(point.sieve_size_m / MM, point.passing) for point in curve] == [pytest.approx(p) for p in POINTS]
     sizes = f"bed.feeds.more={{{FEED}, sizes=[{{smallest_m=0.01, largest_m=0.02, mass_fraction=1.0}}]}}"
     replaced = loaded(tmp_path, [sizes, "bed.feeds.more.curve.file=lab.csv"]).case.bed.feeds["more"]
     assert (replaced.sizes, replaced.curve) == ((), curve)
     again = f"bed.feeds.more.curve.file={'other.csv'}"
-    assert loaded(tmp_path, [given, again]).case.bed.feeds["more"].curve[-1].diameter_m == 31.5 * MM
-    points_given = (
-        f"bed.feeds.more={{{FEED}, curve=[{{diameter_m=0.01, passing=0}}, {{diameter_m=0.02, passing=1}}]}}"
-    )
-    assert loaded(tmp_path, [points_given, again]).case.bed.feeds["more"].curve[-1].diameter_m == 31.5 * MM
+    assert loaded(tmp_path, [given, again]).case.bed.feeds["more"].curve[-1].sieve_size_m == 31.5 * MM
+    points = "{sieve_size_m=0.01, passing=0}, {sieve_size_m=0.02, passing=1}"
+    points_given = f"bed.feeds.more={{{FEED}, curve=[{points}]}}"
+    assert loaded(tmp_path, [points_given, again]).case.bed.feeds["more"].curve[-1].sieve_size_m == 31.5 * MM
     back = "bed.feeds.more.sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1.0}]"
     assert loaded(tmp_path, [given, back]).case.bed.feeds["more"].curve == ()
 

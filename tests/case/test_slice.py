@@ -45,7 +45,7 @@ def test_a_motor_and_bearings_take_their_share(tmp_path: Path) -> None:
         "rated_power_W=15e3, synchronous_speed_rad_per_s=80.0, rated_slip=0.03, moment_of_inertia_kg_m2=2.0, "
         "bearing_loss_N_m_s=0.6"
     )
-    given = [f"screen.exciters.shaft.motor={{{motor}}}", "frames.solver=planar"]
+    given = [f"screen.exciters.shaft.motor={{{motor}}}", "frames.solver=exudyn"]
     given += ["screen.exciters.shaft.bearings={dynamic_rating_N=4e5, count=4}"]
     shaft = loaded(tmp_path, [*SLICE, *given]).case.screen.exciters["shaft"]
     assert shaft.motor is not None

@@ -220,7 +220,7 @@ MOTOR = "{rated_power_W=5e3, synchronous_speed_rad_per_s=82.0, rated_slip=0.02, 
 
 @pytest.mark.parametrize(("motors", "count"), [(False, 1), (True, 0)])
 def test_shafts_with_motors_find_phases_of_their_own(tmp_path: Path, motors: bool, count: int) -> None:
-    sets = [f"{SECOND}phase_rad=3.14159265}}", "frames.solver=planar"]
+    sets = [f"{SECOND}phase_rad=3.14159265}}", "frames.solver=exudyn"]
     sets += [
         "screen.frames.driving.inertia_kg_m2=[5, 5, 5]",
         "screen.frames.driving.center_of_mass_m=[0, 0, 0]",

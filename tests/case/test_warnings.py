@@ -191,7 +191,7 @@ def test_one_mistake_gives_its_own_warning(
 )
 def test_a_bed_that_is_taken_over_is_material_on_the_deck(tmp_path: Path, override: str, wanted: str) -> None:
     """Two grains lie on the first panel of a machine without a feed."""
-    rows = ["x_m,y_m,z_m,diameter_m,material", "0.12,0.02,0.05,0.006,gravel", "0.12,0.38,0.05,0.02,gravel"]
+    rows = ["x_m,y_m,z_m,sieve_size_m,material", "0.12,0.02,0.05,0.006,gravel", "0.12,0.38,0.05,0.02,gravel"]
     (tmp_path / "bed.csv").write_text("\n".join(rows))
     head, _, feed = MACHINE.partition("[bed.feeds.gravel]")
     carried = head + feed[feed.index("[panel]") :]

@@ -65,7 +65,7 @@ Y_M = WIDTH_M / 2 + PITCH_M * (np.arange(ABREAST) - (ABREAST - 1) / 2)
 BED = "".join(
     f"[bed.particles.s{i}-{j}]\n"
     f"position_m = [{x}, {y}, {DIAMETER_M / 2 + 2e-4}]\n"
-    f'diameter_m = {DIAMETER_M}\nmaterial = "steel"\n'
+    f'sieve_size_m = {DIAMETER_M}\nmaterial = "steel"\n'
     for i, x in enumerate(X_M)
     for j, y in enumerate(Y_M)
 )

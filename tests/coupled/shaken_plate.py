@@ -81,7 +81,7 @@ tension_m = 0.0
 
 [bed.particles.one]
 material = "glass"
-diameter_m = {2 * RADIUS_M}
+sieve_size_m = {2 * RADIUS_M}
 position_m = [0.0, 0.0, {RADIUS_M}]
 
 [frames]

@@ -18,7 +18,7 @@ from tests.reference.spheres.triangle_spin import TriangleSpin
 
 BALLS = [
     f"bed.particles.ball-{i}-{j}={{position_m=[{0.03 + 0.03 * i}, {0.03 + 0.04 * j}, 0.0101], "
-    "velocity_m_per_s=[0.1, 0.0, -0.05], spin_rad_per_s=[30, -80, 10], diameter_m=0.02, "
+    "velocity_m_per_s=[0.1, 0.0, -0.05], spin_rad_per_s=[30, -80, 10], sieve_size_m=0.02, "
     'axes="deck", material="coal"}'
     for i in range(3)
     for j in range(2)

@@ -43,7 +43,7 @@ def pair(machine: Coupled) -> Array:
         every.append((pushed_N, height_m[len(line) // 2] - height_m[0]))
         if index % (intervals // SEEN) == 0:
             bed = machine.particles()
-            share = bed.diameter_m**3 / (bed.diameter_m**3).sum()
+            share = bed.grains.sieve_size_m**3 / (bed.grains.sieve_size_m**3).sum()
             speeds_m2_per_s2 = (bed.velocity_m_per_s**2).sum(axis=1)
             seen.append((share @ bed.position_m[:, 2] - height_m[0], share @ speeds_m2_per_s2))
     rms = np.sqrt(np.mean(np.square(every), axis=0))

@@ -109,7 +109,7 @@ def test_energy_of_a_run_without_losses(tmp_path: Path, scheme: str, drift: floa
     ]
     with opened(load_case(tmp_path, MACHINE + BED, settings)) as run:
         bed = run.particles()
-        mass_kg = np.pi / 6 * bed.diameter_m**3 * bed.density_kg_per_m3
+        mass_kg = np.pi / 6 * bed.grains.sieve_size_m**3 * bed.grains.density_kg_per_m3
         bed_J = 0.5 * float(mass_kg @ (bed.velocity_m_per_s**2).sum(axis=1))
         run.advance(400)
         stored_J = run.energy_J("stored")

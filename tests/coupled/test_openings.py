@@ -49,8 +49,8 @@ def test_fines_fall_through_a_shaken_screen_and_the_books_close(tmp_path: Path, 
         residuals = machine.momentum_residual()
         assert max(residuals.values()) < 1e-11, residuals
         lowest_m = over_the_deck_m(loaded, state.panel.surface.position_m).min()
-        below = over_the_deck_m(loaded, now.position_m) < lowest_m - now.diameter_m
-        small = now.diameter_m < 0.006
+        below = over_the_deck_m(loaded, now.position_m) < lowest_m - now.grains.sieve_size_m
+        small = now.grains.sieve_size_m < 0.006
         assert not below[~small].any()
         assert below[small].sum() > 5
         assert machine.machine.members.frames.received.impulse_N_s.any()

@@ -29,7 +29,7 @@ margin_along_m = 0.0125
 """
 BALLS = [
     f"bed.particles.ball-{i}-{j}={{position_m=[{1.01 * (0.05 + 0.025 * i)}, {0.0375 + 0.025 * j}, 0.0], "
-    f"velocity_m_per_s=[{0.4 - 0.8 * j}, {0.5 - 1.0 * i}, 0.0], diameter_m=0.006, "
+    f"velocity_m_per_s=[{0.4 - 0.8 * j}, {0.5 - 1.0 * i}, 0.0], sieve_size_m=0.006, "
     'axes="deck", material="coal"}'
     for i in range(2)
     for j in range(2)

@@ -87,7 +87,7 @@ def bed(twins: bool) -> list[str]:
         other = place_m + np.where(place_m[:, 1:2] < 0.05, 1, -1) * np.array([0.0, 0.05, 0.0])
         rows += zip(other, speed_m_per_s, strict=True)
     return [
-        f'bed.particles.p{n}={{material="coal", diameter_m=0.01, '
+        f'bed.particles.p{n}={{material="coal", sieve_size_m=0.01, '
         f"position_m={x.round(6).tolist()}, velocity_m_per_s={v.tolist()}}}"
         for n, (x, v) in enumerate(rows)
     ]

@@ -65,7 +65,7 @@ tension_m = 0.0
 [bed.particles.ball]
 position_m = [0.07675, 0.005, 0.01]
 velocity_m_per_s = [0.0, 0.0, -0.010]
-diameter_m = 0.020
+sieve_size_m = 0.020
 material = "ball"
 
 [probes.middle]

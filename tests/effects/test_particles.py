@@ -159,7 +159,7 @@ def test_stiffness_at_openings_is_the_mass_that_passes_by_overlap(tmp_path: Path
     [
         ((), 1.0, None),
         ((BLOCK,), 2.0, None),
-        ((BLOCK, "bed.particles.ball.diameter_m=0.14"), 14.0, True),
+        ((BLOCK, "bed.particles.ball.sieve_size_m=0.14"), 14.0, True),
         ((BLOCK, APERTURES), 2.0, True),
     ],
 )

@@ -27,7 +27,7 @@ from orchestrator.preflight.scene.moved_panel import stiffness_share
 from orchestrator.preflight.scene.observed import Observed
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.studies.pairs import Pairs
-from tests.cases import load_case, loaded, only_complaint
+from tests.cases import kinds, load_case, loaded
 from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -117,7 +117,7 @@ def test_removal_and_feed_stay_where_material_may_reach_the_exits() -> None:
 def test_what_passes_the_openings_leaves_in_the_shortest_run(tmp_path: Path) -> None:
     """Closed mats keep what lies on them for as long as it takes to go over the deck."""
     short = (TILTED, "duration_s=0.001")
-    ball = "bed.particles.ball.diameter_m=0.005"
+    ball = "bed.particles.ball.sieve_size_m=0.005"
 
     def removal(*sets: str) -> Verdict:
         case = loaded(tmp_path, [*short, *sets]).case
@@ -229,8 +229,7 @@ def test_auto_takes_what_two_runs_said_and_asks_no_more(
 
 
 def test_results_that_there_are_not_are_refused(tmp_path: Path) -> None:
-    said = only_complaint(tmp_path, "effects=auto", 'effects_for=["eficiency"]')
-    assert 'no result "eficiency"; did you mean "efficiency"?' in said
+    assert kinds(tmp_path, "effects=auto", 'effects_for=["eficiency"]') == ["effects_for: unknown-name"]
 
 
 def test_two_runs_take_the_place_of_an_estimate() -> None:

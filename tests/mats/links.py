@@ -20,7 +20,10 @@ LINKS, STEP_S, ROW_S = 24, 2e-5, 4e-4
 
 @dataclass(frozen=True)
 class Mat:
-    """A mat for each metre of width, and how its second clamp moves along it against the first."""
+    """A mat for each metre of width, and how its second clamp moves along it against the first.
+
+    The motion grows over ``run_up_turns`` turns as half a cosine.
+    """
 
     length_m: float
     span_m: float
@@ -31,6 +34,7 @@ class Mat:
     clamp_angle_deg: float
     stroke_m: float
     speed_rad_per_s: float
+    run_up_turns: float
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class Turns:
 def flip(mats: list[Mat], turns: int, left_out: int) -> list[Turns]:
     """Return the turns after the first ``left_out`` of each mat.
 
-    All mats have the same free length, speed and branches; the motion grows over four turns.
+    All mats have the same free length, speed and branches.
     """
     count, links = len(mats), LINKS
 
@@ -96,7 +100,7 @@ def flip(mats: list[Mat], turns: int, left_out: int) -> list[Turns]:
         moving_s = (step + 1) * STEP_S - still_s
         if moving_s < 0:  # it comes to rest
             speed_m_per_s *= 1 - 30 * STEP_S
-        grown = (1 - math.cos(math.pi * min(max(moving_s, 0.0) / (4 * turn_s), 1.0))) / 2
+        grown = (1 - np.cos(math.pi * np.clip(moving_s / (each("run_up_turns") * turn_s), 0.0, 1.0))) / 2
         speed_m_per_s[:, [0, -1]] = 0.0
         place_m += STEP_S * speed_m_per_s
         place_m[:, -1, 0] = (each("span_m") + each("stroke_m") * grown * math.cos(speed * moving_s))[:, 0]

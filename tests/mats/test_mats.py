@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from orchestrator.cli.overview import overview
@@ -11,7 +12,8 @@ from orchestrator.output.views.mats import draw_mats
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.mats import mats
-from orchestrator.preflight.mats.mats import find_mats, mat_lines, mat_tables
+from orchestrator.preflight.mats.mats import find_mats, mat_lines, mat_tables, trials_of
+from orchestrator.preflight.mats.trial import SETTLING_TURNS
 from orchestrator.preflight.scene.scene import scene
 from tests.cases import CASE, load_case
 
@@ -58,6 +60,31 @@ def test_a_mat_that_hangs_is_none(tmp_path: Path) -> None:
     assert table["empty"]["side"] == "down"
     assert table["empty"]["turns_up"] == 0
     assert 0 < table["empty"]["cycle_peak_100_Hz_g"] < table["empty"]["cycle_peak_g"]
+
+
+def test_neighbours_on_two_frames_are_two_kinds_of_mats(tmp_path: Path) -> None:
+    """With stroke and lift a quarter of a turn apart, as of an unbalance; without a lift they are alike."""
+    drive = "screen.frames.driving.drive."
+    lifted = (f"{drive}amplitude_m=[0.006, 0, 0.005]", f"{drive}phase_rad=[0, 0, 1.5707963267948966]")
+    both = load_case(tmp_path / "both", DRIVEN, [DAMPED, *lifted])
+    assert [names for names, _ in trials_of(scene(both.case))] == [("deck-1",), ("deck-2",)]
+    flat = load_case(tmp_path / "flat", DRIVEN, [DAMPED])
+    assert [names for names, _ in trials_of(scene(flat.case))] == [("deck-1", "deck-2")]
+
+
+def test_a_trial_starts_as_its_case_does(tmp_path: Path) -> None:
+    """Clamps grow over the case's own run-up of 0.3 s, 3.75 turns, as half a cosine, and go on steadily; a
+    run-up of 40 turns is shortened to 24."""
+    ((_, trial),) = trials_of(scene(load_case(tmp_path / "case", DRIVEN).case))
+    assert trial.turns_before == 4 + SETTLING_TURNS
+    time_s = np.array([0.0, 0.1, 0.2, 0.31, 0.5])
+    grown = (1 - np.cos(np.pi * np.minimum(time_s / 0.3, 1.0))) / 2
+    moved_m, _ = trial.clamps_at(time_s)
+    assert moved_m[:, 0, 0] == pytest.approx(0.006 * grown * np.sin(78.54 * time_s), abs=1e-7)
+    assert not moved_m[:, 1].any()
+    slow = load_case(tmp_path / "slow", DRIVEN, ["screen.frames.driving.drive.run_up_s=3.2"])
+    ((_, trial),) = trials_of(scene(slow.case))
+    assert trial.turns_before == 24 + SETTLING_TURNS
 
 
 def test_mats_that_nothing_moves_or_whose_trial_is_long_are_not_tried(tmp_path: Path) -> None:

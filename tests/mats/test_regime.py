@@ -9,26 +9,33 @@ from functools import cache
 import numpy as np
 import pytest
 
+from orchestrator.ports import Array
 from orchestrator.preflight.mats.regime import PHASES, Regime
-from orchestrator.preflight.mats.trial import RUN_UP_TURNS, SETTLING_TURNS, WATCHED_TURNS, Trial, regimes
+from orchestrator.preflight.mats.trial import SETTLING_TURNS, WATCHED_TURNS, Trial, regimes
+from orchestrator.preflight.scene.starting import STEPS
 from tests.mats.links import Mat, Turns, flip
 from tests.panel.elastic_plans import plan
 
 SPEED_RAD_PER_S = 78.54
 BRANCHES = ((0.2, 1e-2), (0.2, 2e-3), (0.2, 4e-4))
-MOUNTINGS = {  # thickness, clamps' angle, slack, stroke; m and degrees
-    "clamps at 20 degrees": (0.006, 20.0, 0.0, 0.006),
-    "clamps at 20 degrees, slack": (0.006, 20.0, 0.003, 0.006),
-    "clamps at 20 degrees, slack, 5 mm": (0.006, 20.0, 0.003, 0.005),
-    "clamps at 15 degrees, slack": (0.005, 15.0, 0.002, 0.005),
-    "clamps at 20 degrees, slack, 4 mm": (0.006, 20.0, 0.002, 0.004),
-    "flat, slack, up in every turn": (0.006, 0.0, 0.003, 0.006),
-    "flat, slack, 5 mm, up in every turn": (0.005, 0.0, 0.002, 0.005),
-    "flat": (0.004, 0.0, 0.0, 0.006),
+MOUNTINGS = {  # thickness, clamps' angle, slack, stroke, m and degrees, and turns of the run-up
+    "clamps at 20 degrees": (0.006, 20.0, 0.0, 0.006, 4),
+    "clamps at 20 degrees, slack": (0.006, 20.0, 0.003, 0.006, 4),
+    "clamps at 20 degrees, slack, 5 mm": (0.006, 20.0, 0.003, 0.005, 4),
+    "clamps at 15 degrees, slack": (0.005, 15.0, 0.002, 0.005, 4),
+    "clamps at 20 degrees, slack, 4 mm": (0.006, 20.0, 0.002, 0.004, 4),
+    "flat, slack, up in every turn": (0.006, 0.0, 0.003, 0.006, 4),
+    "flat, slack, down after a longer run-up": (0.006, 0.0, 0.003, 0.006, 6),
+    "flat, slack, 5 mm, up in every turn": (0.005, 0.0, 0.002, 0.005, 4),
+    "flat, slack, 5 mm, down after a shorter run-up": (0.005, 0.0, 0.002, 0.005, 1),
+    "flat": (0.004, 0.0, 0.0, 0.006, 4),
 }
+MOST_RUN_UP_TURNS = 6
 
 
-def trial(thickness_m: float, angle_deg: float, slack_m: float, stroke_m: float) -> Trial:
+def trial(
+    thickness_m: float, angle_deg: float, slack_m: float, stroke_m: float, run_up_turns: int = 4
+) -> Trial:
     """A mat of 300 x 500 mm whose second clamp moves along it."""
     given = plan(
         length_m=0.3,
@@ -40,7 +47,14 @@ def trial(thickness_m: float, angle_deg: float, slack_m: float, stroke_m: float)
         clamp_angle_deg=angle_deg,
     )
     amplitude_m = np.array([[0.0, 0.0, 0.0], [stroke_m, 0.0, 0.0]], dtype=complex)
-    return Trial(given, amplitude_m, SPEED_RAD_PER_S)
+    return Trial(given, amplitude_m, SPEED_RAD_PER_S, growing_m(amplitude_m, run_up_turns))
+
+
+def growing_m(amplitude_m: Array, turns: int) -> Array:
+    """The transient of clamps whose motion grows over some turns as half a cosine."""
+    turn = np.arange(STEPS * (turns + SETTLING_TURNS) + 1) / STEPS
+    lacking = (1 + np.cos(math.pi * np.minimum(turn / turns, 1.0))) / 2 * np.exp(2j * math.pi * turn)
+    return -np.multiply.outer(lacking, amplitude_m).real
 
 
 def links(of: Trial) -> Mat:
@@ -57,6 +71,7 @@ def links(of: Trial) -> Mat:
         clamp_angle_deg=at.clamp_angle_deg,
         stroke_m=of.stroke_m,
         speed_rad_per_s=of.speed_rad_per_s,
+        run_up_turns=of.turns_before - SETTLING_TURNS,
     )
 
 
@@ -64,7 +79,7 @@ def links(of: Trial) -> Mat:
 def both() -> dict[str, tuple[Regime, Turns]]:
     """The regime of each mounting, and the turns of the independent chain."""
     trials = [trial(*mounting) for mounting in MOUNTINGS.values()]
-    settling = RUN_UP_TURNS + SETTLING_TURNS
+    settling = MOST_RUN_UP_TURNS + SETTLING_TURNS
     chains = flip([links(one) for one in trials], settling + WATCHED_TURNS, settling)
     return dict(zip(MOUNTINGS, zip(regimes(trials), chains, strict=True), strict=True))
 
@@ -88,6 +103,22 @@ def test_a_thin_flat_mat_changes_sides_in_both() -> None:
         assert 1 / 3 <= np.mean(farthest_m > 0) <= 2 / 3
     assert regime.side == "both"
     assert regime.mean_peak_g == pytest.approx(chain.peak_g.mean(), rel=0.3)
+
+
+def test_a_mat_turned_round_flips_as_before_and_one_that_is_lifted_the_other_way_does_not() -> None:
+    """To rounding, and not alike: of two neighbours on two frames, one opens while it is lifted."""
+    moved_m = np.array([[0.001, 0.0, 0.003j], [0.006, 0.0, 0.004j]])
+    mirrored_m, lowered_m = moved_m[::-1] * [-1.0, 1.0, 1.0], moved_m * [1.0, 1.0, -1.0]
+    given = trial(0.005, 20.0, 0.002, 0.005)
+    ways = (moved_m, mirrored_m, lowered_m)
+    one, turned, other = (
+        replace(given, amplitude_m=way_m, transient_m=growing_m(way_m, 4)) for way_m in ways
+    )
+    assert one.moves_as(turned)
+    assert not one.moves_as(other)
+    found = regimes([one, turned, other], watched_turns=4)
+    assert found[0].height_m == pytest.approx(found[1].height_m, abs=1e-6)
+    assert np.ptp(found[0].height_m - found[2].height_m) > 1e-3
 
 
 def turning(*heights_m: float) -> Regime:
@@ -116,7 +147,7 @@ def test_a_load_that_moves_with_a_mat_is_as_a_denser_mat() -> None:
     own_kg_per_m2 = 1150.0 * 0.005
     material = replace(light.plan.material, density_kg_per_m3=2 * 1150.0)
     denser = replace(light, plan=replace(light.plan, material=material))
-    loaded = Trial(light.plan, light.amplitude_m, SPEED_RAD_PER_S, own_kg_per_m2)
+    loaded = replace(light, added_kg_per_m2=own_kg_per_m2)
     one, two = regimes([loaded, denser], watched_turns=4)
     assert one.height_m == pytest.approx(two.height_m, abs=1e-9)
     assert one.mean_peak_g != pytest.approx(regimes([light], watched_turns=4)[0].mean_peak_g, rel=0.01)

@@ -23,6 +23,7 @@ from orchestrator.run.monitor.item import Books, Subject
 from orchestrator.run.monitor.items import all_items, item_limit, largest_stretch
 from orchestrator.run.monitor.monitor import LimitedItem
 from tests.cases import load_case
+from tests.grains import spheres
 
 STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)
@@ -35,9 +36,7 @@ BALLS = ParticleSnapshot(
     position_m=np.zeros((2, 3)),
     velocity_m_per_s=np.array([[0, 0, -1.0], [2.0, 0, 0]]),
     spin_rad_per_s=np.zeros((2, 3)),
-    diameter_m=np.array([0.01, 0.004]),
-    density_kg_per_m3=np.ones(2),
-    material=np.zeros(2, dtype=np.int64),
+    grains=spheres([0.01, 0.004]),
 )
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from adapters.panel import recorded, rigid
+from adapters.panel import rigid
 from adapters.panel.common import bilinear
 from adapters.panel.common.grid import ElementGrid
 from adapters.panel.common.solid_grid import solid_grid
@@ -19,7 +18,6 @@ from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import PanelPlan
 from tests.panel.contract import StillPanel
 from tests.panel.elastic_plans import plan
-from tests.panel.recordings import playback
 
 LENGTH_M, WIDTH_M, CLAMP_M = 0.3, 0.04, 0.02
 RADIUS_M = 0.3  # bent by 57 degrees from clamp to clamp
@@ -51,14 +49,7 @@ def solid(cells: int) -> tuple[Array, At]:
     return grid.nodes_m(), grid.interpolation
 
 
-def recording(cells: int) -> tuple[Array, At]:
-    chosen = given((cells, 1))
-    shape = playback(chosen, 0.0, sag_m=0.0, cells=(cells, 2))
-    panel = recorded.build(replace(chosen, playback=shape))
-    return shape.recording.grid.points_m, panel.interpolation
-
-
-MODELS = {"strip": strip, "sheet": sheet, "solid": solid, "recorded": recording}
+MODELS = {"strip": strip, "sheet": sheet, "solid": solid}
 every_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 
 

@@ -14,6 +14,7 @@ from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan, SolverMissing
+from tests.grains import SPHERE, spheres
 
 G_M_PER_S2 = np.array([0.0, 0.0, -9.81])
 WEIGHTLESS = np.zeros(3)
@@ -71,9 +72,7 @@ def particles(
         position_m,
         rows(velocity_m_per_s),
         rows(spin_rad_per_s),
-        np.broadcast_to(np.asarray(diameter_m, dtype=float), (n,)).copy(),
-        np.full(n, density_kg_per_m3),
-        np.full(n, material, dtype=np.int64),
+        spheres(np.broadcast_to(diameter_m, n), density_kg_per_m3, material),
     )
 
 
@@ -86,7 +85,8 @@ def plan(surface: TriangleSurface, given: ParticleList, **changes: Any) -> Parti
         sliding_friction=one(0.3),
         rolling_friction=one(0.0),
         particles=given,
-        largest_diameter_m=float(np.max(given.diameter_m, initial=0.01)),
+        shapes=(SPHERE,),
+        largest_radius_m=float(np.max(given.grains.bounding_radius_m, initial=0.005)),
         domain_m=np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]),
         gravity_m_per_s2=G_M_PER_S2,
         step_s=2e-5,

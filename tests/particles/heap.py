@@ -110,7 +110,7 @@ def poured_slopes_deg(
         rolling=rolling,
         gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
         domain_m=np.array([[-reach_m, -reach_m, -3 * DIAMETER_M], [reach_m, reach_m, radius_m + 0.1]]),
-        largest_diameter_m=max(SIZES) * DIAMETER_M,
+        largest_radius_m=max(SIZES) * DIAMETER_M / 2,
         step_s=STEP_S,
         sync_interval_s=INTERVAL_S,
         feed=feed,
@@ -133,7 +133,7 @@ def poured_slopes_deg(
                 go_on(20)
             go_on(round(PAUSE_S / INTERVAL_S))
             now = solver.snapshot()
-            slopes_deg.append(slope_deg(now.position_m, now.diameter_m, radius_m))
+            slopes_deg.append(slope_deg(now.position_m, now.grains.sieve_size_m, radius_m))
             feed.number += full // 10
     return slopes_deg
 

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import DeckPlan, GrainMaterial, Jkr, ParticleList, ParticlesPlan
+from tests import grains
 from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, spheres, travel
 
 LINE_M = np.linspace(-0.05, 0.05, 26)
@@ -35,9 +36,7 @@ def bed(layers: int = 4) -> ParticleList:
         places + random.uniform(-2e-4, 2e-4, (n, 3)),
         random.normal((0.6, 0.0, -0.6), 0.3, (n, 3)),
         random.normal(0.0, 20.0, (n, 3)),
-        random.choice([5.0e-3, 5.5e-3, 6.0e-3], n),
-        np.full(n, 1400.0),
-        np.zeros(n, dtype=np.int64),
+        grains.spheres(random.choice([5.0e-3, 5.5e-3, 6.0e-3], n), 1400.0),
     )
 
 

@@ -11,6 +11,7 @@ from orchestrator.ports import Array, HermitePath, Motion, Particles
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
+from tests import grains
 
 INTERVAL_S = 5e-5
 
@@ -18,7 +19,7 @@ INTERVAL_S = 5e-5
 def spheres(
     position_m: Any,
     velocity_m_per_s: Any = (0.0, 0.0, 0.0),
-    diameter_m: float = 5e-3,
+    diameter_m: Any = 5e-3,
     density_kg_per_m3: float = 2500.0,
     spin_rad_per_s: Any = (0.0, 0.0, 0.0),
 ) -> ParticleList:
@@ -28,9 +29,7 @@ def spheres(
         position_m,
         np.array(np.broadcast_to(velocity_m_per_s, (n, 3)), dtype=float),
         np.array(np.broadcast_to(spin_rad_per_s, (n, 3)), dtype=float),
-        np.full(n, diameter_m),
-        np.full(n, density_kg_per_m3),
-        np.zeros(n, dtype=np.int64),
+        grains.spheres(np.broadcast_to(diameter_m, n), density_kg_per_m3),
     )
 
 
@@ -63,7 +62,8 @@ def make_plan(surface: TriangleSurface, particles: ParticleList, **changes: Any)
         sliding_friction=np.zeros((2, 2)),
         rolling_friction=np.zeros((2, 2)),
         particles=particles,
-        largest_diameter_m=float(particles.diameter_m.max()),
+        shapes=(grains.SPHERE,),
+        largest_radius_m=float(particles.grains.bounding_radius_m.max()),
         domain_m=np.array([[-0.1, -0.1, -0.1], [0.1, 0.1, 0.1]]),
         gravity_m_per_s2=np.zeros(3),
         step_s=1e-6,

@@ -19,6 +19,7 @@ from orchestrator.ports import HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays
+from tests.grains import one_sphere
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, counted, cut_often, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
@@ -49,8 +50,7 @@ INLET = Inlet(
     rate_kg_per_s=0.15,
     box_m=np.array([[-0.04, -0.015, 0.034], [0.04, 0.015, 0.046]]),
     velocity_m_per_s=np.array([0.0, 0.0, -0.5]),
-    density_kg_per_m3=1400.0,
-    material=0,
+    grain=one_sphere(1.0, 1400.0),
 )
 
 

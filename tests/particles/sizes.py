@@ -17,7 +17,7 @@ def smallest_gap_m(particles: ParticleList) -> float:
     """Smallest distance between two surfaces; negative if any two overlap."""
     if len(particles) < 2:
         return np.inf
-    radius_m = particles.diameter_m / 2.0
+    radius_m = particles.grains.sieve_size_m / 2.0
     i, j = cKDTree(particles.position_m).query_pairs(4.0 * radius_m.max(), output_type="ndarray").T
     apart_m = np.linalg.norm(particles.position_m[i] - particles.position_m[j], axis=1)
     return float(np.min(apart_m - radius_m[i] - radius_m[j], initial=np.inf))

@@ -225,9 +225,9 @@ def test_snapshot_is_sorted_by_id_and_keeps_what_was_given(build: Build) -> None
     run.advance(3)
     now = run.solver.snapshot()
     np.testing.assert_array_equal(now.id, np.arange(1, 13))
-    np.testing.assert_allclose(now.diameter_m, diameter_m, rtol=1e-14)
-    np.testing.assert_allclose(now.density_kg_per_m3, 1430.0, rtol=1e-14)
-    np.testing.assert_array_equal(now.material, 0)
+    np.testing.assert_allclose(now.grains.sieve_size_m, diameter_m, rtol=1e-14)
+    np.testing.assert_allclose(now.grains.density_kg_per_m3, 1430.0, rtol=1e-14)
+    np.testing.assert_array_equal(now.grains.material, 0)
     np.testing.assert_allclose(now.position_m[:, 0], place_m[:, 0] + 0.1 * 0.003, atol=1e-12)
 
 
@@ -266,9 +266,9 @@ def test_exits_take_out_who_is_inside(build: Build) -> None:
     order = np.argsort(gone.id)
     np.testing.assert_array_equal(gone.id[order], [1, 3, 4])
     np.testing.assert_array_equal(gone.exit[order], [0, -1, 0])
-    np.testing.assert_array_equal(gone.diameter_m, 0.01)
-    np.testing.assert_array_equal(gone.density_kg_per_m3, 1430.0)
-    np.testing.assert_array_equal(gone.material, 0)
+    np.testing.assert_array_equal(gone.grains.sieve_size_m, 0.01)
+    np.testing.assert_array_equal(gone.grains.density_kg_per_m3, 1430.0)
+    np.testing.assert_array_equal(gone.grains.material, 0)
     assert (np.diff(gone.time_s) >= 0.0).all()
     flown_m = given.position_m[gone.id - 1] + gone.time_s[:, None] * given.velocity_m_per_s[gone.id - 1]
     np.testing.assert_allclose(gone.position_m, flown_m, atol=1e-12)

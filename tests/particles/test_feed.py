@@ -16,8 +16,8 @@ from orchestrator.case.bed.feed import Feeds, Inlet, RateFeed
 from orchestrator.case.bed.size_distribution import classes, share_left_out, size_class
 from orchestrator.case.tables.bed import Feed
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList
+from tests.grains import one_sphere, sphere_kg
 from tests.particles.sizes import COAL, mass_shares, smallest_gap_m
 
 INLET = Inlet(
@@ -25,14 +25,13 @@ INLET = Inlet(
     rate_kg_per_s=2.0,
     box_m=np.array([[0.0, 0.0, 0.5], [0.1, 0.2, 0.6]]),
     velocity_m_per_s=np.array([0.0, 0.0, -1.0]),
-    density_kg_per_m3=1430.0,
-    material=1,
+    grain=one_sphere(1.0, material=1),
     start_s=0.01,
     stop_s=0.06,
 )
 LUMPS = (size_class(0.008, 0.013, 1.0),)
-LARGEST_KG = float(sphere_mass_kg(np.array(0.013), 1430.0))
-HALVES_KG = float(sphere_mass_kg(np.array([row.largest_m for row in COAL]), 1430.0).sum()) / 2.0
+LARGEST_KG = float(sphere_kg(0.013))
+HALVES_KG = float(sphere_kg(np.array([row.largest_m for row in COAL]), 1430.0).sum()) / 2.0
 
 
 def all_accepted(feed: RateFeed | Feeds, intervals: int, length_s: float) -> list[ParticleList]:
@@ -44,7 +43,7 @@ def all_accepted(feed: RateFeed | Feeds, intervals: int, length_s: float) -> lis
 
 
 def total_kg(offers: list[ParticleList]) -> float:
-    return sum(float(np.sum(sphere_mass_kg(offer.diameter_m, 1430.0))) for offer in offers)
+    return sum(float(np.sum(sphere_kg(offer.grains.sieve_size_m, 1430.0))) for offer in offers)
 
 
 @settings(max_examples=25, deadline=None)
@@ -82,8 +81,8 @@ def test_every_class_keeps_its_share_of_the_mass() -> None:
     """Each class stays within half of its largest particle of its share of what is due, 0.3 kg."""
     feed = RateFeed(replace(INLET, start_s=0.0, stop_s=math.inf))
     offers = all_accepted(feed, 150, 1e-3)
-    diameter_m = np.concatenate([offer.diameter_m for offer in offers])
-    largest_kg = sphere_mass_kg(np.array([row.largest_m for row in COAL]), 1430.0)
+    diameter_m = np.concatenate([offer.grains.sieve_size_m for offer in offers])
+    largest_kg = sphere_kg(np.array([row.largest_m for row in COAL]), 1430.0)
     class_kg = mass_shares(diameter_m, COAL) * total_kg(offers)
     assert np.all(abs(class_kg - feed.due_kg * np.array([0.3, 0.3, 0.4])) <= largest_kg / 2.0)
 
@@ -96,8 +95,8 @@ def test_lumps_come_when_half_of_one_is_due_and_fines_meanwhile() -> None:
     for index in range(400):
         offer = feed.due(Interval(index, 0.1))
         feed.settle(np.ones(len(offer), dtype=bool))
-        lump_at_kg += [feed.due_kg] * int(np.count_nonzero(offer.diameter_m == 0.1))
-        fines_kg += total_kg([offer.part(offer.diameter_m < 0.1)])
+        lump_at_kg += [feed.due_kg] * int(np.count_nonzero(offer.grains.sieve_size_m == 0.1))
+        fines_kg += total_kg([offer.part(offer.grains.sieve_size_m < 0.1)])
         assert abs(fines_kg - 0.97 * feed.due_kg) < 0.01  # twenty grains, which had no room meanwhile
     lump_kg = 1430.0 * math.pi / 6 * 1e-3
     np.testing.assert_allclose(lump_at_kg, [lump_kg / 0.06, lump_kg / 0.02], atol=0.1)
@@ -106,11 +105,11 @@ def test_lumps_come_when_half_of_one_is_due_and_fines_meanwhile() -> None:
 def test_particles_appear_wholly_inside_the_box_with_the_velocity_given() -> None:
     offers = all_accepted(RateFeed(INLET), 60, 1e-3)
     for offer in offers:
-        reach_m = offer.diameter_m[:, None] / 2.0
+        reach_m = offer.grains.sieve_size_m[:, None] / 2.0
         assert np.all(offer.position_m - reach_m >= INLET.box_m[0] - 1e-15)
         assert np.all(offer.position_m + reach_m <= INLET.box_m[1] + 1e-15)
         assert np.all(offer.velocity_m_per_s == [0.0, 0.0, -1.0])
-        np.testing.assert_array_equal(offer.material, 1)
+        np.testing.assert_array_equal(offer.grains.material, 1)
 
 
 def test_refused_particles_are_tried_again_elsewhere() -> None:
@@ -119,7 +118,7 @@ def test_refused_particles_are_tried_again_elsewhere() -> None:
     feed.settle(np.zeros(len(refused), dtype=bool))
     assert feed.fed_kg == 0.0
     again = feed.due(Interval(15, 1e-3))
-    np.testing.assert_array_equal(again.diameter_m, refused.diameter_m)
+    np.testing.assert_array_equal(again.grains.sieve_size_m, refused.grains.sieve_size_m)
     assert not np.any(again.position_m == refused.position_m)
 
 
@@ -154,11 +153,11 @@ def largest_rate_found_kg_per_s(inlet: Inlet) -> float:
         / inlet.batch_s
     )
     for index in range(max(batches, 12)):
-        waiting_kg = 0.33 * inlet.density_kg_per_m3 * float(np.prod(high - low))
+        waiting_kg = 0.33 * inlet.grain.density_kg_per_m3 * float(np.prod(high - low))
         rate = (feed.fed_kg + waiting_kg) / (max(index, 1) * inlet.batch_s)
         feed.inlet = replace(feed.inlet, rate_kg_per_s=rate)
         offer = feed.due(Interval(max(index, 1), inlet.batch_s))
-        radius_m = offer.diameter_m / 2.0
+        radius_m = offer.grains.sieve_size_m / 2.0
         free = np.ones(len(offer), dtype=bool)
         if len(reach_m) and len(offer):
             apart_m = cdist(offer.position_m, present_m)
@@ -211,7 +210,7 @@ def test_a_rate_below_the_largest_finds_room() -> None:
     feed, present_m, reach_m = RateFeed(inlet), np.empty((0, 3)), np.empty(0)
     for index in range(200):
         offer = feed.due(Interval(index, 2e-3))
-        radius_m = offer.diameter_m / 2.0
+        radius_m = offer.grains.sieve_size_m / 2.0
         apart_m = np.linalg.norm(offer.position_m[:, None] - present_m[None], axis=2)
         free = np.all(apart_m >= radius_m[:, None] + reach_m[None], axis=1)
         feed.settle(free)
@@ -230,7 +229,7 @@ def test_a_pickle_goes_on_the_same() -> None:
     first, second = (one.due(Interval(26, 1e-3)) for one in (feed, copy))
     assert len(first)
     np.testing.assert_array_equal(first.position_m, second.position_m)
-    np.testing.assert_array_equal(first.diameter_m, second.diameter_m)
+    np.testing.assert_array_equal(first.grains.sieve_size_m, second.grains.sieve_size_m)
 
 
 def test_a_sampled_feed_goes_on_the_same_from_a_checkpoint() -> None:
@@ -246,14 +245,14 @@ def test_a_sampled_feed_goes_on_the_same_from_a_checkpoint() -> None:
     )
     feed, again = RateFeed(inlet), RateFeed(inlet)
     offers = all_accepted(feed, 2000, 1e-3)
-    number = sum(int(np.count_nonzero(offer.diameter_m < 0.01)) for offer in offers)
-    expected = 0.3 * 2.0 * 1.999 / sphere_mass_kg(0.012, 1430.0)
+    number = sum(int(np.count_nonzero(offer.grains.sieve_size_m < 0.01)) for offer in offers)
+    expected = 0.3 * 2.0 * 1.999 / sphere_kg(0.012, 1430.0)
     assert number == pytest.approx(expected, abs=3 * (0.1 * expected) ** 0.5)  # masses vary by 40 %
     again.restore(feed.save())
     first, second = (one.due(Interval(2000, 1e-3)) for one in (feed, again))
     assert len(first)
     np.testing.assert_array_equal(first.position_m, second.position_m)
-    np.testing.assert_array_equal(first.diameter_m, second.diameter_m)
+    np.testing.assert_array_equal(first.grains.sieve_size_m, second.grains.sieve_size_m)
 
 
 def test_answers_must_fit_the_offer() -> None:
@@ -269,12 +268,12 @@ def test_several_feeds_are_one() -> None:
         box_m=INLET.box_m + 1.0,
         sizes=(size_class(0.012, 0.013, 1.0),),
         rate_kg_per_s=6.0,
-        material=0,
+        grain=one_sphere(1.0, material=0),
         seed=2,
     )
     feeds = Feeds([INLET, other])
     offer = feeds.due(Interval(40, 1e-3))
-    wanted = offer.material == 0
+    wanted = offer.grains.material == 0
     feeds.settle(wanted)
     assert 0 < wanted.sum() < len(offer)
     assert feeds.feeds[0].fed_kg == 0.0

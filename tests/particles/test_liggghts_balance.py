@@ -48,7 +48,7 @@ def test_a_snapshot_tells_how_many_others_each_particle_touches():
         travel(solver, wave, range(100))
         snapshot = solver.snapshot()
     apart_m = np.linalg.norm(snapshot.position_m[:, None] - snapshot.position_m, axis=2)
-    touching_m = (snapshot.diameter_m[:, None] + snapshot.diameter_m) / 2
+    touching_m = (snapshot.grains.sieve_size_m[:, None] + snapshot.grains.sieve_size_m) / 2
     wanted = (apart_m < touching_m).sum(axis=1) - 1  # each one touches itself
     assert wanted.max() >= 3
     assert snapshot.contacts.tolist() == wanted.tolist()
@@ -83,7 +83,7 @@ def test_a_correction_of_the_surface_is_received_work():
         force_N = -solver.initial().force_N.sum(axis=0)[2]
         travel(solver, lambda t: up, range(1))
         account = solver.account()
-    mass = np.pi / 6 * plan.particles.diameter_m[0] ** 3 * 2500.0
+    mass = np.pi / 6 * plan.particles.grains.sieve_size_m[0] ** 3 * 2500.0
     assert account.received_J["surface"] == pytest.approx(force_N * 1e-6, rel=1e-9)
     assert account.stored_J["kinetic"] > 0.5 * (force_N * INTERVAL_S) ** 2 / mass * 0.1
 

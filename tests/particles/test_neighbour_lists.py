@@ -37,7 +37,7 @@ def test_the_skin_widens_with_the_step_and_narrows_with_fine_grains() -> None:
     assert share[0] < share[1] < share[2] < share[3] == pytest.approx(SKINS[1])
     fine = spheres(np.zeros((50, 3)), diameter_m=2e-3)
     mixed = replace(plan, step_s=1e-5, particles=fine)
-    assert mixed.largest_diameter_m == 5e-3
+    assert mixed.largest_radius_m == 2.5e-3
     assert skin_m(mixed) < 0.8 * share[2] * 5e-3
 
 
@@ -53,7 +53,7 @@ def test_everybody_who_touches_is_listed(tmp_path: Path, most: int, periodic_y: 
     position_m[:2] = position_m[2] + [[0.0, 0.0, 2e-4], [3e-4, 0.0, 0.0]]
     position_m[:2, 1] = -0.0299, 0.0299 if periodic_y else -0.0299
     position_m[-1] = [-0.09, 0.0, -0.09]
-    given = replace(spheres(position_m), diameter_m=diameter_m)
+    given = spheres(position_m, diameter_m=diameter_m)
     plan = make_plan(flat(0.03), given, folder=tmp_path)
     if periodic_y:
         plan = replace(plan, domain_m=plan.domain_m * [1.0, 0.3, 1.0], periodic_y=True)
@@ -79,7 +79,7 @@ def test_more_neighbours_than_can_be_listed_are_refused(tmp_path: Path) -> None:
     shell = np.stack([across * np.cos(turns), across * np.sin(turns), height], axis=1)
     diameter_m = np.full(6001, 1e-3)
     diameter_m[0] = 0.05
-    ball = replace(spheres(np.vstack([0.0 * UP, 0.0254 * shell]) + 0.05 * UP), diameter_m=diameter_m)
+    ball = spheres(np.vstack([0.0 * UP, 0.0254 * shell]) + 0.05 * UP, diameter_m=diameter_m)
     with pytest.raises(SolverFailed, match="more neighbours than LIGGGHTS lists for one: sizes differ"):
         solver_adapter("liggghts").build(make_plan(flat(), ball, folder=tmp_path))
 

@@ -58,7 +58,7 @@ def untouched_and_passed(run: Run, time_s: float) -> tuple[int, int]:
     start = run.solver.snapshot()
     run.advance(round(time_s / run.plan.sync_interval_s))
     now = run.solver.snapshot()
-    below = now.position_m[:, 2] < -now.diameter_m / 2
+    below = now.position_m[:, 2] < -now.grains.sieve_size_m / 2
     fallen = start.velocity_m_per_s + time_s * run.plan.gravity_m_per_s2
     free = np.abs(now.velocity_m_per_s - fallen).max(axis=1) < 1e-9
     assert below[free].all()
@@ -67,7 +67,7 @@ def untouched_and_passed(run: Run, time_s: float) -> tuple[int, int]:
 
 @every_solver
 @pytest.mark.parametrize(
-    ("pattern", "diameter_m"),
+    ("pattern", "sieve_size_m"),
     [(SQUARES, 0.004), (SQUARES, 0.007), (SLOTS, 0.0015), (STAGGERED, 0.003)],
     ids=["squares", "large", "slots", "staggered"],
 )
@@ -131,7 +131,7 @@ def test_what_is_a_little_smaller_slips_through(solver: str) -> None:
 
 @every_solver
 @pytest.mark.parametrize(
-    ("pattern", "diameter_m"),
+    ("pattern", "sieve_size_m"),
     [(SLOTS, 0.004), (SQUARES, 0.0125), (SQUARES, 0.02)],
     ids=["slot", "square", "square-large"],
 )

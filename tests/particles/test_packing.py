@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from orchestrator.case.bed.packing import place_block
-from orchestrator.case.bed.size_distribution import counts, diameters_m, shares, size_class
+from orchestrator.case.bed.size_distribution import counts, random_sizes_m, shares, size_class
 from orchestrator.case.tables.bed import Block, SizeClass
 from orchestrator.ports import Array
 from orchestrator.ports.plans import ParticleList
+from tests.grains import one_sphere
 from tests.particles.sizes import COAL, mass_shares, smallest_gap_m
 
 CUBE_M = np.array([[0.0, -0.1, 0.2], [0.2, 0.1, 0.4]])
@@ -28,7 +29,7 @@ def filled(sizes: tuple[SizeClass, ...], count: int, box_m: Array, seed: int = 1
         velocity_m_per_s=(0.1, 0.0, -0.2),
         seed=seed,
     )
-    return place_block(block, 1430.0, 2)
+    return place_block(block, one_sphere(1.0, material=2))
 
 
 @settings(max_examples=25, deadline=None)
@@ -41,7 +42,7 @@ def filled(sizes: tuple[SizeClass, ...], count: int, box_m: Array, seed: int = 1
 def test_every_sphere_is_inside_and_none_overlaps(count: int, split: float, ratio: float, seed: int) -> None:
     sizes = (size_class(0.002, 0.002 * ratio, split), size_class(0.004, 0.004 * ratio, 1.0 - split))
     found = filled(sizes, count, np.array([[0.0, 0.0, 0.0], [0.4, 0.4, 0.4]]), seed)
-    reach_m = found.diameter_m[:, None] / 2.0
+    reach_m = found.grains.sieve_size_m[:, None] / 2.0
     assert len(found) == count
     assert smallest_gap_m(found) >= 0.0
     assert np.all(found.position_m >= reach_m)
@@ -49,7 +50,7 @@ def test_every_sphere_is_inside_and_none_overlaps(count: int, split: float, rati
 
 
 def test_the_mass_of_each_class_is_its_share() -> None:
-    diameter_m = diameters_m(COAL, 20000, np.random.default_rng(3))
+    diameter_m = random_sizes_m(COAL, 20000, np.random.default_rng(3))
     np.testing.assert_allclose(mass_shares(diameter_m, COAL), [0.3, 0.3, 0.4], atol=0.02)
 
 
@@ -63,7 +64,7 @@ def test_class_counts_add_up(total: int, share: float) -> None:
 def test_the_same_seed_gives_the_same_block() -> None:
     first, again, other = (filled(COAL, 200, CUBE_M, seed) for seed in (5, 5, 6))
     np.testing.assert_array_equal(first.position_m, again.position_m)
-    np.testing.assert_array_equal(first.diameter_m, again.diameter_m)
+    np.testing.assert_array_equal(first.grains.sieve_size_m, again.grains.sieve_size_m)
     assert not np.array_equal(first.position_m, other.position_m)
 
 
@@ -85,7 +86,7 @@ def test_shares_must_add_up_to_one() -> None:
 
 def test_fifty_thousand_particles_take_seconds() -> None:
     """At 20 % of the volume, in processor time; measured 1.2 s."""
-    volume_m3 = np.pi / 6.0 * np.sum(diameters_m(COAL, 50000, np.random.default_rng(1)) ** 3) / 0.2
+    volume_m3 = np.pi / 6.0 * np.sum(random_sizes_m(COAL, 50000, np.random.default_rng(1)) ** 3) / 0.2
     box_m = np.array([[0.0, 0.0, 0.0], 3 * [volume_m3 ** (1 / 3)]])
     start = time.process_time()
     found = filled(COAL, 50000, box_m)

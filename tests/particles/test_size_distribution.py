@@ -10,15 +10,15 @@ import pytest
 from orchestrator.case.bed.size_distribution import (
     CurveClass,
     classes,
-    diameter_m,
-    diameters_m,
     faults,
     finer_share,
     mean_cube_m3,
+    random_sizes_m,
     sample_of,
     share_between,
     share_left_out,
     size_class,
+    size_m,
 )
 from orchestrator.case.tables.bed import Block, Feed
 
@@ -31,7 +31,7 @@ def source(**given: Any) -> Block:
 
 
 def curve(points: list[tuple[float, float]] = CURVE, **given: Any) -> Block:
-    rows = [{"diameter_m": d, "passing": share} for d, share in points]
+    rows = [{"sieve_size_m": d, "passing": share} for d, share in points]
     return source(curve=rows, **given)
 
 
@@ -42,7 +42,7 @@ def sizes(*rows: tuple[float, float, float], **given: Any) -> Block:
 
 def passing(block: Block, at_m: float) -> float:
     """By mass, of many particles."""
-    drawn_m = diameters_m(classes(block), 200_000, np.random.default_rng(1))
+    drawn_m = random_sizes_m(classes(block), 200_000, np.random.default_rng(1))
     return float(np.sum(drawn_m[drawn_m <= at_m] ** 3) / np.sum(drawn_m**3))
 
 
@@ -70,7 +70,7 @@ def test_the_mean_cube_is_that_of_the_particles_drawn() -> None:
         CurveClass(smallest_m=0.002, largest_m=0.02, mass_fraction=1.0),
     ):
         middle = (np.arange(2_000_000) + 0.5) / 2_000_000
-        assert mean_cube_m3([row])[0] == pytest.approx(np.mean(diameter_m(row, middle) ** 3), rel=1e-5)
+        assert mean_cube_m3([row])[0] == pytest.approx(np.mean(size_m(row, middle) ** 3), rel=1e-5)
 
 
 def test_a_flat_piece_of_a_curve_has_no_particles() -> None:
@@ -106,7 +106,7 @@ def test_fines_are_made_of_the_next_class() -> None:
     ("block", "said"),
     [
         (source(), "missing"),
-        (sizes((0.1, 0.2, 1.0), curve=[{"diameter_m": 0.1, "passing": 1}]), "contradicts sizes"),
+        (sizes((0.1, 0.2, 1.0), curve=[{"sieve_size_m": 0.1, "passing": 1}]), "contradicts sizes"),
         (curve(CURVE[:1]), "is no rising curve of two points"),
         (curve(CURVE[::-1]), "is no rising curve"),
         (curve(CURVE[1:]), "goes from 0.3 to 1, not from 0 to 1"),
@@ -125,7 +125,7 @@ def test_good_ones_have_no_faults() -> None:
 
 
 def feed(points: list[tuple[float, float]] = CURVE, **given: Any) -> Feed:
-    rows = [{"diameter_m": d, "passing": share} for d, share in points]
+    rows = [{"sieve_size_m": d, "passing": share} for d, share in points]
     table = {"material": "coal", "box_m": [[0, 0, 0], [1, 1, 1]], "rate_kg_per_s": 2.0, "curve": rows}
     return Feed.model_validate(table | given)
 

@@ -57,7 +57,7 @@ def test_eighteen_bouncing_spheres() -> None:
         generator.normal(0.0, 20.0, (18, 3)),
         diameter_m=np.tile([0.008, 0.009, 0.01], 6),
     )
-    given.material[:] = np.tile([0, 1], 9)
+    given.grains.material[:] = np.tile([0, 1], 9)
     surface = plate(0.05, 7)
     surface.material[:] = 2
     e = np.array([[0.5, 0.6, 0.3], [0.6, 0.8, 0.4], [0.3, 0.4, 0.9]])
@@ -137,7 +137,7 @@ def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
         rolling_friction=np.full((1, 1), 0.1),
         rolling=rolling,
         adhesion=ADHESION[adhesion],
-        largest_diameter_m=2e-3,
+        largest_radius_m=1e-3,
         domain_m=np.array([[-0.05] * 3, [0.05] * 3]),
         step_s=5e-6,
         sync_interval_s=1e-4,
@@ -166,7 +166,7 @@ def test_a_sticky_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
         surface,
         given,
         adhesion=Jkr(np.full((1, 1), 0.05), 1e-3),
-        largest_diameter_m=2e-3,
+        largest_radius_m=1e-3,
         domain_m=np.array([[-0.05] * 3, [0.05] * 3]),
         step_s=5e-6,
         sync_interval_s=1e-4,

@@ -129,7 +129,7 @@ def test_a_contact_that_sticks_wears_nothing(build: Build, adhesion: Jkr | None)
 
 def test_only_the_pair_with_a_rate_wears(build: Build) -> None:
     given = particles([[-0.02, 0.0, 0.00495], [0.02, 0.0, 0.00495]])
-    given.material[:] = [0, 1]
+    given.grains.material[:] = [0, 1]
     surface = plate(0.05, 4)
     surface.material[:] = 2
     table = np.full((3, 3), 0.5)

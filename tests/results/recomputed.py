@@ -267,7 +267,7 @@ class Recomputed:
 
     def events(self, kind: str) -> dict[str, Array]:
         table = {name.split("/")[1]: v for name, v in self.data.items() if name.startswith(f"{kind}/")}
-        return table | {"kg": np.pi / 6 * table["diameter_m"] ** 3 * table["density_kg_per_m3"]}
+        return table | {"kg": np.pi / 6 * table["sieve_size_m"] ** 3 * table["density_kg_per_m3"]}
 
     def cycle(self, time_s: Array) -> Array:
         """The number of the cycle of each time: later than its start, up to its end."""
@@ -363,7 +363,7 @@ class Recomputed:
 
     def screening(self) -> dict[str, Any]:
         left, (fed, _, held, mean) = self.removed, self.balance
-        time_s, kg, fine = left["time_s"], left["kg"], left["diameter_m"] < self.cut_m
+        time_s, kg, fine = left["time_s"], left["kg"], left["sieve_size_m"] < self.cut_m
         under, over = self.product("undersize"), self.product("oversize")
         counts = self.within(time_s) & (left["exit"] != LOST)
 
@@ -393,7 +393,7 @@ class Recomputed:
             name: counted(share(of_all), kg[counts & who.get(name, counts)]) for name, share in shares.items()
         }
         chance["efficiency"] = np.hypot(chance["fine_placement"], chance["coarse_placement"])
-        came = self.fed["diameter_m"] < self.cut_m
+        came = self.fed["sieve_size_m"] < self.cut_m
         came &= (self.fed["time_s"] > 0) | (not self.is_steady)
         recovered = self.of_window(
             sums(under & fine), self.by_cycle(self.fed["time_s"], self.fed["kg"], came)
@@ -453,7 +453,7 @@ class Recomputed:
     def partition(self, counts: Array, over: Array) -> dict[str, Any]:
         """Classes even in the logarithm, one edge at the cut size, joined until each has ten particles."""
         left = self.removed
-        d = left["diameter_m"][counts]
+        d = left["sieve_size_m"][counts]
         edges = np.exp(np.linspace(np.log(d.min()) - 1e-9, np.log(d.max()) + 1e-9, 13))
         inner = np.argmin(np.abs(np.log(edges[1:-1] / self.cut_m))) + 1
         edges[inner] = self.cut_m
@@ -466,10 +466,10 @@ class Recomputed:
             if joined[-1] != self.cut_m and len(joined) > 1:
                 joined.pop()
             joined.append(edges[-1])
-        limits, size = np.array(joined), np.digitize(left["diameter_m"], joined) - 1
+        limits, size = np.array(joined), np.digitize(left["sieve_size_m"], joined) - 1
         classes = range(len(limits) - 1)
         size = np.clip(size, 0, len(limits) - 2)
-        mean_m = np.array([left["diameter_m"][counts & (size == k)].mean() for k in classes])
+        mean_m = np.array([left["sieve_size_m"][counts & (size == k)].mean() for k in classes])
         there = left["exit"] != LOST
         columns = self.of_window(
             *(self.by_cycle(left["time_s"], left["kg"], there & (size == k)) for k in classes),
@@ -499,8 +499,8 @@ class Recomputed:
     def contacts(self) -> dict[str, Any]:
         """Stay, contacts, reach and chance of the fines, from the records of those that left."""
         left, (panel,) = self.removed, self.case["screen"]["panels"].values()
-        rows = (left["exit"] != LOST) & (left["diameter_m"] < self.cut_m) & self.within(left["time_s"])
-        d, kg, time_s, last = (left[name][rows] for name in ("diameter_m", "kg", "time_s", "last_panel"))
+        rows = (left["exit"] != LOST) & (left["sieve_size_m"] < self.cut_m) & self.within(left["time_s"])
+        d, kg, time_s, last = (left[name][rows] for name in ("sieve_size_m", "kg", "time_s", "last_panel"))
         hits, over_s, near_s = (
             left[name][rows].astype(float) for name in ("contacts", "over_s", "within_reach_s")
         )
@@ -578,7 +578,7 @@ class Recomputed:
     def whole_feed(self) -> dict[str, Any]:
         """The fines completed by the partition curve, in which grains make attempts at the openings."""
         left, exits = self.removed, [product for _, product in self.exits]
-        d, kg, there = left["diameter_m"], left["kg"], left["exit"] != LOST
+        d, kg, there = left["sieve_size_m"], left["kg"], left["exit"] != LOST
         fine = there & (d < self.cut_m)
         edges = np.geomspace(d[fine].min(), self.cut_m, 13)
         size = np.clip(np.digitize(d, edges) - 1, 0, 11)
@@ -695,7 +695,7 @@ class Recomputed:
                 "exponent": curve[1],
                 "opening_m": self.cut_m,
                 "open_share": share,
-                "diameter_m": sizes,
+                "sieve_size_m": sizes,
                 "oversize_percent": 100 * (1 - passed(curve, sizes)),
             },
         }
@@ -789,7 +789,7 @@ class Recomputed:
     def profile(self, number: int) -> dict[str, Array]:
         """A row of the group ``profile``, from a snapshot."""
         grains, at = self.located(number)
-        d = np.asarray(grains["diameter_m"], float)
+        d = np.asarray(grains["sieve_size_m"], float)
         there = at["inside"] & (at["height_m"] > -d / 2)
         kg = np.pi / 6 * d**3 * grains["density_kg_per_m3"]
         edges = np.linspace(0, self.station_m[-1], 4 * len(self.panels) + 1)
@@ -815,7 +815,7 @@ class Recomputed:
     def bed_in_time(self, number: int) -> dict[str, Any]:
         """A row of the group ``bed``, from a snapshot."""
         grains = self.snapshots[number]
-        kg = np.pi / 6 * np.asarray(grains["diameter_m"], float) ** 3 * grains["density_kg_per_m3"]
+        kg = np.pi / 6 * np.asarray(grains["sieve_size_m"], float) ** 3 * grains["density_kg_per_m3"]
         velocity = np.asarray(grains["velocity_m_per_s"], float)
         return {
             "particles": len(kg),
@@ -835,7 +835,7 @@ class Recomputed:
             time_s, (grains, at) = self.data["held/time_s"][number], self.located(number)
             now, held_kg, seats = {}, [], set()
             for k, i in enumerate(grains["id"].tolist()):
-                d, height = float(grains["diameter_m"][k]), abs(at["height_m"][k])
+                d, height = float(grains["sieve_size_m"][k]), abs(at["height_m"][k])
                 place = at["station_m"][k], float(grains["place_m"][k, 1])
                 rise = abs(at["rise_m_per_s"][k])
                 now[i] = time_s, *place, rise

@@ -32,6 +32,7 @@ from orchestrator.output.results.compute import compute_results
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
 from tests.cases import case_folder
+from tests.grains import spheres
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5
@@ -194,13 +195,13 @@ def _events(path: Path, cycles: int) -> None:
     case = load_judged(ROOT / "cases/quickstart", "draft").case
     position = np.column_stack([station, 0 * station + 0.1, 0 * station]) @ axes(case).T
     tables = {
-        "fed": {"id": ids, "time_s": fed_s, "diameter_m": SIZES_M[size], "material": 0 * ids},
+        "fed": {"id": ids, "time_s": fed_s, "sieve_size_m": SIZES_M[size]},
         "removed": {
             "id": ids[left],
             "time_s": (fed_s + FILLED * CYCLE_S)[left],
             "position_m": position[left],
             "velocity_m_per_s": 0 * position[left],
-            "diameter_m": SIZES_M[size][left],
+            "sieve_size_m": SIZES_M[size][left],
             "exit": out[left],
             **_contacts(out[left]),
         },
@@ -208,8 +209,11 @@ def _events(path: Path, cycles: int) -> None:
     with h5py.File(path, "a") as history:
         for name, table in tables.items():
             table["density_kg_per_m3"] = np.full(len(table["id"]), DENSITY)
+            table["material"] = table["shape"] = 0 * table["id"]
             for key, values in table.items():
                 history[f"{name}/{key}"] = values
+        for name in tables:
+            history[name].attrs["shapes"] = ["sphere"]
         history["removed"].attrs["names"] = ["one", "two", "end"]
         history["removed"].attrs["products"] = ["undersize", "undersize", "oversize"]
         history["removed"].attrs["panels"] = ["deck-1", "deck-2"]
@@ -230,7 +234,7 @@ def _contacts(out: Array) -> dict[str, Array]:
 
 def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
     surface = Series(place, "surface")
-    spheres = Series(place, "particles") if particles else None
+    cloud = Series(place, "particles") if particles else None
     rng = np.random.default_rng(1)
     for i in range(6):
         time = cycles * CYCLE_S - (5 - i) * CYCLE_S / 6
@@ -246,14 +250,14 @@ def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
         position = np.vstack(points)
         motion = Motion(position, np.zeros_like(position))
         surface.add(time, surface_mesh(motion, np.vstack(triangles), np.concatenate(panel), {}, {}))
-        if spheres is not None:
+        if cloud is not None:
             n = 60
             place_m = np.column_stack(
                 [rng.uniform(0, 0.6, n), rng.uniform(0, 0.2, n), 0.02 + 0 * rng.uniform(size=n)]
             )
             world = place_m @ axes(case).T
             still = np.zeros((n, 3))
-            spheres.add(
+            cloud.add(
                 time,
                 particle_mesh(
                     ParticleSnapshot(
@@ -261,9 +265,7 @@ def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
                         world,
                         np.tile([0.3, 0.0, 0.0], (n, 1)),
                         still,
-                        np.full(n, 0.01),
-                        np.full(n, DENSITY),
-                        np.zeros(n, dtype=np.int64),
+                        spheres(np.full(n, 0.01), DENSITY),
                     )
                 ),
             )

@@ -29,6 +29,7 @@ from orchestrator.output.results.comparison import (
 )
 from orchestrator.output.results.tidy import Result, single_numbers, tidy_results
 from tests.cases import CASE, case_folder
+from tests.grains import spheres
 from tests.results.synthetic import folder_of
 
 CALL = CliRunner()
@@ -241,12 +242,10 @@ def bed_of_one_grain(height_m: float) -> CarriedBed:
     """A grain at rest."""
     return CarriedBed(
         materials=("coal",),
-        material=np.zeros(1, dtype=np.int64),
         position_m=np.array([[0.0, 0.0, height_m]]),
         velocity_m_per_s=np.zeros((1, 3)),
         spin_rad_per_s=np.zeros((1, 3)),
-        diameter_m=np.array([0.01]),
-        density_kg_per_m3=np.array([1430.0]),
+        grains=spheres([0.01]),
         time_s=1.5,
         coarse_graining=1.0,
         source="",

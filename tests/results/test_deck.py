@@ -20,6 +20,7 @@ from orchestrator.output.results.estimate import chance
 from orchestrator.output.results.run_reader import cut_size_m
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
+from tests.grains import spheres
 from tests.results.synthetic import ROOT
 
 ACROSS = np.array([0.0, 1.0, 0.0])
@@ -44,13 +45,7 @@ def snapshot(position: Array, diameter: Array, velocity: Array | None = None) ->
     n = len(position)
     still = np.zeros((n, 3))
     return ParticleSnapshot(
-        np.arange(1, n + 1),
-        position,
-        still if velocity is None else velocity,
-        still,
-        diameter,
-        np.full(n, 1430.0),
-        np.zeros(n, dtype=np.int64),
+        np.arange(1, n + 1), position, still if velocity is None else velocity, still, spheres(diameter)
     )
 
 

@@ -168,7 +168,7 @@ def test_the_page_tells_the_sizes_along_a_curve(tmp_path: Path) -> None:
     points = ((0.0005, 0.0), (0.006, 0.45), (0.01, 0.65), (0.02, 1.0))
     for block in case["bed"]["blocks"].values():
         del block["sizes"]
-        block["curve"] = [{"diameter_m": diameter_m, "passing": passing} for diameter_m, passing in points]
+        block["curve"] = [{"sieve_size_m": diameter_m, "passing": passing} for diameter_m, passing in points]
     (run / "case.toml").write_text(tomli_w.dumps(case))
     text = page(run, compute_results(run), lambda *_: Film(b"", reason="left out by the test"))
     assert ": curve 0.5 to 20 mm, half of the mass below 7 mm<" in text

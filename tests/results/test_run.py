@@ -39,8 +39,8 @@ def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]
     """By hand from the event table."""
     with h5py.File(folder / "history.h5") as history:
         removed = {name: series[:] for name, series in history["removed"].items()}
-    mass = np.pi / 6 * removed["diameter_m"] ** 3 * removed["density_kg_per_m3"]
-    fine, passed = removed["diameter_m"] < 0.02, removed["exit"] == 0
+    mass = np.pi / 6 * removed["sieve_size_m"] ** 3 * removed["density_kg_per_m3"]
+    fine, passed = removed["sieve_size_m"] < 0.02, removed["exit"] == 0
     assert passed.sum() > 5
     recovery = 100 * mass[fine & passed].sum() / mass[fine].sum()
     assert recovery > 50
@@ -50,8 +50,8 @@ def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]
     assert screening["efficiency_percent"]["value"] == pytest.approx(recovery)
     with h5py.File(folder / "history.h5") as history:
         fed = {name: series[:] for name, series in history["fed"].items()}
-    fed_kg = np.pi / 6 * fed["diameter_m"] ** 3 * fed["density_kg_per_m3"]
-    of_all = 100 * mass[fine & passed].sum() / fed_kg[fed["diameter_m"] < 0.02].sum()
+    fed_kg = np.pi / 6 * fed["sieve_size_m"] ** 3 * fed["density_kg_per_m3"]
+    of_all = 100 * mass[fine & passed].sum() / fed_kg[fed["sieve_size_m"] < 0.02].sum()
     assert of_all < recovery - 0.1
     assert screening["recovered_percent"]["value"] == pytest.approx(of_all)
     assert screening["lost_particles"] == 0

@@ -135,7 +135,9 @@ def test_what_lay_there_at_the_start_did_not_come() -> None:
     )
     events = Events(came, left, Exits(("under", "over"), ("undersize", "oversize")), 0.5 * np.arange(41.0))
     assert (events.steady.reason, events.steady.first) == ("", 0)
-    assert screening(events, 0.02)["recovered_percent"].value == pytest.approx(100.0)
+    recovered = screening(events, 0.02).recovered_percent
+    assert recovered is not None
+    assert recovered.value == pytest.approx(100.0)
 
 
 def test_the_hold_up_of_a_cycle_is_its_mean_over_time() -> None:

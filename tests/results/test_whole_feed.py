@@ -26,7 +26,7 @@ from orchestrator.output.results.whole_feed import (
     whole_feed,
 )
 from orchestrator.ports import Array
-from orchestrator.ports.physics import sphere_mass_kg
+from tests.grains import sphere_kg
 from tests.results.synthetic import folder_of
 
 OPENING_M = 0.003
@@ -37,8 +37,8 @@ LAW = PartitionCurve(6.0, 0.45, OPENING_M, OPEN_SHARE)
 
 def feed(limit_m: float | None = None, rate: float = 1.0, finest_m: float = 0.0005) -> Feed:
     """Half of the mass is coarse, half is spread evenly over the diameters from ``finest_m`` to 3 mm."""
-    rows = [{"diameter_m": finest_m, "passing": 0.0}, {"diameter_m": 0.003, "passing": 0.5}]
-    rows += [{"diameter_m": 0.004, "passing": 0.5}, {"diameter_m": 0.009, "passing": 1.0}]
+    rows = [{"sieve_size_m": finest_m, "passing": 0.0}, {"sieve_size_m": 0.003, "passing": 0.5}]
+    rows += [{"sieve_size_m": 0.004, "passing": 0.5}, {"sieve_size_m": 0.009, "passing": 1.0}]
     table = {"material": "coal", "box_m": BOX, "curve": rows, "rate_kg_per_s": rate}
     return Feed.model_validate(table | ({} if limit_m is None else {"smallest_fed_m": limit_m}))
 
@@ -58,7 +58,7 @@ def events(law: PartitionCurve, smallest_m: float, number: int = 60_000, alike_m
     half, whole = (of.passed(as_m) for of in (replace(law, attempts=law.attempts / 2), law))
     drawn = generator.uniform(size=len(diameter_m))
     exit_number = np.where(drawn < half, 0, np.where(drawn < whole, 1, 2))
-    mass_kg = sphere_mass_kg(diameter_m, 1430.0)
+    mass_kg = sphere_kg(diameter_m)
     came = EventTable(np.arange(len(diameter_m)), time_s, diameter_m, mass_kg)
     place_m = np.zeros((len(diameter_m), 3))
     left = EventTable(came.id, time_s, diameter_m, mass_kg, place_m, exit_number)
@@ -120,7 +120,7 @@ def test_fines_of_a_feed_are_divided_by_their_mass() -> None:
     fines = feed_fines([feed(0.001)], OPENING_M)
     assert fines.left_out == pytest.approx(finer_share(feed(0.001)), rel=1e-12)
     assert (fines.total, fines.left_out) == (pytest.approx(0.5, rel=1e-12), pytest.approx(0.1, rel=0.02))
-    assert float(fines.share @ fines.diameter_m) / fines.left_out == pytest.approx(0.00075, rel=5e-3)
+    assert float(fines.share @ fines.size_m) / fines.left_out == pytest.approx(0.00075, rel=5e-3)
     assert feed_fines([feed()], OPENING_M).left_out == 0.0
     twice = feed_fines([feed(0.001, 3.0), feed(rate=1.0)], OPENING_M)
     assert twice.left_out == pytest.approx(0.75 * fines.left_out, rel=1e-12)
@@ -189,7 +189,7 @@ def test_the_interval_has_the_error_of_the_continuation() -> None:
     table, truth = completed(seen, fines), 100 * mean_passed(steep, alike_m)
     found, told = table.fine_placement_percent, table.continuation
     assert (told.factor, told.tested_factor) == pytest.approx((2.0, 3**0.5), rel=1e-6)
-    seen_m, passed = seen.removed.diameter_m, seen.removed.exit < 2
+    seen_m, passed = seen.removed.sieve_size_m, seen.removed.exit < 2
     finer = seen_m < 0.003**0.5 * seen_m.min() ** 0.5
     law = fit_partition(seen_m[~finer], passed[~finer] * 1.0, ~passed[~finer] * 1.0, OPENING_M, OPEN_SHARE)
     assert law is not None
@@ -209,7 +209,7 @@ def test_the_interval_has_the_error_of_the_continuation() -> None:
 def test_a_curve_that_cannot_be_tested_is_not_continued(monkeypatch: pytest.MonkeyPatch) -> None:
     """All grains of the coarser half stay above: they determine no curve, and the reason is told."""
     seen, fines = events(LAW, 0.001), feed_fines([feed(0.001)], OPENING_M)
-    stays = np.where(seen.removed.diameter_m > 0.0017, 2, seen.removed.exit)
+    stays = np.where(seen.removed.sieve_size_m > 0.0017, 2, seen.removed.exit)
     none = replace(seen, removed=replace(seen.removed, exit=stays))
     assert isinstance(whole_feed(none, fines, OPENING_M, OPEN_SHARE), str)
     monkeypatch.setattr(compute, "smaller_sides_m", lambda _: [OPENING_M])
@@ -258,10 +258,10 @@ def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
     table = feed(limit_m).model_dump() | {"finer": "next-class"}
     fines = feed_fines([Feed.model_validate(table)], OPENING_M)
     seen = events(LAW, limit_m)
-    weight = fines.listed.weight(seen.removed.diameter_m)
+    weight = fines.listed.weight(seen.removed.sieve_size_m)
     finest_m = 0.0005 * 6**0.4  # end of the finest class that is computed, the fourth of ten from 0.5 to 3 mm
     own = (finest_m - limit_m) / 0.0025 * 0.5
-    of_finest = np.where(seen.removed.diameter_m < finest_m, own / (own + fines.left_out), 1.0)
+    of_finest = np.where(seen.removed.sieve_size_m < finest_m, own / (own + fines.left_out), 1.0)
     assert weight == pytest.approx(of_finest, rel=1e-9)
     rows = (replace(row, mass_kg=row.mass_kg / weight) for row in (seen.fed, seen.removed))
     fed_more = Events(*rows, seen.exits, seen.edges_s, listed=fines.listed)
@@ -280,7 +280,7 @@ def test_a_sampled_grain_stands_for_the_others_of_its_size() -> None:
     table = feed().model_dump() | {"sampled_below_m": 0.002, "sampled_as_m": 0.003}
     listed = listed_feed([Feed.model_validate(table)])
     every = events(LAW, 0.0005, 2_000_000)
-    chance = 1.0 / listed.weight(every.removed.diameter_m)
+    chance = 1.0 / listed.weight(every.removed.sieve_size_m)
     assert chance.min() < 0.01
     there = np.random.default_rng(3).uniform(size=len(chance)) < chance
     seen = replace(every, fed=_part(every.fed, there), removed=_part(every.removed, there), listed=listed)
@@ -296,7 +296,7 @@ def test_a_sampled_grain_stands_for_the_others_of_its_size() -> None:
     local = weighed.sections[0].cumulative_efficiency_percent.value
     assert abs(local - 100 * mean_passed(replace(LAW, attempts=LAW.attempts / 2))) < 4 * error
     fines = feed_fines([Feed.model_validate(table | {"smallest_fed_m": 0.001})], OPENING_M)
-    coarser = there & (every.removed.diameter_m >= 0.001)
+    coarser = there & (every.removed.sieve_size_m >= 0.001)
     part = replace(seen, fed=_part(every.fed, coarser), removed=_part(every.removed, coarser))
     placement = completed(part, fines).fine_placement_percent
     assert abs(placement.value - truth) < 4 * placement.standard_error
@@ -312,7 +312,7 @@ def test_coarse_grains_that_pass_lower_the_efficiency() -> None:
     """Particles above a cut size of 2 mm pass openings of 3 mm, and their share counts against the screen."""
     seen, fines = events(LAW, 0.001), feed_fines([feed(0.001)], 0.002)
     table = completed(seen, fines)
-    coarse = seen.removed.diameter_m >= 0.002
+    coarse = seen.removed.sieve_size_m >= 0.002
     passed = seen.removed.mass_kg[coarse & (seen.removed.exit < 2)].sum() / seen.removed.mass_kg[coarse].sum()
     lower = table.fine_placement_percent.value - table.efficiency_percent.value
     assert lower == pytest.approx(100 * passed, rel=5e-3)

@@ -30,7 +30,7 @@ STRAY = """
 [bed.particles.stray]
 position_m = [-0.3, 0.1, -0.85]
 velocity_m_per_s = [0.0, 0.0, -3.0]
-diameter_m = 0.02
+sieve_size_m = 0.02
 material = "coal"
 """
 # below a panel with openings of 10 mm, on its way into the undersize
@@ -46,12 +46,12 @@ box_m = [[-0.2, -0.2, -0.9], [0.5, 0.4, -0.3]]
 [bed.particles.large]
 position_m = [0.15, 0.1, -0.25]
 velocity_m_per_s = [0.0, 0.0, -2.0]
-diameter_m = 0.0101
+sieve_size_m = 0.0101
 material = "coal"
 [bed.particles.small]
 position_m = [0.15, 0.05, -0.25]
 velocity_m_per_s = [0.0, 0.0, -2.0]
-diameter_m = 0.0099
+sieve_size_m = 0.0099
 material = "coal"
 """
 # a chute that pours into a bucket, which is full after some 25 particles

@@ -18,8 +18,8 @@ from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.output.records.snapshots import in_single_precision, particle_mesh
 from orchestrator.ports import Array
 from orchestrator.ports.particle_records import ParticleSnapshot
-from orchestrator.ports.physics import sphere_mass_kg
 from tests.cases import CASE, case_folder
+from tests.grains import sphere_kg, spheres
 from tests.runs.outside import flipflow, has_results, run_words, said_plainly
 
 pytestmark = pytest.mark.solver
@@ -78,9 +78,9 @@ def test_mass_and_momentum_are_carried_over(runs: tuple[Path, Path], series: str
 
 def kinetic_J(bed: CarriedBed) -> float:
     """The kinetic energy of spheres, of their velocities and their spins."""
-    mass_kg = sphere_mass_kg(bed.diameter_m, bed.density_kg_per_m3)
+    mass_kg = sphere_kg(bed.grains.sieve_size_m, bed.grains.density_kg_per_m3)
     speeds2 = (bed.velocity_m_per_s**2).sum(axis=1)
-    rims2 = (bed.spin_rad_per_s**2).sum(axis=1) * bed.diameter_m**2 / 4
+    rims2 = (bed.spin_rad_per_s**2).sum(axis=1) * bed.grains.sieve_size_m**2 / 4
     return float((mass_kg * (speeds2 / 2 + rims2 / 5)).sum())
 
 
@@ -97,7 +97,7 @@ def test_the_pictures_have_forces_and_contacts(runs: tuple[Path, Path]) -> None:
     """At t = 0 the block of the first run falls freely.  At its end, grains touch each other or the deck."""
     first, second = runs
     falling = meshio.read(first / "particles/particles_00000.vtu").point_data
-    weight_N = 9.81 * sphere_mass_kg(falling["diameter_m"], falling["density_kg_per_m3"])
+    weight_N = 9.81 * sphere_kg(falling["sieve_size_m"], falling["density_kg_per_m3"])
     np.testing.assert_allclose(falling["force_N"], np.outer(-weight_N, [0, 0, 1]), rtol=1e-5, atol=1e-9)
     assert not falling["contacts"].any()
     resting = meshio.read(second / "particles/particles_00002.vtu").point_data
@@ -146,8 +146,8 @@ def test_states_between_checkpoints_come_from_the_pictures_of_the_run(runs: tupl
 
 
 def nobody_at(file: Path) -> None:
-    places, number, whole = np.empty((0, 3)), np.empty(0), np.empty(0, dtype=np.int64)
-    nobody = ParticleSnapshot(whole, places, places, places, number, number, whole)
+    places = np.empty((0, 3))
+    nobody = ParticleSnapshot(np.empty(0, dtype=np.int64), places, places, places, spheres([]))
     meshio.write(file, in_single_precision(particle_mesh(nobody)), compression=None)
 
 

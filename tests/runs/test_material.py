@@ -70,13 +70,13 @@ def checked(folder: Path) -> dict[str, Any]:
     assert (np.diff(removed["time_s"]) >= 0).all()
     row = removed["id"] - 1
     assert len(np.unique(row)) == len(row)
-    np.testing.assert_array_equal(removed["diameter_m"], fed["diameter_m"][row])
+    np.testing.assert_array_equal(removed["sieve_size_m"], fed["sieve_size_m"][row])
     np.testing.assert_array_equal(removed["density_kg_per_m3"], fed["density_kg_per_m3"][row])
     assert (removed["time_s"] > fed["time_s"][row]).all()
     assert dict(zip(names, products, strict=True)) == {
         name: one["product"] for name, one in said["exits"].items()
     }
-    mass = np.pi / 6 * fed["density_kg_per_m3"] * fed["diameter_m"] ** 3
+    mass = np.pi / 6 * fed["density_kg_per_m3"] * fed["sieve_size_m"] ** 3
     assert said["fed"]["number"] == len(mass)
     assert said["fed"]["mass_kg"] == pytest.approx(mass.sum(), rel=1e-13)
     books = [said["lost"], *said["exits"].values()]

@@ -88,7 +88,7 @@ def test_no_label_covers_another(name: str, view: View) -> None:
 
 def test_a_bed_that_is_taken_over_is_drawn_to_scale(tmp_path: Path) -> None:
     """A circle of its own diameter stands at each particle's place, seen from the side."""
-    rows = ["x_m,y_m,z_m,diameter_m,material", "0.1,0.1,0.02,0.02,coal", "0.2,0.1,0.01,0.01,coal"]
+    rows = ["x_m,y_m,z_m,sieve_size_m,material", "0.1,0.1,0.02,0.02,coal", "0.2,0.1,0.01,0.01,coal"]
     folder = case_folder(tmp_path, CASE)
     (folder / "grains.csv").write_text("\n".join(rows))
     found = load_judged(folder, None, ["bed.table=grains.csv"])

@@ -38,4 +38,5 @@ ADAPTER = ParticlesAdapter(
     cost=cost,
     needs=("adapters.particles.liggghts.particles",),
     fidelity=2,
+    clumps=False,
 )

@@ -50,7 +50,7 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         rigid_share=floats(plan.surface.rigid.share),
         triangles=ints(plan.surface.triangles),
         type=ints(plan.surface.material + 1),
-        largest_radius_m=0.5 * plan.largest_diameter_m,
+        largest_radius_m=plan.largest_radius_m,
     )
     _set_laws(engine, plan)
     if plan.wear_m3_per_N_m is not None:
@@ -102,9 +102,9 @@ def create_particles(engine: Engine, new: ParticleList, first_id: int) -> None:
         position_m=floats(new.position_m),
         velocity_m_per_s=floats(new.velocity_m_per_s),
         spin_rad_per_s=floats(new.spin_rad_per_s),
-        diameter_m=floats(new.diameter_m),
-        density_kg_per_m3=floats(new.density_kg_per_m3),
-        type=ints(new.material + 1),
+        diameter_m=floats(new.grains.sieve_size_m),
+        density_kg_per_m3=floats(new.grains.density_kg_per_m3),
+        type=ints(new.grains.material + 1),
         first_id=first_id,
     )
 

@@ -99,8 +99,8 @@ def skin_m(plan: ParticlesPlan, listing: float = LISTING, each_looked_at: float 
     The skin has the least cost for a thrown bed of the particles at the start or, without any, of the largest
     ones (docs/measured/cost.md compares skins).
     """
-    largest_m = plan.largest_diameter_m
-    diameter_m = plan.particles.diameter_m if len(plan.particles) else np.array([largest_m])
+    largest_m = 2.0 * plan.largest_radius_m
+    diameter_m = plan.particles.grains.sieve_size_m if len(plan.particles) else np.array([largest_m])
     per_m3 = FILLED / (math.pi / 6.0 * np.mean(diameter_m**3))
     skins_m = largest_m * np.geomspace(*SKINS, 100)
     mean_m = np.mean(diameter_m)
@@ -113,7 +113,7 @@ def skin_m(plan: ParticlesPlan, listing: float = LISTING, each_looked_at: float 
 
 def cutoff_m(plan: ParticlesPlan) -> float:
     """Return the distance up to which the centres of particles are listed as neighbours."""
-    return plan.largest_diameter_m + skin_m(plan)
+    return 2.0 * plan.largest_radius_m + skin_m(plan)
 
 
 def smallest_box_m(plan: ParticlesPlan) -> Array:
@@ -127,7 +127,7 @@ def smallest_box_m(plan: ParticlesPlan) -> Array:
     places_m = np.vstack([plan.surface.vertices_m[on_it], plan.particles.position_m])
     if ranks(plan) > 2 or not len(places_m):
         places_m = plan.domain_m
-    margin_m = plan.largest_diameter_m
+    margin_m = 2.0 * plan.largest_radius_m
     corners_m = np.array([places_m.min(axis=0) - margin_m, places_m.max(axis=0) + margin_m])
     if plan.periodic_y:
         corners_m[:, 1] = plan.domain_m[:, 1]

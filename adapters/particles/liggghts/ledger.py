@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orchestrator.ports import Account, AngularAccount, Array
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
 from orchestrator.ports.state import SavedAttributes
 
@@ -62,9 +61,8 @@ class SolidSpheres:
 
 def _listed(particles: ParticleList) -> SolidSpheres:
     """Return the spheres of a list that the orchestrator made."""
-    mass_kg = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
     motion = (particles.position_m, particles.velocity_m_per_s, particles.spin_rad_per_s)
-    return SolidSpheres(mass_kg, 0.5 * particles.diameter_m, *motion)
+    return SolidSpheres(particles.grains.mass_kg, particles.grains.bounding_radius_m, *motion)
 
 
 def _owned(arrays: dict[str, Any]) -> SolidSpheres:

@@ -7,6 +7,7 @@ docs/theory/particle_surface_contact.md.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
@@ -33,6 +34,7 @@ from orchestrator.ports import (
     sort_removed,
 )
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.grains import Grain, Grains
 from orchestrator.ports.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
 from orchestrator.ports.state import as_arrays, like
 
@@ -133,9 +135,7 @@ class Liggghts:
             position_m=x,
             velocity_m_per_s=v,
             spin_rad_per_s=omega,
-            diameter_m=2.0 * radius,
-            density_kg_per_m3=density,
-            material=kind.astype(np.int64) - 1,
+            grains=self._spheres(radius, density, kind),
             force_N=force,
             contacts=contacts,
         )
@@ -143,7 +143,7 @@ class Liggghts:
     def removed(self) -> Removed:
         mine, self._removed = self._removed, []
         ranks = self._comm.gather(mine)
-        return sort_removed([part for rank in ranks or [] for part in rank], self._plan.counted_panels)
+        return self._sorted(part for rank in ranks or [] for part in rank)
 
     def overlaps(self) -> Overlaps:
         self._prepare()
@@ -182,7 +182,7 @@ class Liggghts:
             "created": np.array(self._created),
             "deepest": as_arrays(self._deepest_of_rank()),
             "crossings": as_arrays(self._crossings),
-            "removed": as_arrays(sort_removed(self._removed, self._plan.counted_panels)),
+            "removed": as_arrays(self._sorted(self._removed)),
         }
 
     def restore(self, saved: Saved) -> None:
@@ -192,12 +192,22 @@ class Liggghts:
         self._engine.take_deepest_overlaps()  # of what was evaluated to get back there
         self._deepest = like(Overlaps(), saved["deepest"])
         self._crossings = like(Crossings.none(), saved["crossings"])
-        self._removed = [like(sort_removed([], self._plan.counted_panels), saved["removed"])]
+        self._removed = [like(self._sorted([]), saved["removed"])]
         self._unprepared = False
 
     def close(self) -> None:
         del self._engine
         self._opened.close()
+
+    def _spheres(self, radius_m: Array, density_kg_per_m3: Array, type: npt.NDArray[Any]) -> Grains:
+        """Return the grains of LIGGGHTS's columns (n,)."""
+        material = type.astype(np.int64) - 1
+        shapes = self._plan.particles.grains.shapes
+        return Grain(2.0 * radius_m, density_kg_per_m3, material, np.zeros_like(material), shapes)
+
+    def _sorted(self, removed: Iterable[Removed]) -> Removed:
+        plan = self._plan
+        return sort_removed([*removed], plan.particles.grains.shapes, plan.counted_panels)
 
     def _summed(self, by_point: Array) -> Array:
         self._comm.Allreduce(MPI.IN_PLACE, by_point)
@@ -230,9 +240,8 @@ class Liggghts:
         offer = self._plan.feed.due(interval)
         if len(offer) == 0:
             return
-        blocked = np.array(
-            self._engine.overlaps(position_m=floats(offer.position_m), diameter_m=floats(offer.diameter_m))
-        )
+        place_m, diameter_m = floats(offer.position_m), floats(offer.grains.sieve_size_m)
+        blocked = np.array(self._engine.overlaps(position_m=place_m, diameter_m=diameter_m))
         self._comm.Allreduce(MPI.IN_PLACE, blocked, MPI.LOR)
         accepted = ~blocked
         if accepted.any():
@@ -256,9 +265,7 @@ class Liggghts:
                 time_s=interval.start_s + step_s * mine["step"],
                 position_m=mine["x"],
                 velocity_m_per_s=mine["v"],
-                diameter_m=2.0 * mine["radius"],
-                density_kg_per_m3=mine["density"],
-                material=mine["type"].astype(np.int64) - 1,
+                grains=self._spheres(mine["radius"], mine["density"], mine["type"]),
                 exit=mine["exit"].astype(np.int64),
                 contacts=contacts.astype(np.int32),
                 over_s=over_s.astype(np.float32),

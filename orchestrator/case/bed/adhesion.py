@@ -16,12 +16,11 @@ from orchestrator.case.bed.contact_times import (
     hertz_s,
     impact_speed_m_per_s,
     reduced_modulus_Pa,
-    smallest_diameters_m,
 )
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import sieve_sizes_m, smallest_grains
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.plans import Jkr, Sjkr
 
 STEPS_PER_CONTACT = 20  # An adhesive contact takes at least so many steps.
@@ -92,10 +91,7 @@ Body = tuple[float, float]
 
 def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]:
     """Yield the two smallest particles of these materials, then each such particle with a surface."""
-    grains = {}
-    for name, diameter_m in smallest_diameters_m(case).items():
-        mass_kg = sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
-        grains[name] = (diameter_m / 2, mass_kg)
+    grains = {name: (each.contact_radius_m, each.mass_kg) for name, each in smallest_grains(case).items()}
     one, two = between
     if one in grains and two in grains:
         yield grains[one], grains[two]
@@ -157,7 +153,7 @@ class PullOff:
 
     contact: int
     between: tuple[str, str]
-    diameter_m: float
+    size_m: float
     asked: float
     run: float
 
@@ -166,7 +162,7 @@ class PullOff:
         """What the run has, and what was asked for if that is something else."""
         one, two = self.between
         asked = "" if math.isclose(self.asked, self.run, rel_tol=0.005) else f", {self.asked:.3g} asked for"
-        grain = f"a grain of {1e3 * self.diameter_m:.3g} mm"
+        grain = f"a grain of {1e3 * self.size_m:.3g} mm"
         return f"pull-off force of {one} and {two}: {self.run:.3g} weights of {grain}{asked}"
 
 
@@ -183,8 +179,8 @@ def pull_offs(case: Case) -> list[PullOff]:
             density_J_per_m3 = _energy_density_J_per_m3(case, pair.contact, pair.work_J_per_m2)
             run_N = 2 / 3 * math.pi**3 * density_J_per_m3**3 * pair.reduced_m**2 / pair.reduced_Pa**2
         asked_N = pair.pull_off_N * row.work_of_adhesion_J_per_m2 / pair.work_J_per_m2
-        diameter_m = 2 * pair.radius_m / k
-        found.append(PullOff(pair.contact, row.between, diameter_m, asked_N / weight_N, run_N / weight_N))
+        size_m = 2 * pair.radius_m / k
+        found.append(PullOff(pair.contact, row.between, size_m, asked_N / weight_N, run_N / weight_N))
     return found
 
 
@@ -213,12 +209,12 @@ def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:
 def sjkr_diameter_m(case: Case) -> float:
     """Return the diameter for which sjkr has the pull-off force of JKR's theory.
 
-    The case gives it, or it is the geometric mean of the smallest and the largest diameter.
+    The case gives it, or it is the geometric mean of the smallest and the largest size.
     """
     if case.particles.sjkr_diameter_m is not None:
         return case.particles.sjkr_diameter_m
-    smallest_m = min(smallest_diameters_m(case).values())
-    return math.sqrt(smallest_m * largest_diameter_m(case))
+    smallest_m, largest_m = sieve_sizes_m(case)
+    return math.sqrt(smallest_m * largest_m)
 
 
 def _energy_density_J_per_m3(case: Case, number: int, work_J_per_m2: float) -> float:

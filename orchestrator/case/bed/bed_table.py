@@ -9,18 +9,21 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.case.bed.saved_bed import UnreadableBed
 from orchestrator.case.file.errors import did_you_mean
 from orchestrator.case.file.plausible import RANGES
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.ports import Array
+from orchestrator.ports.grains import Grain, ShapeTable
 
 PLACES = ("x_m", "y_m", "z_m")
 VELOCITIES = ("vx_m_per_s", "vy_m_per_s", "vz_m_per_s")
 SPINS = ("wx_rad_per_s", "wy_rad_per_s", "wz_rad_per_s")
-NUMBERS = (*PLACES, "diameter_m", *VELOCITIES, *SPINS)
-REQUIRED = (*PLACES, "diameter_m", "material")
-SMALLEST_M, LARGEST_M = RANGES["diameter_m"]
+SIZE = "sieve_size_m"
+NUMBERS = (*PLACES, SIZE, *VELOCITIES, *SPINS)
+REQUIRED = (*PLACES, SIZE, "material")
+SMALLEST_M, LARGEST_M = RANGES[SIZE]
 KNOWN = (*NUMBERS, "material", "id")
 """All columns; ``id`` is allowed and not used, because ids are given anew."""
 
@@ -40,14 +43,14 @@ def read_table(path: Path) -> CarriedBed:
         given = [table[name].to_numpy(float) if name in table else np.zeros(count) for name in columns]
         return np.column_stack(given)
 
+    sizes_m, none = table[SIZE].to_numpy(float), np.full(count, np.nan)
+    shape, spheres = np.zeros(count, dtype=np.int64), ShapeTable.of([solvers.shape("sphere")])
     return CarriedBed(
         materials=tuple(names.tolist()),
-        material=material,
         position_m=vectors(PLACES),
         velocity_m_per_s=vectors(VELOCITIES),
         spin_rad_per_s=vectors(SPINS),
-        diameter_m=table["diameter_m"].to_numpy(float),
-        density_kg_per_m3=np.full(count, np.nan),
+        grains=Grain(sizes_m, none, material, shape, spheres),
         time_s=np.nan,
         coarse_graining=np.nan,
         source=str(path),
@@ -83,7 +86,7 @@ def _wrong_columns(table: Any) -> Iterator[str]:
 
 
 def _wrong_cells(table: Any) -> Iterator[str]:
-    """Yield a text for each column with a cell that is not a finite number, or not a plausible diameter."""
+    """Yield a text for each column with a cell that is not a finite number, or not a plausible size."""
     import pandas as pd
 
     for name in NUMBERS:
@@ -91,11 +94,11 @@ def _wrong_cells(table: Any) -> Iterator[str]:
             continue
         values = pd.to_numeric(table[name], errors="coerce").to_numpy(float)
         wrong = ~np.isfinite(values)
-        if name == "diameter_m":
+        if name == SIZE:
             wrong |= (values < SMALLEST_M) | (values > LARGEST_M)
         if wrong.any():
             row = int(np.argmax(wrong))
-            wanted = "a plausible diameter in m" if name == "diameter_m" else "a number"
+            wanted = "a plausible size in m" if name == SIZE else "a number"
             others = f" ({wrong.sum() - 1} more)" if wrong.sum() > 1 else ""
             yield f"row {row + 1}: {name} = {table[name].iloc[row]!r} is not {wanted}{others}"
     if "material" in table and table["material"].isna().any():

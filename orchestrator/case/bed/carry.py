@@ -2,7 +2,7 @@
 
 A run has recorded its particles in two ways: ``bed.h5`` in each checkpoint has them in full precision,
 and the ParaView files of the output times have them in single precision.  Places, velocities, spins,
-diameters and materials are taken over.  Tangential springs of contacts are not: they start anew.
+sizes, shapes and materials are taken over.  Tangential springs of contacts are not: they start anew.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from pydantic import ValidationError
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.bed_table import read_table
+from orchestrator.case.bed.grains import material_numbers, shapes
 from orchestrator.case.bed.saved_bed import BED, UnreadableBed
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean
 from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, part_of, read_json
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.file.slice import bounds_m, cut_to_slice, period_m
-from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.bed import Bed
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.case import Case
@@ -185,14 +185,13 @@ def _read_state(run: Path, state: RecordedState) -> CarriedBed:
     try:
         mesh = meshio.read(state.file)
         data = {name: np.asarray(values, dtype=float) for name, values in mesh.point_data.items()}
+        kinds = {name: data[name].astype(np.int64) for name in ("material", "shape")}
         bed = CarriedBed(
             materials=tuple(by_number),
-            material=data["material"].astype(np.int64),
             position_m=np.asarray(mesh.points, dtype=float),
             velocity_m_per_s=data["velocity_m_per_s"].reshape(-1, 3),
             spin_rad_per_s=data["spin_rad_per_s"].reshape(-1, 3),
-            diameter_m=data["diameter_m"],
-            density_kg_per_m3=data["density_kg_per_m3"],
+            grains=saved_bed.grains_of(data | kinds, [shape.name for shape in shapes(case)]),
             time_s=state.time_s,
             coarse_graining=case.particles.coarse_graining,
             source=str(state.file),
@@ -226,7 +225,7 @@ def _unfit(case: Case, found: CarriedBed) -> Iterator[tuple[str, str]]:
     """Yield what is wrong, and what helps, of materials that the case lacks and of other coarseness."""
     for number, name in enumerate(found.materials):
         if name not in case.materials:
-            count = int((found.material == number).sum())
+            count = int((found.grains.material == number).sum())
             what = f'{count} particles of {found.source} are of "{name}", which the case does not have'
             yield what, did_you_mean(name, case.materials)
     own = case.particles.coarse_graining

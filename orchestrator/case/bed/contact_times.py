@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from orchestrator.case.bed.size_distribution import classes
+from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.tables.case import Case, Material
 
 LARGEST_RAYLEIGH_FRACTION = 0.2
@@ -35,7 +35,7 @@ def reduced_modulus_Pa(one: tuple[float, float], two: tuple[float, float]) -> fl
 
 
 def rayleigh_s(
-    diameter_m: float, density_kg_per_m3: float, youngs_modulus_Pa: float, poisson_ratio: float
+    radius_m: float, density_kg_per_m3: float, youngs_modulus_Pa: float, poisson_ratio: float
 ) -> float:
     """Return the time of a Rayleigh wave across a sphere: pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
 
@@ -43,7 +43,7 @@ def rayleigh_s(
     doi 10.1016/j.powtec.2005.09.002.
     """
     shear_Pa = youngs_modulus_Pa / (2 * (1 + poisson_ratio))
-    wave = math.pi * diameter_m / 2 * math.sqrt(density_kg_per_m3 / shear_Pa)
+    wave = math.pi * radius_m * math.sqrt(density_kg_per_m3 / shear_Pa)
     return wave / (0.1631 * poisson_ratio + 0.8766)
 
 
@@ -74,40 +74,13 @@ def hertz_static_overlap_m(force_N: float, radius_m: float, reduced_Pa: float) -
     return math.pow(9 * force_N**2 / (16 * radius_m * reduced_Pa**2), 1 / 3)
 
 
-def smallest_diameters_m(case: Case) -> dict[str, float]:
-    """Return the smallest particle diameter of each material, by name, for materials with particles."""
-    return {name: min(sizes_m) for name, sizes_m in _diameters_m(case).items()}
-
-
-def largest_diameters_m(case: Case) -> dict[str, float]:
-    """Return the largest particle diameter of each material, by name, for materials with particles."""
-    return {name: max(sizes_m) for name, sizes_m in _diameters_m(case).items()}
-
-
-def _diameters_m(case: Case) -> dict[str, list[float]]:
-    """Return the diameters of single particles, and the limits of size classes and of carried particles, by
-    material."""
-    sizes_m: dict[str, list[float]] = {}
-    for particle in case.bed.particles.values():
-        sizes_m.setdefault(particle.material, []).append(particle.diameter_m)
-    for source in case.bed.sources:
-        for row in classes(source):
-            sizes_m.setdefault(source.material, []).extend((row.smallest_m, row.largest_m))
-    if (carried := case.bed.carried) is not None:
-        for name in carried.materials:
-            diameter_m = carried.diameters_m(name)
-            sizes_m.setdefault(name, []).extend((float(diameter_m.min()), float(diameter_m.max())))
-    return sizes_m
-
-
 def shortest_rayleigh_s(case: Case) -> float:
     """Return the shortest Rayleigh time of all particles; infinite without particles."""
     cap = case.particles.largest_youngs_modulus_Pa
     times_s = [math.inf]
-    for name, diameter_m in smallest_diameters_m(case).items():
-        material = case.materials[name]
-        moduli = contact_moduli(material, cap)
-        times_s.append(rayleigh_s(diameter_m, material.density_kg_per_m3, *moduli))
+    for name, grain in smallest_grains(case).items():
+        moduli = contact_moduli(case.materials[name], cap)
+        times_s.append(rayleigh_s(grain.contact_radius_m, grain.density_kg_per_m3, *moduli))
     return min(times_s)
 
 

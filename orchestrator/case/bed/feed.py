@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from itertools import combinations, product
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.packing import concatenate, equal_particles, find_places, no_particles
-from orchestrator.case.bed.size_distribution import diameter_m, shares
+from orchestrator.case.bed.packing import equal_particles, find_places, no_particles
+from orchestrator.case.bed.size_distribution import shares, size_m
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.ports.grains import Grain, Grains
 from orchestrator.ports.plans import ParticleList
+from orchestrator.ports.rows import Rows
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 SAME_PLACE_M = 1e-9
@@ -27,7 +28,7 @@ FULL_SHARE = 0.2  # This share of the box's volume can be kept full at a steady 
 
 @dataclass(frozen=True)
 class Inlet:
-    """The place, the particles and the rate of a feed.
+    """The place, the particles and the rate of a feed: particles like one ``grain``, of the ``sizes``.
 
     ``box_m`` (2, 3) has the lowest and the highest corner, and ``velocity_m_per_s`` (3,) carries the
     particles out of the box.  Both are in the inlet's own axes, which are the columns of ``axes``
@@ -38,8 +39,7 @@ class Inlet:
     rate_kg_per_s: float
     box_m: Array
     velocity_m_per_s: Array
-    density_kg_per_m3: float
-    material: int
+    grain: Grain[float]
     start_s: float = 0.0
     stop_s: float = math.inf
     seed: int = 1
@@ -63,13 +63,12 @@ class Inlet:
         leaving_m3_per_s = float(np.abs(self.velocity_m_per_s) @ (box_m3 / length_m))
         if self.batch_s > 0:
             leaving_m3_per_s = min(leaving_m3_per_s, box_m3 / self.batch_s)
-        return FULL_SHARE * self.density_kg_per_m3 * leaving_m3_per_s
+        return FULL_SHARE * self.grain.density_kg_per_m3 * leaving_m3_per_s
 
     @property
     def largest_kg(self) -> float:
         """The mass of the largest particle."""
-        largest_m = np.array(max(row.largest_m for row in self.sizes))
-        return float(sphere_mass_kg(largest_m, self.density_kg_per_m3))
+        return self.grain.resized(max(row.largest_m for row in self.sizes)).mass_kg
 
     @property
     def corners_m(self) -> Array:
@@ -95,7 +94,7 @@ class RateFeed:
         self._drawn_kg = np.zeros(len(inlet.sizes))
         self._waiting_m = np.empty(0)
         self._offered = np.empty(0, dtype=np.int64)
-        self._next_m = np.array([self._diameter_m(number) for number in range(len(inlet.sizes))])
+        self._next_m = np.array([self._draw_size_m(number) for number in range(len(inlet.sizes))])
         self.due_kg = self.fed_kg = 0.0
 
     @property
@@ -104,7 +103,7 @@ class RateFeed:
 
         Half of the particle is then due of its class.
         """
-        half_kg = sphere_mass_kg(self._next_m, self.inlet.density_kg_per_m3) / 2.0
+        half_kg = self.inlet.grain.of_sizes(self._next_m).mass_kg / 2.0
         return np.asarray((self._drawn_kg + half_kg) / self._shares)
 
     def due(self, interval: Interval) -> ParticleList:
@@ -112,16 +111,12 @@ class RateFeed:
         self.due_kg = self.inlet.due_kg(interval.start_s)
         self._draw()
         self._waiting_m = np.sort(self._waiting_m)[::-1]
-        center_m, placed = find_places(self._waiting_m / 2.0, self.inlet.box_m, self._generator, ROUNDS)
-        self._offered = np.flatnonzero(placed)
         inlet = self.inlet
-        return equal_particles(
-            center_m[placed] @ inlet.axes.T,
-            inlet.axes @ inlet.velocity_m_per_s,
-            self._waiting_m[placed],
-            inlet.density_kg_per_m3,
-            inlet.material,
-        )
+        grains = inlet.grain.of_sizes(self._waiting_m)
+        center_m, placed = find_places(grains.bounding_radius_m, inlet.box_m, self._generator, ROUNDS)
+        self._offered = np.flatnonzero(placed)
+        velocity_m_per_s = inlet.axes @ inlet.velocity_m_per_s
+        return equal_particles(center_m[placed] @ inlet.axes.T, velocity_m_per_s, grains.part(placed))
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         """Count the offered particles that the solver ``accepted`` (n,) as fed; the others wait.
@@ -131,7 +126,7 @@ class RateFeed:
         if len(accepted) != len(self._offered):
             raise ValueError(f"{len(self._offered)} particles offered, {len(accepted)} answers")
         fed = self._offered[accepted]
-        self.fed_kg += float(np.sum(sphere_mass_kg(self._waiting_m[fed], self.inlet.density_kg_per_m3)))
+        self.fed_kg += float(np.sum(self.inlet.grain.of_sizes(self._waiting_m[fed]).mass_kg))
         self._waiting_m = np.delete(self._waiting_m, fed)
         self._offered = np.empty(0, dtype=np.int64)
 
@@ -150,24 +145,22 @@ class RateFeed:
         while (next_due_kg := self.next_due_kg).min() <= self.due_kg:
             number = int(np.argmin(next_due_kg))
             drawn_m.append(float(self._next_m[number]))
-            self._drawn_kg[number] += sphere_mass_kg(self._next_m[number], self.inlet.density_kg_per_m3)
-            self._next_m[number] = self._diameter_m(number)
+            self._drawn_kg[number] += self.inlet.grain.resized(self._next_m[number]).mass_kg
+            self._next_m[number] = self._draw_size_m(number)
         self._waiting_m = np.append(self._waiting_m, drawn_m)
 
-    def _diameter_m(self, number: int) -> float:
-        """Draw the diameter of a particle of a size class."""
-        return float(diameter_m(self.inlet.sizes[number], np.asarray(self._generator.random())))
+    def _draw_size_m(self, number: int) -> float:
+        """Draw the sieve size of a particle of a size class."""
+        return float(size_m(self.inlet.sizes[number], np.asarray(self._generator.random())))
 
 
 @dataclass(frozen=True)
-class Fed:
+class Fed(Rows):
     """The particles that came in, in the order of their ids, as arrays of n rows."""
 
     id: Indices
     time_s: Array
-    diameter_m: Array
-    density_kg_per_m3: Array
-    material: Indices
+    grains: Grains
 
 
 class Feeds:
@@ -190,8 +183,7 @@ class Feeds:
         self._count = 0
         self._since: list[Fed] = []
         self._offers: list[ParticleList] = []
-        if first is not None:
-            self._note(first, 0.0)
+        self._note(first or no_particles(), 0.0)
 
     def due(self, interval: Interval) -> ParticleList:
         """Return the particles that all feeds offer at the start of an interval."""
@@ -200,7 +192,7 @@ class Feeds:
             self._offers = []
             return no_particles()
         self._offers = [feed.due(interval) for feed in self.feeds]
-        return concatenate(self._offers)
+        return ParticleList.joined(self._offers)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         """Tell the feeds which of the offered particles the solver ``accepted`` (n,), and record these."""
@@ -209,48 +201,32 @@ class Feeds:
         sizes = [len(offer) for offer in self._offers]
         for feed, part in zip(self.feeds, np.split(accepted, np.cumsum(sizes)[:-1]), strict=True):
             feed.settle(part)
-        self._note(concatenate(self._offers).part(accepted), self._time_s)
+        self._note(ParticleList.joined(self._offers).part(accepted), self._time_s)
 
     def take_fed(self) -> Fed:
         """Return the particles that came in since the last call."""
-        since, self._since = self._fed_since(), []
+        since, self._since = Fed.joined(self._since), []
+        self._note(no_particles(), 0.0)
         return since
 
     def save(self) -> Saved:
         """Return the state of all feeds for a checkpoint."""
         feeds = {str(number): feed.save() for number, feed in enumerate(self.feeds)}
-        return save_attributes(self, "_count") | {"since": as_arrays(self._fed_since()), "feeds": feeds}
+        return save_attributes(self, "_count") | {"since": as_arrays(Fed.joined(self._since)), "feeds": feeds}
 
     def restore(self, saved: Saved) -> None:
         """Restore the state of all feeds from a checkpoint."""
         restore_attributes(self, saved, "_count")
-        self._since = [like(self._fed_since(), saved["since"])]
+        self._since = [like(self._since[0], saved["since"])]
         for number, feed in enumerate(self.feeds):
             feed.restore(saved["feeds"][str(number)])
 
-    def _fed_since(self) -> Fed:
-        """Return the particles that were recorded since the last call of ``take_fed``."""
-        since = self._since or [_rows(no_particles(), 1, 0.0)]
-        columns = (field.name for field in fields(Fed))
-        return Fed(*(np.concatenate([getattr(part, name) for part in since]) for name in columns))
-
     def _note(self, accepted: ParticleList, time_s: float) -> None:
         """Record particles that came in at a time."""
-        if len(accepted):
-            self._since.append(_rows(accepted, self._count + 1, time_s))
-            self._count += len(accepted)
-
-
-def _rows(particles: ParticleList, first_id: int, time_s: float) -> Fed:
-    """Return the record of particles that came in at a time; their ids begin with ``first_id``."""
-    count = len(particles)
-    return Fed(
-        first_id + np.arange(count),
-        np.full(count, time_s),
-        particles.diameter_m,
-        particles.density_kg_per_m3,
-        particles.material,
-    )
+        first_id, count = self._count + 1, len(accepted)
+        ids, times_s = first_id + np.arange(count), np.full(count, time_s)
+        self._since.append(Fed(ids, times_s, accepted.grains))
+        self._count += count
 
 
 def are_apart(one: Inlet, two: Inlet) -> bool:

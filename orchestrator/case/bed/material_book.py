@@ -1,7 +1,7 @@
 """The book of all particles: how many were fed, are on the deck, left through an exit or were lost.
 
 The balance  fed = on deck + through exits + lost  holds exactly for the number of particles, and the
-book checks it.  It holds for their mass to rounding, because particles keep diameter and density.
+book checks it.  It holds for their mass to rounding, because particles keep size and density.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ import numpy as np
 from orchestrator.case.bed.feed import Fed, Feeds, RateFeed
 from orchestrator.case.tables.numerics import MonitorSettings
 from orchestrator.ports import Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ExitPlan, SolverFailed
 from orchestrator.ports.state import SavedAttributes, as_arrays, like
 
@@ -30,7 +29,7 @@ class MaterialMonitor:
     """A monitor of the particles' whereabouts, which works at output times on rank 0.
 
     It warns once about each event, or raises SolverFailed if the case wants to stop.  ``widest_m`` is
-    the diameter of the largest sphere that fits through an opening; None if there are no openings.
+    the side of the largest square that fits into an opening; None if there are no openings.
     """
 
     def __init__(self, wanted: MonitorSettings, widest_m: float | None = None) -> None:
@@ -43,7 +42,7 @@ class MaterialMonitor:
         for row in (removed.exit < 0).nonzero()[0]:
             place = ", ".join(f"{x:.4g}" for x in removed.position_m[row])
             what = (
-                f"particle {removed.id[row]} ({1e3 * removed.diameter_m[row]:.3g} mm) is lost: it "
+                f"particle {removed.id[row]} ({1e3 * removed.grains.sieve_size_m[row]:.3g} mm) is lost: it "
                 f"left the domain at ({place}) m at t = {removed.time_s[row]:.6g} s, through the "
                 "surface or past the exits"
             )
@@ -55,13 +54,13 @@ class MaterialMonitor:
             return np.empty(0, dtype=np.int64)
         # The last entry belongs to lost particles, whose exit is -1.
         undersize = np.array([*(plan.product == "undersize" for plan in exits), False])
-        return np.flatnonzero(undersize[removed.exit] & (removed.diameter_m > self._widest_m))
+        return np.flatnonzero(undersize[removed.exit] & (removed.grains.sieve_size_m > self._widest_m))
 
     def escaped(self, removed: Removed, exits: Sequence[ExitPlan]) -> None:
         """Report particles in the undersize that fit through no opening; the message names the first."""
         for row in self.too_large(removed, exits)[:1]:
             what = (
-                f"particle {removed.id[row]} ({1e3 * removed.diameter_m[row]:.3g} mm) came out "
+                f"particle {removed.id[row]} ({1e3 * removed.grains.sieve_size_m[row]:.3g} mm) came out "
                 f'through exit "{exits[removed.exit[row]].name}" at t = {removed.time_s[row]:.6g} s'
                 f", although no opening is wider than {1e3 * (self._widest_m or 0):.3g} mm: "
                 "contacts so soft that it was squeezed through "
@@ -118,9 +117,9 @@ class Amount:
 
     def add(self, particles: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
         """Add these rows of the particles, by default all."""
-        diameter_m, density_kg_per_m3 = particles.diameter_m[rows], particles.density_kg_per_m3[rows]
-        self.number += len(diameter_m)
-        self.mass_kg += float(np.sum(sphere_mass_kg(diameter_m, density_kg_per_m3)))
+        grains = particles.grains.part(rows)
+        self.number += len(grains)
+        self.mass_kg += float(np.sum(grains.mass_kg))
 
 
 class MaterialBook(SavedAttributes):

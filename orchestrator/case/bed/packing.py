@@ -1,4 +1,4 @@
-"""The packing of spheres at random places in a box, where none touches another.
+"""The packing of particles at random places in a box, where the spheres that just hold them do not touch.
 
 The method is random sequential addition, large spheres first, in batches.  Each sphere of a batch
 proposes a place, and several places when few spheres are left.  A sphere that overlaps a placed sphere
@@ -8,17 +8,15 @@ or an earlier proposal tries again.  Equal spheres can fill some 38 % of a large
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import fields
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.size_distribution import classes, diameters_m
+from orchestrator.case.bed.size_distribution import classes, random_sizes_m
 from orchestrator.case.tables.bed import Block
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.physics import sphere_volume_m3
+from orchestrator.ports.grains import Grain, Grains, ShapeTable
 from orchestrator.ports.plans import ParticleList
 
 ROUNDS = 200  # A block's box counts as full after so many rounds of proposals.
@@ -26,26 +24,30 @@ REMEMBERED = 8  # blocks, since checks, predicted times and the run itself ask f
 SIZE_RATIO = 2.0  # The ratio of radii in a batch is at most this, so that searches stay short.
 
 
-@lru_cache(REMEMBERED)
-def place_block(block: Block, density_kg_per_m3: float, material: int) -> ParticleList:
-    """Return the spheres of a block, completely inside its box, from large to small.
+def place_block(block: Block, grain: Grain[float]) -> ParticleList:
+    """Return the particles of a block, like one ``grain``, completely inside its box, from large to small.
 
     Positions and velocities are in the axes of the box.  The same seed gives the same particles.
-    Raises ValueError if the box has no room for all spheres.
+    Raises ValueError if the box has no room for all particles.
     """
-    generator = np.random.default_rng(block.seed)
-    box_m = np.array(block.box_m)
-    diameter_m = np.sort(diameters_m(classes(block), block.count, generator))[::-1].copy()
-    position_m, placed = find_places(diameter_m / 2.0, box_m, generator, ROUNDS)
+    sieve_size_m, position_m, placed = _places(block, grain.resized(1.0).bounding_radius_m)
+    grains = grain.of_sizes(sieve_size_m)
     if not placed.all():
-        share = np.sum(sphere_volume_m3(diameter_m)) / np.prod(box_m[1] - box_m[0])
+        share = np.sum(grains.volume_m3) / np.prod(np.ptp(block.box_m, axis=0))
         raise ValueError(
             f"the box has room for {placed.sum()} of {block.count} particles: all would fill "
             f"{share:.0%} of it, random places end at 25 to 35 %; enlarge the box"
         )
-    return equal_particles(
-        position_m, np.array(block.velocity_m_per_s), diameter_m, density_kg_per_m3, material
-    )
+    return equal_particles(position_m, np.array(block.velocity_m_per_s), grains)
+
+
+@lru_cache(REMEMBERED)
+def _places(block: Block, radius: float) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+    """Return the sieve sizes (n,) of a block's particles, from large to small, their places (n, 3) and
+    whether each found one (n,); ``radius`` is their bounding radius over the size."""
+    generator = np.random.default_rng(block.seed)
+    sieve_size_m = np.sort(random_sizes_m(classes(block), block.count, generator))[::-1].copy()
+    return sieve_size_m, *find_places(radius * sieve_size_m, np.array(block.box_m), generator, ROUNDS)
 
 
 def find_places(
@@ -110,27 +112,16 @@ def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Arr
     return np.asarray(pairs["i"][pairs["v"] < radius_m[pairs["i"]] + radii_m[pairs["j"]]])
 
 
-def equal_particles(
-    position_m: Array, velocity_m_per_s: Array, diameter_m: Array, density_kg_per_m3: float, material: int
-) -> ParticleList:
-    """Return particles of one material that do not spin and have the same velocity (3,)."""
-    count = len(diameter_m)
+def equal_particles(position_m: Array, velocity_m_per_s: Array, grains: Grains) -> ParticleList:
+    """Return particles that do not spin and have the same velocity (3,)."""
+    count = len(grains)
     return ParticleList(
-        position_m,
-        np.tile(velocity_m_per_s, (count, 1)),
-        np.zeros((count, 3)),
-        diameter_m.copy(),
-        np.full(count, density_kg_per_m3),
-        np.full(count, material, dtype=np.int64),
+        position_m.copy(), np.tile(velocity_m_per_s, (count, 1)), np.zeros((count, 3)), grains
     )
 
 
+@cache
 def no_particles() -> ParticleList:
-    """Return an empty list of particles."""
-    return equal_particles(np.empty((0, 3)), np.zeros(3), np.empty(0), 0.0, 0)
-
-
-def concatenate(lists: Sequence[ParticleList]) -> ParticleList:
-    """Return the particles of at least one list as a single list, in order."""
-    columns = (field.name for field in fields(ParticleList))
-    return ParticleList(*(np.concatenate([getattr(part, name) for part in lists]) for name in columns))
+    """Return an empty list of particles, of no shape."""
+    none = Grain(np.empty(0), np.empty(0), np.empty(0, int), np.empty(0, int), ShapeTable.of([]))
+    return equal_particles(np.empty((0, 3)), np.zeros(3), none)

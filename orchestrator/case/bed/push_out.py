@@ -32,33 +32,33 @@ def push_out(particles: ParticleList, corners_m: Array, up: Array, period_m: flo
     Particles repeat themselves after ``period_m`` along y, unless it is 0.
     Where there is no room, overlaps remain after ``ROUNDS`` rounds; the checks of places report them.
     """
-    place_m, diameter_m = particles.position_m.copy(), particles.diameter_m
+    place_m, radius_m = particles.position_m.copy(), particles.grains.bounding_radius_m
     for _ in range(ROUNDS):
-        moved_m = _out_of_surface(place_m, diameter_m, corners_m, up)
-        moved_m += _apart(place_m, diameter_m, up, period_m)
+        moved_m = _out_of_surface(place_m, radius_m, corners_m, up)
+        moved_m += _apart(place_m, radius_m, up, period_m)
         if not moved_m.any():
             break
         place_m += moved_m
     return replace(particles, position_m=place_m)
 
 
-def _out_of_surface(place_m: Array, diameter_m: Array, corners_m: Array, up: Array) -> Array:
+def _out_of_surface(place_m: Array, radius_m: Array, corners_m: Array, up: Array) -> Array:
     """Return the displacement (n, 3) of each particle out of the triangle in which it lies deepest."""
     moved_m = np.zeros_like(place_m)
-    sphere, from_surface_m = contact_points(place_m, diameter_m / 2, corners_m)
+    sphere, from_surface_m = contact_points(place_m, radius_m, corners_m)
     distance_m = np.linalg.norm(from_surface_m, axis=1)
-    depth_m = diameter_m[sphere] / 2 - distance_m
+    depth_m = radius_m[sphere] - distance_m
     order = np.argsort(depth_m)  # the deepest contact of a particle is written last
-    order = order[depth_m[order] > SETTLED * diameter_m[sphere[order]]]
-    out_m = (depth_m - WANTED * diameter_m[sphere])[:, None] * _directions(from_surface_m, up)
+    order = order[depth_m[order] > SETTLED * 2 * radius_m[sphere[order]]]
+    out_m = (depth_m - WANTED * 2 * radius_m[sphere])[:, None] * _directions(from_surface_m, up)
     moved_m[sphere[order]] = out_m[order]
     return moved_m
 
 
-def _apart(place_m: Array, diameter_m: Array, up: Array, period_m: float) -> Array:
+def _apart(place_m: Array, radius_m: Array, up: Array, period_m: float) -> Array:
     """Return the mean displacement (n, 3) of each particle away from those that it overlaps too much."""
-    one, two, overlap_m = overlapping_pairs(place_m, diameter_m, period_m)
-    smaller_m = np.minimum(diameter_m[one], diameter_m[two])
+    one, two, overlap_m = overlapping_pairs(place_m, radius_m, period_m)
+    smaller_m = 2 * np.minimum(radius_m[one], radius_m[two])
     deep = overlap_m > SETTLED * smaller_m
     one, two, overlap_m, smaller_m = one[deep], two[deep], overlap_m[deep], smaller_m[deep]
     between_m = _nearest(place_m[two] - place_m[one], period_m)
@@ -88,7 +88,7 @@ def _nearest(vectors_m: Array, period_m: float) -> Array:
 
 
 def overlapping_pairs(
-    place_m: Array, diameter_m: Array, period_m: float = 0.0
+    place_m: Array, radius_m: Array, period_m: float = 0.0
 ) -> tuple[Indices, Indices, Array]:
     """Return the numbers of both particles of each pair that overlaps, and the overlaps in m.
 
@@ -98,22 +98,22 @@ def overlapping_pairs(
     """
     from scipy.spatial import cKDTree
 
-    octave = np.floor(np.log2(diameter_m / diameter_m.min()))
+    octave = np.floor(np.log2(radius_m / radius_m.min()))
     groups = [np.flatnonzero(octave == number) for number in np.unique(octave)]
     inside_m = place_m.copy()
     if period_m > 0:
         inside_m[:, 1] %= period_m
     trees = [cKDTree(inside_m[group], boxsize=(0.0, period_m, 0.0)) for group in groups]
-    largest_m = [diameter_m[group].max() for group in groups]
+    largest_m = [radius_m[group].max() for group in groups]
     pairs = []
     for k, group in enumerate(groups):
-        pairs.append(group[trees[k].query_pairs(largest_m[k], output_type="ndarray")])
+        pairs.append(group[trees[k].query_pairs(2 * largest_m[k], output_type="ndarray")])
         for finer in range(k):
-            reach_m = (largest_m[k] + largest_m[finer]) / 2
+            reach_m = largest_m[k] + largest_m[finer]
             near = trees[k].sparse_distance_matrix(trees[finer], reach_m, output_type="ndarray")
             pairs.append(np.column_stack([group[near["i"]], groups[finer][near["j"]]]))
     one, two = np.concatenate(pairs).T
     distance_m = np.linalg.norm(_nearest(place_m[one] - place_m[two], period_m), axis=1)
-    overlap_m = (diameter_m[one] + diameter_m[two]) / 2 - distance_m
+    overlap_m = radius_m[one] + radius_m[two] - distance_m
     touching = overlap_m > 0
     return one[touching], two[touching], overlap_m[touching]

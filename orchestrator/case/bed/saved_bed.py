@@ -1,26 +1,32 @@
 """The file ``bed.h5``: all particles of one instant, in full precision.
 
 Every checkpoint has one, and so has the folder of a run that began with particles taken over.  The names
-of its datasets and attributes are the fields of ``CarriedBed``.
+of its datasets and attributes are the fields of ``CarriedBed`` and of its grains.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.case.file.folder import open_hdf5
 from orchestrator.case.file.whole import written_whole
-from orchestrator.case.tables.carried_bed import COLUMNS, CarriedBed
+from orchestrator.case.tables.carried_bed import MOTION, CarriedBed
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports import ParticleSnapshot
+from orchestrator.ports.failures import SolverMissing
+from orchestrator.ports.grains import Grain, Grains, ShapeTable
 
-FORMAT = 1
+FORMAT = 2
 """Version of the file, in its attribute ``format_version``."""
 BED = "bed.h5"
+GRAINS = ("sieve_size_m", "density_kg_per_m3", "material", "shape")
+"""The columns of grains in all recorded files; the names of their shapes and materials stand beside them."""
 
 
 class UnreadableBed(Exception):
@@ -32,16 +38,26 @@ def from_snapshot(
 ) -> CarriedBed:
     """Return the particles of an instant; ``numbers`` are the materials' numbers by name."""
     by_number = sorted(numbers, key=lambda name: numbers[name])
-    columns: dict[str, Any] = {name: getattr(snapshot, name) for name in COLUMNS}
+    columns: dict[str, Any] = {name: getattr(snapshot, name) for name in (*MOTION, "grains")}
     return keep_used_materials(
         CarriedBed(tuple(by_number), **columns, time_s=time_s, coarse_graining=coarse_graining, source="")
     )
 
 
+def grains_of(columns: Mapping[str, Any], shapes: Iterable[str]) -> Grains:
+    """Return the grains of recorded columns, which have the names of ``GRAINS``, and of shapes by name.
+
+    Raises SolverMissing for a shape that there is not here.
+    """
+    table = ShapeTable.of([solvers.shape(name) for name in shapes])
+    return Grain(**{name: columns[name][:] for name in GRAINS}, shapes=table)
+
+
 def keep_used_materials(bed: CarriedBed) -> CarriedBed:
     """Return the bed with the names of those materials only that one of its particles has."""
-    used, material = np.unique(bed.material, return_inverse=True)
-    return replace(bed, materials=tuple(bed.materials[k] for k in used), material=material)
+    used, material = np.unique(bed.grains.material, return_inverse=True)
+    grains = replace(bed.grains, material=material)
+    return replace(bed, materials=tuple(bed.materials[k] for k in used), grains=grains)
 
 
 def write(path: Path, bed: CarriedBed) -> None:
@@ -53,9 +69,10 @@ def write(path: Path, bed: CarriedBed) -> None:
         file.attrs["materials"] = list(bed.materials)
         file.attrs["time_s"] = bed.time_s
         file.attrs["coarse_graining"] = bed.coarse_graining
-        for name in COLUMNS:
-            dataset = file.create_dataset(name, data=getattr(bed, name))
-            dataset.attrs["unit"] = unit_of(name)
+        file.attrs["shapes"] = bed.grains.shapes.name.tolist()
+        for owner, names in ((bed, MOTION), (bed.grains, GRAINS)):
+            for name in names:
+                file.create_dataset(name, data=getattr(owner, name)).attrs["unit"] = unit_of(name)
 
 
 def read(path: Path) -> CarriedBed:
@@ -67,15 +84,16 @@ def read(path: Path) -> CarriedBed:
                 raise UnreadableBed(
                     f"{path}: has format {version}; this flipflow reads {FORMAT}: run the case again"
                 )
-            columns: dict[str, Any] = {name: np.asarray(file[name][:]) for name in COLUMNS}
+            motion: dict[str, Any] = {name: np.asarray(file[name][:]) for name in MOTION}
             return CarriedBed(
                 materials=tuple(str(name) for name in file.attrs["materials"]),
-                **columns,
+                **motion,
+                grains=grains_of(file, map(str, file.attrs["shapes"])),
                 time_s=float(file.attrs["time_s"]),
                 coarse_graining=float(file.attrs["coarse_graining"]),
                 source=str(path),
             )
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, KeyError, ValueError, SolverMissing) as error:
         raise UnreadableBed(f"{path}: is no saved bed ({error})") from None
 
 

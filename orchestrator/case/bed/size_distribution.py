@@ -1,4 +1,4 @@
-"""The size distributions of spheres, by mass: the classes of a block or feed, and diameters drawn from them.
+"""The size distributions of spheres, by mass: the classes of a block or feed, and sizes drawn from them.
 
 A case gives sizes as classes or as a cumulative curve, the smallest size that it wants to compute, and the
 size below which only a sample of a feed's particles is computed.
@@ -15,7 +15,7 @@ import numpy as np
 
 from orchestrator.case.tables.bed import Feed, Filling, PassingPoint, SizeClass
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.physics import sphere_volume_m3
+from orchestrator.ports.grains import Grain, Grains
 
 RANGES = 10  # of the sizes of particles that are given one by one
 FINEST_STEP = 1.2  # A curve is cut into classes whose limits have at most this ratio.
@@ -97,9 +97,9 @@ def coarser_share(row: SizeClass, limit_m: float) -> float:
 
 
 def share_between(row: SizeClass, low_m: float, high_m: float) -> float:
-    """Return the share of a class's mass from one diameter up to another.
+    """Return the share of a class's mass from one size up to another.
 
-    A class with one diameter is inside or outside as a whole.
+    A class with one size is inside or outside as a whole.
     """
     return coarser_share(row, low_m) - coarser_share(row, high_m)
 
@@ -113,7 +113,7 @@ def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
     if source.curve:
         yield from _faults_of_curve(source.curve)
     largest_m = max((row.largest_m for row in source.sizes), default=0.0)
-    largest_m = max([largest_m, *(point.diameter_m for point in source.curve)])
+    largest_m = max([largest_m, *(point.sieve_size_m for point in source.curve)])
     if source.smallest_fed_m is not None and source.smallest_fed_m >= largest_m:
         yield "smallest_fed_m", f"nothing is as large as {source.smallest_fed_m:g} m", ""
         return
@@ -141,13 +141,13 @@ def _faults_of_sample(feed: Feed, largest_m: float) -> Iterator[tuple[str, str, 
 
 def _faults_of_curve(points: Sequence[PassingPoint]) -> Iterator[tuple[str, str, str]]:
     """Yield the key, a description and a remedy of each fault of a cumulative curve."""
-    diameter_m = [point.diameter_m for point in points]
+    size_m = [point.sieve_size_m for point in points]
     passing = [point.passing for point in points]
-    if len(points) < 2 or not (np.diff(diameter_m) > 0).all() or not (np.diff(passing) >= 0).all():
+    if len(points) < 2 or not (np.diff(size_m) > 0).all() or not (np.diff(passing) >= 0).all():
         yield "curve", "is no rising curve of two points or more", "from fine to coarse"
     elif passing[0] != 0 or abs(passing[-1] - 1) > 1e-6:
         what = f"goes from {passing[0]:g} to {passing[-1]:g}, not from 0 to 1"
-        yield "curve", what, "begin with a diameter that nothing passes, end with the largest"
+        yield "curve", what, "begin with a size that nothing passes, end with the largest"
 
 
 def given_classes(source: Filling) -> list[SizeClass]:
@@ -161,7 +161,7 @@ def given_classes(source: Filling) -> list[SizeClass]:
         row
         for fine, coarse in pairwise(source.curve)
         if (share := coarse.passing - fine.passing) > 0
-        for row in _segment(fine.diameter_m, coarse.diameter_m, share)
+        for row in _segment(fine.sieve_size_m, coarse.sieve_size_m, share)
     ]
 
 
@@ -176,16 +176,16 @@ def _segment(fine_m: float, coarse_m: float, share: float) -> list[SizeClass]:
     ]
 
 
-def classes_of_diameters(diameter_m: Array) -> tuple[SizeClass, ...]:
-    """Return at most ``RANGES`` classes of given particles (n,), which have one density.
+def classes_of_grains(grains: Grains) -> tuple[SizeClass, ...]:
+    """Return at most ``RANGES`` classes of given grains, which have one density.
 
     The limits of a class are the smallest and the largest of its particles.
     """
-    edges_m = np.geomspace(diameter_m.min(), diameter_m.max(), RANGES + 1)[1:-1]
-    number, volume = np.digitize(diameter_m, edges_m), diameter_m**3
+    size_m, volume = grains.sieve_size_m, grains.volume_m3
+    number = np.digitize(size_m, np.geomspace(size_m.min(), size_m.max(), RANGES + 1)[1:-1])
     parts = [number == k for k in np.unique(number)]
     return tuple(
-        size_class(diameter_m[part].min(), diameter_m[part].max(), volume[part].sum() / volume.sum())
+        size_class(size_m[part].min(), size_m[part].max(), volume[part].sum() / volume.sum())
         for part in parts
     )
 
@@ -233,7 +233,7 @@ def _limited_classes(source: Filling) -> list[tuple[SizeClass, float]]:
 
 
 def _between(row: SizeClass, low_m: float, high_m: float) -> SizeClass | None:
-    """Return the part of a class from one diameter up to another, with its mass; None if it is empty."""
+    """Return the part of a class from one size up to another, with its mass; None if it is empty."""
     share = share_between(row, low_m, high_m)
     if share <= 0.0:
         return None
@@ -242,12 +242,12 @@ def _between(row: SizeClass, low_m: float, high_m: float) -> SizeClass | None:
 
 
 def _sampled_below_m(source: Filling) -> float:
-    """Return the diameter below which particles are sampled; 0 if none are."""
+    """Return the size below which particles are sampled; 0 if none are."""
     return (source.sampled_below_m or 0.0) if isinstance(source, Feed) else 0.0
 
 
 def _sampled_as_m(source: Filling) -> float:
-    """Return the diameter of particles of which there would be as many as a sample has."""
+    """Return the size of particles of which there would be as many as a sample has."""
     own_m = source.sampled_as_m if isinstance(source, Feed) else None
     return own_m or _sampled_below_m(source)
 
@@ -255,7 +255,7 @@ def _sampled_as_m(source: Filling) -> float:
 def shares(sizes: Sequence[SizeClass]) -> Array:
     """Return the mass share of each class, (classes,).
 
-    Raises ValueError if a smallest diameter exceeds the largest, or if the shares do not add up to 1.
+    Raises ValueError if a smallest size exceeds the largest, or if the shares do not add up to 1.
     """
     for row in sizes:
         if row.smallest_m > row.largest_m:
@@ -267,7 +267,7 @@ def shares(sizes: Sequence[SizeClass]) -> Array:
 
 
 def mean_cube_m3(sizes: Sequence[SizeClass]) -> Array:
-    """Return the mean of the cubed diameter in each class, (classes,)."""
+    """Return the mean of the cubed size in each class, (classes,)."""
     low, high, power = np.array([(row.smallest_m, row.largest_m, row.MASS_POWER) for row in sizes]).T
     even_mass = 2.0 * low**2 * high**2 / (low + high)  # (b - a) / ((1/a^2 - 1/b^2) / 2)
     even_number = (low**2 + high**2) * (low + high) / 4.0  # (b^4 - a^4) / (4 (b - a))
@@ -287,28 +287,28 @@ def counts(sizes: Sequence[SizeClass], total: int) -> Indices:
     return given
 
 
-def diameters_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Generator) -> Array:
-    """Return ``total`` random diameters, class by class."""
+def random_sizes_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Generator) -> Array:
+    """Return ``total`` random sizes, class by class."""
     rows = zip(sizes, counts(sizes, total), strict=True)
-    return np.concatenate([diameter_m(row, generator.random(number)) for row, number in rows])
+    return np.concatenate([size_m(row, generator.random(number)) for row, number in rows])
 
 
-def diameter_m(row: SizeClass, share: Array) -> Array:
-    """Return the diameters below which these shares of the number of a class's particles lie, (n,) each."""
+def size_m(row: SizeClass, share: Array) -> Array:
+    """Return the sizes below which these shares of the number of a class's particles lie, (n,) each."""
     power = row.MASS_POWER - 3.0  # a particle's mass goes with the third power
     finest, coarsest = row.smallest_m**power, row.largest_m**power
     return np.asarray((finest + share * (coarsest - finest)) ** (1.0 / power))
 
 
-def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
-    """Return the diameter below which half of the mass lies.
+def median_size_m(sizes: Sequence[SizeClass]) -> float:
+    """Return the size below which half of the mass lies.
 
     The classes may overlap, and their mass fractions may add up to any sum.
     """
     half, finer_m = sum(row.mass_fraction for row in sizes) / 2, 0.0
 
     def missing(limit_m: float) -> float:
-        """Return what the mass below a diameter lacks of the half."""
+        """Return what the mass below a size lacks of the half."""
         return half - sum(row.mass_fraction * share_between(row, 0.0, limit_m) for row in sizes)
 
     for limit_m in sorted({limit_m for row in sizes for limit_m in (row.smallest_m, row.largest_m)}):
@@ -327,10 +327,10 @@ def median_diameter_m(sizes: Sequence[SizeClass]) -> float:
     raise ValueError("no size classes")
 
 
-def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:
-    """Return the mean mass of a particle.
+def mean_mass_kg(sizes: Sequence[SizeClass], grain: Grain[float]) -> float:
+    """Return the mean mass of particles like one ``grain``.
 
     The number of particles in a class is proportional to (its mass share) / (its mean mass).
     """
-    each_kg = density_kg_per_m3 * sphere_volume_m3(1.0) * mean_cube_m3(sizes)
+    each_kg = grain.resized(1.0).mass_kg * mean_cube_m3(sizes)
     return float(1.0 / np.sum(shares(sizes) / each_kg))

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import largest_diameters_m
 from orchestrator.case.bed.feed import Feeds, Inlet
-from orchestrator.case.bed.packing import concatenate, no_particles, place_block
+from orchestrator.case.bed.grains import material_numbers, planned, shapes
+from orchestrator.case.bed.packing import place_block
 from orchestrator.case.bed.size_distribution import classes, share_left_out
 from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
+from orchestrator.case.tables.carried_bed import MOTION, CarriedBed
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
+from orchestrator.ports.grains import Grain, ShapeTable
 from orchestrator.ports.plans import ParticleList
 
 
@@ -26,43 +28,38 @@ class NoRoom(Exception):
         self.block = block
 
 
-def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
-    """Return the single particles, then the blocks' particles, or else the carried ones.  Raises NoRoom.
-
-    ``numbers`` are the materials' numbers, by name.
-    """
-    blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
-    return concatenate([_single_particles(case, numbers), *blocks, _carried_particles(case, numbers)])
+def initial_particles(case: Case) -> ParticleList:
+    """Return the single particles, then the blocks' particles, or else the carried ones.  Raises NoRoom."""
+    blocks = [block_particles(case, name) for name in case.bed.blocks]
+    carried = [] if case.bed.carried is None else [_carried_particles(case, case.bed.carried)]
+    return ParticleList.joined([_single_particles(case), *blocks, *carried])
 
 
-def _carried_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
-    """Return the particles taken over, with the densities of the case's materials."""
-    carried = case.bed.carried
-    if carried is None:
-        return no_particles()
-    of_name = [case.materials[name].density_kg_per_m3 for name in carried.materials]
-    return ParticleList(
-        position_m=carried.position_m,
-        velocity_m_per_s=carried.velocity_m_per_s,
-        spin_rad_per_s=carried.spin_rad_per_s,
-        diameter_m=carried.diameter_m,
-        density_kg_per_m3=np.array(of_name)[carried.material],
-        material=np.array([numbers[name] for name in carried.materials], dtype=np.int64)[carried.material],
+def _carried_particles(case: Case, carried: CarriedBed) -> ParticleList:
+    """Return the particles taken over, with the densities of the case's materials and the case's numbers."""
+    own, table, numbers = carried.grains, ShapeTable.of(shapes(case)), material_numbers(case)
+    density_kg_per_m3 = np.array([case.materials[name].density_kg_per_m3 for name in carried.materials])
+    material = np.array([numbers[name] for name in carried.materials])
+    shape = np.array([table.name.tolist().index(name) for name in own.shapes.name])
+    grains = Grain(
+        own.sieve_size_m, density_kg_per_m3[own.material], material[own.material], shape[own.shape], table
     )
+    return ParticleList(carried.position_m, carried.velocity_m_per_s, carried.spin_rad_per_s, grains)
 
 
-def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
+def _single_particles(case: Case) -> ParticleList:
     """Return the single particles of the case, in world axes."""
     rows = tuple(case.bed.particles.values())
-    materials = [case.materials[row.material] for row in rows]
-    return ParticleList(
-        position_m=_in_world(case, rows, "position_m"),
-        velocity_m_per_s=_in_world(case, rows, "velocity_m_per_s"),
-        spin_rad_per_s=_in_world(case, rows, "spin_rad_per_s"),
-        diameter_m=np.array([row.diameter_m for row in rows], dtype=float),
-        density_kg_per_m3=np.array([material.density_kg_per_m3 for material in materials]),
-        material=np.array([numbers[row.material] for row in rows], dtype=np.int64),
+    table, numbers = ShapeTable.of(shapes(case)), material_numbers(case)
+    grains = Grain(
+        np.array([row.sieve_size_m for row in rows], dtype=float),
+        np.array([case.materials[row.material].density_kg_per_m3 for row in rows], dtype=float),
+        np.array([numbers[row.material] for row in rows], dtype=np.int64),
+        np.array([table.name.tolist().index(row.shape) for row in rows], dtype=np.int64),
+        table,
     )
+    position_m, velocity_m_per_s, spin_rad_per_s = (_in_world(case, rows, name) for name in MOTION)
+    return ParticleList(position_m, velocity_m_per_s, spin_rad_per_s, grains)
 
 
 def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
@@ -73,12 +70,11 @@ def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
     return np.where(in_deck[:, None], to_world(case, vectors), vectors)
 
 
-def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleList:
+def block_particles(case: Case, name: str) -> ParticleList:
     """Return the particles of the block ``name``, in world axes.  Raises NoRoom."""
     row = case.bed.blocks[name]
     try:
-        density_kg_per_m3 = case.materials[row.material].density_kg_per_m3
-        particles = place_block(row, density_kg_per_m3, numbers[row.material])
+        particles = place_block(row, planned(case, row.material, row.shape))
     except ValueError as error:
         raise NoRoom(name, str(error)) from None
     if row.axes == "world":
@@ -90,7 +86,7 @@ def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleL
     )
 
 
-def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
+def inlets(case: Case) -> dict[str, Inlet]:
     """Return the inlets of all feeds, by the feeds' names."""
     return {
         name: Inlet(
@@ -99,8 +95,7 @@ def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
             rate_kg_per_s=feed.rate_kg_per_s * (1.0 - share_left_out(feed)),
             box_m=np.array(feed.box_m),
             velocity_m_per_s=np.array(feed.velocity_m_per_s),
-            density_kg_per_m3=case.materials[feed.material].density_kg_per_m3,
-            material=numbers[feed.material],
+            grain=planned(case, feed.material, feed.shape),
             start_s=feed.start_s,
             stop_s=math.inf if feed.stop_s is None else feed.stop_s,
             seed=feed.seed,
@@ -117,14 +112,9 @@ def batch_s(case: Case) -> float:
     return interval_s * max(1, round(case.particles.feed_interval_s / interval_s))
 
 
-def combine_feeds(case: Case, numbers: dict[str, int], first: ParticleList) -> Feeds | None:
+def combine_feeds(case: Case, first: ParticleList) -> Feeds | None:
     """Return all feeds as one feed, which also records the ``first`` particles; None without feeds."""
     if not case.bed.feeds:
         return None
     every = round(batch_s(case) / case.coupling.sync_interval_s)
-    return Feeds(list(inlets(case, numbers).values()), every, first)
-
-
-def largest_diameter_m(case: Case) -> float:
-    """Return the largest diameter of all particles that the case has or feeds."""
-    return max(largest_diameters_m(case).values())
+    return Feeds(list(inlets(case).values()), every, first)

@@ -13,19 +13,21 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+from orchestrator.case.bed.grains import grain
 from orchestrator.case.bed.size_distribution import (
-    classes_of_diameters,
+    classes_of_grains,
     faults,
     given_classes,
     mean_mass_kg,
-    median_diameter_m,
+    median_size_m,
     size_class,
 )
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.file.plausible import wrong_sizes
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.case import WORK_OF_ADHESION, Case, Contact
-from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.grains import Grain
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 
 WATER_N_PER_M = 0.072
 """Surface tension of clean water at 25 degrees Celsius."""
@@ -60,11 +62,11 @@ BASES = {
 """The source of each class's work of adhesion, and a note; docs/theory/adhesion.md has more."""
 
 
-def resolve_works_of_adhesion(case: Case, grains_m: Mapping[str, float]) -> Case:
+def resolve_works_of_adhesion(case: Case, grains: Mapping[str, Grain[float]]) -> Case:
     """Return the case with a work of adhesion in place of each Bond number and each class of moisture.
 
     Both stand for a pull-off force, which softened contacts then keep unless the case says otherwise.
-    ``grains_m`` has the typical diameter of each material of particles.
+    ``grains`` has a typical grain of each material of particles.
 
     A Bond number stays as it is if no particle has a material of the pair, or if later checks refuse
     the pair's materials or sizes.  Raises CaseError with every contact that gives its adhesion in two
@@ -74,7 +76,7 @@ def resolve_works_of_adhesion(case: Case, grains_m: Mapping[str, float]) -> Case
         return case
     if problems := [*_contradictions(case)] or [*wrong_sizes(case)]:
         raise CaseError(problems)
-    contacts = tuple(_resolve(row, case, grains_m) for row in case.contacts)
+    contacts = tuple(_resolve(row, grains) for row in case.contacts)
     particles = case.particles
     if particles.softened_adhesion is None:
         particles = particles.model_copy(update={"softened_adhesion": "pull-off"})
@@ -115,10 +117,10 @@ def _contradictions(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, "bond_diameter_m"), "has no meaning without bond_number")
 
 
-def _resolve(row: Contact, case: Case, grains_m: Mapping[str, float]) -> Contact:
+def _resolve(row: Contact, grains: Mapping[str, Grain[float]]) -> Contact:
     """Return a contact with its work of adhesion; unchanged if it has a Bond number but no grain."""
     if row.moisture is None:
-        work_J_per_m2 = _work_of_bond_number(row, case, grains_m)
+        work_J_per_m2 = _work_of_bond_number(row, grains)
     else:
         work_J_per_m2 = MOISTURES_J_PER_M2[row.moisture]
     if work_J_per_m2 is None:
@@ -127,36 +129,43 @@ def _resolve(row: Contact, case: Case, grains_m: Mapping[str, float]) -> Contact
     return row.model_copy(update={**ways, WORK_OF_ADHESION: work_J_per_m2})
 
 
-def _work_of_bond_number(row: Contact, case: Case, grains_m: Mapping[str, float]) -> float | None:
+def _work_of_bond_number(row: Contact, grains: Mapping[str, Grain[float]]) -> float | None:
     """Return the work of adhesion in J/m2 of a Bond number; None without one, or if the pair has no grain.
 
     Of two grains of different materials, the lighter one is weighed.
     """
-    known = [name for name in row.between if name in grains_m]
+    known = [grains[name] for name in row.between if name in grains]
     if row.bond_number is None or not known:
         return None
-    diameters_m = [row.bond_diameter_m or grains_m[name] for name in known]
-    weight_N = min(
-        STANDARD_GRAVITY_M_PER_S2 * sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
-        for name, diameter_m in zip(known, diameters_m, strict=True)
-    )
-    reduced_m = 1 / sum(2 / diameter_m for diameter_m in diameters_m)
+    if row.bond_diameter_m is not None:
+        known = [each.resized(row.bond_diameter_m) for each in known]
+    weight_N = STANDARD_GRAVITY_M_PER_S2 * min(each.mass_kg for each in known)
+    reduced_m = 1 / sum(1 / each.contact_radius_m for each in known)
     return row.bond_number * weight_N / (1.5 * math.pi * reduced_m)
 
 
-def typical_diameters_m(described: Case, case: Case) -> dict[str, float]:
-    """Return the median diameter by mass of the grains of each material, by name.
+def typical_grains(described: Case, case: Case) -> dict[str, Grain[float]]:
+    """Return a grain of the median sieve size by mass of each material, by name.
 
     Feeds and blocks are those of the case as it is ``described``; where a material has none, its grains are
     the particles with which the ``case`` really begins, of its own or taken over.  Materials that do not
     exist, and those whose sizes are not valid, are left out.
     """
-    diameters_m = {}
+    grains = {}
     for name in case.materials:
         with suppress(ValueError):  # the check of sizes reports these classes
             if sizes := _source_grains(described, name) or _first_grains(case, name):
-                diameters_m[name] = median_diameter_m(sizes)
-    return diameters_m
+                grains[name] = grain(case, name, _shape(described, case, name), median_size_m(sizes))
+    return grains
+
+
+def _shape(described: Case, case: Case, name: str) -> str:
+    """Return the shape of the first of a material's grains."""
+    for row in (*described.bed.sources, *case.bed.particles.values()):
+        if row.material == name:
+            return row.shape
+    assert case.bed.carried is not None, "a material with sizes has grains"
+    return str(case.bed.carried.of_material(name).shape_names[0])
 
 
 def _source_grains(case: Case, name: str) -> list[SizeClass]:
@@ -171,10 +180,9 @@ def _source_grains(case: Case, name: str) -> list[SizeClass]:
     if feeds := [row for row in case.bed.feeds.values() if row.material == name]:
         parts = [(given_classes(row), row.rate_kg_per_s) for row in feeds]
     else:
-        density_kg_per_m3 = case.materials[name].density_kg_per_m3
         blocks = [row for row in case.bed.blocks.values() if row.material == name]
         parts = [
-            (sizes := given_classes(row), row.count * mean_mass_kg(sizes, density_kg_per_m3))
+            (sizes := given_classes(row), row.count * mean_mass_kg(sizes, grain(case, name, row.shape)))
             for row in blocks
         ]
     return [size.times(mass, "mass_fraction") for sizes, mass in parts for size in sizes]
@@ -182,10 +190,11 @@ def _source_grains(case: Case, name: str) -> list[SizeClass]:
 
 def _first_grains(case: Case, name: str) -> list[SizeClass]:
     """Return the sizes, by mass, of the particles of a material with which a case begins."""
-    density_kg_per_m3 = case.materials[name].density_kg_per_m3
-    diameters_m = [row.diameter_m for row in case.bed.particles.values() if row.material == name]
-    sizes = [size_class(d, d, sphere_mass_kg(d, density_kg_per_m3)) for d in diameters_m]
+    rows = [row for row in case.bed.particles.values() if row.material == name]
+    own = [grain(case, name, row.shape, row.sieve_size_m) for row in rows]
+    sizes = [size_class(each.sieve_size_m, each.sieve_size_m, each.mass_kg) for each in own]
     if case.bed.carried is not None and name in case.bed.carried.materials:
-        real_m = case.bed.carried.diameters_m(name) / case.particles.coarse_graining
-        sizes += classes_of_diameters(real_m)
+        k = case.particles.coarse_graining
+        coarse = classes_of_grains(case.bed.carried.of_material(name))
+        sizes += [row.times(1 / k, "smallest_m", "largest_m") for row in coarse]
     return sizes

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import largest_diameters_m, smallest_diameters_m
+from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 
@@ -46,14 +46,14 @@ def open_share(case: Case) -> float:
     return open_m2 / free_m2
 
 
-def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
+def straight_passing(apertures: AperturePattern, size_m: float) -> float:
     """Return the probability that a sphere which falls straight onto the pattern touches nothing.
 
     For rectangles a x b it is  (a - d)(b - d) / (pitch_along pitch_across),  the single-attempt
     probability of Gaudin (Principles of Mineral Dressing, 1939) and Taggart (Handbook of Mineral
     Dressing, 1945).  A slot counts with its area, shrunk by half a diameter all around.
     """
-    a, b = apertures.length_m - diameter_m, apertures.width_m - diameter_m
+    a, b = apertures.length_m - size_m, apertures.width_m - size_m
     if min(a, b) <= 0.0:
         return 0.0
     free = AperturePattern(apertures.shape, a, b, apertures.pitch_along_m, apertures.pitch_across_m)
@@ -62,7 +62,7 @@ def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
 
 def openings(case: Case) -> Iterator[str]:
     """Yield lines that describe the openings and the particles that pass them; equal panels share lines."""
-    limits_m = [*smallest_diameters_m(case).values(), *largest_diameters_m(case).values()]
+    limits_m = sieve_sizes_m(case) if has_particles(case) else None
     for panel, *others in perforated_panels(case):
         pattern = panel.apertures
         assert pattern is not None, "only panels with apertures are perforated"
@@ -70,7 +70,7 @@ def openings(case: Case) -> Iterator[str]:
         where = "free panel" if case.slice is None else "free panel in the slice, which has no margins"
         yield f"  openings   {who}: {_pattern(pattern, panel.rectangle)} of the {where}"
         if limits_m:
-            yield f"             {_passing(pattern, min(limits_m), max(limits_m))}"
+            yield f"             {_passing(pattern, *limits_m)}"
 
 
 def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:

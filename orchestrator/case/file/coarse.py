@@ -70,7 +70,7 @@ def _across_openings(case: Case) -> list[CaseProblem]:
         for name, row in rows.items()
     }
     if (carried := case.bed.carried) is not None:
-        real_m = float(carried.diameter_m.min()) / case.particles.coarse_graining
+        real_m = float(carried.grains.sieve_size_m.min()) / case.particles.coarse_graining
         smallest_m[f"the bed from {carried.source}"] = real_m
     return [_too_fine(source, size_m, limit_m) for source, size_m in smallest_m.items() if size_m < limit_m]
 
@@ -85,13 +85,14 @@ def _too_fine(source: str, smallest_m: float, limit_m: float) -> CaseProblem:
 
 
 def _smallest_m(row: Filling) -> float:
-    """Return the smallest diameter of a block or feed; infinite if it gives no sizes."""
-    given_m = [size_class.smallest_m for size_class in row.sizes] + [point.diameter_m for point in row.curve]
+    """Return the smallest size of a block or feed; infinite if it gives no sizes."""
+    given_m = [size_class.smallest_m for size_class in row.sizes]
+    given_m += [point.sieve_size_m for point in row.curve]
     return max(min(given_m, default=math.inf), row.smallest_fed_m or 0.0)
 
 
 def _bed(bed: Bed, k: float) -> Bed:
-    """Return the bed with diameters k times as large and with k^3 times fewer particles in blocks."""
+    """Return the bed with sizes k times as large and with k^3 times fewer particles in blocks."""
     blocks = {
         name: _scale_sizes(row, k).model_copy(update={"count": max(1, round(row.count / k**3))})
         for name, row in bed.blocks.items()
@@ -102,6 +103,6 @@ def _bed(bed: Bed, k: float) -> Bed:
 
 def _scale_sizes(row: Filled, k: float) -> Filled:
     sizes = tuple(size_class.times(k, "smallest_m", "largest_m") for size_class in row.sizes)
-    curve = tuple(point.times(k, "diameter_m") for point in row.curve)
+    curve = tuple(point.times(k, "sieve_size_m") for point in row.curve)
     limits = ("smallest_fed_m", *(("sampled_below_m", "sampled_as_m") if isinstance(row, Feed) else ()))
     return row.times(k, *limits).model_copy(update={"sizes": sizes, "curve": curve})

@@ -56,8 +56,8 @@ _KEYS: dict[Limits, str] = {
     (0.01, 10.0): "pitch_m",
     (1e-4, 1.0): "pitch_along_m pitch_across_m rayleigh_fraction sensor_kg",
     (0.0, 10.0): "margin_across_m feed_interval_s depth_m drop_m sliding_friction rolling_friction",
-    (2e-5, 0.5): "diameter_m smallest_m largest_m sjkr_diameter_m smallest_fed_m cut_size_m bond_diameter_m "
-    "sampled_below_m sampled_as_m",
+    (2e-5, 0.5): "sieve_size_m smallest_m largest_m smallest_fed_m sampled_below_m sampled_as_m cut_size_m "
+    "sjkr_diameter_m bond_diameter_m",
     (0.0, 50.0): "velocity_m_per_s",
     (1e-4, 100.0): "work_of_adhesion_J_per_m2",
     (1e-18, 1e-7): "specific_wear_m3_per_N_m",

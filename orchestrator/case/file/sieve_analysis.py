@@ -7,7 +7,7 @@ numbers may have decimal commas.  A sieve is a length ("4 mm", "63 µm"), or a n
 and ISO 3310-1).
 
 What is finer than the finest sieve has no sizes of its own in such a table.  It is spread evenly over the
-diameters from ``OPEN_END`` of that sieve up to it.
+sizes from ``OPEN_END`` of that sieve up to it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, Key, show_valu
 from orchestrator.case.file.units import parse_quantity
 
 OPEN_END = 0.5
-"""Smallest diameter of what passes the finest sieve, over that sieve's opening."""
+"""Smallest size of what passes the finest sieve, over that sieve's opening."""
 ROUNDING = 0.01
 """Largest distance of a sum of rounded shares from 1."""
 WHOLE = 5e-4
@@ -116,7 +116,7 @@ def read_sieve_analysis(folder: Path, name: str, key: Key, source: str) -> list[
 
 
 def curve_of(text: str) -> list[dict[str, float]]:
-    """Return the points (``diameter_m``, ``passing``) of a table of a sieve analysis, from fine to coarse.
+    """Return the points (``sieve_size_m``, ``passing``) of a table of a sieve analysis, from fine to coarse.
 
     Raises ValueError, whose message says what is wrong.
     """
@@ -127,10 +127,10 @@ def curve_of(text: str) -> list[dict[str, float]]:
     for line, row in enumerate(rows[1:], start=2):
         if len(row) != len(rows[0]):
             raise ValueError(f"row {line}: {len(row)} cells instead of {len(rows[0])}")
-        diameter_m = _opening_m(row[sieve], unit, line)
-        if diameter_m in found:
-            raise ValueError(f"row {line}: {row[sieve]} is there twice, as {named[diameter_m]} before")
-        found[diameter_m], named[diameter_m] = _number(row[column.number], line), row[sieve]
+        sieve_size_m = _opening_m(row[sieve], unit, line)
+        if sieve_size_m in found:
+            raise ValueError(f"row {line}: {row[sieve]} is there twice, as {named[sieve_size_m]} before")
+        found[sieve_size_m], named[sieve_size_m] = _number(row[column.number], line), row[sieve]
     sizes_m = sorted(found)
     if len([size_m for size_m in sizes_m if size_m]) < 2:
         raise ValueError(f"has less than two sieves; {HEAD}")
@@ -227,13 +227,13 @@ def _opening_m(text: str, unit: str, line: int) -> float:
             raise ValueError(f'row {line}: {show_value(text)} has no unit; name the column "sieve / mm"')
         given += f" {unit}"
     try:
-        diameter_m = parse_quantity(given, "diameter_m")
+        sieve_size_m = parse_quantity(given, "sieve_size_m")
     except ValueError:
         hint = 'such as "63 µm", "No. 4" or "1/2 in"'
         raise ValueError(f"row {line}: {show_value(text)} is no sieve, {hint}") from None
-    if not 0 < diameter_m < math.inf:
+    if not 0 < sieve_size_m < math.inf:
         raise ValueError(f"row {line}: {show_value(text)} is no opening of a sieve")
-    return diameter_m
+    return sieve_size_m
 
 
 def _near(number: str) -> str:
@@ -339,7 +339,7 @@ def _refuse_wrong_course(names: Sequence[str], passing: Sequence[float]) -> None
 
 
 def _with_lower_end(sizes_m: Sequence[float], passing: Sequence[float]) -> Iterator[dict[str, float]]:
-    """Yield the points of a curve, from a diameter that nothing passes to the first one that all pass."""
+    """Yield the points of a curve, from a size that nothing passes to the first one that all pass."""
     points = [(size_m, share) for size_m, share in zip(sizes_m, passing, strict=True) if size_m > 0]
     closed = [number for number, (_, share) in enumerate(points) if share == 0]
     if closed:
@@ -348,4 +348,4 @@ def _with_lower_end(sizes_m: Sequence[float], passing: Sequence[float]) -> Itera
         points.insert(0, (OPEN_END * points[0][0], 0.0))
     last = next(number for number, (_, share) in enumerate(points) if share >= 1 - WHOLE)
     for number, (size_m, share) in enumerate(points[: last + 1]):
-        yield {"diameter_m": size_m, "passing": 1.0 if number == last else share}
+        yield {"sieve_size_m": size_m, "passing": 1.0 if number == last else share}

@@ -1,9 +1,9 @@
 """The typical size distribution of a feed of which only the smallest and the largest size are known.
 
-The share finer than a diameter d of a feed from 0 to D is (d / D)^n (Schuhmann, AIME Technical Publication
+The share finer than a size d of a feed from 0 to D is (d / D)^n (Schuhmann, AIME Technical Publication
 1189, 1940), with the exponent n of the material in the library; n = 0.5 is the curve of Fuller and Thompson
 (Transactions of the American Society of Civil Engineers 59, 1907, 67-143).  A feed from which sizes below a
-diameter were removed has what is left of it.
+size were removed has what is left of it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def typical_feed(smallest_m: float, largest_m: float, exponent: float) -> Points
     return (*lowest, *points)
 
 
-def finer_share(points: Points, diameter_m: float) -> float:
-    """Return the share of the mass that is finer than a diameter."""
+def finer_share(points: Points, size_m: float) -> float:
+    """Return the share of the mass that is finer than a size."""
     sizes_m, shares = zip(*points, strict=True)
-    return float(np.interp(diameter_m, sizes_m, shares))
+    return float(np.interp(size_m, sizes_m, shares))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PrivateAttr
 
+from orchestrator.case.solvers import SolverName
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.quantities import (
     Box,
@@ -21,17 +22,20 @@ from orchestrator.case.tables.quantities import (
     Whole,
 )
 
+ShapeName = Annotated[str, SolverName("shapes")]
+
 
 class SizeClass(Table):
-    """A class of spheres whose diameters are spread evenly between two limits."""
+    """A class of particles whose sieve sizes are spread evenly between two limits."""
 
     MASS_POWER: ClassVar[int] = 4
-    """The mass below a diameter is a straight line over this power of it; numbers are spread evenly."""
+    """The mass below a size is a straight line over this power of it; numbers are spread evenly."""
 
     smallest_m: Positive
-    """Smallest diameter."""
+    """Smallest sieve size: the side of the smallest square opening that a particle passes, which is the
+    diameter of a sphere."""
     largest_m: Positive
-    """Largest diameter."""
+    """Largest sieve size."""
     mass_fraction: Positive
     """Share of the mass; the shares of all classes add up to 1."""
 
@@ -39,8 +43,8 @@ class SizeClass(Table):
 class PassingPoint(Table):
     """A point of a cumulative size distribution."""
 
-    diameter_m: Positive
-    """Diameter."""
+    sieve_size_m: Positive
+    """Sieve size."""
     passing: Share
     """Share of the mass that is finer."""
 
@@ -54,10 +58,13 @@ class Particle(Table):
     """Its velocity at t = 0."""
     spin_rad_per_s: Vector = (0.0, 0.0, 0.0)
     """Its angular velocity at t = 0."""
-    diameter_m: Positive
-    """Its diameter."""
+    sieve_size_m: Positive
+    """Its sieve size: the side of the smallest square opening that it passes, which is the diameter of a
+    sphere."""
     material: str
     """Its material, which also gives its density."""
+    shape: ShapeName = "sphere"
+    """Its shape: of what spheres it is made."""
     axes: Literal["deck", "world"] = "world"
     """Axes in which position, velocity and spin are given."""
 
@@ -67,6 +74,8 @@ class Filling(Table):
 
     material: str
     """Their material."""
+    shape: ShapeName = "sphere"
+    """Their shape: of what spheres each is made."""
     box_m: Box
     """Lowest and highest corner of the box in which they appear."""
     sizes: tuple[SizeClass, ...] = ()
@@ -76,7 +85,7 @@ class Filling(Table):
     this or ``sizes``.  ``curve.file = "lab.csv"`` takes it from a sieve analysis in the case's folder
     (how-to/use-a-sieve-analysis.md)."""
     smallest_fed_m: Positive | None = None
-    """Smallest diameter that is computed; finer particles would be too many."""
+    """Smallest sieve size that is computed; finer particles would be too many."""
     finer: Literal["leave-out", "next-class"] = "leave-out"
     """Treatment of the mass finer than ``smallest_fed_m``, and of a feed's that a sample does not
     compute.  leave-out: it is left out, which reduces a feed's rate.  next-class: the finest class of which
@@ -134,7 +143,7 @@ class Bed(Table):
     last one.  States of checkpoints are exact, others are those of the ParaView files."""
     table: OneLine | None = None
     """Table of particles, a CSV or Parquet file, from the case's folder or from the working directory.
-    Its columns are x_m, y_m, z_m, diameter_m, material; and, if given, vx_m_per_s, vy_m_per_s, vz_m_per_s,
+    Its columns are x_m, y_m, z_m, sieve_size_m, material; and, if given, vx_m_per_s, vy_m_per_s, vz_m_per_s,
     wx_rad_per_s, wy_rad_per_s, wz_rad_per_s.  All are in world axes."""
     velocities: Literal["keep", "zero"] = "keep"
     """Velocities and spins of the particles taken over.  keep: as they were.  zero: all at rest."""

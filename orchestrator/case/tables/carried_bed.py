@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array
+from orchestrator.ports.grains import Grains
 
-COLUMNS = ("material", "position_m", "velocity_m_per_s", "spin_rad_per_s", "diameter_m", "density_kg_per_m3")
+MOTION = ("position_m", "velocity_m_per_s", "spin_rad_per_s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,12 +21,11 @@ class CarriedBed:
     ----------
     materials
         The names of the materials.
-    material
-        (n,) the index of each particle's material in ``materials``.
     position_m, velocity_m_per_s, spin_rad_per_s
         (n, 3) in world axes.
-    diameter_m, density_kg_per_m3
-        (n,); a table without densities has NaN.
+    grains
+        What they are, n of them; the numbers of their materials are places in ``materials``, and a table
+        without densities has NaN.
     time_s
         The time of the state in the run that it comes from; NaN for a table.
     coarse_graining
@@ -40,12 +40,10 @@ class CarriedBed:
     """
 
     materials: tuple[str, ...]
-    material: Indices
     position_m: Array
     velocity_m_per_s: Array
     spin_rad_per_s: Array
-    diameter_m: Array
-    density_kg_per_m3: Array
+    grains: Grains
     time_s: float
     coarse_graining: float
     source: str
@@ -54,11 +52,12 @@ class CarriedBed:
 
     def part(self, rows: npt.NDArray[np.bool_]) -> CarriedBed:
         """Return the particles of some rows."""
-        return replace(self, **{name: getattr(self, name)[rows] for name in COLUMNS})
+        motion = {name: getattr(self, name)[rows] for name in MOTION}
+        return replace(self, **motion, grains=self.grains.part(rows))
 
-    def diameters_m(self, material: str) -> Array:
-        """Return the diameters of the particles of a material."""
-        return np.asarray(self.diameter_m[self.material == self.materials.index(material)])
+    def of_material(self, material: str) -> Grains:
+        """Return the grains of a material."""
+        return self.grains.part(self.grains.material == self.materials.index(material))
 
     def __len__(self) -> int:
-        return len(self.diameter_m)
+        return len(self.grains)

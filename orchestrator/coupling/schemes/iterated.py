@@ -19,12 +19,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import smallest_diameters_m
+from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, chord, finish_interval, forecast
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 LOG = logging.getLogger("flipflow")
@@ -48,10 +47,7 @@ class Effort:
 def case_effort(case: Case) -> Effort:
     """Return the effort that a case asks for; the floor is the tolerance of the lightest particle's
     weight."""
-    masses_kg = [
-        sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
-        for name, diameter_m in smallest_diameters_m(case).items()
-    ]
+    masses_kg = [each.mass_kg for each in smallest_grains(case).values()]
     weight_N = min(masses_kg, default=0.0) * float(np.linalg.norm(case.gravity_m_per_s2))
     tolerance = case.coupling.tolerance
     return Effort(tolerance, tolerance * weight_N, case.coupling.most_iterations)

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 
 from orchestrator.case.deck.line import DeckLine, DeckPlaces, join_lines, locate
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
-from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.state import SavedAttributes
 
 Mask = npt.NDArray[np.bool_]
@@ -32,7 +32,7 @@ def bins_m(deck: DeckLine) -> Array:
 
 def on_deck(particles: ParticleSnapshot, places: DeckPlaces) -> Mask:
     """Return whether each particle is over the deck, or at most one radius deep in it."""
-    return np.asarray(places.inside & (places.height_m > -0.5 * particles.diameter_m))
+    return np.asarray(places.inside & (places.height_m > -particles.grains.bounding_radius_m))
 
 
 def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: DeckPlaces) -> dict[str, Array]:
@@ -44,9 +44,9 @@ def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: DeckPla
     """
     edges = bins_m(deck)
     there = on_deck(particles, places)
-    mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)[there]
+    mass = particles.grains.mass_kg[there]
     number = np.clip(np.searchsorted(edges, places.station_m[there]) - 1, 0, len(edges) - 2)
-    top = (places.height_m + 0.5 * particles.diameter_m)[there]
+    top = (places.height_m + particles.grains.bounding_radius_m)[there]
     bins = len(edges) - 1
     total = np.bincount(number, mass, bins)
     momentum = np.bincount(number, mass * _speed(deck, particles.velocity_m_per_s[there], number), bins)
@@ -111,7 +111,7 @@ class RetainedParticles(SavedAttributes):
         The particles must be sorted by id.
         """
         place = np.column_stack([places.station_m, particles.position_m @ self._across])
-        radius = particles.diameter_m / 2
+        radius = particles.grains.bounding_radius_m
         lies = places.inside & (np.abs(places.height_m) < radius * (1 + 2 * NEAR))
         old, known = self._previous_rows(particles.id)
         moved = np.abs(place - self._anchor_m[old]).max(axis=1) if len(self._id) else radius
@@ -128,7 +128,7 @@ class RetainedParticles(SavedAttributes):
         self._id = particles.id
         retained = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
         retained &= self._fastest_m_per_s > THROWS * gravity_m_per_s
-        mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
+        mass = particles.grains.mass_kg
         seated_m = place[retained & (np.abs(places.height_m) < SEATED * radius)]
         blinded = self._openings.query(seated_m)[1] if self._openings is not None else []
         return {

@@ -23,6 +23,7 @@ from typing import Any, Literal
 import h5py
 import numpy as np
 
+from orchestrator.case.bed.saved_bed import GRAINS
 from orchestrator.case.tables.quantities import unit_along, unit_of
 from orchestrator.ports import Array, Indices
 
@@ -123,7 +124,7 @@ class Column:
 
 
 ROWS_IN_MEMORY = 500
-HISTORY_FORMAT = 4
+HISTORY_FORMAT = 5
 """The version of the file's format, in its attribute ``format_version``.  Raise it with every change of
 a group's columns or of their meaning (docs/run-folder.md, "history.h5").  The oldest files have none."""
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -140,9 +141,9 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "shafts": ("angle_rad",),
     "shapes": ("position_m", "velocity_m_per_s"),
     "panels": ("centre_line_m",),
-    "fed": ("id", "diameter_m", "density_kg_per_m3", "material"),
+    "fed": ("id", *GRAINS),
     "removed": (
-        *("id", "position_m", "velocity_m_per_s", "diameter_m", "density_kg_per_m3", "exit"),
+        *("id", "position_m", "velocity_m_per_s", *GRAINS, "exit"),
         *("contacts", "over_s", "within_reach_s", "last_panel"),
     ),
     "feeds": ("due_kg", "fed_kg"),

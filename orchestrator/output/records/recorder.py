@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case.bed.grains import shapes
 from orchestrator.case.deck.line import deck_line
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import single_panels
@@ -32,7 +33,7 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import counted_cycle_s, cycle_number, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
-from orchestrator.output.records.history import History, columns
+from orchestrator.output.records.history import COLUMNS, History, columns
 from orchestrator.output.records.run_folder import HISTORY, WALLS
 from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh, walls_mesh, write_mesh
@@ -41,7 +42,6 @@ from orchestrator.output.records.wear_record import WearRecord
 from orchestrator.ports import Array, Overlaps, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.particle_records import BedSnapshot
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.state import as_arrays, like
 
 
@@ -117,6 +117,8 @@ class Recorder:
         if machine.material is not None:
             self._parts["particles"] = self._particles = Series(folder, "particles")
             exits = machine.material.exits
+            for kind in ("fed", "removed"):
+                self._history.describe(kind, "shapes", [shape.name for shape in shapes(case)])
             self._history.describe("removed", "names", [exit.name for exit in exits])
             self._history.describe("removed", "products", [exit.product for exit in exits])
         if machine.wearing is not None:
@@ -165,7 +167,8 @@ class Recorder:
         if self._writes:
             self._deepest.add(overlaps)
             for kind, table in (("fed", fed), ("removed", removed)):
-                self._history.add_events(kind, {"time_s": table.time_s, **columns(kind, table)})
+                values = vars(table) | vars(table.grains)
+                self._history.add_events(kind, {name: values[name] for name in ("time_s", *COLUMNS[kind])})
             book.add(time_s, fed, removed, present)
         return terms_J, BedSnapshot(present, overlaps)
 
@@ -257,7 +260,7 @@ def _with_unit(terms_J: Mapping[str, float]) -> dict[str, float]:
 
 
 def _describe_bed(particles: ParticleSnapshot) -> dict[str, Any]:
-    mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
+    mass = particles.grains.mass_kg
     speed = np.linalg.norm(particles.velocity_m_per_s, axis=1)
     count = len(mass)
     return {

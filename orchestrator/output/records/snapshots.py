@@ -153,7 +153,7 @@ def walls_mesh(surface: TriangleSurface, of_vertices: Mapping[str, Array]) -> me
 
 
 def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
-    """Return a mesh with a vertex for each particle, with its id, diameter, motion, density and material.
+    """Return a mesh with a vertex for each particle, with its id, size, motion, density, material and shape.
 
     It has the force on it, and the number of other particles that it touches, where the solver tells them.
     """
@@ -164,12 +164,14 @@ def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
         [("vertex", np.arange(count).reshape(count, 1))],
         point_data={
             "id": particles.id,
-            "diameter_m": particles.diameter_m,
+            "sieve_size_m": particles.grains.sieve_size_m,
+            "equivalent_diameter_m": particles.grains.equivalent_diameter_m,
             "speed_m_per_s": np.linalg.norm(particles.velocity_m_per_s, axis=1),
             "velocity_m_per_s": particles.velocity_m_per_s,
             "spin_rad_per_s": particles.spin_rad_per_s,
-            "density_kg_per_m3": particles.density_kg_per_m3,
-            "material": particles.material,
+            "density_kg_per_m3": particles.grains.density_kg_per_m3,
+            "material": particles.grains.material,
+            "shape": particles.grains.shape,
             **{name: values for name, values in told.items() if values is not None},
         },
     )

@@ -15,7 +15,7 @@ from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.output.records.run_folder import SUMMARY, write_json
 
-SUMMARY_FORMAT = 2
+SUMMARY_FORMAT = 3
 """The version of the table's format (docs/run-folder.md, "summary.json"); the oldest files have none."""
 PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "checkpoints", "monitor")
 

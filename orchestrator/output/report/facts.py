@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.bed.adhesion import pull_offs
-from orchestrator.case.bed.size_distribution import given_classes, median_diameter_m, sample_of
+from orchestrator.case.bed.size_distribution import given_classes, median_size_m, sample_of
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.bed import Filling
 from orchestrator.figures.results import Results
@@ -76,8 +76,8 @@ def describe_sizes(source: Filling) -> str:
             f"{1e3 * row.smallest_m:g}–{1e3 * row.largest_m:g} mm {100 * row.mass_fraction:.3g} %"
             for row in source.sizes
         )
-    finest_mm, coarsest_mm = (1e3 * source.curve[end].diameter_m for end in (0, -1))
-    middle_mm = 1e3 * median_diameter_m(given_classes(source))
+    finest_mm, coarsest_mm = (1e3 * source.curve[end].sieve_size_m for end in (0, -1))
+    middle_mm = 1e3 * median_size_m(given_classes(source))
     sample = sample_of(source)
     sampled = "" if sample is None else f"; {sample.in_words}"
     return f"curve {finest_mm:g} to {coarsest_mm:g} mm, half of the mass below {middle_mm:.3g} mm{sampled}"

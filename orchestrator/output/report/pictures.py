@@ -223,7 +223,7 @@ def draw_balance(flows: FlowsInTime, state: Steady | None) -> Any:
 
 
 def draw_partition(screening: Screening, table: Partition) -> Any:
-    """Draw the partition number over the diameter, with the cut size, d50 and the sizes of the feed."""
+    """Draw the partition number over the size, with the cut size, d50 and the sizes of the feed."""
     mean, number, edges = table.mean_m, table.oversize_percent, 1e3 * table.edges_m
     fig, ((axes,),) = figure(1, 1, HALF, 3.4)
     axes.bar(
@@ -233,13 +233,17 @@ def draw_partition(screening: Screening, table: Partition) -> Any:
     axes.plot(1e3 * mean[there], number[there], "o-", color=HELD, ms=4, label="to the oversize")
     if (whole := screening.whole_feed) and (curve := whole.curve):
         axes.plot(
-            1e3 * curve.diameter_m, curve.oversize_percent, ":", color=HELD, label="continued to finer sizes"
+            1e3 * curve.sieve_size_m,
+            curve.oversize_percent,
+            ":",
+            color=HELD,
+            label="continued to finer sizes",
         )
     if screening.cut_size_m:
         axes.axvline(1e3 * screening.cut_size_m, color=OVER, ls="--", label="cut size")
     if table.d50_m.value is not None:
         axes.plot(1e3 * table.d50_m.value, 50, "D", color="#a23b72", label="d50")
-    axes.set(title="partition curve", xlabel="diameter / mm", ylabel="share of mass / %", ylim=(0, 105))
+    axes.set(title="partition curve", xlabel="size / mm", ylabel="share of mass / %", ylim=(0, 105))
     axes.legend(loc="upper left", ncols=2, bbox_to_anchor=(0, -0.18))
     return fig
 
@@ -296,7 +300,7 @@ def draw_contacts(why: Contacts) -> Any:
         ("geometric_percent", "--", "geometric: straight down, untouched"),
     ):
         chances.plot(mean_mm, getattr(sizes, key), style, ms=4, label=label)
-    chances.set(title="chance of a contact", xlabel="diameter / mm", ylabel="%")
+    chances.set(title="chance of a contact", xlabel="size / mm", ylabel="%")
     course.plot(fit.time_s, [row.passed_percent for row in why.along], "o", label="up to each panel's end")
     time_s = np.linspace(0.0, fit.time_s[-1], 50)
     label = f"1 − exp(−k t), k = {fit.rate_per_s:.2g} 1/s"

@@ -144,7 +144,7 @@ def _add_spheres(plotter: Any, particles: Any, fast_m_per_s: float, **bar: Any) 
     if particles is None or particles.n_points == 0:
         return
     spheres = pyvista.PolyData(np.asarray(particles.points))
-    for name in ("speed_m_per_s", "diameter_m"):
+    for name in ("speed_m_per_s", "equivalent_diameter_m"):
         spheres[name] = particles[name]
     actor = plotter.add_mesh(
         spheres,
@@ -158,7 +158,7 @@ def _add_spheres(plotter: Any, particles: Any, fast_m_per_s: float, **bar: Any) 
         show_scalar_bar=True,
         scalar_bar_args={"title": "speed / (m/s)", "color": "black", "fmt": "%.2g", **bar},
     )
-    actor.mapper.scale_array = "diameter_m"
+    actor.mapper.scale_array = "equivalent_diameter_m"
     actor.mapper.scale_factor = 0.5
 
 

@@ -176,7 +176,7 @@ def _whole_feed(run: RunReader, events: Events, cut_m: float, missing: dict[str,
     fines = feed_fines(feeds, cut_m, events.window_s)
     if not fines.left_out:
         return None
-    number = int((events.left_in_window & (events.removed.diameter_m < cut_m)).sum())
+    number = int((events.left_in_window & (events.removed.sieve_size_m < cut_m)).sum())
     if number < FEWEST_FINES:
         missing[WHOLE_FEED] = f"{number} fine particles left; its curve needs {FEWEST_FINES}"
         return None

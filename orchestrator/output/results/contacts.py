@@ -48,11 +48,11 @@ class Fines:
     @staticmethod
     def of(events: Events, cut_m: float, openings: Sequence[AperturePattern | None]) -> Fines:
         """Return the fines that left through an exit; ``openings`` are those of the panels along the deck."""
-        fine = events.left_in_window & (events.removed.diameter_m < cut_m)
+        fine = events.left_in_window & (events.removed.sieve_size_m < cut_m)
         removed = replace(events.removed.part(fine), mass_kg=events.left_kg[fine])
         passed = np.isin(removed.exit, events.exits.of(UNDERSIZE))
         passed_at = passed[:, None] & (removed.last_panel[:, None] == np.arange(len(openings)))
-        return Fines(removed, passed_at, geometric_chance(removed.diameter_m, openings), fine)
+        return Fines(removed, passed_at, geometric_chance(removed.sieve_size_m, openings), fine)
 
     def __len__(self) -> int:
         return len(self.removed.id)
@@ -91,16 +91,14 @@ def ratio(part: Array, whole: Array, otherwise: float = np.nan) -> Array:
     return np.divide(part, whole, out=np.full(np.shape(whole), otherwise), where=whole > 0)
 
 
-def geometric_chance(diameter_m: Array, openings: Sequence[AperturePattern | None]) -> Array:
+def geometric_chance(size_m: Array, openings: Sequence[AperturePattern | None]) -> Array:
     """Return the chance (n, panels) that a sphere which falls straight onto a panel touches nothing."""
-    chance = np.zeros((len(diameter_m), len(openings)))
+    chance = np.zeros((len(size_m), len(openings)))
     for panel, pattern in enumerate(openings):
         if pattern is not None:
             alike = openings.index(pattern)
             chance[:, panel] = (
-                [straight_passing(pattern, float(d)) for d in diameter_m]
-                if alike == panel
-                else chance[:, alike]
+                [straight_passing(pattern, float(d)) for d in size_m] if alike == panel else chance[:, alike]
             )
     return chance
 
@@ -154,8 +152,8 @@ def contacts(
         return "no fine particle passed after a contact"
     if not fines.stay_s.any():
         return "all fine particles that left had passed: nothing tells how long others stay"
-    edges = size_classes(fines.removed.diameter_m, cut_m)
-    size = np.clip(np.searchsorted(edges, fines.removed.diameter_m, side="right") - 1, 0, len(edges) - 2)
+    edges = size_classes(fines.removed.sieve_size_m, cut_m)
+    size = np.clip(np.searchsorted(edges, fines.removed.sieve_size_m, side="right") - 1, 0, len(edges) - 2)
     fine_kg = float(fines.removed.mass_kg.sum())
     passed = by_panel[:, PASSED].cumsum() / fine_kg
     elapsed_s = fines.stay_s.cumsum()
@@ -198,7 +196,7 @@ def _sizes(fines: Fines, size: Indices, classes: int) -> ContactSizes:
     sums = np.zeros((classes, fines.sums.shape[2]))
     np.add.at(sums, size, fines.sums.sum(axis=1))
     number = np.bincount(size, minlength=classes).astype(float)
-    summed_m = np.bincount(size, fines.removed.diameter_m, classes).astype(float)
+    summed_m = np.bincount(size, fines.removed.sieve_size_m, classes).astype(float)
     return ContactSizes(mean_m=ratio(summed_m, number), particles=number, **figures(sums))
 
 

@@ -18,13 +18,13 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case.bed.saved_bed import grains_of
 from orchestrator.figures.estimate import Estimate
 from orchestrator.figures.results import BATCH
 from orchestrator.output.cycles import cycle_numbers, within
 from orchestrator.output.results.estimate import FEWEST_INDEPENDENT, IntervalOf, batch_sums, estimate
 from orchestrator.output.results.listed_feed import ListedFeed
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.physics import sphere_mass_kg
 
 LOST = -1
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
@@ -45,7 +45,7 @@ class EventTable:
 
     id: Indices
     time_s: Array
-    diameter_m: Array
+    sieve_size_m: Array
     mass_kg: Array
     position_m: Array = field(default_factory=lambda: np.empty((0, 3)))
     exit: Indices = field(default_factory=lambda: np.empty(0, dtype=int))
@@ -89,9 +89,8 @@ def read_events(history: Any) -> tuple[EventTable, EventTable, Exits] | None:
 
 
 def _particles(group: Any) -> tuple[Indices, Array, Array, Array]:
-    diameter_m = group["diameter_m"][:]
-    mass_kg = sphere_mass_kg(diameter_m, group["density_kg_per_m3"][:])
-    return group["id"][:], group["time_s"][:], diameter_m, mass_kg
+    grains = grains_of(group, map(str, group.attrs["shapes"]))
+    return group["id"][:], group["time_s"][:], grains.sieve_size_m, grains.mass_kg
 
 
 def per_cycle(
@@ -236,7 +235,7 @@ class Events:
     def _represented_kg(self, table: EventTable) -> Array:
         if self.listed is None:
             return table.mass_kg
-        return table.mass_kg * self.listed.weight(table.diameter_m)
+        return table.mass_kg * self.listed.weight(table.sieve_size_m)
 
     @property
     def parts(self) -> int:

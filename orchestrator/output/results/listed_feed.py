@@ -19,7 +19,7 @@ from orchestrator.case.bed.size_distribution import classes, given_classes, shar
 from orchestrator.case.tables.bed import Feed, SizeClass
 from orchestrator.ports import Array
 
-SAME_SIZE = 1e-9  # relative: half the width of a class of one diameter
+SAME_SIZE = 1e-9  # relative: half the width of a class of one size
 ROUNDING = 1e-9  # of weights
 
 Rows = tuple[tuple[SizeClass, float], ...]
@@ -33,10 +33,10 @@ class ListedFeed:
     given: Rows
     computed: Rows
 
-    def weight(self, diameter_m: Array) -> Array:
-        """Return the mass for which grains of these diameters (n,) stand, over their own."""
+    def weight(self, size_m: Array) -> Array:
+        """Return the mass for which grains of these sizes (n,) stand, over their own."""
         edges_m, weights = self._weights
-        place = np.searchsorted(edges_m, diameter_m, side="right") - 1
+        place = np.searchsorted(edges_m, size_m, side="right") - 1
         return np.asarray(weights[np.clip(place, 0, len(weights) - 1)])
 
     @cached_property
@@ -56,14 +56,14 @@ class ListedFeed:
 
 
 def _limits_m(row: SizeClass) -> tuple[float, float]:
-    """Return the limits of a class; those of a single diameter are a little apart."""
+    """Return the limits of a class; those of a single size are a little apart."""
     if row.smallest_m < row.largest_m:
         return row.smallest_m, row.largest_m
     return (1 - SAME_SIZE) * row.smallest_m, (1 + SAME_SIZE) * row.smallest_m
 
 
 def mass_between(rows: Rows, low_m: float, high_m: float) -> float:
-    """Return the share of the mass of classes that lies between two diameters."""
+    """Return the share of the mass of classes that lies between two sizes."""
     inside = (row for row in rows if row[0].largest_m >= low_m and row[0].smallest_m <= high_m)
     return sum(part * share_between(row, low_m, high_m) for row, part in inside)
 

@@ -143,7 +143,7 @@ def deepest_contacts(run: RunReader) -> Deepest | None:
 
 
 def products(run: RunReader) -> Products | None:
-    """Return the ratio of the coarsest to the finest product, by the mean diameters of the exits by mass.
+    """Return the ratio of the coarsest to the finest product, by the mean sizes of the exits by mass.
 
     Return None if fewer than two exits have at least ``FEWEST`` particles.
     """
@@ -155,7 +155,7 @@ def products(run: RunReader) -> Products | None:
     for number, name in enumerate(exits.names):
         mine = removed.exit == number
         if mine.sum() >= FEWEST:
-            mean_m[name] = float(np.average(removed.diameter_m[mine], weights=removed.mass_kg[mine]))
+            mean_m[name] = float(np.average(removed.sieve_size_m[mine], weights=removed.mass_kg[mine]))
     if len(mean_m) < 2:
         return None
     fine, coarse = min(mean_m, key=mean_m.__getitem__), max(mean_m, key=mean_m.__getitem__)

@@ -25,9 +25,9 @@ FINE, COARSE = 0, 1
 CLASSES, FEWEST_IN_CLASS = 12, 10
 
 
-def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
+def fine_or_coarse(size_m: Array, cut_m: float) -> Indices:
     """Return ``FINE`` below the cut size, else ``COARSE``."""
-    return np.where(diameter_m < cut_m, FINE, COARSE)
+    return np.where(size_m < cut_m, FINE, COARSE)
 
 
 def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
@@ -88,19 +88,19 @@ def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, fl
     }
 
 
-def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
+def size_classes(size_m: Array, cut_m: float | None) -> Array:
     """Return the edges (classes + 1,) of size classes, spaced evenly in the logarithm.
 
     An edge lies at a cut size within the range.  Neighbouring classes are joined until each has at least
     ``FEWEST_IN_CLASS`` particles; classes next to the cut size may have fewer.
     """
-    low, high = float(diameter_m.min()), float(diameter_m.max())
+    low, high = float(size_m.min()), float(size_m.max())
     if high <= low * (1 + 1e-9):
         return np.array([low * 0.999, high * 1.001])
     edges = np.geomspace(low * (1 - 1e-9), high * (1 + 1e-9), CLASSES + 1)
     if cut_m is not None and low < cut_m < high:
         edges[1 + np.abs(np.log(edges[1:-1] / cut_m)).argmin()] = cut_m
-    counts = np.histogram(diameter_m, edges)[0]
+    counts = np.histogram(size_m, edges)[0]
     class_edges, inside = [edges[0]], 0
     for edge, count in zip(edges[1:], counts, strict=True):
         inside += count
@@ -190,7 +190,7 @@ def _way_and_kind(events: Events, cut_m: float | None) -> Indices:
     """Return a number (removed,) for each particle that left: twice its exit's, plus ``COARSE`` or ``FINE``;
     negative for those that are lost."""
     removed = events.removed
-    fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
+    fine = fine_or_coarse(removed.sieve_size_m, cut_m or np.inf)
     return np.where(removed.exit == LOST, -2 + fine, 2 * removed.exit + fine)
 
 
@@ -201,7 +201,7 @@ def _recovery(events: Events, out_kg: Array, cut_m: float) -> Estimate:
     those that are present at t = 0 did not come, as in the balance.
     """
     fed = events.fed
-    is_fine = fine_or_coarse(fed.diameter_m, cut_m) == FINE
+    is_fine = fine_or_coarse(fed.sieve_size_m, cut_m) == FINE
     came = np.where(is_fine & ((fed.time_s > 0) | bool(events.steady.reason)), 0, -1)
     came_kg = per_cycle(fed.time_s, events.came_kg, events.edges_s, came)[:, 0]
     passed_kg = out_kg[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
@@ -261,14 +261,14 @@ def _partition(events: Events, cut_m: float | None) -> Partition | None:
     removed, counted = events.removed, events.left_in_window
     if not counted.any():
         return None
-    edges = size_classes(removed.diameter_m[counted], cut_m)
+    edges = size_classes(removed.sieve_size_m[counted], cut_m)
     classes = len(edges) - 1
-    size = np.clip(np.searchsorted(edges, removed.diameter_m, side="right") - 1, 0, classes - 1)
+    size = np.clip(np.searchsorted(edges, removed.sieve_size_m, side="right") - 1, 0, classes - 1)
     over = np.isin(removed.exit, events.exits.of(OVERSIZE))
     group = np.where(removed.exit == LOST, -1, 2 * size + over)
     mass_kg = events.sums(events.left_kg, group, 2 * classes).reshape(-1, classes, 2)
     number = np.bincount(size[counted], minlength=classes)
-    summed_m = np.bincount(size[counted], removed.diameter_m[counted], classes)
+    summed_m = np.bincount(size[counted], removed.sieve_size_m[counted], classes)
     mean_m = np.divide(summed_m, number, out=np.full(classes, np.nan), where=number > 0)
     total_kg = mass_kg[events.window].sum(axis=0)
     return Partition(

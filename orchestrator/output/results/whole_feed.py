@@ -38,7 +38,7 @@ from orchestrator.ports import Array
 
 BINS = 12
 NUMBER, MASS = 0, 1
-NODES = 16  # of the quadrature over the diameters of a class
+NODES = 16  # of the quadrature over the sizes of a class
 LIMITS = ((-7.0, 7.0), (0.0, 20.0))  # of log N and sigma
 TESTED_FACTOR = 2.0  # over which the error of continued curves was measured (docs/measured/screening.md)
 LARGEST_ERROR = 25.0  # points: an interval of so much to either side holds half of all answers
@@ -54,23 +54,23 @@ class PartitionCurve:
     opening_m: float
     open_share: float
 
-    def passed(self, diameter_m: Array) -> Array:
-        """Return the shares that pass, of particles with these diameters; 0 for those that are too large."""
-        free = np.clip(1.0 - np.asarray(diameter_m) / self.opening_m, 0.0, None)
+    def passed(self, size_m: Array) -> Array:
+        """Return the shares that pass, of particles with these sizes; 0 for those that are too large."""
+        free = np.clip(1.0 - np.asarray(size_m) / self.opening_m, 0.0, None)
         chance = self.open_share * free**self.exponent
         return np.asarray(np.where(free > 0.0, -np.expm1(self.attempts * np.log1p(-chance)), 0.0))
 
 
 def fit_partition(
-    diameter_m: Array, under: Array, over: Array, opening_m: float, open_share: float
+    size_m: Array, under: Array, over: Array, opening_m: float, open_share: float
 ) -> PartitionCurve | None:
     """Return the curve that most likely gives the numbers of particles (sizes,) that passed and stayed above.
 
     Return None if they do not determine it: all or none of them passed, or all are of one size.
     """
-    there = (under + over > 0) & (diameter_m < opening_m)
+    there = (under + over > 0) & (size_m < opening_m)
     passed, kept = under[there], over[there]
-    log_free = np.log(1.0 - diameter_m[there] / opening_m)
+    log_free = np.log(1.0 - size_m[there] / opening_m)
     if not (passed.any() and kept.any() and np.ptp(log_free) > 1e-6):
         return None
 
@@ -91,12 +91,12 @@ def fit_partition(
 class FeedFines:
     """The fines of feeds, below ``cut_m``, as shares of the feeds' mass.
 
-    The fines that are not computed have the diameters ``diameter_m`` (n,) and the shares ``share`` (n,).
+    The fines that are not computed have the sizes ``size_m`` (n,) and the shares ``share`` (n,).
     """
 
     cut_m: float
     listed: ListedFeed
-    diameter_m: Array
+    size_m: Array
     share: Array
 
     @property
@@ -106,12 +106,12 @@ class FeedFines:
 
     @property
     def smallest_m(self) -> float:
-        """The finest diameter that the feeds list."""
+        """The finest size that the feeds list."""
         return min(row.smallest_m for row, _ in self.listed.given)
 
     @property
     def smallest_computed_m(self) -> float:
-        """The finest diameter that is computed."""
+        """The finest size that is computed."""
         return min(row.smallest_m for row, _ in self.listed.computed)
 
     @property
@@ -125,13 +125,13 @@ class FeedFines:
         At least as many of them pass as of the finest size within reach, and at most all.
         """
         least_m = self.smallest_computed_m / TESTED_FACTOR
-        beyond = self.diameter_m < least_m
-        passed, least = curve.passed(self.diameter_m[beyond]), float(curve.passed(np.array(least_m)))
+        beyond = self.size_m < least_m
+        passed, least = curve.passed(self.size_m[beyond]), float(curve.passed(np.array(least_m)))
         return float(self.share[beyond] @ np.maximum(passed - least, 1.0 - passed)) / self.total
 
     def passed(self, computed: float, curve: PartitionCurve) -> float:
         """Return the share of all fines that pass, if ``computed`` of those do whose sizes are computed."""
-        finer = float(self.share @ curve.passed(self.diameter_m))
+        finer = float(self.share @ curve.passed(self.size_m))
         return ((self.total - self.left_out) * computed + finer) / self.total
 
 
@@ -140,7 +140,7 @@ def feed_fines(
 ) -> FeedFines:
     """Return the fines, below ``cut_m``, of feeds that are mixed by what they feed in a window of time."""
     nodes, weights = roots_legendre(NODES)
-    diameter_m, shares = [np.empty(0)], [np.empty(0)]
+    size_m, shares = [np.empty(0)], [np.empty(0)]
     for feed, part in zip(feeds, feed_parts(feeds, window_s), strict=True):
         limit_m = min(feed.smallest_fed_m or 0.0, cut_m)
         for row in given_classes(feed) if part else ():
@@ -148,10 +148,10 @@ def feed_fines(
                 low, high = row.smallest_m, min(row.largest_m, limit_m)
                 sizes = (low + high) / 2 + nodes * (high - low) / 2
                 mass = weights * sizes ** (row.MASS_POWER - 1)
-                diameter_m.append(sizes)
+                size_m.append(sizes)
                 shares.append(part * row.mass_fraction * (1.0 - coarser) * mass / mass.sum())
     listed = listed_feed(feeds, window_s)
-    return FeedFines(cut_m, listed, np.concatenate(diameter_m), np.concatenate(shares))
+    return FeedFines(cut_m, listed, np.concatenate(size_m), np.concatenate(shares))
 
 
 def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: float) -> WholeFeed | str:
@@ -245,37 +245,37 @@ def whole_feed(events: Events, fines: FeedFines, opening_m: float, open_share: f
             error_percent=float(error[last]),
         ),
         sections=sections,
-        curve=None if curve is None else _course(curve, min(*fines.diameter_m, *mean_m)),
+        curve=None if curve is None else _course(curve, min(*fines.size_m, *mean_m)),
     )
 
 
 def _course(curve: PartitionCurve, smallest_m: float) -> Curve:
-    """Return the curve's numbers, and its course from a diameter to the openings' width."""
-    diameter_m = np.linspace(smallest_m, curve.opening_m, 41)
+    """Return the curve's numbers, and its course from a size to the openings' width."""
+    size_m = np.linspace(smallest_m, curve.opening_m, 41)
     return Curve(
         attempts=curve.attempts,
         exponent=curve.exponent,
         opening_m=curve.opening_m,
         open_share=curve.open_share,
-        diameter_m=diameter_m,
-        oversize_percent=100.0 * (1.0 - curve.passed(diameter_m)),
+        sieve_size_m=size_m,
+        oversize_percent=100.0 * (1.0 - curve.passed(size_m)),
     )
 
 
 def _numbers_and_masses(events: Events, fines: FeedFines) -> tuple[Array, Array]:
-    """Return the mean diameter (bins,) of fine particles, and what left by size and exit, part by part.
+    """Return the mean size (bins,) of fine particles, and what left by size and exit, part by part.
 
     The latter are numbers and masses, (parts, bins + 1, exits, 2); the last size is all that is coarse.
     Masses are those for which the particles stand in the feed as it is listed.
     """
     removed, exits = events.removed, len(events.exits.names)
     left = removed.exit != LOST
-    fine = left & (removed.diameter_m < fines.cut_m)
-    diameter_m = removed.diameter_m[fine]
-    edges_m = np.geomspace(diameter_m.min(), fines.cut_m, BINS + 1)
-    size = np.where(fine, np.searchsorted(edges_m[1:-1], removed.diameter_m, side="right"), BINS)
+    fine = left & (removed.sieve_size_m < fines.cut_m)
+    size_m = removed.sieve_size_m[fine]
+    edges_m = np.geomspace(size_m.min(), fines.cut_m, BINS + 1)
+    size = np.where(fine, np.searchsorted(edges_m[1:-1], removed.sieve_size_m, side="right"), BINS)
     number = np.bincount(size[fine], minlength=BINS)
-    summed_m = np.bincount(size[fine], diameter_m, BINS)
+    summed_m = np.bincount(size[fine], size_m, BINS)
     mean_m = np.divide(summed_m, number, out=np.sqrt(edges_m[1:] * edges_m[:-1]), where=number > 0)
     group = np.where(left, exits * size + removed.exit, -1)
     tables = [events.sums(each, group, (BINS + 1) * exits) for each in (np.ones(len(group)), events.left_kg)]

@@ -290,7 +290,7 @@ class _Drawing:
         if bed is None:
             return
         places = self._view.of(bed.position_m)
-        size_m, turned = bed.diameter_m, np.zeros(len(bed))
+        size_m, turned = bed.grains.equivalent_diameter_m, np.zeros(len(bed))
         style = {"fc": BED, "ec": "none", "alpha": 0.6, "zorder": 4}
         circles = EllipseCollection(
             size_m, size_m, turned, units="xy", offsets=places, transOffset=self._axes.transData, **style
@@ -301,14 +301,14 @@ class _Drawing:
 
     def particles(self) -> None:
         """Draw the single particles to scale."""
-        for place_m, diameter_m in self._machine.particles_m:
-            at = self._view.of(place_m)
-            self._axes.add_patch(Circle(_xy(at), diameter_m / 2, fc="#55606b", ec="black", lw=0.5, zorder=7))
-            self._symbols.append((at, diameter_m / 2 * self._points_per_m))
-        if self._machine.particles_m:
-            (place_m, diameter_m), *others = self._machine.particles_m
+        for place_m, grain in self._machine.particles:
+            at, radius_m = self._view.of(place_m), grain.equivalent_diameter_m / 2
+            self._axes.add_patch(Circle(_xy(at), radius_m, fc="#55606b", ec="black", lw=0.5, zorder=7))
+            self._symbols.append((at, radius_m * self._points_per_m))
+        if self._machine.particles:
+            (place_m, grain), *others = self._machine.particles
             more = f" and {len(others)} more" if others else ""
-            text = f"particle of {1e3 * diameter_m:.3g} mm{more}"
+            text = f"particle of {1e3 * grain.sieve_size_m:.3g} mm{more}"
             self._wanted.append((text, self._view.of(place_m), "#333333", 30.0))
 
     def dimensions(self) -> None:

@@ -19,7 +19,6 @@ from vtkmodules.vtkCommonCore import vtkLogger
 
 from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.panels import axes
-from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import has_particles
 from orchestrator.output.views.drawings import BLOCK, EXIT, FEED, PANEL_COLORS, SPRING, frame_color
 from orchestrator.output.views.outline import MachineOutline, PanelOutline
@@ -220,9 +219,9 @@ def _particles(machine: MachineOutline) -> Any:
     bed = case.bed
     if not has_particles(case) or not (bed.particles or bed.blocks or bed.carried):
         return None
-    start = initial_particles(case, material_numbers(case))
+    start = initial_particles(case)
     shown = np.unique(np.linspace(0, len(start) - 1, min(len(start), MOST_PARTICLES)).astype(int))
     cloud = pyvista.PolyData(start.position_m[shown])
-    cloud["diameter_m"] = start.diameter_m[shown]
+    cloud["size_m"] = start.grains.equivalent_diameter_m[shown]
     ball = pyvista.Sphere(radius=0.5, theta_resolution=8, phi_resolution=6)
-    return cloud.glyph(scale="diameter_m", orient=False, geom=ball)
+    return cloud.glyph(scale="size_m", orient=False, geom=ball)

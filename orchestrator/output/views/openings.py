@@ -28,18 +28,19 @@ def draw_openings(case: Case) -> Iterator[tuple[str, Any]]:
 
 
 def sizes_m(case: Case) -> list[float]:
-    """Return single diameters and the limits of all size classes and of carried particles, in order of size.
+    """Return single sizes and the limits of all size classes and of carried particles, in order of size.
 
     At most ``LARGEST_ROWS`` of them are left, among them the smallest and the largest.
     """
     if not has_particles(case):
         return []
-    limits = {row.diameter_m for row in case.bed.particles.values()}
+    limits = {row.sieve_size_m for row in case.bed.particles.values()}
     for source in case.bed.sources:
         for size in classes(source):
             limits |= {size.smallest_m, size.largest_m}
     if (carried := case.bed.carried) is not None and len(carried):
-        limits |= {float(carried.diameter_m.min()), float(carried.diameter_m.max())}
+        own_m = carried.grains.sieve_size_m
+        limits |= {float(own_m.min()), float(own_m.max())}
     ordered = sorted(limits)
     if len(ordered) <= LARGEST_ROWS:
         return ordered
@@ -54,11 +55,11 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
     first_m = centres_m.min(axis=0)
     along_m = min(at.length_m, first_m[0] + PITCHES * pattern.pitch_along_m)
     across_m = min(at.width_m, first_m[1] + max(ACROSS * along_m, PITCHES * pattern.pitch_across_m))
-    diameters_m = sizes_m(case)
+    shown_sizes_m = sizes_m(case)
     gap_m = 0.06 * along_m
-    room_m = (max(diameters_m) + 2 * gap_m) if diameters_m else gap_m
+    room_m = (max(shown_sizes_m) + 2 * gap_m) if shown_sizes_m else gap_m
     shown_m = np.array([along_m + at.clamp_m, across_m])
-    rows_m = _rows(diameters_m, gap_m)
+    rows_m = _rows(shown_sizes_m, gap_m)
     tall_m = max(across_m, rows_m[-1][1] + gap_m if rows_m else 0.0) + 0.16 * across_m
     wide_m = shown_m[0] + room_m + 0.35 * along_m
     fig, ((axes,),) = figure(width=WIDTH_IN, height=min(8.0, max(3.0, WIDTH_IN * tall_m / wide_m + 1.0)))
@@ -85,18 +86,18 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
     openings.set_clip_path(shown)
     limit_m = min(pattern.length_m, pattern.width_m)
     left_m = along_m + gap_m
-    for diameter_m, bottom_m in rows_m:
-        passes = diameter_m < limit_m
+    for size_m, bottom_m in rows_m:
+        passes = size_m < limit_m
         color = LINES[2] if passes else LINES[1]
-        middle = (left_m + max(diameters_m) / 2, bottom_m + diameter_m / 2)
+        middle = (left_m + max(shown_sizes_m) / 2, bottom_m + size_m / 2)
         axes.add_patch(
-            Circle((middle[0] * mm, middle[1] * mm), diameter_m / 2 * mm, fc=color, ec="none", alpha=0.8)
+            Circle((middle[0] * mm, middle[1] * mm), size_m / 2 * mm, fc=color, ec="none", alpha=0.8)
         )
         word = "passes" if passes else "stays"
         axes.text(
-            (left_m + max(diameters_m) + gap_m / 2) * mm,
+            (left_m + max(shown_sizes_m) + gap_m / 2) * mm,
             middle[1] * mm,
-            f"{mm * diameter_m:.3g} mm, {word}",
+            f"{mm * size_m:.3g} mm, {word}",
             va="center",
             fontsize=8.5,
             color=color,
@@ -119,12 +120,12 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
     return fig
 
 
-def _rows(diameters_m: list[float], gap_m: float) -> list[tuple[float, float]]:
-    """Return each diameter with the lower end of its place in a column, from the largest up."""
+def _rows(shown_sizes_m: list[float], gap_m: float) -> list[tuple[float, float]]:
+    """Return each size with the lower end of its place in a column, from the largest up."""
     rows, bottom_m, line_m = [], 0.0, 0.55 * gap_m
-    for diameter_m in diameters_m[::-1]:
-        high_m = max(diameter_m, line_m)
-        rows.append((diameter_m, bottom_m + (high_m - diameter_m) / 2))
+    for size_m in shown_sizes_m[::-1]:
+        high_m = max(size_m, line_m)
+        rows.append((size_m, bottom_m + (high_m - size_m) / 2))
         bottom_m += high_m + gap_m / 4
     return rows
 

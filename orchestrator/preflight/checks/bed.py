@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import adhesion_law, pull_offs, sticky_contacts, surface_materials
-from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.feed import RateFeed, are_apart
+from orchestrator.case.bed.grains import grain, largest_length_m, shapes, smallest_grains
 from orchestrator.case.bed.size_distribution import (
     classes,
     counts,
@@ -24,18 +25,17 @@ from orchestrator.case.bed.size_distribution import (
     sample_of,
     shares,
 )
-from orchestrator.case.bed.sources import batch_s, initial_particles, inlets, largest_diameter_m
+from orchestrator.case.bed.sources import batch_s, initial_particles, inlets
 from orchestrator.case.deck.panels import single_panels, to_world, walls
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import LARGEST_BYTES, Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m, share
 from orchestrator.case.materials.library import no_grains, rolling_friction_of, slug
-from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
 from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
-from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_volume_m3
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.checks.names import rows
 from orchestrator.preflight.scene.contacts import compute_softness, rolling_on_deck
 from orchestrator.preflight.scene.scene import Scene, scene
@@ -198,7 +198,7 @@ def narrow_beds(case: Case) -> Iterator[str]:
     if carried is None or len(carried) < ENOUGH_GRAINS or not panels:
         return
     width_m = case.slice.width_m if case.slice is not None else panels[0].rectangle.width_m
-    extent_m = float(np.ptp(carried.position_m[:, 1]) + carried.diameter_m.mean())
+    extent_m = float(np.ptp(carried.position_m[:, 1]) + carried.grains.equivalent_diameter_m.mean())
     if extent_m < NARROW * width_m:
         yield (
             f"the bed from {carried.source} lies on {1e3 * extent_m:.4g} of {1e3 * width_m:.4g} mm of the "
@@ -212,15 +212,29 @@ SAME_DENSITY = 1e-6  # relative
 def other_densities(case: Case) -> Iterator[str]:
     """Yield a warning for each material whose particles had another density in the run before."""
     carried = case.bed.carried
-    for number, name in enumerate(carried.materials if carried is not None else ()):
+    for name in carried.materials if carried is not None else ():
         assert carried is not None
-        before = float(carried.density_kg_per_m3[carried.material == number].mean())
+        before = float(carried.of_material(name).density_kg_per_m3.mean())
         now = case.materials[name].density_kg_per_m3
         if abs(before - now) > SAME_DENSITY * now:  # never true for a table, which has none
             yield (
                 f"the particles of {name} from {carried.source} had {before:g} kg/m3 there, and have {now:g} "
                 "kg/m3 here: their masses and momenta change"
             )
+
+
+def clumps(case: Case) -> Iterator[CaseProblem]:
+    """Check that the particles' solver can take shapes of several spheres, if there are any."""
+    solver = case.particles.adapter
+    made_of_several = [shape.name for shape in shapes(case) if len(shape.spheres) > 1]
+    if solver is None or solver.clumps or not made_of_several:
+        return
+    others = solvers.names_able_to("particles", lambda able: able.clumps)
+    hint = f"take particles.solver = {others}" if others else "take spheres"
+    for key, row in (row for path in ("bed.particles", *SOURCES) for row in rows(case, path)):
+        if row.shape in made_of_several:
+            what = f'{case.particles.solver} takes no grains of several spheres, such as "{row.shape}"'
+            yield CaseProblem((*key, "shape"), what, hint)
 
 
 FULLEST = 0.38  # largest share of a box that spheres at random places can fill (bed/packing.py)
@@ -234,13 +248,14 @@ def crowded_boxes(case: Case) -> Iterator[CaseProblem]:
     """
     for key, source in (row for path in SOURCES for row in rows(case, path)):
         sides_m = [b - a for a, b in zip(*source.box_m, strict=True)]
-        largest_m = max(size.largest_m for size in classes(source))
+        length = 2 * grain(case, source.material, source.shape).bounding_radius_m  # over the sieve size
+        largest_m = length * max(size.largest_m for size in classes(source))
         if largest_m > min(sides_m):
             what = f"particles of {largest_m:g} m do not fit in {min(sides_m):.4g} m"
             yield CaseProblem((*key, "box_m"), what, "enlarge the box", kind="out-of-range")
         if key[1] == "blocks":
-            smallest_m = min(size.smallest_m for size in classes(source))
-            filled = source.count * sphere_volume_m3(smallest_m) / math.prod(sides_m)
+            smallest_m = length * min(size.smallest_m for size in classes(source))
+            filled = source.count * math.pi / 6 * smallest_m**3 / math.prod(sides_m)
             if filled > FULLEST:
                 what = f"{source.count} particles fill {filled:.3g} times the box or more"
                 hint = f"random places end at {FULLEST:g}; enlarge the box"
@@ -284,7 +299,7 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem(
                 key, what, "is the unit right? Surface energies are given in mJ/m2, too", kind="out-of-range"
             )
-    shared = surface_materials(case) & set(smallest_diameters_m(case))
+    shared = surface_materials(case) & set(smallest_grains(case))
     for name in sorted(shared) if adhesion_law(case) == "sjkr" else ():
         what = f"particles and surfaces are both made of {name}; sjkr cannot tell them apart"
         hint = "give the surface a material of its own with the same values"
@@ -369,7 +384,7 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
     Check as well that each box has room for its rate.
     """
     low, high = np.array(case.domain_m)
-    by_name = inlets(case, material_numbers(case))
+    by_name = inlets(case)
     for name, inlet in by_name.items():
         key: Key = ("bed", "feeds", name)
         if inlet.start_s >= case.duration_s:
@@ -439,7 +454,7 @@ def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
     Particles come in batches, and the last batch may be long before the end.  Yield a warning as well
     if the time between batches is no whole number of sync intervals.
     """
-    for name, inlet in inlets(case, material_numbers(case)).items():
+    for name, inlet in inlets(case).items():
         batches = math.ceil(case.duration_s / inlet.batch_s - 1e-9)
         last_s = (batches - 1) * inlet.batch_s
         comes_kg, due_kg = inlet.due_kg(last_s), inlet.due_kg(case.duration_s)
@@ -482,10 +497,10 @@ def probes_without_particle(case: Case) -> Iterator[str]:
     probed = {name: row.particle for name, row in case.probes.items() if row.particle is not None}
     if not probed:
         return
-    numbers, there = material_numbers(case), has_particles(case)
-    start = len(initial_particles(case, numbers)) if there else 0
-    feeds = inlets(case, numbers).values() if there else ()
-    due = (f.due_kg(case.duration_s) / mean_mass_kg(f.sizes, f.density_kg_per_m3) for f in feeds)
+    there = has_particles(case)
+    start = len(initial_particles(case)) if there else 0
+    feeds = inlets(case).values() if there else ()
+    due = (f.due_kg(case.duration_s) / mean_mass_kg(f.sizes, f.grain) for f in feeds)
     fed = math.ceil(sum(due))
     for name, particle in probed.items():
         if particle > start + MORE_FED * fed:
@@ -513,7 +528,7 @@ def exits(case: Case) -> Iterator[CaseProblem]:
         low, high = np.array(case.domain_m)
         if ((corners_m < low).all(axis=0) | (corners_m > high).all(axis=0)).any():
             yield CaseProblem(key, "is outside domain_m: no particle gets there", kind="misplaced")
-        least_m = THICKNESS * largest_diameter_m(case) if has_particles(case) else 0.0
+        least_m = THICKNESS * largest_length_m(case) if has_particles(case) else 0.0
         if (thin_m := float(np.ptp(box_m, axis=0).min())) < least_m:
             what = f"is {thin_m:g} m thin: the fastest particles may go through it and not be taken out"
             yield CaseProblem(key, what, f"make it {least_m:.3g} m thick or more", kind="out-of-range")
@@ -541,7 +556,7 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
     """Check that periodic sides are so far apart that no two particles touch each other on both sides."""
     if case.slice is None or case.slice.sides == "walls" or not has_particles(case):
         return
-    least_m = FEWEST_DIAMETERS * largest_diameter_m(case)
+    least_m = FEWEST_DIAMETERS * largest_length_m(case)
     if case.slice.width_m < least_m:
         what = f"{case.slice.width_m:g} m is less than {FEWEST_DIAMETERS:g} largest diameters"
         hint = f"take {least_m:.3g} m or more"
@@ -560,10 +575,10 @@ def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
     """
     if case.slice is None or not has_particles(case):
         return
-    width_m, diameter_m = case.slice.width_m, largest_diameter_m(case)
-    if width_m < ENOUGH_DIAMETERS * diameter_m:
+    width_m, length_m = case.slice.width_m, largest_length_m(case)
+    if width_m < ENOUGH_DIAMETERS * length_m:
         yield (
-            f"slice.width_m = {width_m:g} m is {width_m / diameter_m:.2g} of the largest "
+            f"slice.width_m = {width_m:g} m is {width_m / length_m:.2g} of the largest "
             f"diameters, fewer than {ENOUGH_DIAMETERS:g}: large particles may bridge"
         )
     for name, panel in case.whole_machine.screen.panels.items():

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import largest_diameters_m, smallest_diameters_m
+from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.deck.panels import perforated_panels, single_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.panel_rows import Joint, panel_rows
@@ -43,7 +43,7 @@ def openings_and_particles(case: Case) -> Iterator[str]:
     """Yield a warning for openings that all particles pass, and for openings that none can pass."""
     if not has_particles(case) or not case.bed.has_material:
         return
-    smallest_m, largest_m = min(smallest_diameters_m(case).values()), max(largest_diameters_m(case).values())
+    smallest_m, largest_m = sieve_sizes_m(case)
     for panel, *others in perforated_panels(case):
         assert panel.apertures is not None, "only panels with apertures are perforated"
         limit_m = min(panel.apertures.length_m, panel.apertures.width_m)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import largest_diameters_m, smallest_diameters_m
+from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
@@ -56,8 +56,7 @@ class _Deck:
         self.rows: PanelRows = panel_rows(case)
         self.parts: Solids = solids(case, folder)
         self.flights = Flights(case, self.parts)
-        self.smallest_m = min(smallest_diameters_m(case).values())
-        self.largest_m = max(largest_diameters_m(case).values())
+        self.smallest_m, self.largest_m = sieve_sizes_m(case)
         self.boxes_m = _source_boxes_m(case)
 
     def gaps_between_panels(self) -> Iterator[str]:
@@ -243,7 +242,7 @@ def _source_boxes_m(case: Case) -> list[Array]:
     """Return bounds (2, 3) in deck axes of all blocks and feeds, and of the particles that are taken over."""
     boxes = [corners_m for corners_m, _ in _source_flights(case).values()]
     if (carried := case.bed.carried) is not None and len(carried):
-        places_m, radius_m = carried.position_m @ axes(case), carried.diameter_m[:, None] / 2
+        places_m, radius_m = carried.position_m @ axes(case), carried.grains.bounding_radius_m[:, None]
         boxes.append(np.vstack([places_m - radius_m, places_m + radius_m]))
     return [np.array([corners_m.min(axis=0), corners_m.max(axis=0)]) for corners_m in boxes]
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import largest_diameters_m, smallest_diameters_m
+from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.plausible import MISTAKEN
 from orchestrator.case.tables.case import Case, has_particles
@@ -172,8 +172,7 @@ def cut_beside_all_sizes(case: Case) -> Iterator[CaseProblem]:
     cut_m = case.output.cut_size_m
     if cut_m is None or not has_particles(case) or not case.bed.has_material:
         return
-    real = case.original
-    smallest_m, largest_m = min(smallest_diameters_m(real).values()), max(largest_diameters_m(real).values())
+    smallest_m, largest_m = sieve_sizes_m(case.original)
     if not smallest_m < cut_m < largest_m:
         where, kind = ("above", "fine") if cut_m >= largest_m else ("below", "coarse")
         sizes = f"{1e3 * smallest_m:.3g} to {1e3 * largest_m:.3g} mm"

@@ -19,7 +19,6 @@ from orchestrator.case.deck.panels import SinglePanel, axes, plate_corners_m, si
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid, surface_grids
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.slice import bounds_m, period_m
-from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import Rectangle, TriangleSurface, overlap_m, reach_into
@@ -173,7 +172,7 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     ``hanging_panels`` checks slack panels, because only their solvers know how they hang.
     """
     try:
-        particles = initial_particles(case, material_numbers(case))
+        particles = initial_particles(case)
     except NoRoom as full:
         yield CaseProblem(("bed", "blocks", full.block, "count"), str(full), kind="misplaced")
         return
@@ -264,8 +263,9 @@ def _in_surface(
     placed: npt.NDArray[np.bool_] | Literal[True] = True,
 ) -> Iterator[CaseProblem]:
     """Check that no ``placed`` particle's centre is nearer to the triangles (m, 3, 3) than its radius."""
-    depth_m = overlap_m(particles.position_m, particles.diameter_m / 2, corners_m)
-    inside = np.flatnonzero((depth_m > allowed_overlap(case) * particles.diameter_m) & placed)
+    radius_m = particles.grains.bounding_radius_m
+    depth_m = overlap_m(particles.position_m, radius_m, corners_m)
+    inside = np.flatnonzero((depth_m > allowed_overlap(case) * 2 * radius_m) & placed)
     if len(inside):
         deepest = inside[np.argmax(depth_m[inside])]
         key, name = _describe_particle(case, deepest)
@@ -279,7 +279,7 @@ def _in_surface(
 
 def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
     """Check that none of the triangles (m, 3, 3) reaches into the box of a feed."""
-    for feed, inlet in inlets(case, material_numbers(case)).items():
+    for feed, inlet in inlets(case).items():
         low, high = inlet.box_m
         rim_m = ALLOWED * (high - low)  # a box may stand against a wall
         if reach_into(corners_m @ inlet.axes, np.stack([low + rim_m, high - rim_m])).any():
@@ -365,9 +365,9 @@ def _overlapping(
     case: Case, particles: ParticleList, placed: npt.NDArray[np.bool_] | None = None
 ) -> Iterator[CaseProblem]:
     """Check that no two particles, both of them ``placed``, overlap by more than ``allowed_overlap``."""
-    one, two, depth_m = overlapping_pairs(particles.position_m, particles.diameter_m, period_m(case))
-    smaller_m = np.minimum(particles.diameter_m[one], particles.diameter_m[two])
-    deep = depth_m > allowed_overlap(case) * smaller_m
+    radius_m = particles.grains.bounding_radius_m
+    one, two, depth_m = overlapping_pairs(particles.position_m, radius_m, period_m(case))
+    deep = depth_m > allowed_overlap(case) * 2 * np.minimum(radius_m[one], radius_m[two])
     pairs = np.flatnonzero(deep if placed is None else deep & placed[one] & placed[two])
     if len(pairs):
         deepest = pairs[np.argmax(depth_m[pairs])]

@@ -10,9 +10,9 @@ import math
 from collections.abc import Iterator
 
 from orchestrator.case.bed.adhesion import softened_work_J_per_m2
-from orchestrator.case.bed.contact_times import smallest_diameters_m
+from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.tables.case import Case
-from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.scene.contacts import contact_law_effect
 from orchestrator.preflight.scene.effect import TENTH, Verdict, compare
 from orchestrator.preflight.scene.scene import Scene
@@ -38,14 +38,14 @@ def _pulls(case: Case) -> Iterator[tuple[float, float]]:
     contacts as they are softened.
     """
     k = case.particles.coarse_graining
-    radius_m = {name: d / 2 / k for name, d in smallest_diameters_m(case).items()}
+    real = {name: each.resized(each.sieve_size_m / k) for name, each in smallest_grains(case).items()}
     for number, row in enumerate(case.contacts):
-        radii = [radius_m.get(name, math.inf) for name in row.between]
-        if math.isinf(min(radii)):
+        pair = [real[name] for name in row.between if name in real]
+        if not pair:
             continue
-        density_kg_per_m3 = case.materials[row.between[radii.index(min(radii))]].density_kg_per_m3
-        weight_N = STANDARD_GRAVITY_M_PER_S2 * sphere_mass_kg(2 * min(radii), density_kg_per_m3)
-        reduced_m = 1 / (1 / radii[0] + 1 / radii[1])
+        smaller = min(pair, key=lambda each: each.contact_radius_m)
+        weight_N = STANDARD_GRAVITY_M_PER_S2 * smaller.mass_kg
+        reduced_m = 1 / sum(1 / each.contact_radius_m for each in pair)
         yield 1.5 * math.pi * reduced_m / weight_N, softened_work_J_per_m2(case, number) / k
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import largest_length_m
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, joins_sides, stretched_stiffness_error
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
@@ -12,14 +12,14 @@ NOTICED = 0.02  # a smaller error of a panel's stiffness is not told
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Return the verdict on the width over the largest diameter; None without a slice or particles."""
+    """Return the verdict on the width over the largest particle; None without a slice or particles."""
     part = scene.case.slice
     if part is None or not has_particles(scene.case):
         return None
-    ratio = part.width_m / largest_diameter_m(scene.case)
+    ratio = part.width_m / largest_length_m(scene.case)
     narrow = ratio < ENOUGH_DIAMETERS
     return Verdict(
-        number="slice / largest diameter",
+        number="slice / largest particle",
         value=ratio,
         threshold=f"{ENOUGH_DIAMETERS:g} (own choice)",
         matters=True if narrow else None,

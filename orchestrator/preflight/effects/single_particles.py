@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene, layer_kg_per_m2
@@ -21,7 +21,7 @@ def judge(scene: Scene) -> Verdict | None:
         value=layers,
         threshold=f"fewer than {FEWEST_LAYERS:g} (own choice)",
         matters=layers < FEWEST_LAYERS,
-        why=f"one of {largest_diameter_m(scene.case) * 1e3:.3g} mm stands for {k**3:.3g}",
+        why=f"one of {sieve_sizes_m(scene.case)[1] * 1e3:.3g} mm stands for {k**3:.3g}",
         cost=f"{k**3:.3g} times the particles, {k:.3g} times the steps",
     )
 

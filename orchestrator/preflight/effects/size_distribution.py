@@ -1,14 +1,13 @@
 """Distribution of the particles' sizes, which decides what passes the openings.
 
-In a bed, small particles trickle through the gaps from a ratio of diameters of 6.46.
+In a bed, small particles trickle through the gaps from a ratio of sizes of 6.46.
 """
 
 from __future__ import annotations
 
 import math
 
-from orchestrator.case.bed.contact_times import smallest_diameters_m
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
@@ -21,15 +20,16 @@ def judge(scene: Scene) -> Verdict:
     """Return the verdict on the sizes of the particles or, after a run, of its products."""
     products = scene.observed.products
     if products is not None:
-        number, threshold = "coarsest / finest product, mean diameter", f"{1 + TENTH:g} (own choice)"
+        number, threshold = "coarsest / finest product, mean size", f"{1 + TENTH:g} (own choice)"
         return Verdict(number, products.ratio, threshold, products.ratio > 1 + TENTH, products.words, COST)
     ratio = _ratio(scene.case)
-    number, threshold = "largest / smallest diameter", "6.46 (throat of three), or openings between"
+    number, threshold = "largest / smallest size", "6.46 (throat of three), or openings between"
     return Verdict(number, ratio, threshold, *_matter(scene, ratio), COST)
 
 
 def _ratio(case: Case) -> float:
-    return largest_diameter_m(case) / min(smallest_diameters_m(case).values())
+    smallest_m, largest_m = sieve_sizes_m(case)
+    return largest_m / smallest_m
 
 
 def _matter(scene: Scene, ratio: float) -> tuple[bool | None, str]:

@@ -9,15 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from orchestrator.case.bed.contact_times import (
-    contact_moduli,
-    hertz_static_overlap_m,
-    reduced_modulus_Pa,
-    smallest_diameters_m,
-)
+from orchestrator.case.bed.contact_times import contact_moduli, hertz_static_overlap_m, reduced_modulus_Pa
+from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.bed.size_distribution import share_between
 from orchestrator.case.tables.bed import SizeClass
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.contacts import STEP_COST, compute_softness, is_softened
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene, bed_parts
@@ -50,16 +45,17 @@ def judge(scene: Scene) -> Verdict | None:
     )
 
 
-def _pressed_overlap_m(scene: Scene, diameter_m: float) -> float:
-    """Return the overlap with a panel, for the softest pair, by the particle's weight and the throw."""
+def _pressed_overlap_m(scene: Scene, size_m: float) -> float:
+    """Return the overlap of particles of a size with a panel, for the softest pair, by weight and throw."""
     case, cap_Pa = scene.case, scene.case.particles.largest_youngs_modulus_Pa
     overlaps_m = [0.0]
-    for grain in smallest_diameters_m(case):
-        mass_kg = sphere_mass_kg(diameter_m, case.materials[grain].density_kg_per_m3)
-        force_N = mass_kg * scene.gravity_m_per_s2 * (1 + scene.throw)
+    for name, smallest in smallest_grains(case).items():
+        grain = smallest.resized(size_m)
+        force_N = grain.mass_kg * scene.gravity_m_per_s2 * (1 + scene.throw)
         for panel in {row.panel.table.material for row in scene.panels}:
-            moduli = (contact_moduli(case.materials[name], cap_Pa) for name in (grain, panel))
-            overlaps_m.append(hertz_static_overlap_m(force_N, diameter_m / 2, reduced_modulus_Pa(*moduli)))
+            moduli = (contact_moduli(case.materials[each], cap_Pa) for each in (name, panel))
+            reduced_Pa = reduced_modulus_Pa(*moduli)
+            overlaps_m.append(hertz_static_overlap_m(force_N, grain.contact_radius_m, reduced_Pa))
     return max(overlaps_m)
 
 
@@ -77,7 +73,7 @@ def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
 
 
 def _masses(scene: Scene) -> Iterator[tuple[float, SizeClass]]:
-    """Yield the mass in kg of every size class, with the diameters of real particles."""
+    """Yield the mass in kg of every size class, with the sizes of real particles."""
     case, k = scene.case, scene.case.particles.coarse_graining
     for mass_kg, rows in bed_parts(case, lambda feed: feed.rate_kg_per_s * case.duration_s):
         for row in rows:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,9 +15,11 @@ from orchestrator.case.solver_plans import panel_plans
 from orchestrator.ports import Array
 from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
 from orchestrator.preflight.mats.regime import Regime
-from orchestrator.preflight.mats.trial import CELLS, WATCHED_TURNS, Trial, is_costly, regimes
+from orchestrator.preflight.mats.trial import CELLS, SETTLING_TURNS, WATCHED_TURNS, Trial, is_costly, regimes
 from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.scene import scene as describe
 from orchestrator.preflight.scene.shaking import Shaking, free_frames
+from orchestrator.preflight.scene.starting import find_transients_m, run_up_turns
 
 MOST_KINDS = 4  # of mats that are tried, those of the largest strokes
 REMEMBERED = 64  # machines whose mats are known
@@ -28,7 +31,7 @@ REMEDY = (
 
 @dataclass(frozen=True)
 class Mats:
-    """Panels of one kind, and the regime of the one with the largest stroke.
+    """Panels that are alike and move alike, and the regime of the one with the largest stroke.
 
     ``loaded`` is its regime with the mass of the bed on it, None without particles.
     """
@@ -93,29 +96,56 @@ def _remembered(pickled_trials: bytes, cells: int, watched_turns: int) -> tuple[
 
 
 def trials_of(scene: Scene) -> Iterator[tuple[tuple[str, ...], Trial]]:
-    """Yield the names of equal panels, that of the largest stroke first, and the trial of this one."""
-    if not scene.shaken:
+    """Yield the names of panels that are alike and move alike, that of the largest stroke first, and the
+    trial of this one.
+
+    Neighbours on two frames are no such panels: one opens while it goes up, the other while it goes down.
+    The frames of a slice move as those of the whole machine.
+    """
+    if scene.case.whole_machine is not scene.case:
+        whole = describe(scene.case.whole_machine)
+        scene = replace(scene, plan=whole.plan, springs=whole.springs, shaken=whole.shaken)
+    starts = {shaking.speed_rad_per_s: _start_m(scene, shaking) for shaking in scene.shaken}
+    if not starts:
         return
-    trials: dict[bytes, list[Trial]] = {}
+    sheets: dict[bytes, list[Trial]] = {}
     for plan in panel_plans(scene.case):
         shaking = max(scene.shaken, key=lambda shaking: _stroke_m(shaking, plan))
-        amplitude_m = _amplitudes_m(scene, shaking, plan)
-        trial = Trial(plan, amplitude_m, shaking.speed_rad_per_s)
+        trial = Trial(plan, *_clamps_m(scene, shaking, plan, starts[shaking.speed_rad_per_s]))
         if trial.stroke_m > 0.0 and not plan.stops:
-            trials.setdefault(pickle.dumps(_sheet(plan)), []).append(trial)
-    for alike in trials.values():
-        alike.sort(key=lambda trial: -round(trial.stroke_m, 6))
-        yield tuple(trial.plan.name for trial in alike), alike[0]
+            sheets.setdefault(pickle.dumps(_sheet(plan)), []).append(trial)
+    for trials in sheets.values():
+        kinds: list[list[Trial]] = []
+        for trial in sorted(trials, key=lambda trial: -round(trial.stroke_m, 6)):
+            alike = next((kind for kind in kinds if kind[0].moves_as(trial)), None)
+            if alike is None:
+                kinds.append([trial])
+            else:
+                alike.append(trial)
+        for kind in kinds:
+            yield tuple(trial.plan.name for trial in kind), kind[0]
 
 
 def _stroke_m(shaking: Shaking, plan: PanelPlan) -> float:
     return float(abs(shaking.relative_m(plan.frames) @ plan.rectangle.along))
 
 
-def _amplitudes_m(scene: Scene, shaking: Shaking, plan: PanelPlan) -> Array:
-    """Return the amplitudes (2, 3) of both clamps; free frames stand still if no force moves them."""
+def _start_m(scene: Scene, shaking: Shaking) -> dict[str, Array]:
+    """Return what the frames differ from their steady motion by while the machine starts."""
+    turns = math.ceil(run_up_turns(scene.plan, shaking.speed_rad_per_s)) + SETTLING_TURNS
+    return find_transients_m(scene.plan, scene.springs, shaking, turns)
+
+
+def _clamps_m(
+    scene: Scene, shaking: Shaking, plan: PanelPlan, start_m: dict[str, Array]
+) -> tuple[Array, float, Array]:
+    """Return amplitudes (2, 3), speed and start (n, 2, 3) of both clamps; free frames stand still if no force
+    moves them."""
     still = () if scene.case.frames.adapter.moved_by_forces else free_frames(scene.plan)
-    return np.array([(name not in still) * shaking.amplitude_m[name] for name in plan.frames])
+    moves = [name not in still for name in plan.frames]
+    amplitude_m = np.array([moves[n] * shaking.amplitude_m[name] for n, name in enumerate(plan.frames)])
+    transient_m = np.stack([moves[n] * start_m[name] for n, name in enumerate(plan.frames)], axis=1)
+    return amplitude_m, shaking.speed_rad_per_s, transient_m
 
 
 def _sheet(plan: PanelPlan) -> PanelPlan:

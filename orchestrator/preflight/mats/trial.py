@@ -1,8 +1,7 @@
 """Trials of mats: the cheapest panel solver that bends moves each between its clamps, without a load.
 
-The clamps follow the steady motion of the frames, which grows smoothly over ``RUN_UP_TURNS`` turns.  What a
-mat does afterwards depends on how it got there; a machine that runs up another way may end in another one of
-several regimes.
+The clamps follow the frames while the machine starts, and then their steady motion: what a mat does depends
+on how it got there.
 """
 
 from __future__ import annotations
@@ -14,10 +13,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.sparse import block_diag, csr_array
 
 from orchestrator.case import solvers
-from orchestrator.ports import Array, Load, MeshedPanel, Motion, PanelState
+from orchestrator.ports import Array, Indices, Load, MeshedPanel, Motion, PanelState
 from orchestrator.ports.acceleration import QUOTED_HZ, acceleration_m_per_s2
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.clock import Interval
@@ -25,6 +25,7 @@ from orchestrator.ports.panel import Joinable
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.plans import PanelPlan
 from orchestrator.preflight.mats.regime import PHASES, Regime
+from orchestrator.preflight.scene.starting import STEPS
 
 CELLS = 32
 """Cells along a mat: with 16, the peaks of mats between turned clamps are off by a third."""
@@ -32,20 +33,28 @@ MOST_STEPS, MOST_ROWS = 400_000, 60_000
 """Of a trial: some ten seconds."""
 INTERVAL_S = 4e-4
 """Time between rows: accelerations reach 1.25 kHz."""
-RUN_UP_TURNS, SETTLING_TURNS, WATCHED_TURNS = 4, 6, 24
+SETTLING_TURNS, WATCHED_TURNS = 6, 24
+ALIKE = 0.3  # of the stroke: clamps whose amplitudes differ by less move alike
 
 
 @dataclass(frozen=True)
 class Trial:
     """A mat between clamps that move by Re(``amplitude_m`` exp(i w t)), (2, 3), the first and the second.
 
-    ``added_kg_per_m2`` is a load that moves with the mat.
+    ``transient_m`` (n, 2, 3) is what they differ from that by, ``STEPS`` to a turn from the start of the
+    machine on; its last ``SETTLING_TURNS`` turns fade.  ``added_kg_per_m2`` is a load that moves along.
     """
 
     plan: PanelPlan
     amplitude_m: Array
     speed_rad_per_s: float
+    transient_m: Array
     added_kg_per_m2: float = 0.0
+
+    @property
+    def turns_before(self) -> int:
+        """The turns of the start, before those that are watched."""
+        return (len(self.transient_m) - 1) // STEPS
 
     @property
     def turn_s(self) -> float:
@@ -57,15 +66,44 @@ class Trial:
         """The amplitude of one clamp against the other along the mat."""
         return float(abs((self.amplitude_m[1] - self.amplitude_m[0]) @ self.plan.rectangle.along))
 
+    @property
+    def clamps_m(self) -> Array:
+        """The amplitudes (2, 2) of both clamps along the mat and normal to it; the stroke's phase is 0."""
+        at = self.plan.rectangle
+        clamps_m = self.amplitude_m @ np.column_stack([at.along, at.normal])
+        stroke_m = clamps_m[1, 0] - clamps_m[0, 0]
+        return np.asarray(clamps_m * (abs(stroke_m) / stroke_m))
+
+    def moves_as(self, other: Trial) -> bool:
+        """Return whether clamps move as another mat's do, or as those do if it is turned round."""
+        mirrored_m = self.clamps_m[::-1] * [-1.0, 1.0]
+        most_m = ALIKE * max(self.stroke_m, other.stroke_m)
+        return any(np.abs(way_m - other.clamps_m).max() <= most_m for way_m in (self.clamps_m, mirrored_m))
+
     def at(self, stroke_m: float, speed_rad_per_s: float, span_m: float) -> Trial:
-        """Return the same mat at another stroke, to which all amplitudes are proportional, another speed, and
-        another distance of the clamps."""
+        """Return the same mat at another stroke, to which all motion is proportional, another speed, with the
+        same turns of the start, and another distance of the clamps."""
+        share = stroke_m / self.stroke_m
         return replace(
             self,
             plan=replace(self.plan, rectangle=replace(self.plan.rectangle, span_m=span_m)),
-            amplitude_m=self.amplitude_m * (stroke_m / self.stroke_m),
+            amplitude_m=share * self.amplitude_m,
+            transient_m=share * self.transient_m,
             speed_rad_per_s=speed_rad_per_s,
         )
+
+    def clamps_at(self, time_s: Array) -> tuple[Array, Array]:
+        """Return displacements and velocities (times, 2, 3) of the clamps."""
+        turn = time_s / self.turn_s
+        wave_m = np.multiply.outer(np.exp(2j * math.pi * turn), self.amplitude_m)
+        moved_m, moved_m_per_s = wave_m.real, (1j * self.speed_rad_per_s * wave_m).real
+        starting = turn <= self.turns_before
+        at = np.arange(len(self.transient_m)) / STEPS
+        fade = np.clip((at[-1] - at) / SETTLING_TURNS, 0.0, 1.0)
+        left_m = CubicSpline(at, (0.5 - np.cos(math.pi * fade) / 2)[:, None, None] * self.transient_m)
+        moved_m[starting] += left_m(turn[starting])
+        moved_m_per_s[starting] += left_m(turn[starting], 1) / self.turn_s
+        return moved_m, moved_m_per_s
 
     def open(self, adapter: PanelAdapter, cells: int) -> MeshedPanel:
         """Open the mat at rest.  Raises SolverFailed and SolverMissing."""
@@ -91,7 +129,7 @@ class Trial:
 def is_costly(trial: Trial) -> bool:
     """Return whether a trial would take longer than a preflight may, as one of a steel plate does."""
     adapter = _adapter(mat_solver())
-    watched_s = (RUN_UP_TURNS + SETTLING_TURNS + WATCHED_TURNS) * trial.turn_s
+    watched_s = (trial.turns_before + WATCHED_TURNS) * trial.turn_s
     plan = replace(trial.plan, cells=(CELLS, 1), integrator="explicit", apertures=None)
     step_s = adapter.largest_step_s(plan) if adapter.largest_step_s is not None else INTERVAL_S
     return watched_s > MOST_STEPS * step_s or watched_s > MOST_ROWS * INTERVAL_S
@@ -122,8 +160,8 @@ def regimes(
     ``solver`` is a panel solver's name, by default the cheapest's.  Raises SolverFailed and SolverMissing.
     """
     adapter = _adapter(solver or mat_solver())
-    turns = RUN_UP_TURNS + SETTLING_TURNS + watched_turns
-    rows = math.ceil(turns * max(trial.turn_s for trial in trials) / INTERVAL_S)
+    watched_s = max((trial.turns_before + watched_turns) * trial.turn_s for trial in trials)
+    rows = math.ceil(watched_s / INTERVAL_S)
     with ExitStack() as opened:
         panels = []
         for trial in trials:
@@ -145,26 +183,25 @@ def _move(trials: Sequence[Trial], panels: Sequence[MeshedPanel], rows: int) -> 
     states = [panel.initial() for panel in panels]
     state = _concatenate(states)
     mount_m = np.concatenate([panel.mount.position_m for panel in panels])
-    amplitude_m = np.concatenate([_amplitudes_m(*pair) for pair in zip(trials, panels, strict=True)])
     counts = [len(panel.mount.frame) for panel in panels]
-    speed, run_up_s = (
-        np.repeat(values, counts)
-        for values in np.array([(t.speed_rad_per_s, RUN_UP_TURNS * t.turn_s) for t in trials]).T
-    )
+    time_s = INTERVAL_S * np.arange(rows + 1)
+    clamps = np.stack([trial.clamps_at(time_s) for trial in trials], axis=2)
+    of_clamp = np.concatenate([_clamp_of(*pair) for pair in zip(trials, panels, strict=True)])
+    of_mat = np.repeat(np.arange(len(trials)), counts)
     to_middle = csr_array(block_diag([_middle(*pair) for pair in zip(trials, panels, strict=True)]))
     first = panels[0]
     join = first.join(panels) if isinstance(first, Joinable) and len(panels) > 1 else None
     surfaces = np.cumsum([0, *(len(state.surface) for state in states)])
-    clamps = np.cumsum([0, *counts])
+    held = np.cumsum([0, *counts])
 
     def advance(interval: Interval, motion: Motion, load: Load) -> PanelState:
         if join is not None:
             return join(interval, motion, load)
-        parts = zip(panels, pairwise(clamps), pairwise(surfaces), strict=True)
+        parts = zip(panels, pairwise(held), pairwise(surfaces), strict=True)
         return _concatenate(
             [
-                panel.advance(interval, motion.part(slice(*held)), load.part(slice(*touched)))
-                for panel, held, touched in parts
+                panel.advance(interval, motion.part(slice(*mount)), load.part(slice(*touched)))
+                for panel, mount, touched in parts
             ]
         )
 
@@ -172,13 +209,8 @@ def _move(trials: Sequence[Trial], panels: Sequence[MeshedPanel], rows: int) -> 
     places_m, velocities_m_per_s = np.empty((2, rows + 1, len(trials), 3))
     for row in range(rows + 1):
         if row:
-            time_s = row * INTERVAL_S
-            share = np.minimum(time_s / run_up_s, 1.0)
-            grown = ((1 - np.cos(math.pi * share)) / 2)[:, None]
-            growing = (np.sin(math.pi * share) * math.pi / (2 * run_up_s))[:, None]
-            wave_m = amplitude_m * np.exp(1j * speed * time_s)[:, None]
-            velocity_m_per_s = grown * (1j * speed[:, None] * wave_m).real + growing * wave_m.real
-            motion = Motion(mount_m + grown * wave_m.real, velocity_m_per_s)
+            moved_m, moved_m_per_s = clamps[:, row, of_mat, of_clamp]
+            motion = Motion(mount_m + moved_m, moved_m_per_s)
             state = advance(Interval(row - 1, INTERVAL_S), motion, unloaded)
         places_m[row] = to_middle @ state.surface.position_m
         velocities_m_per_s[row] = to_middle @ state.surface.velocity_m_per_s
@@ -194,11 +226,11 @@ def _concatenate(states: Sequence[PanelState]) -> PanelState:
     return PanelState(surface, Load(np.concatenate([state.reaction.force_N for state in states])))
 
 
-def _amplitudes_m(trial: Trial, panel: MeshedPanel) -> Array:
-    """Return the amplitudes (clamp points, 3) of a panel's clamp points."""
+def _clamp_of(trial: Trial, panel: MeshedPanel) -> Indices:
+    """Return the clamp, 0 or 1, of each of a panel's clamp points."""
     at = trial.plan.rectangle
     along_m = (panel.mount.position_m - at.corner_m) @ at.along
-    return np.asarray(trial.amplitude_m[(along_m > at.span_m / 2).astype(int)])
+    return (along_m > at.span_m / 2).astype(np.int64)
 
 
 def _middle(trial: Trial, panel: MeshedPanel) -> csr_array:
@@ -209,11 +241,11 @@ def _middle(trial: Trial, panel: MeshedPanel) -> csr_array:
 
 def _watch(trial: Trial, time_s: Array, middle_m: Array, middle_m_per_s: Array, watched_turns: int) -> Regime:
     """Return the regime of a mat whose middle moves as in (rows, 3)."""
-    at, wave = trial.plan.rectangle, np.exp(1j * trial.speed_rad_per_s * time_s)
-    between_m = (wave[:, None] * trial.amplitude_m.mean(axis=0)).real
+    at = trial.plan.rectangle
+    between_m = trial.clamps_at(time_s)[0].mean(axis=1)
     rest_m = at.corner_m + at.span_m / 2 * at.along
     height_m = (middle_m - rest_m - between_m) @ at.normal
-    start_s = (RUN_UP_TURNS + SETTLING_TURNS) * trial.turn_s
+    start_s = trial.turns_before * trial.turn_s
     phase = np.arange(watched_turns * PHASES) / PHASES
     heights_m = np.interp(start_s + phase * trial.turn_s, time_s, height_m).reshape(watched_turns, PHASES)
     number = np.floor((time_s - start_s) / trial.turn_s).astype(int)

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
 from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.clock import times_s
-from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.preflight.cost import particles_at_start, predicted_parts_s
 from orchestrator.preflight.proposal.layout import FINEST_COMPUTED, Layout
 
@@ -173,8 +173,8 @@ def sampled_as_m(layout: Layout, finest_m: float, below_m: float) -> float:
     part = (_slice_m(layout) or wishes.width_m) / wishes.width_m
     balanced_kg = wishes.throughput_kg_per_s * part * BALANCED_TURNS * cycle_s(layout)
     each_kg = balanced_kg * min(shares, default=0.0) / SAMPLE_GRAINS
-    diameter_m = (each_kg / wishes.density_kg_per_m3 / sphere_volume_m3(1.0)) ** (1 / 3)
-    return max(below_m, round(float(diameter_m), 4))
+    size_m = (each_kg / wishes.density_kg_per_m3 / solvers.shape("sphere").volume) ** (1 / 3)
+    return max(below_m, round(float(size_m), 4))
 
 
 def cycle_s(layout: Layout) -> float:

@@ -9,10 +9,10 @@ range of polyurethane in the material library.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import NamedTuple
 
 from orchestrator.case.file.errors import CaseProblem
@@ -23,9 +23,12 @@ from orchestrator.preflight.proposal.layout import Mounting
 from orchestrator.preflight.proposal.wishes import Wishes, down, problem
 from orchestrator.preflight.scene.scene import Scene
 
-THICKNESSES_M, ANGLES_DEG, SLACKS = (0.004, 0.005, 0.006), (15.0, 20.0, 25.0), (0.0, 0.005, 0.01, 0.015, 0.02)
+THICKNESSES_M, ANGLES_DEG = (0.004, 0.0045, 0.005, 0.0055, 0.006), (15.0, 20.0, 25.0)
+SLACKS = (0.0, 0.005, 0.01, 0.015, 0.02)
 """What is tried; slacks over the distance of the clamps."""
-MOST_SLACK = 0.5  # of the stroke, so that a mat is taut for a third of each turn
+MOST_SLACK = (
+    0.26  # of the stroke: the scene's mats pull nothing while slack, and real ones pull by their inertia
+)
 LEAST_G, MOST_G = 30.0, 50.0
 SHORT_LIST = 4
 FIRST_CELLS, FIRST_TURNS, CELLS, TURNS = 16, 8, 24, 12
@@ -56,26 +59,29 @@ NEIGHBOURS = (
 
 @dataclass(frozen=True)
 class Choice:
-    """A mounting and the regime of its mats, empty; ``has_room`` if they hang at ``NEIGHBOURS``."""
+    """A mounting and the regimes of its mats, empty: one for each way in which mats are moved.
+
+    ``has_room`` says whether they hang at ``NEIGHBOURS``, too.
+    """
 
     mounting: Mounting
-    regime: Regime
+    regimes: tuple[Regime, ...]
     has_room: bool
 
 
 def choose_mounting(moved: Scene) -> Choice | None:
     """Return the best mounting for the machine of a scene, or None if no mat hangs down in every turn."""
-    trial = _trial(moved)
-    tried = _mountings(trial)
-    first = _try([_with(trial, row) for row in tried], [WANTED, SOFT], FIRST_CELLS, FIRST_TURNS)
-    hanging = [number for number, found in enumerate(first) if _all_hang(found)]
-    short = [tried[number] for number in sorted(hanging, key=lambda n: _off_g(first[n][:1]))[:SHORT_LIST]]
+    trials = [trial for _, trial in trials_of(moved)]
+    tried = _mountings(trials)
+    first = _try(trials, tried, [WANTED, SOFT], FIRST_CELLS, FIRST_TURNS)
+    hanging = [number for number, found in enumerate(first) if _all_hang(itertools.chain(*found))]
+    short = [tried[number] for number in sorted(hanging, key=lambda n: _off_g(first[n][0]))[:SHORT_LIST]]
     around = [WANTED, *NEIGHBOURS]
-    found = _try([_with(trial, row) for row in short], around, CELLS, TURNS) if short else []
+    found = _try(trials, short, around, CELLS, TURNS) if short else []
     choices = [
-        (not _all_hang(regimes), _off_g(regimes[:1]), number)
-        for number, regimes in enumerate(found)
-        if not regimes[0].turns_up
+        (not _all_hang(itertools.chain(*beside)), _off_g(beside[0]), number)
+        for number, beside in enumerate(found)
+        if _all_hang(beside[0])
     ]
     if not choices:
         return None
@@ -84,15 +90,16 @@ def choose_mounting(moved: Scene) -> Choice | None:
 
 
 def _try(
-    trials: Sequence[Trial], around: Sequence[Shares], cells: int, turns: int
-) -> list[tuple[Regime, ...]]:
-    """Return the regimes of each trial at and beside what is wanted."""
-    beside = [_beside(trial, shares) for trial in trials for shares in around]
-    found = remembered_regimes(beside, cells, turns)
-    return [found[n : n + len(around)] for n in range(0, len(found), len(around))]
+    trials: Sequence[Trial], mountings: Sequence[Mounting], around: Sequence[Shares], cells: int, turns: int
+) -> list[list[tuple[Regime, ...]]]:
+    """Return the regimes of all trials for each mounting, at and beside what is wanted."""
+    cases = list(itertools.product(mountings, around, trials))
+    tried = [_beside(_with(trial, mounting), shares) for mounting, shares, trial in cases]
+    found = iter(remembered_regimes(tried, cells, turns))
+    return [[tuple(next(found) for _ in trials) for _ in around] for _ in mountings]
 
 
-def _all_hang(regimes: Sequence[Regime]) -> bool:
+def _all_hang(regimes: Iterable[Regime]) -> bool:
     """Return whether no mat arches up in any turn."""
     return not any(regime.turns_up for regime in regimes)
 
@@ -101,11 +108,11 @@ def no_hanging_mats(wishes: Wishes, moved: Scene) -> Iterator[CaseProblem]:
     """Yield the problem of a stroke and a speed at which no mat hangs, with a stroke at which one does."""
     at = f"{1e3 * wishes.stroke_m:.3g} mm and {30 / math.pi * wishes.speed_rad_per_s:.0f} rpm"
     what = f"no mat that was tried hangs down in every turn at {at}"
-    trial = _trial(moved)
-    rows = [_with(trial, row) for row in _mountings(trial)]
+    trials = [trial for _, trial in trials_of(moved)]
     for share in SMALLER_STROKES:
         both = [Shares(stroke=share), SOFT._replace(stroke=share)]
-        if any(map(_all_hang, _try(rows, both, FIRST_CELLS, FIRST_TURNS))):
+        found = _try(trials, _mountings(trials), both, FIRST_CELLS, FIRST_TURNS)
+        if any(_all_hang(itertools.chain(*beside)) for beside in found):
             hint = f"some do up to {down(1e3 * share * wishes.stroke_m):g} mm, or take a lower --speed"
             yield problem("stroke", what, hint)
             return
@@ -119,16 +126,12 @@ def _off_g(regimes: Sequence[Regime]) -> float:
     return sum(max(0.0, off - half_g) + 0.1 * off for off in off_g)
 
 
-def _trial(moved: Scene) -> Trial:
-    """Return the trial of the panel with the largest stroke."""
-    return max((trial for _, trial in trials_of(moved)), key=lambda trial: trial.stroke_m)
-
-
-def _mountings(trial: Trial) -> Sequence[Mounting]:
+def _mountings(trials: Sequence[Trial]) -> Sequence[Mounting]:
     """Return the mountings that are tried, with round slacks with which the stroke stretches the mat."""
-    slacks_m = [round(slack * trial.plan.rectangle.span_m, 4) for slack in SLACKS]
-    slacks_m = [slack_m for slack_m in slacks_m if slack_m <= MOST_SLACK * trial.stroke_m]
-    return [Mounting(*row) for row in product(THICKNESSES_M, ANGLES_DEG, slacks_m)]
+    longest = max(trials, key=lambda trial: trial.stroke_m)
+    slacks_m = [round(slack * longest.plan.rectangle.span_m, 4) for slack in SLACKS]
+    slacks_m = [slack_m for slack_m in slacks_m if slack_m <= MOST_SLACK * longest.stroke_m]
+    return [Mounting(*row) for row in itertools.product(THICKNESSES_M, ANGLES_DEG, slacks_m)]
 
 
 def _with(trial: Trial, mounting: Mounting) -> Trial:

@@ -69,20 +69,23 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
 
 def _mats(chosen: Choice) -> Iterator[str]:
     """Yield sentences about the mats' mounting and how they flip."""
-    mounting, regime = chosen.mounting, chosen.regime
+    mounting = chosen.mounting
+    ways = "; the next one ".join(regime.in_words for regime in chosen.regimes)
     yield (
         f"mats: {1e3 * mounting.thickness_m:.3g} mm thick, clamps that point down by "
         f"{mounting.clamp_angle_deg:g} degrees, {1e3 * mounting.slack_m:.3g} mm of slack; empty, a mat "
-        f"{regime.in_words}"
+        f"{ways}"
     )
     if not chosen.has_room:
         yield (
             "doubtful: with a stroke 10 % or a speed 5 % beside the wanted one, softer mats or another loss "
             "factor, the mats arch up in some turns"
         )
-    if not 0.8 * LEAST_G <= regime.mean_peak_g <= 1.2 * MOST_G:
+    peaks_g = [regime.mean_peak_g for regime in chosen.regimes]
+    if min(peaks_g) < 0.8 * LEAST_G or max(peaks_g) > 1.2 * MOST_G:
         usual = f"{LEAST_G:g} to {MOST_G:g} g are usual"
-        yield f"doubtful: the mats flip with {regime.mean_peak_g:.3g} g; {usual}, and another stroke may help"
+        flip = " and ".join(f"{peak_g:.3g}" for peak_g in peaks_g)
+        yield f"doubtful: the mats flip with {flip} g; {usual}, and another stroke may help"
 
 
 def _doubts_about_the_deck(wishes: Wishes, layout: Layout) -> Iterator[str]:

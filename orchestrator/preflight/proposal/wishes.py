@@ -352,7 +352,7 @@ def _read_feed(text: str, ends_m: tuple[float, ...], material: str, smaller_m: f
     """Return the points of the feed's curve, and the text of its sieve analysis, "" for a typical curve."""
     if is_file_name(text):
         analysis = Path(text).read_text(encoding="utf-8-sig")
-        return tuple((row["diameter_m"], row["passing"]) for row in curve_of(analysis)), analysis
+        return tuple((row["sieve_size_m"], row["passing"]) for row in curve_of(analysis)), analysis
     smallest_m, largest_m = ends_m or (0.0, USUAL_LARGEST * smaller_m)
     exponent = find_grains(material).material.quantities[SIZE_EXPONENT].value
     return typical_feed(smallest_m, largest_m, exponent), ""

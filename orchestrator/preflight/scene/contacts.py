@@ -8,14 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from orchestrator.case.bed.adhesion import surface_materials
-from orchestrator.case.bed.contact_times import (
-    contact_moduli,
-    hertz_overlap_m,
-    reduced_modulus_Pa,
-    smallest_diameters_m,
-)
+from orchestrator.case.bed.contact_times import contact_moduli, hertz_overlap_m, reduced_modulus_Pa
+from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.tables.case import Case, Contact, has_particles
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.effect import Effect, Judge
 from orchestrator.preflight.scene.scene import Scene, layer_kg_per_m2
 
@@ -87,7 +82,7 @@ def compute_softness(scene: Scene) -> Softness:
     K. L., Contact Mechanics, 1985, section 11.4.
     """
     case = scene.case
-    grains = set(smallest_diameters_m(case))
+    grains = set(smallest_grains(case))
     overlaps = [_overlap(scene, *pair, both=pair[1] in grains) for pair in _meeting(case)]
     overlap, where = max(overlaps, default=0.0), f"at {scene.impact_m_per_s:.2g} m/s"
     if scene.observed.deepest is not None:
@@ -105,7 +100,7 @@ def is_softened(case: Case) -> bool:
 def _meeting(case: Case) -> set[tuple[str, str]]:
     """Return the pairs of materials of a particle and of a particle or panel that it can meet."""
     panels = {panel.material for panel in case.screen.panels.values()}
-    met = panels | set(smallest_diameters_m(case))
+    met = panels | set(smallest_grains(case))
     return {pair for _, pair in _contacts_with(case, met)}
 
 
@@ -117,7 +112,7 @@ def contacts_on_deck(case: Case) -> list[Contact]:
 
 def _contacts_with(case: Case, materials: Collection[str]) -> Iterator[tuple[Contact, tuple[str, str]]]:
     """Yield the contacts of particles with some materials, each with its pair, the particle's first."""
-    grains = set(smallest_diameters_m(case))
+    grains = set(smallest_grains(case))
     for row in case.contacts:
         for grain, other in (row.between, row.between[::-1]):
             if grain in grains and other in materials:
@@ -135,8 +130,9 @@ def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
         *(contact_moduli(case.materials[name], cap_Pa) for name in (grain, other))
     )
     half = 0.5 if both else 1.0
-    mass_kg = half * sphere_mass_kg(2.0, case.materials[grain].density_kg_per_m3)
-    return hertz_overlap_m(mass_kg, half, reduced_Pa, scene.impact_m_per_s)
+    unit = smallest_grains(case)[grain].resized(2.0)
+    mass_kg, radius_m = half * unit.mass_kg, half * unit.contact_radius_m
+    return hertz_overlap_m(mass_kg, radius_m, reduced_Pa, scene.impact_m_per_s)
 
 
 def friction_over_pull(scene: Scene, friction: float) -> float:
@@ -187,7 +183,7 @@ def rolling_on_deck(scene: Scene) -> Rolling | None:
     if not rows:
         return None
     row = min(rows, key=lambda row: row.rolling_friction)
-    grains = smallest_diameters_m(scene.case)
+    grains = smallest_grains(scene.case)
     between = row.between if row.between[0] in grains else row.between[::-1]
     friction = 0.0 if scene.case.particles.rolling == "none" else row.rolling_friction
     return Rolling(friction, between, scene.slope, scene.bed_kg_per_m2 / layer_kg_per_m2(scene.case))

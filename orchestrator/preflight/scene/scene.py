@@ -14,21 +14,21 @@ from functools import cached_property
 import numpy as np
 
 from orchestrator.case import solvers
-from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_diameters_m
+from orchestrator.case.bed.contact_times import impact_speed_m_per_s
+from orchestrator.case.bed.grains import grain, largest_grains, sieve_sizes_m
 from orchestrator.case.bed.size_distribution import (
     classes,
-    classes_of_diameters,
+    classes_of_grains,
     mean_mass_kg,
     share_left_out,
     size_class,
 )
-from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes, single_panels, stay_s
 from orchestrator.case.solver_plans import frames_plan, hyperelastic
 from orchestrator.case.tables.bed import Feed, SizeClass
 from orchestrator.case.tables.case import Case, has_particles
-from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.plans import FramesPlan
 from orchestrator.preflight.scene.moved_panel import MovedPanel, change_of_response
 from orchestrator.preflight.scene.observed import Observed
@@ -61,8 +61,8 @@ class Scene:
 
     @property
     def finest_m(self) -> float:
-        """The smallest diameter of the real particles, even if the case computes coarse ones."""
-        return min(smallest_diameters_m(self.case).values()) / self.case.particles.coarse_graining
+        """The smallest sieve size of the real particles, even if the case computes coarse ones."""
+        return sieve_sizes_m(self.case)[0] / self.case.particles.coarse_graining
 
     @property
     def falls_through(self) -> bool:
@@ -234,23 +234,21 @@ def bed_kg(case: Case) -> float:
 def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[float, tuple[SizeClass, ...]]]:
     """Yield the mass and the size classes of each single particle, each block, the carried particles of
     each material and, with the mass that ``fed_kg`` gives, each feed."""
-    for particle in case.bed.particles.values():
-        density, diameter_m = case.materials[particle.material].density_kg_per_m3, particle.diameter_m
-        yield sphere_mass_kg(diameter_m, density), (size_class(diameter_m, diameter_m, 1.0),)
+    for row in case.bed.particles.values():
+        size_m = row.sieve_size_m
+        yield grain(case, row.material, row.shape, size_m).mass_kg, (size_class(size_m, size_m, 1.0),)
     for block in case.bed.blocks.values():
         sizes = classes(block)
-        yield block.count * mean_mass_kg(sizes, case.materials[block.material].density_kg_per_m3), sizes
+        yield block.count * mean_mass_kg(sizes, grain(case, block.material, block.shape)), sizes
     for feed in case.bed.feeds.values():
         yield fed_kg(feed), classes(feed)
     if (carried := case.bed.carried) is not None:
         for name in carried.materials:
-            sizes_m = carried.diameters_m(name)
-            density = case.materials[name].density_kg_per_m3
-            yield float(sphere_mass_kg(sizes_m, density).sum()), classes_of_diameters(sizes_m)
+            grains = carried.of_material(name)
+            mass_kg = case.materials[name].density_kg_per_m3 * float(grains.volume_m3.sum())
+            yield mass_kg, classes_of_grains(grains)
 
 
 def layer_kg_per_m2(case: Case) -> float:
     """Return the mass per area of one layer of the largest particles, side by side."""
-    densest = max(case.materials[name].density_kg_per_m3 for name in smallest_diameters_m(case))
-    largest_m = largest_diameter_m(case)
-    return sphere_mass_kg(largest_m, densest) / largest_m**2
+    return max(each.mass_kg / (2 * each.bounding_radius_m) ** 2 for each in largest_grains(case).values())

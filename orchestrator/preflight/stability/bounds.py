@@ -19,12 +19,11 @@ from orchestrator.case.bed.contact_times import (
     hertz_overlap_m,
     hertz_s,
     hertz_static_overlap_m,
-    largest_diameters_m,
     reduced_modulus_Pa,
-    smallest_diameters_m,
 )
+from orchestrator.case.bed.grains import largest_grains, smallest_grains
 from orchestrator.case.tables.quantities import GROUND
-from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.ports.grains import Grain
 from orchestrator.preflight.scene.moved_panel import loss_factor
 from orchestrator.preflight.scene.scene import Scene, bed_kg, deck_m2
 from orchestrator.preflight.stability import limits
@@ -73,7 +72,7 @@ class ContactSpring(NamedTuple):
 
 @dataclass(frozen=True)
 class Touch:
-    """Spheres of one size on a surface.
+    """Particles of one size on a surface.
 
     ``deepest`` is the contact in an impact or under the bed, whichever goes deeper.  ``resting`` is the
     contact under the thrown bed.  ``resting_m`` is the depth of a sphere under the larger of the bed's
@@ -82,7 +81,7 @@ class Touch:
     """
 
     material: str
-    diameter_m: float
+    size_m: float
     mass_kg: float
     deepest: ContactSpring
     resting: ContactSpring
@@ -91,27 +90,27 @@ class Touch:
     area_m2: float
 
     def __str__(self) -> str:
-        return f"{self.material} of {1e3 * self.diameter_m:.3g} mm"
+        return f"{self.material} of {1e3 * self.size_m:.3g} mm"
 
 
 def touches(scene: Scene, surface_material: str) -> list[Touch]:
-    """Return the smallest and the largest spheres of each material on surfaces of one material."""
-    smallest_m, largest_m = smallest_diameters_m(scene.case), largest_diameters_m(scene.case)
+    """Return the smallest and the largest particles of each material on surfaces of one material."""
+    smallest, largest = smallest_grains(scene.case), largest_grains(scene.case)
     return [
-        _touch(scene, name, diameter_m, surface_material)
-        for name in smallest_m
-        for diameter_m in sorted({smallest_m[name], largest_m[name]})
+        _touch(scene, name, grain, surface_material)
+        for name in smallest
+        for grain in {each.sieve_size_m: each for each in (smallest[name], largest[name])}.values()
     ]
 
 
-def _touch(scene: Scene, name: str, diameter_m: float, surface_material: str) -> Touch:
+def _touch(scene: Scene, name: str, grain: Grain[float], surface_material: str) -> Touch:
     case, speed_m_per_s = scene.case, scene.impact_m_per_s
-    cap_Pa, grain = case.particles.largest_youngs_modulus_Pa, case.materials[name]
+    cap_Pa = case.particles.largest_youngs_modulus_Pa
     reduced_Pa = reduced_modulus_Pa(
-        contact_moduli(grain, cap_Pa), contact_moduli(case.materials[surface_material], cap_Pa)
+        *(contact_moduli(case.materials[each], cap_Pa) for each in (name, surface_material))
     )
-    mass_kg, radius_m = sphere_mass_kg(diameter_m, grain.density_kg_per_m3), diameter_m / 2
-    area_m2 = math.sqrt(3) / 2 * diameter_m**2  # side by side, in hexagons
+    mass_kg, radius_m = grain.mass_kg, grain.contact_radius_m
+    area_m2 = math.sqrt(3) / 2 * (2 * grain.bounding_radius_m) ** 2  # side by side, in hexagons
     bed_Pa = scene.bed_kg_per_m2 * scene.gravity_m_per_s2
     thrown_N = bed_Pa * (1 + scene.panels_throw) * area_m2
     lying_N = max(bed_Pa * area_m2, mass_kg * scene.gravity_m_per_s2)
@@ -134,7 +133,7 @@ def _touch(scene: Scene, name: str, diameter_m: float, surface_material: str) ->
 
     return Touch(
         material=name,
-        diameter_m=diameter_m,
+        size_m=grain.sieve_size_m,
         mass_kg=mass_kg,
         deepest=spring(deepest_m),
         resting=spring(pressed_m),

@@ -228,7 +228,7 @@ class LongSteps(MonitorItem):
         if books.bed is None or not len(books.bed.particles.id):
             return
         particles, surface = books.bed.particles, books.state.panel.surface
-        radius_m = particles.diameter_m / 2
+        radius_m = particles.grains.contact_radius_m
         share = self._step_s * lengths(particles.velocity_m_per_s) / radius_m
         farthest = int(np.argmax(share))
         yield Observation(float(share[farthest]), f"particle {particles.id[farthest]}")

@@ -19,7 +19,7 @@ from typing import Any
 from scipy.optimize import brentq
 
 from orchestrator.case import solvers
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import largest_length_m
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import read_json
 from orchestrator.case.file.layers import find_changes
@@ -444,5 +444,5 @@ class Plan:
             return
         now_m = case.slice.width_m if case.slice else high - low
         width_m = between_openings_m(case.whole_machine, now_m * left_s / shared_s)
-        if width_m >= ENOUGH_DIAMETERS * largest_diameter_m(case):
+        if width_m >= ENOUGH_DIAMETERS * largest_length_m(case):
             yield f"a slice: slice.width_m={width_m:.3g} instead of {now_m:.3g} m"

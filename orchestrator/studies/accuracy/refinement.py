@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from orchestrator.case import solvers
-from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.bed.grains import largest_length_m
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.file.slice import between_openings_m, full_width_m
 from orchestrator.case.solver_plans import particle_step_s
@@ -431,7 +431,7 @@ def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
     whole = case.whole_machine
     own_m = whole.slice.width_m if whole.slice else high - low
     every_m = {degree: own_m * 2.0**degree for degree in _degrees(points)}
-    most_m, least_m = (high - low) * (1 + 1e-9), FEWEST_DIAMETERS * largest_diameter_m(case)
+    most_m, least_m = (high - low) * (1 + 1e-9), FEWEST_DIAMETERS * largest_length_m(case)
     widths_m = {
         degree: between_openings_m(whole, width_m) if degree else own_m
         for degree, width_m in every_m.items()

@@ -1,4 +1,4 @@
-"""A few to some hundred spheres in NumPy, with which LIGGGHTS is compared.
+"""A few to some hundred spheres in NumPy, alone or as grains of several, with which LIGGGHTS is compared.
 
 Equations, limits and what was measured: docs/theory/spheres.md.
 """

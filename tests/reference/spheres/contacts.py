@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices, Overlaps
 from orchestrator.ports.geometry import TriangleSurface, closest_on_triangle
-from tests.reference.spheres.rows import Rows
+from orchestrator.ports.rows import Rows
 from tests.reference.spheres.smooth_patches import Places, find_minima, share_force
 from tests.reference.spheres.spheres import Spheres
 from tests.reference.spheres.triangle_spin import TriangleSpin, cross
@@ -44,6 +44,8 @@ class Neighbours:
         if len(spheres) > 1:
             pairs = cKDTree(center_m).query_pairs(2.0 * largest_m + skin_m, output_type="ndarray")
             i, j = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].astype(np.int64).T
+            apart = spheres.body[i] != spheres.body[j]  # not of one grain
+            i, j = i[apart], j[apart]
         near = np.linalg.norm(center_m[i] - center_m[j], axis=1) < radius_m[i] + radius_m[j] + skin_m
         sphere, triangle = find_near_surface(spheres, skin_m, surface_m[surface.triangles])
         return Neighbours(i[near], j[near], sphere, triangle, center_m.copy(), surface_m.copy(), skin_m)
@@ -210,7 +212,7 @@ def find_contacts(
     decide which hold beyond zero overlap."""
     on_surface = _find_on_surface(spheres, surface, surface_m, near, law, before)
     pairs = _find_between_spheres(spheres, near, law, before)
-    return pairs.followed_by(on_surface) if len(pairs.first) else on_surface
+    return Contacts.joined([pairs, on_surface]) if len(pairs.first) else on_surface
 
 
 def _find_between_spheres(

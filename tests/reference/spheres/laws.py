@@ -13,8 +13,8 @@ import numpy as np
 
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
+from orchestrator.ports.rows import Rows
 from tests.reference.spheres.contacts import Contacts
-from tests.reference.spheres.rows import Rows
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class NormalLaw:
         """The plan's law."""
         none, adhesion = np.zeros_like(youngs_modulus_Pa), plan.adhesion
         if isinstance(adhesion, Jkr):
-            reach_m = adhesion.largest_stretch * plan.largest_diameter_m
+            reach_m = adhesion.largest_stretch * 2.0 * plan.largest_radius_m
             return NormalLaw(youngs_modulus_Pa, adhesion.work_J_per_m2, none, reach_m)
         density = adhesion.energy_density_J_per_m3 if isinstance(adhesion, Sjkr) else none
         return NormalLaw(youngs_modulus_Pa, none, density, 0.0)

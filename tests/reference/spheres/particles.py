@@ -30,17 +30,17 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import RigidVertices, closest_on_triangle
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
+from tests.reference.spheres.bodies import Bodies
 from tests.reference.spheres.contacts import Contacts, Neighbours, find_near_surface
 from tests.reference.spheres.crossing import find_crossings
 from tests.reference.spheres.forces import SphereForces, compute_contact_tangent, compute_forces
 from tests.reference.spheres.laws import Laws
-from tests.reference.spheres.spheres import Spheres
 from tests.reference.spheres.triangle_spin import cross
 from tests.reference.spheres.visits import Visits
 
 _BOOKS = ("_impulse_N_s", "_supplied_J", "_lost_J", "_received_J", "_came_kg_m2_per_s", "_given_kg_m2_per_s")
 _SUMS = ("_worn_m3", "_fed", "_deepest", "_crossings", "_mass_moment_time_kg_m_s", *_BOOKS)
-_STATE = ("_spheres", "_surface_m", "_near", "_now", "_visits", *_SUMS)
+_STATE = ("_bodies", "_surface_m", "_near", "_now", "_visits", *_SUMS)
 
 
 class SpheresSolver:
@@ -51,12 +51,13 @@ class SpheresSolver:
         vertices = replace(plan.surface, position_m=plan.surface.vertices_m, rigid=RigidVertices.none())
         self._plan = plan = replace(plan, surface=vertices)  # all vertices are points inside of here
         self._laws = Laws.of(plan)
-        self._spheres = Spheres.of(plan.particles, 1)
+        self._bodies = Bodies.of(plan.particles, 1)
+        self._spheres = self._bodies.spheres(plan.shapes)
         self._surface_m = plan.surface.position_m.copy()
         self._near = Neighbours.of(self._spheres, plan.surface, self._surface_m)
         at_rest = Motion(self._surface_m, np.zeros_like(self._surface_m))
         self._now = self._compute_forces(at_rest, None, 0.0)
-        self._visits = Visits.of(len(self._spheres), plan.counted_panels)
+        self._visits = Visits.of(len(self._bodies), plan.counted_panels)
         self._worn_m3 = np.zeros(len(self._surface_m))
         self._fed = 0  # particles, since t = 0
         self._deepest, self._crossings = self._now.contacts.deepest(), Crossings.none()
@@ -93,15 +94,15 @@ class SpheresSolver:
             before_m = self._surface_m
         self._remove(interval.end_s)
         if self._plan.deck is not None:
-            self._visits.observe(self._plan.deck, self._surface_m, self._spheres, interval.length_s)
+            self._visits.observe(self._plan.deck, self._surface_m, self._bodies, interval.length_s)
         return Load(self._on_points(impulse_N_s) / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
-        return self._spheres.snapshot()
+        return self._bodies.snapshot()
 
     def removed(self) -> Removed:
         since, self._removed = self._removed, []
-        return sort_removed(since, self._plan.counted_panels)
+        return self._sorted(since)
 
     def overlaps(self) -> Overlaps:
         since, self._deepest = self._deepest, Overlaps()
@@ -120,37 +121,39 @@ class SpheresSolver:
 
     def account(self) -> Account:
         stored_J = {
-            "kinetic": self._spheres.kinetic_J(),
-            "gravitational": self._spheres.gravitational_J(self._plan.gravity_m_per_s2),
+            "kinetic": self._bodies.kinetic_J(),
+            "gravitational": self._bodies.gravitational_J(self._plan.gravity_m_per_s2),
             "contact_elastic": float(self._now.acting.elastic_J.sum()),
         }
         if self._plan.adhesion is not None:
             stored_J["adhesion"] = float(self._now.acting.adhesion_J.sum())
         return Account(
-            self._spheres.momentum_kg_m_per_s(),
+            self._bodies.momentum_kg_m_per_s(),
             self._impulse_N_s.copy(),
             stored_J,
             lost_J={"contact_dissipation": self._lost_J},
             supplied_J=dict(self._supplied_J),
             received_J={"surface": self._received_J},
             angular=AngularAccount(
-                self._spheres.angular_momentum_kg_m2_per_s(),
+                self._bodies.angular_momentum_kg_m2_per_s(),
                 self._came_kg_m2_per_s + np.cross(self._mass_moment_time_kg_m_s, self._plan.gravity_m_per_s2),
                 {"surface": -self._given_kg_m2_per_s},
             ),
         )
 
     def save(self) -> Saved:
-        return save_attributes(self, *_STATE) | {
-            "removed": as_arrays(sort_removed(self._removed, self._plan.counted_panels))
-        }
+        return save_attributes(self, *_STATE) | {"removed": as_arrays(self._sorted(self._removed))}
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_STATE)
-        self._removed = [like(sort_removed([], self._plan.counted_panels), saved["removed"])]
+        self._spheres = self._bodies.spheres(self._plan.shapes)
+        self._removed = [like(self._sorted([]), saved["removed"])]
 
     def close(self) -> None:
         pass
+
+    def _sorted(self, removed: list[Removed]) -> Removed:
+        return sort_removed(removed, self._plan.particles.grains.shapes, self._plan.counted_panels)
 
     def _on_points(self, at_vertices: Array) -> Array:
         """Return what acts on the points (n, ...), from what acts on the vertices (vertices, ...)."""
@@ -162,14 +165,14 @@ class SpheresSolver:
 
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
         """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
-        now, before = self._spheres, self._now
+        now, before = self._bodies, self._now
         self._kick(step_s / 2.0)
         mass_moment_kg_m = now.mass_kg @ now.position_m
-        now.position_m += step_s * now.velocity_m_per_s
+        now.drift(self._spheres, step_s)
         mass_moment_kg_m = mass_moment_kg_m + now.mass_kg @ now.position_m
         self._mass_moment_time_kg_m_s = self._mass_moment_time_kg_m_s + step_s / 2.0 * mass_moment_kg_m
-        if self._near.outdated(now.position_m, surface.position_m):
-            self._near = Neighbours.of(now, self._plan.surface, surface.position_m)
+        if self._near.outdated(self._spheres.position_m, surface.position_m):
+            self._near = Neighbours.of(self._spheres, self._plan.surface, surface.position_m)
         self._now = self._compute_forces(Motion(surface.position_m, half_way_m_per_s), before, step_s)
         self._wear()
         self._kick(step_s / 2.0)
@@ -179,10 +182,8 @@ class SpheresSolver:
         self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
 
     def _kick(self, step_s: float) -> None:
-        now, forces = self._spheres, self._now
-        acceleration_m_per_s2 = forces.force_N / now.mass_kg[:, None] + self._plan.gravity_m_per_s2
-        now.velocity_m_per_s += step_s * acceleration_m_per_s2
-        now.spin_rad_per_s += step_s * forces.torque_N_m / now.inertia_kg_m2[:, None]
+        forces, gravity_m_per_s2 = self._now, self._plan.gravity_m_per_s2
+        self._bodies.kick(self._spheres, forces.force_N, forces.torque_N_m, step_s, gravity_m_per_s2)
 
     def _compute_forces(self, surface: Motion, before: SphereForces | None, step_s: float) -> SphereForces:
         return compute_forces(
@@ -223,7 +224,7 @@ class SpheresSolver:
         centres and surface points were at ``centers_m`` and ``before_m``."""
         now, contacts = self._spheres, self._now.contacts
         self._deepest = self._deepest.deepest(contacts.deepest())
-        self._visits.touched[contacts.first[self._touches_deck(contacts)]] = True
+        self._visits.touched[now.body[contacts.first[self._touches_deck(contacts)]]] = True
         way_m = (before_m, self._surface_m)
         rows = find_crossings(now, contacts, centers_m, self._plan.surface.triangles, way_m)
         if len(rows):
@@ -243,7 +244,7 @@ class SpheresSolver:
         if self._plan.feed is None:
             return
         next_id = 1 + len(self._plan.particles) + self._fed
-        offered = Spheres.of(self._plan.feed.due(interval), next_id)
+        offered = Bodies.of(self._plan.feed.due(interval), next_id)
         accepted = self._find_room(offered)
         self._plan.feed.settle(accepted)
         if not accepted.any():
@@ -254,20 +255,23 @@ class SpheresSolver:
         self._supplied_J["feed"] += new.mechanical_J(self._plan.gravity_m_per_s2)
         self._impulse_N_s += new.momentum_kg_m_per_s()
         self._came_kg_m2_per_s = self._came_kg_m2_per_s + new.angular_momentum_kg_m2_per_s()
-        self._replace(self._spheres.followed_by(new), np.arange(len(self._spheres)))
+        self._replace(Bodies.joined([self._bodies, new]), np.arange(len(self._bodies)))
 
-    def _find_room(self, offered: Spheres) -> npt.NDArray[np.bool_]:
+    def _find_room(self, offered: Bodies) -> npt.NDArray[np.bool_]:
         from scipy.spatial.distance import cdist
 
         now, triangles = self._spheres, self._plan.surface.triangles
-        reach_m = np.add.outer(offered.radius_m, now.radius_m)
-        free = np.all(cdist(offered.position_m, now.position_m) >= reach_m, axis=1)
-        free[find_near_surface(offered, 0.0, self._surface_m[triangles])[0]] = False
-        return np.asarray(free)
+        spheres = offered.spheres(self._plan.shapes)
+        reach_m = np.add.outer(spheres.radius_m, now.radius_m)
+        blocked = np.any(cdist(spheres.position_m, now.position_m) < reach_m, axis=1)
+        blocked[find_near_surface(spheres, 0.0, self._surface_m[triangles])[0]] = True
+        free = np.ones(len(offered), dtype=bool)
+        free[spheres.body[blocked]] = False
+        return free
 
     def _remove(self, time_s: float) -> None:
         """Take out who is in an exit or has left the domain; contacts end with their energy."""
-        now, (lowest_m, highest_m) = self._spheres, self._plan.domain_m
+        now, (lowest_m, highest_m) = self._bodies, self._plan.domain_m
         exit_of = np.full(len(now), -1)
         for number, box in reversed(list(enumerate(self._plan.exits))):
             held = np.flatnonzero(box.holds(now.position_m))
@@ -308,9 +312,13 @@ class SpheresSolver:
             below[row] = height_m[alike][np.argmax(np.abs(height_m[alike]))] < 0.0
         return below
 
-    def _replace(self, new: Spheres, row: Indices) -> None:
-        """Go on with ``new`` spheres; the present ones are now in rows ``row`` (< 0: gone)."""
-        self._spheres = new
+    def _replace(self, new: Bodies, row: Indices) -> None:
+        """Go on with ``new`` grains; the present ones are now in rows ``row`` (< 0: gone)."""
+        before, self._spheres = self._spheres, new.spheres(self._plan.shapes)
+        self._bodies = new
         self._visits = self._visits.renumbered(row, len(new))
-        self._now = self._now.renumbered(row, len(new))
-        self._near = Neighbours.of(new, self._plan.surface, self._surface_m)
+        within = np.arange(len(before)) - np.searchsorted(before.body, before.body)
+        to = row[before.body]
+        sphere_row = np.where(to >= 0, np.searchsorted(self._spheres.body, to) + within, -1)
+        self._now = self._now.renumbered(sphere_row, len(self._spheres))
+        self._near = Neighbours.of(self._spheres, self._plan.surface, self._surface_m)

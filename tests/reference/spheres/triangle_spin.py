@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestrator.ports import Array
-from tests.reference.spheres.rows import Rows
+from orchestrator.ports.rows import Rows
 
 THINNEST = 1e-12  # of a triangle that takes up couples: some millionth as wide as it is long
 

@@ -15,7 +15,7 @@ from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import DeckPlan
 
 if TYPE_CHECKING:
-    from tests.reference.spheres.spheres import Spheres
+    from tests.reference.spheres.bodies import Bodies
 
 Mask = npt.NDArray[np.bool_]
 OVER = 0.25  # diameters of gap at which a contact is over
@@ -53,7 +53,7 @@ class Visits:
             getattr(new, name)[row[stays]] = values[stays]
         return new
 
-    def observe(self, deck: DeckPlan, surface_m: Array, spheres: Spheres, length_s: float) -> None:
+    def observe(self, deck: DeckPlan, surface_m: Array, spheres: Bodies, length_s: float) -> None:
         """Look at the spheres at the end of an interval of ``length_s``."""
         panel, height_m, inside, is_open = _locate(deck, surface_m, spheres.position_m)
         through = height_m < -spheres.radius_m
@@ -66,7 +66,7 @@ class Visits:
         self.counted &= self.touched | (gap_m < OVER * 2.0 * spheres.radius_m)
         self.touched[:] = False
 
-    def passed(self, deck: DeckPlan, surface_m: Array, spheres: Spheres, passes: Mask) -> None:
+    def passed(self, deck: DeckPlan, surface_m: Array, spheres: Bodies, passes: Mask) -> None:
         """Count a contact of those that leave through an exit below the deck without one that is going on."""
         panel, _, inside, _ = _locate(deck, surface_m, spheres.position_m)
         self._count(passes & inside, panel)

@@ -1,0 +1,3 @@
+"""Shapes of grains: one module each."""
+
+SHARED: frozenset[str] = frozenset()

@@ -1,0 +1,198 @@
+"""Grains of several spheres: the contract of the port, for every solver that takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from orchestrator.case import solvers
+from orchestrator.ports.adapters import ParticlesAdapter
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.grains import Shape, ShapeTable
+from orchestrator.ports.plans import ParticleFeed, ParticleList, ParticlesPlan
+from tests.docs.pages import code_on
+from tests.particles import test_contract
+from tests.particles.contract import G_M_PER_S2, WEIGHTLESS, Run, energy_defect_J, particles, plan, plate
+from tests.particles.test_contract import OnceAt
+
+ASKED = ["spheres"]
+Build = Callable[[ParticlesPlan], Run]
+DUMBBELL = solvers.shape("dumbbell")
+D_M = 0.01
+MASS_KG = 2 * 1430.0 * pi / 6 * D_M**3
+ALONG_KG_M2 = MASS_KG * D_M**2 / 10
+ACROSS_KG_M2 = ALONG_KG_M2 + MASS_KG * D_M**2 / 4
+
+
+def made_of(shape: Shape, given: ParticleList) -> ParticleList:
+    return replace(given, grains=replace(given.grains, shapes=ShapeTable.of([shape])))
+
+
+def dumbbells(shape: Shape, plan: ParticlesPlan) -> ParticlesPlan:
+    """The plan with such grains in place of its spheres."""
+    given = made_of(shape, plan.particles)
+    feed = None if plan.feed is None else Reshaped(shape, plan.feed)
+    radius_m = shape.bounding_radius / 0.5 * plan.largest_radius_m
+    return replace(plan, shapes=(shape,), particles=given, largest_radius_m=radius_m, feed=feed)
+
+
+@dataclass
+class Reshaped:
+    """A feed of such grains in place of its spheres."""
+
+    shape: Shape
+    feed: ParticleFeed
+
+    def due(self, interval: Interval) -> ParticleList:
+        return made_of(self.shape, self.feed.due(interval))
+
+    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
+        self.feed.settle(accepted)
+
+
+OF_ANY_SHAPE = [
+    test_contract.test_snapshot_is_sorted_by_id_and_keeps_what_was_given,
+    test_contract.test_who_leaves_the_domain_is_taken_out_and_booked,
+    test_contract.test_exits_take_out_who_is_inside,
+    test_contract.test_an_exit_is_turned_with_the_deck,
+    test_contract.test_feed_is_booked_and_finds_room_or_not,
+    test_contract.test_a_wrong_number_of_surface_points_is_refused,
+]
+
+
+@pytest.mark.parametrize("test", OF_ANY_SHAPE, ids=lambda test: test.__name__)
+def test_the_contract_holds_for_a_dumbbell(build: Build, test: Callable[[Build], None]) -> None:
+    """As light as a sphere of its sieve size, whose mass the contract expects."""
+    hollow = replace(DUMBBELL, volume=pi / 6, inertia=tuple(np.array(DUMBBELL.inertia) / 2))
+    test(lambda plan: build(dumbbells(hollow, plan)))
+
+
+def test_the_page_has_this_dumbbell() -> None:
+    page: dict[str, object] = {}
+    exec(code_on("how-to/add-a-shape.md")[0], page)
+    assert page["ADAPTER"] == DUMBBELL
+
+
+def test_mass_and_inertia_are_those_of_two_spheres() -> None:
+    grains = made_of(DUMBBELL, particles([0, 0, 0])).grains
+    assert grains.mass_kg[0] == pytest.approx(MASS_KG, rel=1e-14)
+    np.testing.assert_allclose(grains.inertia_kg_m2[0], [ACROSS_KG_M2, ACROSS_KG_M2, ALONG_KG_M2], rtol=1e-14)
+    assert grains.bounding_radius_m[0] == D_M
+    assert grains.contact_radius_m[0] == D_M / 2
+    assert grains.equivalent_diameter_m[0] == pytest.approx(2 ** (1 / 3) * D_M, rel=1e-14)
+
+
+def test_a_free_dumbbell_tumbles_as_euler_s_top(build: Build) -> None:
+    """Its axis precesses about the angular momentum L at L / (moment across), by 1.9 turns in 0.1 s."""
+    spin = np.array([80.0, 0.0, 60.0])
+    given = particles([0, 0, 0.3], spin_rad_per_s=spin)
+    run = build(dumbbells(DUMBBELL, plan(plate(0.01, 1), given, gravity_m_per_s2=WEIGHTLESS)))
+    before = run.solver.account()
+    run.advance(100)
+    after = run.solver.account()
+    momentum = spin * [ACROSS_KG_M2, ACROSS_KG_M2, ALONG_KG_M2]
+    assert after.angular is not None
+    np.testing.assert_allclose(after.angular.momentum_kg_m2_per_s, momentum, rtol=1e-11, atol=1e-16)
+    assert after.stored_J["kinetic"] == pytest.approx(before.stored_J["kinetic"], rel=1e-7)
+    size = np.linalg.norm(momentum)
+    about, turned = momentum / size, size / ACROSS_KG_M2 * 0.1
+    along = (spin @ about) * about  # of the spin; the rest goes round
+    across = spin - along
+    now = along + np.cos(turned) * across + np.sin(turned) * np.cross(about, across)
+    np.testing.assert_allclose(run.solver.snapshot().spin_rad_per_s[0], now, atol=1e-3 * np.linalg.norm(spin))
+
+
+def test_a_dumbbell_on_end_loads_the_surface_with_its_weight(build: Build) -> None:
+    given = particles([0.001, 0.002, 0.00999])
+    run = build(dumbbells(DUMBBELL, plan(plate(0.02, 3), given)))
+    run.advance(60)
+    force_N = np.mean(run.load_N[-20:], axis=0)
+    np.testing.assert_allclose(force_N.sum(axis=0)[2], MASS_KG * G_M_PER_S2[2], rtol=1e-3)
+
+
+def test_an_oblique_hit_turns_it_as_the_impulse_says(build: Build) -> None:
+    """A frictionless elastic hit at one end of a dumbbell that lies in the air.
+
+    The plate gives the impulse J = 2 m v / (1 + m a^2 / I), at the arm a = d / 2 from the middle (Stronge,
+    W. J., Impact Mechanics, 2000, chapter 3); the other end stays clear of it for the time of the hit.
+    """
+    surface = plate(0.03, 1)
+    surface.position_m[:, 0] += 0.03 + 0.001  # it ends below the middle: one sphere meets it
+    given = particles([0, 0, 0.00502], [0, 0, -0.5])
+    lying = replace(DUMBBELL, spheres=((-0.5, 0, 0, 0.5), (0.5, 0, 0, 0.5)), inertia=DUMBBELL.inertia[::-1])
+    smooth = plan(
+        surface,
+        given,
+        gravity_m_per_s2=WEIGHTLESS,
+        restitution=np.ones((1, 1)),
+        sliding_friction=np.zeros((1, 1)),
+    )
+    run = build(dumbbells(lying, smooth))
+    run.until_clear()
+    now, arm_m = run.solver.snapshot(), D_M / 2
+    impulse_N_s = 2 * MASS_KG * 0.5 / (1 + MASS_KG * arm_m**2 / ACROSS_KG_M2)
+    assert now.velocity_m_per_s[0, 2] == pytest.approx(impulse_N_s / MASS_KG - 0.5, abs=2e-2 * 0.5)
+    spin = -impulse_N_s * arm_m / ACROSS_KG_M2  # about y: the end along x is thrown up
+    assert now.spin_rad_per_s[0, 1] == pytest.approx(spin, rel=2e-2)
+
+
+def test_books_close_while_dumbbells_come_hit_and_leave(build: Build) -> None:
+    """Momentum and angular momentum to the rounding of 6000 steps, energy to the error of a step."""
+    place_m = np.array(
+        [[-0.012, 0.0, 0.02], [0.004, 0.003, 0.021], [0.015, -0.004, 0.043], [-0.01, 0.0, 0.045]]
+    )
+    given = particles(place_m, [0.1, 0.05, -0.6], [5.0, -9.0, 3.0])
+    feed = OnceAt(10, particles([0.0, 0.01, 0.08], [0.0, 0.0, -1.0], [20.0, 0.0, 5.0]))
+    domain_m = np.array([[-0.025, -0.03, -0.1], [0.018, 0.03, 0.2]])
+    run = build(dumbbells(DUMBBELL, plan(plate(0.03, 5), given, feed=feed, domain_m=domain_m)))
+    before = run.solver.account()
+    run.advance(120)
+    after, gone = run.solver.account(), run.solver.removed()
+    assert feed.accepted == [True]
+    assert 0 < len(gone.id) < 5
+    np.testing.assert_array_equal(gone.grains.shapes.name[gone.grains.shape], "dumbbell")
+    assert abs(run.given_N_s[2]) > MASS_KG  # there were impacts
+    gained = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s - after.outside_impulse_N_s
+    np.testing.assert_allclose(gained + run.given_N_s, 0.0, atol=1e-11 * MASS_KG)
+    one, other = before.angular, after.angular
+    assert one is not None
+    assert other is not None
+    turned = other.momentum_kg_m2_per_s - one.momentum_kg_m2_per_s - other.outside_impulse_N_m_s
+    turned = turned + one.outside_impulse_N_m_s
+    received = other.received_N_m_s["surface"] - one.received_N_m_s["surface"]
+    np.testing.assert_allclose(turned, received, atol=1e-12 * MASS_KG)
+    moved_J = 5 * MASS_KG * 0.6**2
+    assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-2 * moved_J)
+
+
+def test_a_feed_looks_at_each_sphere(build: Build) -> None:
+    """Beside an upright dumbbell there is room within the sphere that holds it, and above it none."""
+    feed = OnceAt(0, particles([[0.0105, 0, 0.1], [0, 0, 0.119], [0, 0.05, 0.1]]))
+    present = particles([0, 0, 0.1])
+    run = build(dumbbells(DUMBBELL, plan(plate(0.02, 1), present, feed=feed, gravity_m_per_s2=WEIGHTLESS)))
+    run.advance()
+    assert feed.accepted == [True, False, True]
+
+
+def test_it_goes_on_bit_for_bit_after_a_restore(module: ParticlesAdapter) -> None:
+    given = particles([[0, 0, 0.0101], [0.004, 0.003, 0.033]], [0.3, 0.1, -0.5], [5.0, -9.0, 3.0])
+    wanted = dumbbells(DUMBBELL, plan(plate(0.03, 3), given))
+    first, second = (Run(module.build(wanted), wanted) for _ in range(2))
+    first.advance(20)
+    second.solver.restore(first.solver.save())
+    second.index = first.index
+    for run in (first, second):
+        run.advance(20)
+    for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
+        one, other = (getattr(run.solver.snapshot(), name) for run in (first, second))
+        np.testing.assert_array_equal(one, other)
+
+
+def test_liggghts_says_that_it_takes_spheres_alone() -> None:
+    takes = {name: solvers.adapter("particles", name).clumps for name in ("liggghts", "spheres")}
+    assert takes == {"liggghts": False, "spheres": True}
