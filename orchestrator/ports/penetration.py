@@ -28,6 +28,7 @@ IN_PLANE = 1e-3  # of its thickness: a panel drawn nearer to a surface's plane i
 FAR = 20  # thicknesses: pairs are not listed for longer motions, since they would be too many
 NEARLY = 0.999  # of a distance: more is rounding
 NO_RIGID = RigidVertices.none()
+ROUNDING_M = 1e-9  # of places of some metres
 ON_RIM = 1e-9  # share of a corner: rounding on an edge that two triangles share
 
 
@@ -100,9 +101,11 @@ class RigidPairs:
     """
 
     def __init__(self, pairs: Pairs, first: int, edge_m: float, shares: Array) -> None:
-        self._ends, row = np.unique(pairs.ends, axis=0, return_inverse=True)
-        order = np.argsort(row.ravel(), kind="stable")
-        self._pairs, self._row, corners_m = pairs.part(order), row.ravel()[order], edge_m * shares[order]
+        key = pairs.ends @ [1 + pairs.ends.max(), 1]  # ten times faster than by rows
+        _, which, row = np.unique(key, return_index=True, return_inverse=True)
+        order = np.argsort(row, kind="stable")
+        self._ends, self._pairs, self._row = pairs.ends[which], pairs.part(order), row[order]
+        corners_m = edge_m * shares[order]
         self._carriers, self._edge_m = slice(first, first + 4), edge_m
         normal = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
         self._normal = normal / np.linalg.norm(normal, axis=1)[:, None]
@@ -286,18 +289,19 @@ def are_beyond(one_m: Array, other_m: Array) -> npt.NDArray[np.bool_]:
 def pairs_that_meet(points_m: Array, boxes_m: Array) -> tuple[Indices, Indices]:
     """Return the numbers of points (2, n, 3) and boxes (2, m, 2, 3), where no side parts the two both times.
 
-    The pairs are in the order of points, then of boxes.  Balls around the ways of both give those that may
+    The pairs are in the order of points, then of boxes.  Cubes around the ways of both give those that may
     meet; then all axes are compared.
     """
     from scipy.spatial import cKDTree
 
-    middle_m, box_m = (
-        points_m.mean(axis=0),
-        np.stack([boxes_m[:, :, 0].min(axis=0), boxes_m[:, :, 1].max(axis=0)]),
-    )
-    way_m = np.linalg.norm(points_m[0] - points_m[1], axis=1).max(initial=0.0)
-    reach_m = (np.linalg.norm(box_m[1] - box_m[0], axis=1) + way_m) / 2
-    near = cKDTree(middle_m).query_ball_point(box_m.mean(axis=0), reach_m, return_sorted=False)
+    box_m = np.stack([boxes_m[:, :, 0].min(axis=0), boxes_m[:, :, 1].max(axis=0)])
+    if not boxes_m.shape[1]:
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    half_m = (np.ptp(box_m, axis=0) + np.abs(points_m[0] - points_m[1]).max(axis=0)) / 2
+    unit_m = np.median(half_m, axis=0) + ROUNDING_M  # by which most boxes are cubes
+    tree = cKDTree(points_m.mean(axis=0) / unit_m)
+    reach = (half_m / unit_m).max(axis=1) + ON_RIM
+    near = tree.query_ball_point(box_m.mean(axis=0) / unit_m, reach, p=np.inf, return_sorted=False)
     column = np.repeat(np.arange(len(near)), np.fromiter(map(len, near), np.int64, len(near)))
     row = np.fromiter(chain.from_iterable(near), np.int64, len(column))
     for axis in range(3):

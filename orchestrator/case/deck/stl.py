@@ -104,9 +104,14 @@ def _three_numbers(words: list[bytes]) -> list[float]:
 
 def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
     """Return each position (n, 3) once, in the order of its first appearance, and the triangles (m, 3)."""
-    _, first, which = np.unique(corner_m, axis=0, return_index=True, return_inverse=True)
+    in_turn = np.lexsort(corner_m.T)  # keeps the order of equal ones, in half the time of np.unique
+    is_new = np.ones(len(corner_m), dtype=np.bool_)
+    is_new[1:] = (np.diff(corner_m[in_turn], axis=0) != 0.0).any(axis=1)
+    which = np.empty(len(corner_m), dtype=np.int64)
+    which[in_turn] = np.cumsum(is_new) - 1
+    first = in_turn[is_new]
     order = np.argsort(first)
-    return corner_m[first[order]], np.argsort(order)[which].reshape(-1, 3).astype(np.int64)
+    return corner_m[first[order]], np.argsort(order)[which].reshape(-1, 3)
 
 
 def find_file(folder: Path, name: str) -> Path:
