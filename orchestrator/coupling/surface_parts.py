@@ -298,7 +298,7 @@ class OpenSurface:
             ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
             for number, (single, part, points) in enumerate(singles)
         ]
-        drawn_m = np.concatenate([part.drawn_m for part in self.parts])
+        drawn_m = np.concatenate([np.empty((0, 3)), *(part.drawn_m for part in self.parts)])
         return Penetrations(drawn_m, self.bodies(), probed, self.rigid_vertices())
 
     def probes(self) -> tuple[PlacedProbe, ...]:
