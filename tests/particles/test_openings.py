@@ -67,7 +67,7 @@ def untouched_and_passed(run: Run, time_s: float) -> tuple[int, int]:
 
 @every_solver
 @pytest.mark.parametrize(
-    ("pattern", "sieve_size_m"),
+    ("pattern", "diameter_m"),
     [(SQUARES, 0.004), (SQUARES, 0.007), (SLOTS, 0.0015), (STAGGERED, 0.003)],
     ids=["squares", "large", "slots", "staggered"],
 )
@@ -131,7 +131,7 @@ def test_what_is_a_little_smaller_slips_through(solver: str) -> None:
 
 @every_solver
 @pytest.mark.parametrize(
-    ("pattern", "sieve_size_m"),
+    ("pattern", "diameter_m"),
     [(SLOTS, 0.004), (SQUARES, 0.0125), (SQUARES, 0.02)],
     ids=["slot", "square", "square-large"],
 )
