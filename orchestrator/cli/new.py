@@ -17,7 +17,7 @@ from orchestrator.cli.console import CONSOLE, ERRORS, reported_errors
 
 if TYPE_CHECKING:
     from orchestrator.case.file.errors import CaseProblem
-    from orchestrator.preflight.proposal.proposal import Proposal
+    from orchestrator.cli.proposal.proposal import Proposal
 
 OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)")
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
@@ -78,13 +78,8 @@ def new(
     Exit code 0: the case is written; 2: no such machine can be, one message says why, and nothing is written.
     """
     from orchestrator.case.file.errors import CaseProblem
-    from orchestrator.preflight.proposal.propose import find_refusals, propose
-    from orchestrator.preflight.proposal.wishes import (
-        QUESTIONS,
-        ImpossibleWishes,
-        find_wrong_answers,
-        read_wishes,
-    )
+    from orchestrator.cli.proposal.propose import find_refusals, propose
+    from orchestrator.cli.proposal.wishes import QUESTIONS, ImpossibleWishes, find_wrong_answers, read_wishes
 
     options = ((name, context.params[name.replace("-", "_")]) for name in QUESTIONS)
     answers = {name: text for name, text in options if text is not None}
@@ -123,7 +118,7 @@ def _said_when_interrupted() -> Iterator[None]:
 def _defaults_taken(template: str | None, answers: Mapping[str, str]) -> Iterator[str]:
     """Yield the words of the options that are left to their defaults; options without a default are left
     out."""
-    from orchestrator.preflight.proposal.wishes import TEMPLATES, default_answer
+    from orchestrator.cli.proposal.wishes import TEMPLATES, default_answer
 
     chosen = template or "flip-flow"
     if template is None:
@@ -173,7 +168,7 @@ def _ask(
     is asked again.
     """
     from orchestrator.case.file.errors import CaseError
-    from orchestrator.preflight.proposal.wishes import (
+    from orchestrator.cli.proposal.wishes import (
         QUESTIONS,
         TEMPLATES,
         default_answer,

@@ -16,14 +16,14 @@ from typer.testing import CliRunner
 from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.cli import new
 from orchestrator.cli.main import app
+from orchestrator.cli.proposal import levels, machine, two_mass
+from orchestrator.cli.proposal.layout import lay_out, panel_length_m
+from orchestrator.cli.proposal.proposal import Proposal, mean_stroke_m
+from orchestrator.cli.proposal.propose import find_refusals, propose
+from orchestrator.cli.proposal.wishes import TEMPLATES, ImpossibleWishes, read_wishes
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.proposal import levels, machine, two_mass
-from orchestrator.preflight.proposal.layout import lay_out, panel_length_m
-from orchestrator.preflight.proposal.proposal import Proposal, mean_stroke_m
-from orchestrator.preflight.proposal.propose import find_refusals, propose
-from orchestrator.preflight.proposal.wishes import TEMPLATES, ImpossibleWishes, read_wishes
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.scene.shaking import solve_shakings
 from orchestrator.preflight.stability.report import stability_report

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 
 from orchestrator.cli import launch
+from orchestrator.cli.proposal import mounting
+from orchestrator.cli.proposal.proposal import Proposal
+from orchestrator.cli.proposal.propose import propose
+from orchestrator.cli.proposal.wishes import ImpossibleWishes, read_wishes
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.panel import MeshedPanel
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.mats.mats import trials_of
 from orchestrator.preflight.mats.regime import PHASES, Regime
 from orchestrator.preflight.mats.trial import INTERVAL_S, Trial, regimes
-from orchestrator.preflight.proposal import mounting
-from orchestrator.preflight.proposal.proposal import Proposal
-from orchestrator.preflight.proposal.propose import propose
-from orchestrator.preflight.proposal.wishes import ImpossibleWishes, read_wishes
 from orchestrator.preflight.scene.scene import scene
 
 pytestmark = pytest.mark.solver

@@ -12,11 +12,11 @@ import pytest
 
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.quantities import GROUND
+from orchestrator.cli.proposal.deck_size import deck_m2_of, needed_m2_of, with_enough_panels
+from orchestrator.cli.proposal.propose import find_refusals
+from orchestrator.cli.proposal.wishes import read_wishes
 from orchestrator.preflight.check import given_rates_kg_per_s, warnings
 from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.proposal.deck_size import deck_m2_of, needed_m2_of, with_enough_panels
-from orchestrator.preflight.proposal.propose import find_refusals
-from orchestrator.preflight.proposal.wishes import read_wishes
 from orchestrator.preflight.scene.frame_motion import frame_motions, spatial_shakings
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.sheet.feed_shares import shares_at

@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass
 
 from orchestrator.case.tables.quantities import Vector
-from orchestrator.preflight.proposal import two_mass
-from orchestrator.preflight.proposal.layout import Layout
+from orchestrator.cli.proposal import two_mass
+from orchestrator.cli.proposal.layout import Layout
 
 DRIVING_KG_PER_M2, DRIVEN_KG_PER_M2 = 354.0, 133.0
 RATIO = 4.0  # a2 / a1: the relative resonance is then some 35 % above the working speed

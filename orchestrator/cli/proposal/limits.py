@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.case.file.errors import CaseProblem
+from orchestrator.cli.proposal import machine, two_mass
+from orchestrator.cli.proposal.deck_size import too_small_deck
+from orchestrator.cli.proposal.layout import AROUND_M, Layout, openings_of, panel_length_m
+from orchestrator.cli.proposal.wishes import Wishes, down, problem, up
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
-from orchestrator.preflight.proposal import machine, two_mass
-from orchestrator.preflight.proposal.deck_size import too_small_deck
-from orchestrator.preflight.proposal.layout import AROUND_M, Layout, openings_of, panel_length_m
-from orchestrator.preflight.proposal.wishes import Wishes, down, problem, up
 from orchestrator.preflight.sheet.sheet import PACKED
 
 LARGEST_STRAIN = 0.06  # of a panel at full stroke

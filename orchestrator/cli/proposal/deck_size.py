@@ -11,8 +11,8 @@ from dataclasses import replace
 
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.materials.typical_feed import finer_share
-from orchestrator.preflight.proposal.layout import AROUND_M, openings_of, panel_length_m
-from orchestrator.preflight.proposal.wishes import QUESTIONS, Wishes, down, problem, up
+from orchestrator.cli.proposal.layout import AROUND_M, openings_of, panel_length_m
+from orchestrator.cli.proposal.wishes import QUESTIONS, Wishes, down, problem, up
 from orchestrator.preflight.sheet.area import Openings, required_m2
 from orchestrator.preflight.sheet.feed_shares import NEAR, FeedShares
 from orchestrator.preflight.sheet.sheet import EFFICIENCY, PACKED, RULE

@@ -18,7 +18,7 @@ def fill_templates(folder: str, values: Mapping[str, Any], files: Sequence[str])
 def _environment() -> Environment:
     """Return the environment of the templates, with filters that write numbers."""
     environment = Environment(
-        loader=PackageLoader("orchestrator.preflight.proposal"),
+        loader=PackageLoader("orchestrator.cli.proposal"),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -19,9 +19,9 @@ from orchestrator.case import solvers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
 from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.case.tables.case import Case
+from orchestrator.cli.proposal.layout import FINEST_COMPUTED, Layout
 from orchestrator.ports.clock import times_s
 from orchestrator.preflight.cost import particles_at_start, predicted_parts_s
-from orchestrator.preflight.proposal.layout import FINEST_COMPUTED, Layout
 
 DRAFT_S = 500.0  # processor time that a draft may take as predicted, which is some 1.7 times what it takes
 CROSSING_M_PER_S = 0.8  # along the deck, for planned durations and times; thrown beds are faster

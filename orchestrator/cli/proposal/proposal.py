@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from statistics import fmean
 
 from orchestrator.case.deck.panels import axes
-from orchestrator.preflight.proposal.layout import Layout
-from orchestrator.preflight.proposal.levels import Level
-from orchestrator.preflight.proposal.machine import Machine
-from orchestrator.preflight.proposal.mounting import Choice
-from orchestrator.preflight.proposal.wishes import Wishes
+from orchestrator.cli.proposal.layout import Layout
+from orchestrator.cli.proposal.levels import Level
+from orchestrator.cli.proposal.machine import Machine
+from orchestrator.cli.proposal.mounting import Choice
+from orchestrator.cli.proposal.wishes import Wishes
 from orchestrator.preflight.scene.scene import Scene
 
 

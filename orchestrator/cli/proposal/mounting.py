@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from orchestrator.case.file.errors import CaseProblem
+from orchestrator.cli.proposal.layout import Mounting
+from orchestrator.cli.proposal.wishes import Wishes, down, problem
 from orchestrator.preflight.mats.mats import remembered_regimes, trials_of
 from orchestrator.preflight.mats.regime import Regime
 from orchestrator.preflight.mats.trial import Trial
-from orchestrator.preflight.proposal.layout import Mounting
-from orchestrator.preflight.proposal.wishes import Wishes, down, problem
 from orchestrator.preflight.scene.scene import Scene
 
 THICKNESSES_M, ANGLES_DEG = (0.004, 0.0045, 0.005, 0.0055, 0.006), (15.0, 20.0, 25.0)

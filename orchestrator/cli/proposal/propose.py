@@ -18,19 +18,19 @@ from typing import Any
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.materials.library import slug
+from orchestrator.cli.proposal import levels, limits
+from orchestrator.cli.proposal.case_files import fill_templates, toml_answer
+from orchestrator.cli.proposal.deck_size import with_enough_panels
+from orchestrator.cli.proposal.layout import CHUTE_SLOPE_DEG, CLAMP_M, Layout, lay_out
+from orchestrator.cli.proposal.machine import ISOLATION, RATIO, RUN_UP_CYCLES, Machine, propose_machine
+from orchestrator.cli.proposal.mounting import Choice, choose_mounting, no_hanging_mats
+from orchestrator.cli.proposal.proposal import Proposal, mean_stroke_m, panels_N_per_m
+from orchestrator.cli.proposal.remarks import remarks
+from orchestrator.cli.proposal.wishes import TEMPLATES, ImpossibleWishes, Wishes, read_wishes
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.cost import THIN, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.proposal import levels, limits
-from orchestrator.preflight.proposal.case_files import fill_templates, toml_answer
-from orchestrator.preflight.proposal.deck_size import with_enough_panels
-from orchestrator.preflight.proposal.layout import CHUTE_SLOPE_DEG, CLAMP_M, Layout, lay_out
-from orchestrator.preflight.proposal.machine import ISOLATION, RATIO, RUN_UP_CYCLES, Machine, propose_machine
-from orchestrator.preflight.proposal.mounting import Choice, choose_mounting, no_hanging_mats
-from orchestrator.preflight.proposal.proposal import Proposal, mean_stroke_m, panels_N_per_m
-from orchestrator.preflight.proposal.remarks import remarks
-from orchestrator.preflight.proposal.wishes import TEMPLATES, ImpossibleWishes, Wishes, read_wishes
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability.report import stability_report
 

@@ -16,9 +16,9 @@ import numpy as np
 from orchestrator.case.file.deck_layout import beams
 from orchestrator.case.tables.deck import Deck
 from orchestrator.case.tables.quantities import Box, Vector
+from orchestrator.cli.proposal.wishes import Wishes
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern
-from orchestrator.preflight.proposal.wishes import Wishes
 from orchestrator.preflight.scene.moved_panel import sine_arch_m
 
 USUAL_STRAIN = 0.02  # of a panel at full stroke; published screens stretch theirs by 0.02 to 0.025
