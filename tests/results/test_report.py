@@ -79,8 +79,9 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
     for address in re.findall(r'(?:src|href)="([^"]*)"', text):
         assert address.startswith("data:")
     assert "<h3>Designer's sheet: rule, not result</h3>" in text
-    assert "Mats: how deck-1 flips alone, before the run" in text
-    assert text.count('alt="how the mat flips over some turns') == 1
+    for name in ("deck-1", "deck-2"):  # neighbours, which open at opposite ends of a turn
+        assert f"Mats: how {name} flips alone, before the run" in text
+    assert text.count('alt="how the mat flips over some turns') == 2
     assert "<script" not in text
     assert "url(" not in text.split("</style>")[0]
 

@@ -193,7 +193,9 @@ def test_modes_move_the_panels_between_the_frames() -> None:
     assert near.count("#c1443c") > modes_svg(machine("quickstart"), modes, [1e3]).count("#c1443c") == 0
 
 
-DRAWINGS = tuple(f"{name}.{kind}" for name in ("side", "top", "mats-deck-1") for kind in ("png", "svg"))
+DRAWINGS = tuple(
+    f"{name}.{kind}" for name in ("side", "top", "mats-deck-1", "mats-deck-2") for kind in ("png", "svg")
+)
 WRITTEN = (*DRAWINGS, "modes.svg", "model.html", "machine.html")
 WITHOUT_SOLVERS = """
 import sys
