@@ -27,7 +27,12 @@ def point(*values: float) -> Combination:
         Metrics(
             {"deflection_m": value, "frame_half_range_m": 2.0, "energy_defect": 1e-3},
             np.empty((0, 0)),
-            {"wall_s": 10.0, "processor_s": 8.0, "wall_by_part_s": {"particles": 5.0, "rest": 5.0}},
+            {
+                "wall_s": 10.0,
+                "processor_before_s": 0.0,
+                "processor_s": 8.0,
+                "wall_by_part_s": {"particles": 5.0, "rest": 5.0},
+            },
         )
         for value in values
     )

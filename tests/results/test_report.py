@@ -62,7 +62,7 @@ def test_a_browser_shows_all_of_it(folder: Path, tmp_path: Path) -> None:
     assert page.asked == []
     assert page.overflow <= 0
     screen = (folder / "particles.pvd").is_file()
-    assert len(page.images) == (13 if screen else 8)  # screen: no walls.stl, no side view
+    assert len(page.images) == (14 if screen else 9)  # screen: no walls.stl, no side view
     assert min(min(size) for size in page.images) > 100  # 0 is what does not decode
     assert len(page.tables) >= 7
     assert all(cell for table in page.tables for cell in table)

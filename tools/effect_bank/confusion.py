@@ -145,7 +145,7 @@ def change(
     asked = named(name)
     values = [[asked.of(summary) for summary in each] for each in (with_it, without)]
     if len(with_it) == len(without) == 1:
-        single = compute_change(values[0][0], values[1][0], asked.floor)
+        single = compute_change(values[0][0], values[1][0], asked.figure.floor)
         return single if by_chance else replace(single, uncertain=None)
     one, two = (np.array([each.value for each in side if each is not None]) for side in values)
     if not one.size and not two.size:
@@ -154,9 +154,9 @@ def change(
         mean, other = [float(side.mean()) if side.size else None for side in (one, two)]
         return Change(mean, other, math.inf)
     first, second = float(one.mean()), float(two.mean())
-    if max(abs(first), abs(second)) < asked.floor:
+    if max(abs(first), abs(second)) < asked.figure.floor:
         return Change(first, second, None)
-    by = max(abs(first), asked.floor)
+    by = max(abs(first), asked.figure.floor)
     return Change(first, second, abs(second - first) / by, half_width(one, two, by))
 
 
