@@ -1272,7 +1272,6 @@ class Recomputed:
             "missing": {},
             "failed": {},
             "share_of_width": 1.0,
-            "slice_width_m": None,
             "steady": self.steady(),
             "screening": self.screening() | {"whole_feed": self.whole_feed()},
             "contacts": self.contacts(),
