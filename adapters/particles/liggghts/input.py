@@ -123,8 +123,9 @@ def smallest_box_m(plan: ParticlesPlan) -> Array:
     periodic). With more than two ranks it is the domain: LIGGGHTS hands particles to a neighbouring rank
     only, so a box that shrinks at once, when a far flier leaves, must not be cut into more than two parts.
     """
-    on_it = np.unique(plan.surface.triangles)  # not probes
-    places_m = np.vstack([plan.surface.vertices_m[on_it], plan.particles.position_m])
+    vertices_m = plan.surface.vertices_m
+    on_it = np.isin(np.arange(len(vertices_m)), plan.surface.triangles)  # not probes
+    places_m = np.vstack([vertices_m[on_it], plan.particles.position_m])
     if ranks(plan) > 2 or not len(places_m):
         places_m = plan.domain_m
     margin_m = 2.0 * plan.largest_radius_m
