@@ -48,7 +48,7 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
         method="trust-exact",
         jac=gradient_N,
         hess=tangent_N_per_m,
-        options={"gtol": 1e-6 * (np.abs(weight_N).sum() + 1e-3), "initial_trust_radius": 1e-3},
+        options={"gtol": 1e-6 * (np.abs(weight_N).sum() + 1e-3), "initial_trust_radius": 3e-4},
     ).x
     for _ in range(NEWTON_ITERATIONS):
         move_m = np.linalg.solve(tangent_N_per_m(unknown_m), gradient_N(unknown_m))
