@@ -12,6 +12,9 @@ from orchestrator.ports.geometry import Rectangle
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 
 NEWTON_ITERATIONS = 20
+# In balance to this share of the weight.  Below it, steps lower the energy by less than its rounding, and
+# a trust region shrinks to nothing.
+NEARLY_BALANCED = 1e-3
 NEGLIGIBLE_MOVE = 1e-10  # of the length; rounding leaves 1e-11 in thin slack strips
 
 
@@ -48,7 +51,7 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
         method="trust-exact",
         jac=gradient_N,
         hess=tangent_N_per_m,
-        options={"gtol": 1e-6 * (np.abs(weight_N).sum() + 1e-3), "initial_trust_radius": 3e-4},
+        options={"gtol": NEARLY_BALANCED * (np.abs(weight_N).sum() + 1e-3), "initial_trust_radius": 1e-3},
     ).x
     for _ in range(NEWTON_ITERATIONS):
         move_m = np.linalg.solve(tangent_N_per_m(unknown_m), gradient_N(unknown_m))
