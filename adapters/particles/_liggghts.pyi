@@ -181,6 +181,10 @@ class Engine:
     def surface_work_J(self) -> float:
         """Return the work that the surface did on the particles since t = 0."""
 
+    def air(self) -> dict[str, Any]:
+        """Return impulse_N_s (3,), angular_impulse_N_m_s (3,) and work_J that the air gave this rank's
+        particles since t = 0; the input has a ``fix air``."""
+
     def surface_energy_J(self) -> dict[str, float]:
         """Return elastic_J and (negative) adhesion_J in contacts with the surface."""
 

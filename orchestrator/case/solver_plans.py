@@ -33,6 +33,7 @@ from orchestrator.case.tables.case import Case, Material, has_particles
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import (
+    AirPlan,
     BodyPlan,
     BushingPlan,
     DeckPlan,
@@ -304,6 +305,7 @@ def particles_plan(
         adhesion=planned_adhesion(case, numbers),
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         wear_m3_per_N_m=_wear(case, numbers),
+        air=_air(case),
         predicts_load=case.coupling.scheme == "robin",
         shapes=shapes(case),
         particles=particles,
@@ -349,6 +351,18 @@ def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
     """Return the specific wear of each pair of k materials, (k, k); None if nothing wears."""
     rate_m3_per_N_m = by_pair(case, numbers, "specific_wear_m3_per_N_m")
     return rate_m3_per_N_m if rate_m3_per_N_m.any() and case.particles.wear != "none" else None
+
+
+def _air(case: Case) -> AirPlan | None:
+    """Return the air around the particles; None without its drag.
+
+    A coarse grain is slowed down as those for which it stands: with k times the density and k^2 times the
+    viscosity, it has their Reynolds number, and k^3 times the drag of one.
+    """
+    if case.air is None or case.particles.air_drag == "none":
+        return None
+    k = case.particles.coarse_graining
+    return AirPlan(k * case.air.density_kg_per_m3, k**2 * case.air.viscosity_Pa_s)
 
 
 def particle_step_s(case: Case) -> float:

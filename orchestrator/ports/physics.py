@@ -27,3 +27,18 @@ def motor_torque_N_m(motor: MotorPlan, lag_rad_per_s: Array) -> Array:
     breakdown_rad_per_s = rated_rad_per_s * (surplus + math.sqrt(surplus**2 - 1))
     twice_N_m = 2 * surplus * rated_N_m * breakdown_rad_per_s
     return np.asarray(twice_N_m * lag_rad_per_s / (lag_rad_per_s**2 + breakdown_rad_per_s**2))
+
+
+def sphere_drag_N(
+    diameter_m: Array, speed_m_per_s: Array, density_kg_per_m3: float, viscosity_Pa_s: float
+) -> Array:
+    """Return the drag of spheres, (n,) each or numbers, in a fluid at rest.
+
+    The drag coefficient is 24 / Re (1 + 0.15 Re^0.687) (Schiller, L. and Naumann, A., Zeitschrift des
+    Vereines Deutscher Ingenieure 77, 1933, 318-320), and no less than Newton's 0.44, which holds from
+    Re = 1e3 to the drag crisis at 2e5 (Clift, R., Grace, J. R. and Weber, M. E., Bubbles, Drops, and
+    Particles, 1978, ch. 5).
+    """
+    reynolds = density_kg_per_m3 * speed_m_per_s * diameter_m / viscosity_Pa_s
+    over_stokes = np.maximum(1.0 + 0.15 * reynolds**0.687, 0.44 / 24.0 * reynolds)
+    return np.asarray(3.0 * math.pi * viscosity_Pa_s * diameter_m * speed_m_per_s * over_stokes)

@@ -389,12 +389,21 @@ class Sjkr:
 
 
 @dataclass(frozen=True)
+class AirPlan:
+    """Still air around the particles, whose drag is that of spheres (``physics.sphere_drag_N``)."""
+
+    density_kg_per_m3: float
+    viscosity_Pa_s: float
+
+
+@dataclass(frozen=True)
 class ParticlesPlan:
     """The particles, the surface they touch, and the laws between them.
 
     ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
     ``wear_m3_per_N_m``: (k, k) too, volume that particles of one material wear off a surface of the
     other per force and distance slid; None where nothing wears.
+    ``air``: the air that resists the particles; None for particles in a vacuum.
     ``predicts_load``: whether the particles are to predict their load (``ports.Predicting``).
     ``rolling``: the law of rolling resistance, where its coefficient is not zero.
     Particles in one of the ``exits``, or outside of ``domain_m`` (2, 3: lowest and highest
@@ -422,6 +431,7 @@ class ParticlesPlan:
     adhesion: Jkr | Sjkr | None = None
     rolling: Literal["epsd2", "cdt"] = "epsd2"
     wear_m3_per_N_m: Array | None = None
+    air: AirPlan | None = None
     predicts_load: bool = False
     feed: ParticleFeed | None = None
     exits: tuple[ExitPlan, ...] = ()

@@ -17,9 +17,9 @@ WEIGH = """
 from pathlib import Path
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.weighing import weigh_effects
-judged = weigh_effects(load_judged(Path("cases/quickstart"), "draft").described)["air-drag"]
+judged = weigh_effects(load_judged(Path("cases/quickstart"), "draft").described)["buoyancy"]
 assert judged.part == "particles" and not judged.present and not judged.can_go
-assert judged.verdict.number == "drag / weight" and judged.verdict.matters is False
+assert judged.verdict.number == "lift / weight" and judged.verdict.matters is False
 """
 
 
@@ -31,25 +31,25 @@ def done_by(words: list[str]) -> str:
 
 @pytest.mark.process
 def test_it_is_weighed_and_explained(tmp_path: Path) -> None:
-    before = installed(tmp_path, "how-to/add-an-effect.md", "air_drag")
+    before = installed(tmp_path, "how-to/add-an-effect.md", "buoyancy")
     done_by([sys.executable, "-c", before + WEIGH])
     said = done_by(command("explain", *CASE, before=before))
-    assert re.search(r"air-drag +no +drag / weight +\S+ +0\.1 \(of the weight\).*may be left out", said)
+    assert re.search(r"buoyancy +no +lift / weight +\S+ +0\.1 \(of the weight\).*may be left out", said)
 
 
 @pytest.mark.process
 def test_the_case_says_that_it_is_left_out(tmp_path: Path) -> None:
-    before = installed(tmp_path, "how-to/add-an-effect.md", "air_drag")
-    assert "left out: air-drag: no solver knows the air" in done_by(command("check", *CASE, before=before))
+    before = installed(tmp_path, "how-to/add-an-effect.md", "buoyancy")
+    assert "left out: buoyancy: no solver lifts particles" in done_by(command("check", *CASE, before=before))
 
 
 @pytest.mark.process
 def test_one_that_no_run_can_check_is_refused(tmp_path: Path) -> None:
     """An author hears of a wrong name in ``checked_by`` before any case is judged."""
-    before = installed(tmp_path, "how-to/add-an-effect.md", "air_drag")
-    module = tmp_path / "air_drag.py"
-    module.write_text(module.read_text().replace('about=("particles",)', 'checked_by="drag"'))
+    before = installed(tmp_path, "how-to/add-an-effect.md", "buoyancy")
+    module = tmp_path / "buoyancy.py"
+    module.write_text(module.read_text().replace('about=("particles",)', 'checked_by="lift"'))
     done = subprocess.run(
         [sys.executable, "-c", before + WEIGH], cwd=ROOT, capture_output=True, text=True, check=False
     )
-    assert "air-drag: a run does not tell drag" in done.stderr
+    assert "buoyancy: a run does not tell lift" in done.stderr

@@ -27,6 +27,7 @@ FULL = (
     .replace("bulk_modulus_Pa = 2e9", DAMPED)
 )
 MORE = (BLOCK, FEED, APERTURES, EXITS, "screen.exciters.shaft.run_up_s=0.05")
+MORE += ("air={}",)
 MORE += ("screen.bushings.isolation.damping_N_s_per_m=[90.0, 90.0, 90.0]",)
 COARSE = """
 without = ["panel-deformation", "frame-rotation"]
@@ -35,6 +36,7 @@ panel.solver = "rigid"
 """
 CAN_GO = [
     "adhesion",
+    "air-drag",
     "apertures",
     "bushing-damping",
     "feed",

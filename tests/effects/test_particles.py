@@ -194,6 +194,37 @@ def test_wear_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
     assert found.is_lacking
 
 
+@pytest.mark.parametrize(
+    ("size_mm", "terminal_m_per_s", "matters"),
+    [(0.5, 2.57, True), (1.0, 4.82, None), (2.0, 8.40, False), (20.0, 26.57, False)],
+)
+def test_air_drag_by_the_throw_over_the_terminal_speed(
+    tmp_path: Path, size_mm: float, terminal_m_per_s: float, matters: bool | None
+) -> None:
+    """At 1 m/s.  20 mm fall by Newton's law with (4 rho g d / (3 * 0.44 * 1.204))^(1/2), the finer
+    ones as the balance that tests/particles/test_air.py solves.  Lacking where it matters without any air."""
+    assert math.sqrt(4 * 1430 * 9.81 * 0.02 / (3 * 0.44 * 1.204)) == pytest.approx(26.573, rel=1e-4)
+    size = f"bed.particles.ball.sieve_size_m={size_mm / 1000}"
+    found = by_name(load_case(tmp_path, STILL_CASE, [size]))["air-drag"]
+    assert found.verdict.value == pytest.approx(1 / terminal_m_per_s, rel=2e-3)
+    assert found.verdict.matters is matters
+    assert (found.present, found.is_lacking) == (False, matters is True)
+    airy = by_name(load_case(tmp_path, STILL_CASE, [size, "air={}"]))["air-drag"]
+    assert (airy.present, airy.is_lacking, airy.is_spare) == (True, False, matters is False)
+
+
+def test_coarse_particles_do_not_change_the_drag_of_air(tmp_path: Path) -> None:
+    fine = by_name(load_case(tmp_path, BARE, [FEED]))["air-drag"].verdict
+    coarse = by_name(load_case(tmp_path, BARE, [FEED, "particles.coarse_graining=2"]))["air-drag"].verdict
+    assert coarse.value == pytest.approx(fine.value, rel=1e-9)
+
+
+def test_air_drag_left_out_by_its_law(tmp_path: Path) -> None:
+    found = verdict(tmp_path, "air-drag", "air={}", "particles.air_drag=none")
+    assert not found.present
+    assert not found.can_go
+
+
 @pytest.mark.parametrize("friction", [0.09, 0.36, 0.37, 0.5])
 def test_a_lone_sphere_below_the_tangent_of_the_slope_runs_ever_faster(
     tmp_path: Path, friction: float

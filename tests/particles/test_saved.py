@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import AirPlan
 from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, counted, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
@@ -21,6 +22,7 @@ from tests.reference import spheres
 
 SMOOTH = {"sliding_friction": 0.0, "rolling_friction": 0.0}
 WEARING = {"wear_m3_per_N_m": np.ones((2, 2))}
+AIRY = {"air": AirPlan(1204.0, 0.0182)}
 CHANGES: dict[str, dict[str, Any]] = {
     "dry": {},
     "periodic": PERIODIC,
@@ -29,9 +31,10 @@ CHANGES: dict[str, dict[str, Any]] = {
     "cdt": {"rolling": "cdt"},
     "exit": {"exits": (OPEN_END,)},
     "wearing": WEARING,
+    "airy": AIRY,
     "counted": {"exits": (OPEN_END,), **counted()},
 }
-OF_SPHERES = {name: CHANGES[name] for name in ("dry", "wet", "cdt", "wearing", "counted")}
+OF_SPHERES = {name: CHANGES[name] for name in ("dry", "wet", "cdt", "wearing", "airy", "counted")}
 
 
 @pytest.mark.solver

@@ -155,7 +155,7 @@ def test_the_line_for_pandas_gives_floats(folder: Path) -> None:
 
 def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
     """Together with the next, every documented term is one that a solver has."""
-    cheap = ledger_of((STOPS,), "quickstart", tmp_path / "a")
+    cheap = ledger_of((STOPS, "air={}"), "quickstart", tmp_path / "a")
     moved = ledger_of(("screen.frames.moving.drive.run_up_s=0",), "panel-cycle", tmp_path / "b")
     turned = ledger_of(("frames.solver=planar", MOTOR), "quickstart", tmp_path / "c")
     assert cheap | moved | turned == LEDGER - SOLID

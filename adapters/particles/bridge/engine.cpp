@@ -80,6 +80,7 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
   FixStyles &styles = *(lammps_->modify->*style_table());
   styles["wall/gran/flipflow"] = &create_fix<FixSurface>;
   styles["exits/flipflow"] = &create_fix<FixExits>;
+  styles["air/flipflow"] = &create_fix<FixAir>;
 }
 
 // After an error LIGGGHTS's parts may contradict each other: a small leak is better than a crash.
@@ -108,6 +109,10 @@ void Engine::command(const std::string &line) {
 FixSurface &Engine::surface() { return find_fix<FixSurface>(*lammps_, "surface"); }
 
 FixExits &Engine::exits() { return find_fix<FixExits>(*lammps_, "exits"); }
+
+FixAir *Engine::air() {
+  return lammps_->modify->find_fix("air") < 0 ? nullptr : &find_fix<FixAir>(*lammps_, "air");
+}
 
 void Engine::set_laws(const ContactLaws &laws) {
   laws_ = laws;
@@ -237,6 +242,7 @@ SavedState Engine::save() {
   }
   save_particles(*lammps_, saved);
   surface().save(saved);
+  if (const FixAir *air = this->air()) air->save(saved);
   return saved;
 }
 
@@ -254,6 +260,7 @@ void Engine::restore(const SavedState &saved) {
   guarded([&] {
     go_on_as_saved(*lammps_, saved);
     surface().restore(saved);
+    if (FixAir *air = this->air()) air->restore(saved);
   });
 }
 

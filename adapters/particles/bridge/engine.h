@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fix_air.h"
 #include "fix_exits.h"
 #include "fix_surface.h"
 #include "saved_state.h"
@@ -73,6 +74,7 @@ class Engine {
   LAMMPS_NS::LAMMPS &lammps() { return *lammps_; }
   FixSurface &surface();
   FixExits &exits();
+  FixAir *air();  // null: the input has none
 
   void set_laws(const ContactLaws &laws);
   const ContactLaws &laws() const { return laws_; }

@@ -268,9 +268,12 @@ void begin_path(Engine &engine, const Doubles &start_m, const Doubles &start_m_p
 }
 
 void run(Engine &engine, int steps, double step_s) {
+  flipflow::FixAir *air = engine.air();
   engine.surface().begin_sums(step_s);
+  if (air) air->begin_sums(step_s);
   engine.run(steps, step_s);
   engine.surface().end_sums(step_s);
+  if (air) air->end_sums(step_s);
 }
 
 // A table (types, types), row by row.
@@ -303,6 +306,14 @@ void set_wear(Engine &engine, const Doubles &rate_m3_per_N_m) {
   flipflow::FixSurface &surface = engine.surface();
   surface.set_wear({table("rate_m3_per_N_m", rate_m3_per_N_m, laws.types), laws.types, laws.spring(),
                     surface.vertices()});
+}
+
+// What the air gave this rank's particles since t = 0; the input has `fix air`.
+py::dict air(Engine &engine) {
+  const flipflow::FixAir &air = *engine.air();
+  return py::dict("impulse_N_s"_a = triple(air.impulse_N_s()),
+                  "angular_impulse_N_m_s"_a = triple(air.angular_impulse_N_m_s()),
+                  "work_J"_a = air.work_J());
 }
 
 py::dict by_name(flipflow::ContactEnergy energy) {
@@ -419,6 +430,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("mass_moment_time_kg_m_s",
            [](Engine &e) { return triple(e.surface().mass_moment_time()); })
       .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
+      .def("air", &air)
       .def("surface_energy_J", [](Engine &e) { return by_name(e.surface().energy()); })
       .def("take_deepest_overlaps", &take_deepest_overlaps)
       .def("take_crossings", &take_crossings)

@@ -9,7 +9,7 @@ import numpy as np
 from adapters.particles.liggghts.domain_cuts import processor_grid
 from orchestrator.ports import Array
 from orchestrator.ports.clock import steps_in
-from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
+from orchestrator.ports.plans import AirPlan, Jkr, ParticlesPlan, Sjkr
 
 # LIGGGHTS wants a word of confirmation outside of these moduli
 SOFTEST_PA, HARDEST_PA = 5e6, 1e9
@@ -51,7 +51,7 @@ pair_coeff      * *
 # contact model named here.  The plane only satisfies the stock syntax and is not used (for a
 # run with LIGGGHTS alone, write wall/gran and place the plane).
 fix surface     all wall/gran/flipflow {model} primitive type 1 zplane 0.0
-fix exits       all exits/flipflow  # takes particles out; where, it is told from memory
+{air}fix exits       all exits/flipflow  # takes particles out; where, it is told from memory
 fix motion      all nve/sphere
 timestep        {step}
 # The surface's points and the particles follow from memory, then the first force evaluation:
@@ -152,6 +152,7 @@ def input_text(plan: ParticlesPlan) -> str:
         tables=_tables(plan),
         model=contact_model(plan),
         gravity=_gravity(plan.gravity_m_per_s2),
+        air=_air(plan.air),
         step=words(np.array(plan.sync_interval_s / steps_in(plan.sync_interval_s, plan.step_s))),
     )
 
@@ -201,3 +202,12 @@ def _gravity(gravity_m_per_s2: Array) -> str:
         return ""
     direction = gravity_m_per_s2 / size_m_per_s2
     return f"fix gravity     all gravity {words(np.array(size_m_per_s2))} vector {words(direction)}\n"
+
+
+def _air(air: AirPlan | None) -> str:
+    """Return the line of the air's drag, which comes after all other forces."""
+    if air is None:
+        return ""
+    return (
+        f"fix air         all air/flipflow {words(np.array([air.density_kg_per_m3, air.viscosity_Pa_s]))}\n"
+    )

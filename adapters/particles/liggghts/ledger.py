@@ -89,6 +89,7 @@ class ParticleLedger(SavedAttributes):
         self._gravity_m_per_s2 = plan.gravity_m_per_s2
         self._adhesive = plan.adhesion is not None
         self._periodic = plan.periodic_y
+        self._airy = plan.air is not None
         self._mass_kg = float(_listed(plan.particles).mass_kg.sum())
         self._impulse_N_s, self._came_kg_m2_per_s = np.zeros((2, 3))
         self._fed_J = self._removed_J = self._first_J = self._moved_N_s = 0.0
@@ -137,24 +138,36 @@ class ParticleLedger(SavedAttributes):
         stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))
         gained_J = sum(stored_J.values()) - self._first_J
+        air_N_s, air_N_m_s, air_J = self._from_air(engine)
+        lost_J = work_J + self._fed_J - self._removed_J - gained_J
         return Account(
             momentum_kg_m_per_s=self._comm.allreduce(mine.momentum_kg_m_per_s()),
-            outside_impulse_N_s=self._impulse_N_s.copy(),
+            outside_impulse_N_s=self._impulse_N_s + air_N_s,
             stored_J=stored_J,
-            lost_J={"contact_dissipation": work_J + self._fed_J - self._removed_J - gained_J},
+            lost_J={"contact_dissipation": lost_J + air_J} | ({"air_drag": -air_J} if self._airy else {}),
             supplied_J={"feed": self._fed_J, "removal": -self._removed_J},
             received_J={"surface": work_J},
-            angular=None if self._periodic else self._angular(engine),
+            angular=None if self._periodic else self._angular(engine, air_N_m_s),
             moved_N_s=self._moved_N_s + float(self._comm.allreduce(mine.moved_N_s())),
         )
 
-    def _angular(self, engine: Engine) -> AngularAccount:
+    def _from_air(self, engine: Engine) -> tuple[Array, Array, float]:
+        """Return impulse (3,), angular impulse (3,) and work of the air on all particles since t = 0."""
+        if not self._airy:
+            return np.zeros(3), np.zeros(3), 0.0
+        mine = engine.air()
+        sums = np.array([*mine["impulse_N_s"], *mine["angular_impulse_N_m_s"], mine["work_J"]])
+        sums = self._comm.allreduce(sums)
+        return sums[:3], sums[3:6], float(sums[6])
+
+    def _angular(self, engine: Engine, air_N_m_s: Array) -> AngularAccount:
         """Return the angular momentum, which would jump for particles moved across periodic sides."""
         momentum = _owned(engine.particles()).angular_momentum_kg_m2_per_s()
         given, moment = engine.angular_impulse_N_m_s(), engine.mass_moment_time_kg_m_s()
         momentum, given, moment = self._comm.allreduce(np.array([momentum, given, moment]))
         fell = np.cross(moment, self._gravity_m_per_s2)
-        return AngularAccount(momentum, fell + self._came_kg_m2_per_s, {"surface": -given})
+        outside = fell + air_N_m_s + self._came_kg_m2_per_s
+        return AngularAccount(momentum, outside, {"surface": -given})
 
     def _stored_J(self, engine: Engine) -> dict[str, float]:
         mine = _owned(engine.particles())

@@ -254,7 +254,8 @@ class Liggghts:
 
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()
-        # within a step, LIGGGHTS's velocity is half a step old; without contacts, gravity alone fills that up
+        # within a step, LIGGGHTS's velocity is half a step old; without contacts, gravity fills that up (what
+        # air would take in half a step is left out, here and in the books)
         filled_s = step_s * mine["velocity_behind"]
         mine["v"] += np.outer(filled_s, self._plan.gravity_m_per_s2)
         self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], filled_s)

@@ -25,6 +25,7 @@ _KEYS: dict[Limits, str] = {
         "domain_m phase_rad rotation_phase_rad edges_m"
     ),
     (50.0, 25e3): "density_kg_per_m3",
+    (5e-6, 5e-5): "viscosity_Pa_s",
     (1e4, 2e12): "youngs_modulus_Pa largest_youngs_modulus_Pa",
     (1e3, 1e9): "c10_Pa c01_Pa",
     (1e5, 1e12): "bulk_modulus_Pa",
@@ -76,6 +77,7 @@ _KEYS: dict[Limits, str] = {
 }
 RANGES = {key: limits for limits, keys in _KEYS.items() for key in keys.split()}
 OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # Openings are smaller than panels.
+OF_AIR = {"density_kg_per_m3": (0.5, 2.0)}  # Up to 5000 m, and from -70 to 400 degrees Celsius.
 # The units that each SI unit may have been mistaken for, in that SI unit.
 MISTAKEN: dict[str, dict[str, float]] = {
     "_m": {"mm": 1e-3, "cm": 1e-2, "um": 1e-6},
@@ -116,7 +118,8 @@ def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:
     """Yield key, value, range and hint of each value out of its range, and whether to refuse it."""
     for key, value in _floats(case.model_dump(), ()):
         name = next(part for part in reversed(key) if isinstance(part, str))
-        limits = (RANGES | OF_APERTURES if "apertures" in key else RANGES).get(name)
+        special = OF_APERTURES if "apertures" in key else OF_AIR if "air" in key else {}
+        limits = (RANGES | special).get(name)
         if limits is not None and value != 0 and not _inside(value, limits):
             hint = _hint(name, value, limits)
             widened = (limits[0] / ABSURD, limits[1] * ABSURD)

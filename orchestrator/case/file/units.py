@@ -49,6 +49,7 @@ KINDS = {
     "N s/m": ("a damping, force over speed", "0.8 kN s/m"),
     "N m s": ("a torque over an angular speed", "0.5 N m s"),
     "Pa": ("a pressure or modulus", "10 MPa"),
+    "Pa s": ("a viscosity", "0.0182 mPa s"),
     "Pa/m": ("a pressure over a length", "100 MPa/m"),
     "J/m2": ("an energy per area", "200 mJ/m2"),
     "m3/(N m)": ("a wear, volume over work", "1e-5 mm3/(N m)"),

@@ -157,6 +157,15 @@ class Contact(Table):
     normal force and sliding distance (docs/theory/wear.md)."""
 
 
+class Air(Table):
+    """The still air around the particles.  An empty table is dry air of 20 degrees Celsius at 1013 hPa."""
+
+    density_kg_per_m3: Annotated[float, Strict(), Gt(0), Le(10)] = 1.204
+    """Density."""
+    viscosity_Pa_s: Annotated[float, Strict(), Ge(1e-6), Le(1e-3)] = 1.82e-5
+    """Dynamic viscosity."""
+
+
 class Probe(Table):
     """A point whose motion is recorded.  It is fixed to a frame or a panel, or it is a particle."""
 
@@ -201,6 +210,8 @@ class Case(Table):
     """Materials by name."""
     contacts: tuple[Contact, ...] = ()
     """Contact properties of pairs of materials."""
+    air: Air | None = None
+    """Air that resists the particles' motion.  By default, there is none (docs/theory/air.md)."""
     screen: Screen
     """The machine."""
     bed: Bed = Field(default_factory=Bed)

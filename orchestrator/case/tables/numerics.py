@@ -88,6 +88,8 @@ class ParticlesSolver(Table):
     elastic-plastic."""
     wear: Literal["none", "archard"] = "archard"
     """Law of wear for contacts that have a specific wear."""
+    air_drag: Literal["none", "schiller-naumann"] = "schiller-naumann"
+    """Law of the drag of the air, in cases that have ``air``."""
 
     @property
     def adapter(self) -> ParticlesAdapter | None:

@@ -28,6 +28,7 @@ from orchestrator.ports import (
 )
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import RigidVertices, closest_on_triangle
+from orchestrator.ports.physics import sphere_drag_N
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 from tests.reference.spheres.bodies import Bodies
@@ -38,8 +39,17 @@ from tests.reference.spheres.laws import Laws
 from tests.reference.spheres.triangle_spin import cross
 from tests.reference.spheres.visits import Visits
 
-_BOOKS = ("_impulse_N_s", "_supplied_J", "_lost_J", "_received_J", "_came_kg_m2_per_s", "_given_kg_m2_per_s")
-_SUMS = ("_worn_m3", "_fed", "_deepest", "_crossings", "_mass_moment_time_kg_m_s", *_BOOKS)
+TINY_M_PER_S = 1e-300  # a grain at rest has no drag
+_BOOKS = (
+    "_impulse_N_s",
+    "_supplied_J",
+    "_lost_J",
+    "_air_J",
+    "_received_J",
+    "_came_kg_m2_per_s",
+    "_given_kg_m2_per_s",
+)
+_SUMS = ("_drag_N", "_worn_m3", "_fed", "_deepest", "_crossings", "_mass_moment_time_kg_m_s", *_BOOKS)
 _STATE = ("_bodies", "_surface_m", "_near", "_now", "_visits", *_SUMS)
 
 
@@ -53,6 +63,7 @@ class SpheresSolver:
         self._laws = Laws.of(plan)
         self._bodies = Bodies.of(plan.particles, 1)
         self._spheres = self._bodies.spheres(plan.shapes)
+        self._drag_N = self._compute_drag()
         self._surface_m = plan.surface.position_m.copy()
         self._near = Neighbours.of(self._spheres, plan.surface, self._surface_m)
         at_rest = Motion(self._surface_m, np.zeros_like(self._surface_m))
@@ -64,7 +75,7 @@ class SpheresSolver:
         self._removed: list[Removed] = []
         self._impulse_N_s = np.zeros(3)
         self._supplied_J = {"feed": 0.0, "removal": 0.0}
-        self._lost_J = self._received_J = 0.0
+        self._lost_J = self._air_J = self._received_J = 0.0
         # angular momentum that came with particles and that went to the surface, and what gravity
         # gives it by: the integral over time of mass times place
         self._came_kg_m2_per_s, self._given_kg_m2_per_s, self._mass_moment_time_kg_m_s = np.zeros((3, 3))
@@ -131,7 +142,8 @@ class SpheresSolver:
             self._bodies.momentum_kg_m_per_s(),
             self._impulse_N_s.copy(),
             stored_J,
-            lost_J={"contact_dissipation": self._lost_J},
+            lost_J={"contact_dissipation": self._lost_J}
+            | ({} if self._plan.air is None else {"air_drag": self._air_J}),
             supplied_J=dict(self._supplied_J),
             received_J={"surface": self._received_J},
             angular=AngularAccount(
@@ -166,6 +178,7 @@ class SpheresSolver:
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
         """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._bodies, self._now
+        self._book_air(step_s / 2.0)
         self._kick(step_s / 2.0)
         mass_moment_kg_m = now.mass_kg @ now.position_m
         now.drift(self._spheres, step_s)
@@ -174,16 +187,38 @@ class SpheresSolver:
         if self._near.outdated(self._spheres.position_m, surface.position_m):
             self._near = Neighbours.of(self._spheres, self._plan.surface, surface.position_m)
         self._now = self._compute_forces(Motion(surface.position_m, half_way_m_per_s), before, step_s)
+        self._drag_N = self._compute_drag()
         self._wear()
         self._kick(step_s / 2.0)
+        self._book_air(step_s / 2.0)
         self._impulse_N_s += step_s * now.mass_kg.sum() * self._plan.gravity_m_per_s2
         self._lost_J += self._now.lost_J
         self._move_surface(surface, before)
         self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
 
     def _kick(self, step_s: float) -> None:
-        forces, gravity_m_per_s2 = self._now, self._plan.gravity_m_per_s2
-        self._bodies.kick(self._spheres, forces.force_N, forces.torque_N_m, step_s, gravity_m_per_s2)
+        forces, field_m_per_s2 = self._now, self._plan.gravity_m_per_s2
+        if self._plan.air is not None:
+            field_m_per_s2 = field_m_per_s2 + self._drag_N / self._bodies.mass_kg[:, None]
+        self._bodies.kick(self._spheres, forces.force_N, forces.torque_N_m, step_s, field_m_per_s2)
+
+    def _compute_drag(self) -> Array:
+        """The drag (n, 3) of still air on the grains, as on spheres of their volume."""
+        velocity_m_per_s, air = self._bodies.velocity_m_per_s, self._plan.air
+        if air is None:
+            return np.zeros_like(velocity_m_per_s)
+        speed_m_per_s = np.linalg.norm(velocity_m_per_s, axis=1)
+        diameter_m = self._bodies.grains.equivalent_diameter_m
+        drag_N = sphere_drag_N(diameter_m, speed_m_per_s, air.density_kg_per_m3, air.viscosity_Pa_s)
+        return -(drag_N / np.maximum(speed_m_per_s, TINY_M_PER_S))[:, None] * velocity_m_per_s
+
+    def _book_air(self, length_s: float) -> None:
+        """Book what the air gives and takes in ``length_s`` at the present places and velocities."""
+        now, drag_N = self._bodies, self._drag_N
+        self._impulse_N_s += length_s * drag_N.sum(axis=0)
+        moment_N_m = cross(now.position_m, drag_N).sum(axis=0)
+        self._came_kg_m2_per_s = self._came_kg_m2_per_s + length_s * moment_N_m
+        self._air_J -= length_s * float(np.vdot(drag_N, now.velocity_m_per_s))
 
     def _compute_forces(self, surface: Motion, before: SphereForces | None, step_s: float) -> SphereForces:
         return compute_forces(
@@ -316,6 +351,7 @@ class SpheresSolver:
         """Go on with ``new`` grains; the present ones are now in rows ``row`` (< 0: gone)."""
         before, self._spheres = self._spheres, new.spheres(self._plan.shapes)
         self._bodies = new
+        self._drag_N = self._compute_drag()
         self._visits = self._visits.renumbered(row, len(new))
         within = np.arange(len(before)) - np.searchsorted(before.body, before.body)
         to = row[before.body]
