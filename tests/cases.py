@@ -139,9 +139,9 @@ def complaints(folder: Path, *overrides: str) -> list[str]:
 
 def only_complaint(folder: Path, *overrides: str) -> str:
     """The one and only complaint."""
-    found = complaints(folder, *overrides)
-    assert len(found) == 1, found
-    return found[0]
+    texts = complaints(folder, *overrides)
+    assert len(texts) == 1, texts
+    return texts[0]
 
 
 def polyurethane(*branches: tuple[float, float]) -> str:
@@ -168,11 +168,11 @@ poisson_ratio = 0.3
 """
 
 
-def contact(one: str, other: str, restitution: float, sliding: float, rolling: float = 0.0) -> str:
+def contact(material: str, other: str, restitution: float, sliding: float, rolling: float = 0.0) -> str:
     """Between two materials; ``sliding`` and ``rolling`` friction."""
     return f"""
 [[contacts]]
-between = ["{one}", "{other}"]
+between = ["{material}", "{other}"]
 restitution = {restitution}
 sliding_friction = {sliding}
 rolling_friction = {rolling}

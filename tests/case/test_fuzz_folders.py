@@ -28,12 +28,12 @@ RIGHT_OR_WRONG, OF_A_RUN = {0, 2}, {0, 2, 3, 4}
 
 
 def ended_well(done: Ended, codes: set[int]) -> None:
-    said = done.out + done.err
-    assert done.code in codes, said
-    assert "Traceback" not in said, said
-    assert "internal error" not in said, said
-    assert all(one.isprintable() or one == "\n" for one in said), said
-    assert len(said) < 40_000, len(said)
+    output = done.out + done.err
+    assert done.code in codes, output
+    assert "Traceback" not in output, output
+    assert "internal error" not in output, output
+    assert all(char.isprintable() or char == "\n" for char in output), output
+    assert len(output) < 40_000, len(output)
     if done.code:
         assert done.err.strip(), "nothing is said"
 

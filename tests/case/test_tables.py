@@ -98,7 +98,7 @@ def test_every_float_has_a_largest_value() -> None:
         key
         for table in tables()
         for key, field in table.model_fields.items()
-        if any(isinstance(one, Le | Lt) for one in [*field.metadata, *marks(field.annotation)])
+        if any(isinstance(mark, Le | Lt) for mark in [*field.metadata, *marks(field.annotation)])
     }
     assert FLOATS - bounded - set(RANGES) == {"mass_fraction"}  # they must add up to 1
 
