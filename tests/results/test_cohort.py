@@ -65,9 +65,9 @@ def test_a_transient_is_told_without_bias(end_s: float, stuck: int) -> None:
     assert 0.2 < early.until_s < end_s - STAY_S + 0.05
     assert early.remaining <= MOST_REMAINING
     assert early.steady == events.steady
-    biased, told = screening(events, CUT_M).efficiency_percent, shares(early, CUT_M)["efficiency"]
+    biased, efficiency = screening(events, CUT_M).efficiency_percent, shares(early, CUT_M)["efficiency"]
     assert biased.value > 100 * PASSED + 10
-    assert told.value == pytest.approx(100 * PASSED, abs=4 * told.counting + 100 * MOST_REMAINING)
+    assert efficiency.value == pytest.approx(100 * PASSED, abs=4 * efficiency.counting + 100 * MOST_REMAINING)
 
 
 def test_a_run_that_ends_too_early_has_no_cohort() -> None:
@@ -85,12 +85,12 @@ def test_the_chance_of_a_cohort_holds_the_true_share() -> None:
     for seed in range(400):
         early = cohort(transient(2.2, per_s=320, seed=seed))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency"]
-        assert told.standard_error is not None
-        assert told.counting is not None
-        held.append(abs(told.value - 100 * PASSED) <= STUDENT_9 * told.standard_error)
-        errors.append(told.standard_error)
-        deviations.append(told.counting)
+        efficiency = shares(early, CUT_M)["efficiency"]
+        assert efficiency.standard_error is not None
+        assert efficiency.counting is not None
+        held.append(abs(efficiency.value - 100 * PASSED) <= STUDENT_9 * efficiency.standard_error)
+        errors.append(efficiency.standard_error)
+        deviations.append(efficiency.counting)
     assert np.mean(held) == pytest.approx(0.95, abs=0.033)
     assert np.mean(errors) == pytest.approx(np.mean(deviations), rel=0.1)
 
@@ -103,12 +103,12 @@ def test_grains_that_go_together_widen_the_chance_of_a_cohort() -> None:
     for seed in range(200):
         early = cohort(transient(2.2, per_s=2000, together=10, seed=seed))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency"]
-        assert told.standard_error is not None
-        assert told.counting is not None
-        off = abs(told.value - 100 * PASSED)
-        held.append(off <= STUDENT_9 * told.standard_error)
-        by_counting.append(off <= 1.96 * told.counting)
+        efficiency = shares(early, CUT_M)["efficiency"]
+        assert efficiency.standard_error is not None
+        assert efficiency.counting is not None
+        off = abs(efficiency.value - 100 * PASSED)
+        held.append(off <= STUDENT_9 * efficiency.standard_error)
+        by_counting.append(off <= 1.96 * efficiency.counting)
     assert np.mean(held) == pytest.approx(0.95, abs=0.047)  # three standard deviations of counting 200
     assert np.mean(by_counting) < 0.75
 
@@ -121,6 +121,6 @@ def test_a_cohort_has_no_interval_and_says_why() -> None:
     ):
         early = cohort(transient(2.2, per_s=320, rate_per_s=rate_per_s))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency"]
-        assert told.half_width is None
-        assert re.search(reason, told.reason)
+        efficiency = shares(early, CUT_M)["efficiency"]
+        assert efficiency.half_width is None
+        assert re.search(reason, efficiency.reason)

@@ -21,9 +21,9 @@ POINT = meshio.Mesh(np.zeros((1, 3)), [("vertex", np.zeros((1, 1), dtype=int))])
 def listed(folder: Path) -> list[tuple[float, str]]:
     """Return the times and files of the list, which must exist."""
     rows = ElementTree.parse(folder / "series.pvd").getroot().findall("*/DataSet")
-    found = [(float(row.get("timestep", "nan")), row.get("file", "")) for row in rows]
-    assert all((folder / file).is_file() for _, file in found)
-    return found
+    frames = [(float(row.get("timestep", "nan")), row.get("file", "")) for row in rows]
+    assert all((folder / file).is_file() for _, file in frames)
+    return frames
 
 
 def test_the_list_is_whole_after_each_snapshot(tmp_path: Path) -> None:
@@ -97,7 +97,7 @@ def test_walls_are_written_as_they_are_drawn(tmp_path: Path) -> None:
         RigidVertices(np.full(4, 3), shares_in(carriers_m, corners_m)),
     )
     write_mesh(tmp_path / "walls.vtu", walls_mesh(surface, {"worn_depth_m": np.arange(11.0)}))
-    found = meshio.read(tmp_path / "walls.vtu")
-    assert found.points == pytest.approx(corners_m, abs=1e-6)
-    assert found.cells_dict["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
-    assert found.point_data["worn_depth_m"].tolist() == [7.0, 8.0, 9.0, 10.0]
+    mesh = meshio.read(tmp_path / "walls.vtu")
+    assert mesh.points == pytest.approx(corners_m, abs=1e-6)
+    assert mesh.cells_dict["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert mesh.point_data["worn_depth_m"].tolist() == [7.0, 8.0, 9.0, 10.0]

@@ -130,15 +130,15 @@ def test_names_of_many_sections_and_panels_do_not_overlap(count: int) -> None:
 
 def test_the_page_of_a_slice_says_how_wide_it_is_and_what_is_scaled(tmp_path: Path) -> None:
     run = folder_of(tmp_path / "run", cycles=15)
-    found = replace(compute_results(run), share_of_width=0.25, slice_width_m=0.05)
-    text = re.sub(r"\s+", " ", page(run, found, lambda *_: Film(b"", reason="left out by the test")))
+    results = replace(compute_results(run), share_of_width=0.25, slice_width_m=0.05)
+    text = re.sub(r"\s+", " ", page(run, results, lambda *_: Film(b"", reason="left out by the test")))
     assert "Computed is a slice of 50.0 mm, 25.0 % of the width" in text
     assert ">feed, of the whole width<" in text
-    for told in (
+    for phrase in (
         "panel widths, feed rates and numbers of particles here are of the slice",
         "Energies here are of",
     ):
-        assert told in text
+        assert phrase in text
 
 
 def test_bushings_of_a_slice_are_drawn_as_those_of_the_whole_width() -> None:
@@ -215,9 +215,9 @@ def test_what_is_no_run(tmp_path: Path) -> None:
         assert why in done.stderr
         said_plainly(done)
     old = folder_of(tmp_path / "old", True)
-    said = json.loads((old / "summary.json").read_text())
-    del said["sync_intervals"]
-    (old / "summary.json").write_text(json.dumps(said))
+    summary = json.loads((old / "summary.json").read_text())
+    del summary["sync_intervals"]
+    (old / "summary.json").write_text(json.dumps(summary))
     done = flipflow("report", str(old))
     assert done.returncode == 2
     assert "'sync_intervals'" in done.stderr

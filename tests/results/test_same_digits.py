@@ -85,9 +85,9 @@ def test_the_sweep_and_the_paper_have_the_same_bits(
 
 
 def test_explain_and_the_accuracy_study_ask_for_the_same(folder: Path, along: dict[str, Any]) -> None:
-    found = named("stroke").of(RunReader(folder).summary)
-    assert found is not None
-    assert (found.value, found.half_width) == (along["value"], along["half_width"])
+    stroke = named("stroke").of(RunReader(folder).summary)
+    assert stroke is not None
+    assert (stroke.value, stroke.half_width) == (along["value"], along["half_width"])
 
 
 def test_the_report_has_the_same_digits(folder: Path, along: dict[str, Any]) -> None:
@@ -107,8 +107,8 @@ def test_the_verdicts_see_the_same_stroke(folder: Path, along: dict[str, Any]) -
     with RunReader(folder) as run:
         motion = results_table(folder)["motion"]
         observed = ObservedMotion(scene(run.case), run, motion["start_s"], motion["end_s"])
-        one, two = (np.array(observed.phasor(name)) for name in ("driving", "driven"))
-        seen_m = abs((two - one) @ run.deck_axes[:, 0])
+        first, second = (np.array(observed.phasor(name)) for name in ("driving", "driven"))
+        seen_m = abs((second - first) @ run.deck_axes[:, 0])
     assert seen_m == pytest.approx(along["value"], rel=1e-12)
 
 

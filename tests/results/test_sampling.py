@@ -35,7 +35,7 @@ def test_rows_at_every_sync_point_are_all_there_is() -> None:
 
 
 @pytest.mark.parametrize(
-    ("interval_s", "times", "told"),
+    ("interval_s", "times", "enough"),
     [
         (0.02, 200, True),  # four phases of the cycle
         (0.03, 200, True),  # eight, one after the other
@@ -46,8 +46,8 @@ def test_rows_at_every_sync_point_are_all_there_is() -> None:
         (0.8, 100, False),
     ],
 )
-def test_output_times(interval_s: float, times: int, told: bool) -> None:
-    assert (phases_missed(np.arange(1, times + 1) * interval_s, CYCLE_S) == "") is told
+def test_output_times(interval_s: float, times: int, enough: bool) -> None:
+    assert (phases_missed(np.arange(1, times + 1) * interval_s, CYCLE_S) == "") is enough
 
 
 def test_what_nothing_drives_has_no_phases() -> None:
