@@ -113,10 +113,10 @@ def test_taut_frequency_by_hand(tmp_path: Path) -> None:
 
 def test_stiffness_and_mass_by_hand(tmp_path: Path) -> None:
     """E W t / L = 21e6 * 0.2 * 0.004 / 0.3 = 56 kN/m; 1150 * 0.004 = 4.6 kg/m2."""
-    found = panel(tmp_path)
-    assert found.taut_stiffness_N_per_m == pytest.approx(56e3, rel=1e-9)
-    assert found.mass_kg_per_m2 == pytest.approx(4.6, rel=1e-9)
-    assert found.free_mass_kg == pytest.approx(0.276, rel=1e-9)
+    deck = panel(tmp_path)
+    assert deck.taut_stiffness_N_per_m == pytest.approx(56e3, rel=1e-9)
+    assert deck.mass_kg_per_m2 == pytest.approx(4.6, rel=1e-9)
+    assert deck.free_mass_kg == pytest.approx(0.276, rel=1e-9)
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.9, 1.0, 2.0])
@@ -128,10 +128,10 @@ def test_what_loss_and_mass_change_of_a_taut_panels_middle(ratio: float) -> None
     of_base = 4 / math.pi / (stiffness * (1 + 1j * eta) - 1)
     undamped = math.inf if ratio == 1.0 else 4 / math.pi / (stiffness - 1)
     damped = abs(1 + of_base)
-    found = change_of_response(ratio, eta, 0.0)
+    change = change_of_response(ratio, eta, 0.0)
     if ratio == 1.0:
         assert damped == pytest.approx(4 / math.pi / eta, rel=0.02)
-    assert found == pytest.approx(abs(abs(1 + undamped) / damped - 1), rel=1e-12)
+    assert change == pytest.approx(abs(abs(1 + undamped) / damped - 1), rel=1e-12)
     loaded_m = abs(1 + (1 + mass) * 4 / math.pi / (stiffness * (1 + 1j * eta) - (1 + mass)))
     expected = abs(abs(1 + undamped) / loaded_m - 1)
     assert change_of_response(ratio, eta, mass) == pytest.approx(expected, rel=1e-12)
