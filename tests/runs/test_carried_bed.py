@@ -156,10 +156,10 @@ def cut_off(file: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"), [(nobody_at, "there are no particles at that time"), (cut_off, "is it whole?")]
+    ("change", "message"), [(nobody_at, "there are no particles at that time"), (cut_off, "is it whole?")]
 )
 def test_a_time_without_particles_is_refused(
-    runs: tuple[Path, Path], tmp_path: Path, change: Callable[[Path], None], said: str
+    runs: tuple[Path, Path], tmp_path: Path, change: Callable[[Path], None], message: str
 ) -> None:
     first = shutil.copytree(runs[0], tmp_path / "first")
     change(first / "particles/particles_00002.vtu")
@@ -167,5 +167,5 @@ def test_a_time_without_particles_is_refused(
     checked = flipflow("check", str(first), *words)
     assert checked.returncode == 2, checked.stderr
     assert "particles_00002.vtu: " in checked.stderr
-    assert said in checked.stderr
+    assert message in checked.stderr
     said_plainly(checked)

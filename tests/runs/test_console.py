@@ -59,7 +59,7 @@ def _all_of(terminal: int) -> str:
 
 
 def test_help_names_every_exit_code_and_manual() -> None:
-    said = flipflow("--help").stdout
+    output = flipflow("--help").stdout
     for code in (
         "0 done",
         "1 an internal error",
@@ -70,8 +70,8 @@ def test_help_names_every_exit_code_and_manual() -> None:
         "130",
         "143",
     ):
-        assert code in said
-    for page in re.findall(r"docs/[\w-]+\.md", said):
+        assert code in output
+    for page in re.findall(r"docs/[\w-]+\.md", output):
         assert (ROOT / page).is_file()
     for word in ("run", "check", "list"):
         assert flipflow(word, "--help").returncode == 0
@@ -123,10 +123,10 @@ def test_a_folder_s_name_commands_no_terminal(tmp_path: Path) -> None:
     folder = tmp_path / "red \x1b[31m\x1b]0;owned\x07"
     done = flipflow(*run_words("quickstart", folder, SHORT))
     assert done.returncode == 0, done.stderr
-    for said in (done.stderr, (folder / "run.log").read_text()):
-        assert "\x1b" not in said
-        assert "\x07" not in said
-        assert r"red \x1b[31m\x1b]0;owned\x07" in said
+    for text in (done.stderr, (folder / "run.log").read_text()):
+        assert "\x1b" not in text
+        assert "\x07" not in text
+        assert r"red \x1b[31m\x1b]0;owned\x07" in text
     done = flipflow(*run_words("quickstart", folder, SHORT))
     assert done.returncode == 2
     assert "\x1b" not in done.stderr

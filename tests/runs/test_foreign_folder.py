@@ -163,8 +163,8 @@ def flipflow(it: Stranger, *words: str) -> Result:
         done = CliRunner().invoke(
             app, [word.format(**places, other=it.run.with_name("other")) for word in words]
         )
-    for said in (done.stdout, done.stderr):
-        assert all(char.isprintable() or char in "\r\n" for char in said), repr(said)
+    for text in (done.stdout, done.stderr):
+        assert all(char.isprintable() or char in "\r\n" for char in text), repr(text)
     return done
 
 

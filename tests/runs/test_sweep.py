@@ -80,8 +80,8 @@ def test_what_is_done_is_not_run_again_and_what_is_not_is(swept: Path) -> None:
     """A run that was cut short is put aside and run anew; the others are left as they are."""
     kept, cut = swept / "speed_rad_per_s-58.0", swept / "speed_rad_per_s-84.0"
     before = (kept / "summary.json").stat().st_mtime_ns
-    said = (cut / "summary.json").read_text()
-    (cut / "summary.json").write_text(said.replace('"done"', '"interrupted"'))
+    text = (cut / "summary.json").read_text()
+    (cut / "summary.json").write_text(text.replace('"done"', '"interrupted"'))
     done = flipflow(*words(swept))
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("done before") == 2
