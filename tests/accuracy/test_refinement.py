@@ -42,12 +42,12 @@ def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
     for name, key in (("particle-step", "particles"), ("panel-step", "panel")):
         (series,) = offer(case, [name], 3).series
         counts = [
-            steps_in(case.coupling.sync_interval_s, float(one.sets[0].partition("=")[2]))
-            for one in series.settings[1:]
+            steps_in(case.coupling.sync_interval_s, float(setting.sets[0].partition("=")[2]))
+            for setting in series.settings[1:]
         ]
         own = round(float(exact(case.coupling.sync_interval_s)) / (series.settings[0].h or 0))
         assert counts == [2 * own, 4 * own]
-        assert all(one.sets[0].startswith(f"{key}.step_s=") for one in series.settings[1:])
+        assert all(setting.sets[0].startswith(f"{key}.step_s=") for setting in series.settings[1:])
 
 
 @pytest.mark.parametrize(
