@@ -159,12 +159,12 @@ def test_books_close_while_dumbbells_come_hit_and_leave(build: Build) -> None:
     assert abs(run.given_N_s[2]) > MASS_KG  # there were impacts
     gained = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s - after.outside_impulse_N_s
     np.testing.assert_allclose(gained + run.given_N_s, 0.0, atol=1e-11 * MASS_KG)
-    one, other = before.angular, after.angular
-    assert one is not None
-    assert other is not None
-    turned = other.momentum_kg_m2_per_s - one.momentum_kg_m2_per_s - other.outside_impulse_N_m_s
-    turned = turned + one.outside_impulse_N_m_s
-    received = other.received_N_m_s["surface"] - one.received_N_m_s["surface"]
+    earlier, later = before.angular, after.angular
+    assert earlier is not None
+    assert later is not None
+    turned = later.momentum_kg_m2_per_s - earlier.momentum_kg_m2_per_s - later.outside_impulse_N_m_s
+    turned = turned + earlier.outside_impulse_N_m_s
+    received = later.received_N_m_s["surface"] - earlier.received_N_m_s["surface"]
     np.testing.assert_allclose(turned, received, atol=1e-12 * MASS_KG)
     moved_J = 5 * MASS_KG * 0.6**2
     assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-2 * moved_J)
@@ -189,8 +189,8 @@ def test_it_goes_on_bit_for_bit_after_a_restore(module: ParticlesAdapter) -> Non
     for run in (first, second):
         run.advance(20)
     for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
-        one, other = (getattr(run.solver.snapshot(), name) for run in (first, second))
-        np.testing.assert_array_equal(one, other)
+        mine, its = (getattr(run.solver.snapshot(), name) for run in (first, second))
+        np.testing.assert_array_equal(mine, its)
 
 
 def test_liggghts_says_that_it_takes_spheres_alone() -> None:

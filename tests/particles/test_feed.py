@@ -226,7 +226,7 @@ def test_a_pickle_goes_on_the_same() -> None:
     feed = RateFeed(INLET)
     all_accepted(feed, 25, 1e-3)
     copy = pickle.loads(pickle.dumps(feed))
-    first, second = (one.due(Interval(26, 1e-3)) for one in (feed, copy))
+    first, second = (source.due(Interval(26, 1e-3)) for source in (feed, copy))
     assert len(first)
     np.testing.assert_array_equal(first.position_m, second.position_m)
     np.testing.assert_array_equal(first.grains.sieve_size_m, second.grains.sieve_size_m)
@@ -249,7 +249,7 @@ def test_a_sampled_feed_goes_on_the_same_from_a_checkpoint() -> None:
     expected = 0.3 * 2.0 * 1.999 / sphere_kg(0.012, 1430.0)
     assert number == pytest.approx(expected, abs=3 * (0.1 * expected) ** 0.5)  # masses vary by 40 %
     again.restore(feed.save())
-    first, second = (one.due(Interval(2000, 1e-3)) for one in (feed, again))
+    first, second = (source.due(Interval(2000, 1e-3)) for source in (feed, again))
     assert len(first)
     np.testing.assert_array_equal(first.position_m, second.position_m)
     np.testing.assert_array_equal(first.grains.sieve_size_m, second.grains.sieve_size_m)

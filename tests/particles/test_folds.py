@@ -169,8 +169,8 @@ def test_the_order_of_triangles_does_not_matter(code: str) -> None:
     place_m[:] = np.random.default_rng(8).uniform(-5e-5, 5e-5, (20, 3))
     place_m[:, 2] += in_pit(np.tan(np.radians(20.0)))
     turned = replace(surface, triangles=np.roll(surface.triangles[::-1], 2, axis=0)[:, [1, 2, 0]])
-    one, other = (held(code, each, place_m).force_N for each in (surface, turned))
-    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(one).max())
+    first, second = (held(code, each, place_m).force_N for each in (surface, turned))
+    np.testing.assert_allclose(first, second, rtol=0.0, atol=1e-9 * np.abs(first).max())
 
 
 def energy_error(code: str, angle_deg: float, kind: int, step_s: float) -> float:

@@ -58,16 +58,16 @@ def test_everybody_who_touches_is_listed(tmp_path: Path, most: int, periodic_y: 
     if periodic_y:
         plan = replace(plan, domain_m=plan.domain_m * [1.0, 0.3, 1.0], periodic_y=True)
     solver = solver_adapter("liggghts").build(plan)
-    found = solver.snapshot().contacts
-    assert found is not None
+    neighbours = solver.snapshot().contacts
+    assert neighbours is not None
     solver.close()
     apart_m = position_m[:, None] - position_m
     if periodic_y:
         apart_m[..., 1] -= 0.06 * np.round(apart_m[..., 1] / 0.06)
     touching = np.linalg.norm(apart_m, axis=-1) < (diameter_m[:, None] + diameter_m) / 2
-    np.testing.assert_array_equal(found, touching.sum(axis=1) - 1)
-    assert found[:2].all()
-    assert not found[-1]
+    np.testing.assert_array_equal(neighbours, touching.sum(axis=1) - 1)
+    assert neighbours[:2].all()
+    assert not neighbours[-1]
 
 
 @pytest.mark.solver

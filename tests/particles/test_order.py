@@ -95,8 +95,10 @@ def rebound_m_per_s(restitution: float, late_s: float) -> float:
         return float(at[0])
 
     parted.terminal, parted.direction = True, -1.0  # type: ignore[attr-defined]
-    found = solve_ivp(rates, (0.0, 1e-2), [0.0, SPEED_M_S], "DOP853", events=parted, rtol=1e-10, atol=1e-14)
-    return -float(found.y[1, -1])
+    solution = solve_ivp(
+        rates, (0.0, 1e-2), [0.0, SPEED_M_S], "DOP853", events=parted, rtol=1e-10, atol=1e-14
+    )
+    return -float(solution.y[1, -1])
 
 
 def test_dampers_are_half_a_step_late(module: Any) -> None:

@@ -47,7 +47,7 @@ def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> 
     ("changes", "save_at"),
     [
         pytest.param({}, 1, id="dry-1"),
-        *(pytest.param(one, 12, id=f"{name}-12") for name, one in OF_SPHERES.items()),
+        *(pytest.param(plan, 12, id=f"{name}-12") for name, plan in OF_SPHERES.items()),
     ],
 )
 def test_spheres_go_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:

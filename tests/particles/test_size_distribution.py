@@ -103,7 +103,7 @@ def test_fines_are_made_of_the_next_class() -> None:
 
 
 @pytest.mark.parametrize(
-    ("block", "said"),
+    ("block", "message"),
     [
         (source(), "missing"),
         (sizes((0.1, 0.2, 1.0), curve=[{"sieve_size_m": 0.1, "passing": 1}]), "contradicts sizes"),
@@ -114,9 +114,9 @@ def test_fines_are_made_of_the_next_class() -> None:
         (curve(smallest_fed_m=0.03), "nothing is as large as 0.03 m"),
     ],
 )
-def test_what_is_no_distribution_is_refused(block: Block, said: str) -> None:
-    (found,) = faults(block)
-    assert said in found[1]
+def test_what_is_no_distribution_is_refused(block: Block, message: str) -> None:
+    (fault,) = faults(block)
+    assert message in fault[1]
 
 
 def test_good_ones_have_no_faults() -> None:
@@ -164,13 +164,13 @@ def test_the_next_whole_class_takes_over_what_is_not_computed() -> None:
     assert share_left_out(taken) == 0.0
     assert sum(row.mass_fraction for row in classes(taken)) == pytest.approx(1.0)
     rest = share_left_out(out)
-    for one, two in zip(classes(out), classes(taken), strict=True):
-        more = rest if two.smallest_m == 0.005 else 0.0
-        assert two.mass_fraction == pytest.approx(one.mass_fraction * (1.0 - rest) + more)
+    for first, second in zip(classes(out), classes(taken), strict=True):
+        more = rest if second.smallest_m == 0.005 else 0.0
+        assert second.mass_fraction == pytest.approx(first.mass_fraction * (1.0 - rest) + more)
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [
         ({"sampled_as_m": 0.004}, "has no meaning without sampled_below_m"),
         ({"sampled_below_m": 0.004, "sampled_as_m": 0.003}, "0.003 m is less than sampled_below_m = 0.004 m"),
@@ -179,9 +179,9 @@ def test_the_next_whole_class_takes_over_what_is_not_computed() -> None:
         ({"sampled_below_m": 0.03, "finer": "next-class"}, "no class takes over what is not computed"),
     ],
 )
-def test_what_cannot_be_sampled_is_refused(given: dict[str, Any], said: str) -> None:
-    (found,) = faults(feed(**given))
-    assert said in found[1]
+def test_what_cannot_be_sampled_is_refused(given: dict[str, Any], message: str) -> None:
+    (fault,) = faults(feed(**given))
+    assert message in fault[1]
 
 
 def test_samples_without_faults() -> None:

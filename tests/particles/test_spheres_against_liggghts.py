@@ -35,14 +35,14 @@ def both(given: ParticlesPlan, intervals: int, surface_m_per_s: Array) -> tuple[
     return results[0], results[1]
 
 
-def agree(one: Result, other: Result, relative: float) -> None:
-    scale_N = np.abs(other[0]).max()
+def agree(first: Result, second: Result, relative: float) -> None:
+    scale_N = np.abs(second[0]).max()
     assert scale_N > 0.0
-    np.testing.assert_allclose(one[0], other[0], rtol=0.0, atol=relative * scale_N)
+    np.testing.assert_allclose(first[0], second[0], rtol=0.0, atol=relative * scale_N)
     for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
-        mine, theirs = getattr(one[1], name), getattr(other[1], name)
+        mine, theirs = getattr(first[1], name), getattr(second[1], name)
         np.testing.assert_allclose(mine, theirs, rtol=0.0, atol=relative * np.abs(theirs).max())
-    mine_J, theirs_J = one[2].received_J["surface"], other[2].received_J["surface"]
+    mine_J, theirs_J = first[2].received_J["surface"], second[2].received_J["surface"]
     assert mine_J == pytest.approx(theirs_J, rel=relative, abs=1e-15)
 
 
@@ -98,16 +98,16 @@ def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface
         sliding_friction=0.4,
         gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
     )
-    one, other = both(case, 400, np.zeros(3))
+    first, second = both(case, 400, np.zeros(3))
     # an edge is in two triangles, at the same distance but for rounding; either may take the couple
-    agree(*(summed(found, surface) for found in (one, other)), relative=1e-9)
+    agree(*(summed(result, surface) for result in (first, second)), relative=1e-9)
 
 
-def summed(found: Result, surface: TriangleSurface) -> Result:
+def summed(result: Result, surface: TriangleSurface) -> Result:
     """With force and moment about the origin in the place of the forces on all points."""
-    force_N = found[0]
+    force_N = result[0]
     moment_N_m = np.cross(surface.position_m, force_N).sum(axis=1)
-    return np.stack([force_N.sum(axis=1), moment_N_m / 0.01], axis=1), found[1], found[2]
+    return np.stack([force_N.sum(axis=1), moment_N_m / 0.01], axis=1), result[1], result[2]
 
 
 ADHESION = {"dry": None, "sjkr": Sjkr(np.full((1, 1), 3e5)), "jkr": Jkr(np.full((1, 1), 0.05), 1e-3)}
@@ -144,7 +144,7 @@ def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
     )
     ours, theirs = both(case, 80, np.array([0.01, 0.0, 0.02]))
     # as above: an edge's couple may go to either of its triangles
-    loads = (summed(found, sheet) for found in (ours, theirs))
+    loads = (summed(result, sheet) for result in (ours, theirs))
     agree(*loads, relative=1e-9 if rolling == "epsd2" else 1e-5)
     for name, stored_J in ours[2].stored_J.items():
         assert stored_J == pytest.approx(theirs[2].stored_J[name], rel=1e-5, abs=1e-15)

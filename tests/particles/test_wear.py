@@ -170,12 +170,14 @@ def test_two_codes_wear_alike(adhesion: Jkr | None) -> None:
             adhesion=adhesion,
         )
     )
-    found = []
+    worn_by_code_m3 = []
     for module in (spheres, liggghts):
         with closing(module.build(given)) as solver:
             run = Run(solver, given, np.array([0.1, 0.05, -0.02]))
             run.advance(25)
-            found.append(solver.worn_m3())
-    assert found[0].max() > 0.0
+            worn_by_code_m3.append(solver.worn_m3())
+    assert worn_by_code_m3[0].max() > 0.0
     # the same sums in another order, before chaos sets in
-    np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-8 * found[0].max())
+    np.testing.assert_allclose(
+        worn_by_code_m3[0], worn_by_code_m3[1], rtol=0.0, atol=1e-8 * worn_by_code_m3[0].max()
+    )
