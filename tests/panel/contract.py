@@ -79,12 +79,12 @@ class RimmedPanel(OffsetPanel):
 
     def interpolation(self, coordinates_m: Array) -> Interpolation:
         """Of all its surface points it needs the panel's own ones."""
-        found, points = self._meshed.interpolation(coordinates_m), len(self._seen)
-        matrices = (found.values, found.along, found.across)
+        meshed, points = self._meshed.interpolation(coordinates_m), len(self._seen)
+        matrices = (meshed.values, meshed.along, meshed.across)
         values, along, across = (
             csr_array((m.data, m.indices, m.indptr), shape=(m.shape[0], points)) for m in matrices
         )
-        return Interpolation(values, along, across, found.offset_m)
+        return Interpolation(values, along, across, meshed.offset_m)
 
 
 OPENINGS = AperturePattern("rectangle", 0.016, 0.008, 0.024, 0.014, 0.0, 0.02, 0.0)

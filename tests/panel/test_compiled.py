@@ -49,9 +49,9 @@ def started(cache: Path, program: str = PROGRAM) -> subprocess.Popen[str]:
 
 
 def compiled(program: subprocess.Popen[str]) -> None:
-    said, errors = program.communicate(timeout=TOGETHER_S)
+    output, errors = program.communicate(timeout=TOGETHER_S)
     assert program.returncode == 0, errors
-    assert float(said) == pytest.approx(1 / 6, rel=1e-12)
+    assert float(output) == pytest.approx(1 / 6, rel=1e-12)
 
 
 def files(cache: Path, pattern: str) -> list[Path]:
@@ -121,8 +121,8 @@ def test_what_is_in_the_cache_waits_for_nobody(tmp_path: Path) -> None:
     try:
         begun_s = time.monotonic()
         program = started(tmp_path, in_cache)
-        said, errors = program.communicate(timeout=TOGETHER_S)
-        assert float(said) == pytest.approx(1 / 6, rel=1e-12)
+        output, errors = program.communicate(timeout=TOGETHER_S)
+        assert float(output) == pytest.approx(1 / 6, rel=1e-12)
         assert "waiting" not in errors
         assert time.monotonic() - begun_s < 30
     finally:

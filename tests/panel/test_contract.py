@@ -250,8 +250,8 @@ def test_a_restored_panel_goes_on_bit_for_bit(case: Case) -> None:
     second.restore(saved)
     assert differences(saved, second.save()) == []
     runs = [driven(panel, 40, first=40) for panel in (whole, second)]
-    for one, other in zip(*([*run.states, *run.accounts] for run in runs), strict=True):
-        assert differences(as_arrays(one), as_arrays(other)) == []
+    for expected, actual in zip(*([*run.states, *run.accounts] for run in runs), strict=True):
+        assert differences(as_arrays(expected), as_arrays(actual)) == []
     assert differences(whole.save(), second.save()) == []
 
 
@@ -304,10 +304,10 @@ def test_what_clamps_alone_move_is_known_ahead(case: Case) -> None:
         load = loads(len(known.which), (index + 0.5) * INTERVAL_S)
         surface = panel.advance(interval, end, load).surface
         unasked.advance(interval, end, load)
-        for found in (known, half):
-            which = found.which
-            off_m = found.motion.position_m[which] - surface.position_m[which]
-            off_m_per_s = found.motion.velocity_m_per_s[which] - surface.velocity_m_per_s[which]
+        for forecast in (known, half):
+            which = forecast.which
+            off_m = forecast.motion.position_m[which] - surface.position_m[which]
+            off_m_per_s = forecast.motion.velocity_m_per_s[which] - surface.velocity_m_per_s[which]
             assert np.abs(off_m).max() < 1e-14
             assert np.abs(off_m_per_s).max() < 1e-11
         assert not nothing.which.any()

@@ -91,9 +91,9 @@ def elastica_m(given: PanelPlan, shares: Array) -> Array:
     sine, cosine = np.sin(wave_1_m * s_m), np.cos(wave_1_m * s_m)
     guess = np.stack([down * sine, down * wave_1_m * cosine, s_m, down / wave_1_m * (1 - cosine)])
     force_N = np.array([-40 * bending_N_m2 / LENGTH_M**2, -weight_N_per_m * LENGTH_M / 2])
-    found = solve_bvp(slopes, ends, s_m, guess, p=force_N, tol=1e-6, max_nodes=20000)
-    assert found.success
-    return np.asarray(found.sol(shares * LENGTH_M)[3])
+    solution = solve_bvp(slopes, ends, s_m, guess, p=force_N, tol=1e-6, max_nodes=20000)
+    assert solution.success
+    return np.asarray(solution.sol(shares * LENGTH_M)[3])
 
 
 @SOLVERS

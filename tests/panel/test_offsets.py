@@ -124,5 +124,5 @@ def test_a_wall_on_a_rigid_panel_goes_with_its_flat_middle() -> None:
     coordinates_m = np.column_stack([np.linspace(0.01, 0.29, 9), np.full(9, 0.02), np.full(9, 0.003)])
     seen = mapped(StillPanel(Motion(own_m, np.zeros_like(own_m))), panel.interpolation(coordinates_m))
     feet = panel.interpolation(coordinates_m[:, :2]).values @ own_m
-    found = (seen.initial().surface.position_m - feet) / 0.003
-    assert found == pytest.approx(np.tile(normal, (9, 1)), abs=1e-12)
+    direction = (seen.initial().surface.position_m - feet) / 0.003
+    assert direction == pytest.approx(np.tile(normal, (9, 1)), abs=1e-12)

@@ -105,7 +105,7 @@ def moved(given, intervals):
     """Height of the middle and pull, of sheet and solid, the second clamp shaken by 2 mm."""
     from adapters.panel import sheet, solid
 
-    found = []
+    moves = []
     for solver in (sheet, solid):
         panel = solver.build(given)
         middle = panel.interpolation(np.array([[0.06, 0.024]])).values
@@ -116,5 +116,5 @@ def moved(given, intervals):
             height_m = (middle @ state.surface.position_m)[0, 2] - 0.3
             rows.append([height_m, pull_N(panel, state)])
         panel.close()
-        found.append(np.array(rows))
-    return found
+        moves.append(np.array(rows))
+    return moves

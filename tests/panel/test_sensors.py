@@ -74,10 +74,10 @@ def test_sensors_that_have_no_place(tmp_path: Path) -> None:
     assert complaints(tmp_path, on_frame) == [
         "--set probes.p.sensor_kg: is for a probe on a panel; add its mass to the frame's"
     ]
-    said = complaints(
+    messages = complaints(
         tmp_path, 'probes.p={panel="deck", at=[0.5, 0.5], sensor_kg=0.02}', "slice.width_m=0.05"
     )
-    assert any("of which a slice of the width has no share" in line for line in said)
+    assert any("of which a slice of the width has no share" in line for line in messages)
 
 
 def test_a_panel_with_probes_is_drawn_at_four_instants(tmp_path: Path) -> None:

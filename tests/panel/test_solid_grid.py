@@ -100,11 +100,11 @@ def test_openings_at_the_clamps_and_at_the_sides():
 
 def test_size_before_the_mesh_is_made():
     """The lightest node is the middle of the rim's corners between two cells of 10 x 1.5 mm."""
-    found, grid = size(given()), solid_grid(given())
-    assert found.cells == (grid.hole_of_cell() < 0).sum()
-    assert found.nodes == 3 * len(grid.nodes_m())
+    predicted, grid = size(given()), solid_grid(given())
+    assert predicted.cells == (grid.hole_of_cell() < 0).sum()
+    assert predicted.nodes == 3 * len(grid.nodes_m())
     lightest_kg = 2 / 3 * 1200 * 0.004 * grid.node_areas_m2().min()
-    assert found.lightest_kg == pytest.approx(lightest_kg)
+    assert predicted.lightest_kg == pytest.approx(lightest_kg)
 
 
 def test_round_ends_are_refused():
