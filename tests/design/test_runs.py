@@ -99,7 +99,7 @@ def test_a_run_with_a_value_off_its_scale_is_no_data(
 
 
 @pytest.mark.parametrize(
-    ("told", "deviation"),
+    ("stated", "deviation"),
     [
         (
             {"half_width": 12.7, "standard_error": 1.0, "counting": 3.0},
@@ -111,9 +111,9 @@ def test_a_run_with_a_value_off_its_scale_is_no_data(
     ],
 )
 def test_the_noise_of_a_run_is_its_standard_error(
-    told: dict[str, float], deviation: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    stated: dict[str, float], deviation: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    summary = {"probes": {"plate": {"peak_speed_m_per_s": {"value": 0.5, **told}}}}
+    summary = {"probes": {"plate": {"peak_speed_m_per_s": {"value": 0.5, **stated}}}}
     outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"', summary)
     assert outcome.responses["speed"].deviation == deviation
 

@@ -80,11 +80,11 @@ def test_a_fit_before_any_run_says_so(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("surrogate", "said"),
+    ("surrogate", "text"),
     [("gaussian-process", "take slope = 30"), ("quadratic", "support no optimum: every setting is needed")],
 )
 def test_three_settings_that_were_run_three_times_have_a_page(
-    surrogate: str, said: str, tmp_path: Path
+    surrogate: str, text: str, tmp_path: Path
 ) -> None:
     """Without one of them, the other two tell no quadratic."""
     rows = [f"{slope},{slope / 10 + off}" for slope in (10, 20, 30) for off in (-0.1, 0.0, 0.1)]
@@ -94,7 +94,7 @@ def test_three_settings_that_were_run_three_times_have_a_page(
     write_study(tmp_path, **dict.fromkeys(keys), **changes)
     done = study("fit", "--out", "there")
     assert done.exit_code == 0, done.output
-    assert said in done.output
+    assert text in done.output
     assert "quadratic surface of speed" in done.output
     assert "design.html" in contents(tmp_path / "there")
 

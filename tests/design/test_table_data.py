@@ -127,8 +127,8 @@ def test_the_data_of_a_table_are_not_run(tmp_path: Path) -> None:
 def test_six_rows_are_too_few_for_a_quadratic_of_two_factors(tmp_path: Path) -> None:
     design = DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
     design.load_finished()
-    said = [str(line) for line in design.write()]
-    assert any("support no optimum" in line and "6 points" in line for line in said)
+    lines = [str(line) for line in design.write()]
+    assert any("support no optimum" in line and "6 points" in line for line in lines)
     assert "6 points" in (tmp_path / "out" / "design.html").read_text(encoding="utf-8")
 
 
@@ -136,8 +136,8 @@ def test_the_best_setting_of_a_table_is_predicted(tmp_path: Path) -> None:
     rows = "20,2,1.1,79\n20,6,1.5,61\n10,4,0.7,85\n30,4,2.0,49\n"
     design = DesignStudy(study_of(tmp_path, HEAD + ROWS + rows), Crew(), tmp_path / "out")
     design.load_finished()
-    said = [str(line) for line in design.write()]
-    assert any("not yet measured" in line for line in said)
+    lines = [str(line) for line in design.write()]
+    assert any("not yet measured" in line for line in lines)
     assert not (tmp_path / "out" / "recommended.toml").exists()
 
 
