@@ -36,8 +36,8 @@ def run(folder: Path, frames: str, panel: str, particles: str, intervals: int) -
         case += BED
         settings.append(f"particles.solver={particles}")
     loaded = load_case(folder, case, settings)
-    found = [str(mistake) for mistake in find_problems(loaded)]
-    assert found == [], found
+    problems = [str(mistake) for mistake in find_problems(loaded)]
+    assert problems == [], problems
     with opened(loaded) as machine:
         machine.advance(intervals)
         residuals = machine.momentum_residual()

@@ -67,12 +67,12 @@ def test_a_heavy_bed_at_rest(tmp_path: Path) -> None:
     limit_s = 3.5e-5  # not less than the longest stable interval: the bed spins up
     assert outcome(tmp_path, BED, "particles-first", limit_s, 0.12).spin_rad_per_s > SPINS_RAD_S
     reference = outcome(tmp_path, BED, "particles-first", 2.5e-5, 0.12, 0.02)
-    found = outcome(tmp_path, BED, "robin", 5.0 * limit_s, 0.12, 0.02)
+    result = outcome(tmp_path, BED, "robin", 5.0 * limit_s, 0.12, 0.02)
     # what is left is the balls' rocking with the panel's swing, which dies out in both alike
-    assert found.spin_rad_per_s < min(1.5 * reference.spin_rad_per_s, 0.1 * SPINS_RAD_S)
-    assert found.sag_m == pytest.approx(reference.sag_m, rel=3e-3)
-    assert abs(found.created_J) < 1e-5
-    assert found.momentum_residual < 1e-12
+    assert result.spin_rad_per_s < min(1.5 * reference.spin_rad_per_s, 0.1 * SPINS_RAD_S)
+    assert result.sag_m == pytest.approx(reference.sag_m, rel=3e-3)
+    assert abs(result.created_J) < 1e-5
+    assert result.momentum_residual < 1e-12
 
 
 def test_a_heavy_bed_that_falls(tmp_path: Path) -> None:

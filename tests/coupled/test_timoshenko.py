@@ -96,9 +96,9 @@ def test_order_in_the_sync_interval(tmp_path: Path, scheme: str, order: int) -> 
         return run(tmp_path, [*COARSE, *settings], 1.76e-4)
 
     exact = outcome("particles-first", 5e-7).impact.rebound_mm_per_s
-    found = [outcome(scheme, interval_s) for interval_s in INTERVALS_S]
-    errors = [abs(o.impact.rebound_mm_per_s - exact) for o in found]
-    created = [abs(o.energy_J["created.particles-panel"]) for o in found]
+    outcomes = [outcome(scheme, interval_s) for interval_s in INTERVALS_S]
+    errors = [abs(o.impact.rebound_mm_per_s - exact) for o in outcomes]
+    created = [abs(o.energy_J["created.particles-panel"]) for o in outcomes]
     assert slope(errors) == pytest.approx(order, abs=0.3)
     assert slope(created) == pytest.approx(order, abs=0.3)
 
@@ -113,9 +113,9 @@ def test_robin_in_the_sync_interval(tmp_path: Path) -> None:
         return run(tmp_path, [*COARSE, *settings], 1.76e-4)
 
     exact = outcome("particles-first", 5e-7).impact.rebound_mm_per_s
-    found = [outcome("robin", interval_s) for interval_s in INTERVALS_S]
-    assert [o.impact.rebound_mm_per_s for o in found] == pytest.approx([exact] * 4, rel=2e-3)
-    created = [abs(o.energy_J["created.particles-panel"]) for o in found]
+    outcomes = [outcome("robin", interval_s) for interval_s in INTERVALS_S]
+    assert [o.impact.rebound_mm_per_s for o in outcomes] == pytest.approx([exact] * 4, rel=2e-3)
+    created = [abs(o.energy_J["created.particles-panel"]) for o in outcomes]
     assert slope(created) > 3.5
     assert created[-1] < 2e-3 * 1.67e-6
 
