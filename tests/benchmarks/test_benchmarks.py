@@ -27,14 +27,14 @@ pytestmark = [pytest.mark.solver, pytest.mark.process, pytest.mark.slow]
 
 
 def every_criterion() -> list[object]:
-    found = []
+    parameters = []
     for name in NAMES:
         for row in read_criteria(FOLDER / name).criteria:
             known = pytest.mark.xfail(strict=True, reason=row.known_failure)
             marks = [known] if row.known_failure else []
             label = f"{name}: {row.run}: {row.what}"
-            found.append(pytest.param(name, row, marks=marks, id=label))
-    return found
+            parameters.append(pytest.param(name, row, marks=marks, id=label))
+    return parameters
 
 
 @pytest.fixture(scope="module")
