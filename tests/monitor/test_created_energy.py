@@ -97,11 +97,11 @@ def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
             interval = interface_data(run.machine.members, run.interval_s)
             contacts.add([interval])
             clamps.add([interval])
-        said = run.energy_J("created")
+        terms_J = run.energy_J("created")
     # off by 9e-5, 9e-5, 3e-7 and 1e-8 of what went through contacts, and by 5e-7 at most at clamps
     for work, interface, off in ((contacts, "particles-panel", 2e-4), (clamps, "panel-frames", 1e-6)):
         balance = work.balance
-        ledger_J = said[f"created.{interface}"]
+        ledger_J = terms_J[f"created.{interface}"]
         assert balance.created_J == pytest.approx(ledger_J, rel=0, abs=off * balance.through_J)
 
 
