@@ -75,12 +75,12 @@ def test_several_moments_at_once_change_no_bit() -> None:
     """The series are computed in blocks, and a resumed run has other blocks than one that never stopped."""
     turns = [Rotation.from_rotvec(0.01 * (number + 1) * np.array([1.0, -2.0, 0.5])) for number in range(7)]
     every = [moved(turn, SHIFT_M, SPIN, SPEED) for turn in turns]
-    together = Pose(*(np.stack([getattr(one, f.name) for one in every]) for f in fields(Pose)))
+    together = Pose(*(np.stack([getattr(pose, f.name) for pose in every]) for f in fields(Pose)))
     bushing, element_N = forces("driving", "driven"), np.arange(21.0).reshape(7, 1, 3)
-    for number, one in enumerate(every):
-        for found, alone in (
-            (bushing.at(together, element_N), bushing.at(one, element_N[number])),
-            ([rotations_rad(together)], [rotations_rad(one)]),
+    for number, pose in enumerate(every):
+        for stacked, alone in (
+            (bushing.at(together, element_N), bushing.at(pose, element_N[number])),
+            ([rotations_rad(together)], [rotations_rad(pose)]),
         ):
-            for values, single in zip(found, alone, strict=True):
+            for values, single in zip(stacked, alone, strict=True):
                 assert np.array_equal(values[number], single)

@@ -113,10 +113,10 @@ def test_a_scheme_goes_on_as_it_was_saved(name: str) -> None:
     other.memory.restore(way.memory.save())
     before = solvers.panel.save(), solvers.particles.save()  # type: ignore[attr-defined, union-attr]
     ends = []
-    for one in (way, other):
+    for each in (way, other):
         solvers.panel.restore(before[0])  # type: ignore[attr-defined]
         solvers.particles.restore(before[1])  # type: ignore[union-attr]
-        ends.append(one.advance(solvers, Interval(4, 0.1), state).load.force_N)
+        ends.append(each.advance(solvers, Interval(4, 0.1), state).load.force_N)
     assert (ends[0] == ends[1]).all()
     assert way.figures() == other.figures()
 

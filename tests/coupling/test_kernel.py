@@ -94,12 +94,12 @@ def test_the_couples_of_loads_beside_a_surface_do_their_work() -> None:
 
 
 def test_offsets_of_another_number_of_points_are_refused() -> None:
-    one = _kernel.PointMatrix(np.array([0, 2]), np.array([0, 3]), np.ones(2), 4)
-    two = _kernel.PointMatrix(np.array([0, 1, 2]), np.array([0, 3]), np.ones(2), 4)
-    for matrices, points in (((one, two), 1), ((one, one), 2)):
+    single = _kernel.PointMatrix(np.array([0, 2]), np.array([0, 3]), np.ones(2), 4)
+    double = _kernel.PointMatrix(np.array([0, 1, 2]), np.array([0, 3]), np.ones(2), 4)
+    for matrices, points in (((single, double), 1), ((single, single), 2)):
         with pytest.raises(ValueError, match="along, across, offset_m: of different numbers of points"):
             _kernel.NormalOffsets(*matrices, np.ones(points))
-    good = _kernel.NormalOffsets(one, one, np.ones(1))
+    good = _kernel.NormalOffsets(single, single, np.ones(1))
     with pytest.raises(ValueError, match=r"position_m: shape \(1, 3\) wanted"):
         good.add_motion(np.ones((4, 3)), np.ones((4, 3)), np.ones((2, 3)), np.ones((1, 3)))
     with pytest.raises(ValueError, match=r"own_force_N: shape \(4, 3\) wanted"):

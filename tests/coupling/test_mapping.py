@@ -21,9 +21,9 @@ def rectangle(clamp_m: float) -> Rectangle:
     return Rectangle(np.array([0.1, 0.2, 0.3]), along, across, 0.3, 0.31, 0.2, clamp_m)
 
 
-def corners(found: TriangleGrid) -> np.ndarray:
+def corners(mesh: TriangleGrid) -> np.ndarray:
     """(triangles, 3, 2) material coordinates."""
-    return np.asarray(found.coordinates_m[found.triangles])
+    return np.asarray(mesh.coordinates_m[mesh.triangles])
 
 
 @pytest.mark.parametrize("cells", [(1, 1), (4, 3), (5, 2)])
@@ -32,13 +32,13 @@ def test_every_triangle_faces_the_bed(cells: tuple[int, int], clamp_m: float) ->
     """Its corners go round with the panel's normal, on which the bed lies: a positive area in
     material coordinates, and the rectangle's normal in the world.  Together they are the panel."""
     panel = rectangle(clamp_m)
-    found = grid(panel, cells)
-    a, b, c = corners(found).transpose(1, 0, 2)
-    one, two = b - a, c - a
-    area_m2 = (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
+    mesh = grid(panel, cells)
+    a, b, c = corners(mesh).transpose(1, 0, 2)
+    along, across = b - a, c - a
+    area_m2 = (along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]) / 2
     assert (area_m2 > 0).all()
     assert area_m2.sum() == pytest.approx((0.3 + 2 * clamp_m) * 0.2, rel=1e-12)
-    a, b, c = panel.mounted(found.coordinates_m)[found.triangles].transpose(1, 0, 2)
+    a, b, c = panel.mounted(mesh.coordinates_m)[mesh.triangles].transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     assert normals == pytest.approx(np.tile(panel.normal, (len(normals), 1)), abs=1e-12)
@@ -46,16 +46,16 @@ def test_every_triangle_faces_the_bed(cells: tuple[int, int], clamp_m: float) ->
 
 def test_neighbours_share_an_edge_in_opposite_directions() -> None:
     """As they must where all face the same side; an edge of one triangle alone is on the rim."""
-    found = grid(rectangle(0.02), (4, 3))
-    directed = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in found.triangles for k in range(3))
+    mesh = grid(rectangle(0.02), (4, 3))
+    directed = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in mesh.triangles for k in range(3))
     assert set(directed.values()) == {1}
     alone = [edge for edge in directed if edge[::-1] not in directed]
     assert len(alone) == 2 * (4 + 2) + 2 * 3
 
 
 def test_the_centre_line_runs_along_the_middle() -> None:
-    found = grid(rectangle(0.02), (4, 2))
-    line = found.coordinates_m[found.centre_line]
+    mesh = grid(rectangle(0.02), (4, 2))
+    line = mesh.coordinates_m[mesh.centre_line]
     assert line[:, 1] == pytest.approx(np.full(7, 0.1))
     assert (np.diff(line[:, 0]) > 0).all()
 
