@@ -44,7 +44,7 @@ class Line:
         return float(np.abs(np.linalg.eigvals(matrix)).max())
 
     def _after(self, scheme: str, interval_s: float, by: Array) -> Array:
-        sphere, plate, frame = (deepcopy(one) for one in (self.sphere, self.plate, self.frame))
+        sphere, plate, frame = (deepcopy(part) for part in (self.sphere, self.plate, self.frame))
         sphere.x, sphere.v = sphere.x + by[0], sphere.v + by[1] / interval_s
         plate.x, plate.v = plate.x + by[2], plate.v + by[3] / interval_s
         sphere.seen += by[5]
