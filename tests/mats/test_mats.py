@@ -44,9 +44,9 @@ DAMPED = "materials.PU.hyperelastic.maxwell=[{ratio=0.2, relaxation_s=2e-3}, {ra
 
 def test_a_mat_that_arches_up_is_a_warning_with_its_turns_and_what_helps(tmp_path: Path) -> None:
     loaded = load_case(tmp_path, DRIVEN, [DAMPED])
-    (said,) = [line for line in warnings(loaded) if line.startswith("mat ")]
-    assert said.startswith("mat deck-1 and 1 more, empty: arches up in")
-    assert "a shorter stroke, clamps that point into the sag (clamp_angle_deg)" in said
+    (warning,) = [line for line in warnings(loaded) if line.startswith("mat ")]
+    assert warning.startswith("mat deck-1 and 1 more, empty: arches up in")
+    assert "a shorter stroke, clamps that point into the sag (clamp_angle_deg)" in warning
     assert any(line.strip().startswith("mat deck-1 and 1 more, empty") for line in overview(loaded))
 
 
@@ -109,7 +109,7 @@ def test_a_trial_that_fails_stops_no_command(
 ) -> None:
     """What goes wrong in its solver is said where the regime would stand, and is no warning."""
 
-    def fail(found: object) -> None:
+    def fail(shaken: object) -> None:
         raise error
 
     monkeypatch.setattr(mats, "find_mats", fail)
@@ -122,7 +122,7 @@ def test_a_trial_that_fails_stops_no_command(
 def test_a_mistake_of_the_program_is_not_taken_for_a_trial_that_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(found: object) -> None:
+    def fail(shaken: object) -> None:
         raise TypeError("a mistake")
 
     monkeypatch.setattr(mats, "find_mats", fail)
@@ -134,8 +134,8 @@ def test_the_picture_has_the_figures_of_check_at_the_case_s_own_place(tmp_path: 
     """The chart's trials are coarser: 75 of them, and the fine one in the middle of the middle part."""
     described = scene(load_case(tmp_path, DRIVEN, list(HANGING)).case)
     ((_, fig),) = draw_mats(described)
-    (found,) = find_mats(described)
-    own = f"{found.empty.mean_peak_g:.0f}\n{found.empty.mean_quoted_peak_g:.0f}"
+    (mat,) = find_mats(described)
+    own = f"{mat.empty.mean_peak_g:.0f}\n{mat.empty.mean_quoted_peak_g:.0f}"
     middle = [text.get_text() for axes in fig.axes for text in axes.texts if text.get_position() == (2, 2)]
     assert len(middle) == 3
     assert middle[1] == own
