@@ -107,13 +107,13 @@ def defect_J(start: Account, end: Account) -> float:
     return total(end) - total(start)
 
 
-def compared(one: Frames, other: Frames, reactions: Array, interval_s: float) -> None:
+def compared(first: Frames, second: Frames, reactions: Array, interval_s: float) -> None:
     """Motions to 1e-14 m and 1e-12 m/s in every interval, books to 1e-12 of their size."""
     for index, force_N in enumerate(reactions):
         interval = Interval(index, interval_s)
-        found, expected = (one.advance(interval, Load(force_N)), other.advance(interval, Load(force_N)))
-        assert found.position_m == pytest.approx(expected.position_m, abs=1e-14)
-        assert found.velocity_m_per_s == pytest.approx(expected.velocity_m_per_s, abs=1e-12)
-    mine, its = one.account(), other.account()
+        actual, expected = (first.advance(interval, Load(force_N)), second.advance(interval, Load(force_N)))
+        assert actual.position_m == pytest.approx(expected.position_m, abs=1e-14)
+        assert actual.velocity_m_per_s == pytest.approx(expected.velocity_m_per_s, abs=1e-12)
+    mine, its = first.account(), second.account()
     assert mine.supplied_J["drive"] == pytest.approx(its.supplied_J["drive"], rel=1e-11)
     assert mine.outside_impulse_N_s == pytest.approx(its.outside_impulse_N_s, rel=1e-11)

@@ -161,7 +161,7 @@ def test_a_restored_solver_goes_on_bit_for_bit(case: Case) -> None:
     assert differences(as_arrays(whole.account()), as_arrays(second.account())) == []
     for index in range(70, 120):
         motions = [
-            one.advance(Interval(index, INTERVAL_S), Load(reactions[index])) for one in (whole, second)
+            solver.advance(Interval(index, INTERVAL_S), Load(reactions[index])) for solver in (whole, second)
         ]
         assert differences(as_arrays(motions[0]), as_arrays(motions[1])) == []
     assert differences(whole.save(), second.save()) == []
@@ -219,8 +219,8 @@ def test_matrices_are_those_of_the_present_interval(case: Case) -> None:
     opened.restore(used.save())
     for index, length_s in ((1, 3 * INTERVAL_S), (4, 1.5 * INTERVAL_S), (10, 0.75 * INTERVAL_S)):
         interval = Interval(index, length_s)
-        found, wanted = (one.advance(interval, Load(force_N[3])) for one in (used, opened))
-        assert found.position_m == pytest.approx(wanted.position_m, abs=1e-13)
-        assert found.velocity_m_per_s == pytest.approx(wanted.velocity_m_per_s, abs=1e-10)
+        actual, wanted = (solver.advance(interval, Load(force_N[3])) for solver in (used, opened))
+        assert actual.position_m == pytest.approx(wanted.position_m, abs=1e-13)
+        assert actual.velocity_m_per_s == pytest.approx(wanted.velocity_m_per_s, abs=1e-10)
         opened = case.open(case.moving(0.0))
         opened.restore(used.save())

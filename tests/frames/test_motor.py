@@ -165,7 +165,7 @@ def test_spatial_frames_come_to_planar_ones_with_the_square_of_the_step() -> Non
         run(frames, plan, 400)
         defects_J.append(abs(defect_J(before, frames.account())))
         places_m.append(frames.advance(Interval(400, INTERVAL_S), Load.zero(4)).position_m)
-    coarse_m, fine_m = (np.abs(one - places_m[0]).max() for one in places_m[1:])
+    coarse_m, fine_m = (np.abs(place_m - places_m[0]).max() for place_m in places_m[1:])
     assert coarse_m / fine_m == pytest.approx(4.0, rel=0.05)
     assert fine_m < 2e-8
     assert defects_J[1] / defects_J[2] == pytest.approx(4.0, rel=0.05)
@@ -187,7 +187,7 @@ def test_a_restored_shaft_goes_on_bit_for_bit(build: Build) -> None:
             frames.advance(Interval(index, INTERVAL_S), Load.zero(4))
     second.restore(first.save())
     for index in range(200, 300):
-        motions = [one.advance(Interval(index, INTERVAL_S), Load.zero(4)) for one in (whole, second)]
+        motions = [solver.advance(Interval(index, INTERVAL_S), Load.zero(4)) for solver in (whole, second)]
         assert np.array_equal(motions[0].position_m, motions[1].position_m)
 
 

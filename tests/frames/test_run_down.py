@@ -78,10 +78,10 @@ def integrated_m(stop_s: float, run_down_s: float, until_s: float) -> Array:
         return [v_m_per_s, (push_N - pull_N) / MASS_KG, speed]
 
     at_s = INTERVAL_S * np.arange(1, round(until_s / INTERVAL_S) + 1)
-    found = solve_ivp(
+    solution = solve_ivp(
         rates, (0.0, until_s), [0.0, 0.0, 0.0], t_eval=at_s, rtol=1e-9, atol=1e-12, max_step=5e-3
     )
-    return np.asarray(found.y[0])
+    return np.asarray(solution.y[0])
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
