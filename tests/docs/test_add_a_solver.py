@@ -99,7 +99,7 @@ def test_a_study_of_accuracy_compares_it_with_the_other_models(package: Path, tm
     words = ["study", "accuracy", *case, "--parameters", "panel-mesh,panel-model=springs", "--quick"]
     flipflow(package, *words, "--duration", "0.05", "--out", str(tmp_path / "study"))
     stored = json.loads((tmp_path / "study/accuracy.json").read_text())
-    (springs,) = (one for one in stored["models"] if one["variant"] == "springs")
+    (springs,) = (model for model in stored["models"] if model["variant"] == "springs")
     assert springs["reference"].startswith("strip, ")
     assert springs["error"]["deflection_m"] > 0
     assert "panel: springs" in (tmp_path / "study/accuracy.html").read_text()

@@ -30,9 +30,9 @@ def spectral_radius(*coefficients: float) -> float:
 
 def jkr(overlap_m: float) -> float:
     """Force over pull-off force at an overlap, with w = E* = R* = 1."""
-    one = np.zeros(1, dtype=int)
+    index = np.zeros(1, dtype=int)
     law = NormalLaw(np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)), 10.0)
-    pair = SimpleNamespace(materials=(one, one), reduced_radius_m=np.ones(1))
+    pair = SimpleNamespace(materials=(index, index), reduced_radius_m=np.ones(1))
     at = law.at(pair, np.array([overlap_m]))
     return float(at.force_N[0]) / PULL_OFF_N
 
