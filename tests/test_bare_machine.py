@@ -63,8 +63,8 @@ def test_a_bare_machine_is_for_root() -> None:
 
 def test_the_readme_s_two_commands_are_found() -> None:
     lines = (ROOT / "README.md").read_text().splitlines()
-    found = [line for line in lines if line.startswith("bash docker/setup.sh && ")]
-    assert [line.split("&& ")[1] for line in found] == [
+    commands = [line for line in lines if line.startswith("bash docker/setup.sh && ")]
+    assert [line.split("&& ")[1] for line in commands] == [
         ".venv/bin/flipflow run cases/quickstart",
         ".venv/bin/python -m pytest",
     ]
