@@ -13,7 +13,7 @@ from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, ParticlesPlan
-from tests.particles.contract import LIGGGHTS_ALONE, WEIGHTLESS, Run, at_rest, one, particles, plan, plate
+from tests.particles.contract import LIGGGHTS_ALONE, WEIGHTLESS, Run, at_rest, particles, plan, plate, table
 
 ASKED = LIGGGHTS_ALONE
 
@@ -143,7 +143,7 @@ def test_a_surface_that_follows_is_not_crossed(build: Build) -> None:
     """Seen from a surface that falls and turns with them, particles at rest cross nothing."""
     surface = plate(0.05, 4)
     given = particles([[0.0, 0.0, 0.0049], [0.02, 0.013, 0.0049]], [0.4, 0.1, -2.0])
-    run = build(plan(surface, given, gravity_m_per_s2=WEIGHTLESS, restitution=one(1.0)))
+    run = build(plan(surface, given, gravity_m_per_s2=WEIGHTLESS, restitution=table(1.0)))
     run.velocity_m_per_s = np.array([0.4, 0.1, -2.0])
     run.advance(30)
     assert run.solver.crossings().number == 0
@@ -173,7 +173,7 @@ def test_overlaps_are_the_deepest_of_all_steps(build: Build) -> None:
     place_m = [[0.0, 0.0, 0.0052], [0.1, 0.0, 0.05], [0.1104, 0.0, 0.05]]
     velocity_m_per_s = [[0.0, 0.0, -0.5], [0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]
     given = particles(place_m, velocity_m_per_s)
-    run = build(plan(plate(0.02, 3), given, restitution=one(1.0), gravity_m_per_s2=WEIGHTLESS, step_s=5e-6))
+    run = build(plan(plate(0.02, 3), given, restitution=table(1.0), gravity_m_per_s2=WEIGHTLESS, step_s=5e-6))
     assert run.solver.overlaps().surface_m == 0.0
     run.advance(10)
     overlaps, again = run.solver.overlaps(), run.solver.overlaps()

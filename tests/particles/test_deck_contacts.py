@@ -13,7 +13,7 @@ from orchestrator.ports import Removed
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import DeckPlan, ExitPlan
-from tests.particles.contract import SOLVERS, Run, one, particles, plan, plate
+from tests.particles.contract import SOLVERS, Run, particles, plan, plate, table
 from tests.particles.test_openings import PANEL, SQUARES, still
 
 ASKED = SOLVERS
@@ -55,8 +55,8 @@ def hopping(module: ParticlesAdapter, open_m: float = HALF_M) -> Removed:
         particles([START_M, 0.001, DIAMETER_M / 2 + GAP_M], (ALONG_M_PER_S, 0.0, 0.0), diameter_m=DIAMETER_M),
         deck=deck,
         exits=(BELOW, BEHIND),
-        restitution=one(RESTITUTION),
-        sliding_friction=one(0.0),
+        restitution=table(RESTITUTION),
+        sliding_friction=table(0.0),
         sync_interval_s=INTERVAL_S,
     )
     with closing(module.build(wanted)) as solver:
@@ -117,7 +117,7 @@ def test_passing_without_a_touch_is_a_contact_too(module: ParticlesAdapter) -> N
         particles(places_m, diameter_m=0.004),
         deck=deck,
         exits=(BELOW,),
-        restitution=one(0.2),
+        restitution=table(0.2),
         sync_interval_s=1e-3,
     )
     with closing(module.build(wanted)) as solver:

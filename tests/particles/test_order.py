@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ParticlesPlan
-from tests.particles.contract import WEIGHTLESS, one, particles, plan, plate
+from tests.particles.contract import WEIGHTLESS, particles, plan, plate, table
 
 RADIUS_M, SPEED_M_S = 0.005, 0.5
 MASS_KG = 1430.0 * np.pi / 6.0 * (2 * RADIUS_M) ** 3
@@ -61,7 +61,7 @@ def dropped(restitution: float, steps: int) -> ParticlesPlan:
     return plan(
         plate(0.05, 1),
         particles(np.stack([x, y, z], axis=1), [0.0, 0.0, -SPEED_M_S]),
-        restitution=one(restitution),
+        restitution=table(restitution),
         gravity_m_per_s2=WEIGHTLESS,
         step_s=LENGTH_S / steps,
         sync_interval_s=LENGTH_S,
@@ -121,7 +121,7 @@ def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
     return plan(
         plate(0.02, 1),
         particles([0.001, 0.0, place_m]),
-        restitution=one(restitution),
+        restitution=table(restitution),
         gravity_m_per_s2=WEIGHTLESS,
         step_s=LENGTH_S / steps,
         sync_interval_s=LENGTH_S,
