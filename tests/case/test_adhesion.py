@@ -70,7 +70,7 @@ def test_works_by_pair_of_materials_and_the_widest_stretch(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("rule", ["sticking", "pull-off"])
 def test_softening(tmp_path: Path, rule: str) -> None:
-    """Kept are  w^5 / E*^2,  hence the sticking speed, or w, hence the pull-off force."""
+    """Softening keeps w^5 / E*^2, hence the sticking speed, or w, hence the pull-off force."""
     hard = (*WET, "materials.coal.youngs_modulus_Pa=1e9", f"particles.softened_adhesion={rule}")
     soft = (*hard, "particles.largest_youngs_modulus_Pa=1e7")
     for before, after in zip(
@@ -274,7 +274,8 @@ def test_default_grain_of_particles_that_the_case_takes_over(tmp_path: Path) -> 
 
 
 def test_a_bed_that_is_taken_over_does_not_change_the_grain_of_blocks(tmp_path: Path) -> None:
-    """What is left on a deck is coarser than what the case describes; the contacts stay those of the case."""
+    """The material left on a deck is coarser than what the case describes; the contacts stay those of the
+    case."""
     block = 'bed.blocks.coal={material="coal", box_m=[[0.05, 0.05, 0.05], [0.2, 0.15, 0.2]], count=40, sizes='
     block += "[{smallest_m=0.004, largest_m=0.004, mass_fraction=1.0}]}"
     (tmp_path / "grains.csv").write_text("x_m,y_m,z_m,sieve_size_m,material\n0.1,0.1,0.1,0.008,coal\n")
@@ -349,7 +350,7 @@ def test_wrong_bond_numbers_and_moistures(tmp_path: Path, keys: str, wanted: str
 
 
 def test_a_bond_number_without_any_grain_stays(tmp_path: Path) -> None:
-    """Where nothing can stick, there is nothing to weigh; the case can still be given a bed."""
+    """A case in which nothing can stick has nothing to weigh; it can still be given a bed."""
     empty = CASE.partition("[bed.particles.ball]")[0].replace(
         "restitution = 0.13", "restitution = 0.13\nbond_number = 5"
     )

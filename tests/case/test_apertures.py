@@ -98,7 +98,7 @@ def test_every_edge_but_rims_and_borders_has_two_triangles() -> None:
 
 
 def test_the_centre_line_is_that_of_a_panel_without_openings() -> None:
-    """From clamp to clamp, so that the deck's length does not depend on the openings."""
+    """The line goes from clamp to clamp, so that the deck's length does not depend on the openings."""
     with_openings, without = perforated_grid(panel(), FFS0827, (22, 8)), grid(panel(), (22, 8))
     lines_m = (mesh.coordinates_m[mesh.centre_line] for mesh in (with_openings, without))
     np.testing.assert_allclose(*lines_m, rtol=0, atol=1e-12)
@@ -122,7 +122,7 @@ def test_panels_that_are_meshed_at_the_same_time_get_their_own_triangles() -> No
 
 
 def test_few_triangles_for_the_ffs0827_panel_and_its_slice() -> None:
-    """What docs/measured/perforated_panel.md says they cost."""
+    """The numbers of triangles are those of docs/measured/perforated_panel.md."""
     assert len(perforated_grid(panel(), FFS0827, (22, 8)).triangles) < 8000
     thin = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
     assert len(perforated_grid(panel(width_m=0.03), thin, (22, 2)).triangles) < 350
@@ -200,7 +200,7 @@ def test_equal_panels_share_their_triangles_and_their_mistakes(tmp_path: Path) -
 
 
 def test_openings_are_resolved_for_particles_only(tmp_path: Path) -> None:
-    """Whatever the surface is made of, the plan has them: stiffness and mass are the panel's."""
+    """The plan has the openings whatever the surface is made of: stiffness and mass are the panel's."""
     start, _, rest = CASE.partition("[bed.particles.ball]")
     empty = start + rest[rest.index("[probes.middle]") :]
     case = load_case(tmp_path, empty, [SLOTTED, "panel.surface_cells=[6, 4]"]).case

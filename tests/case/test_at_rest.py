@@ -1,4 +1,4 @@
-"""What the open panels are asked before anything is computed: how they hang, and what is there."""
+"""Checks of the open panels before anything is computed: how they hang, and what is there."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ def plate(height_m: float) -> str:
 
 
 def problems_of(folder: Path, overrides: Sequence[str]) -> list[str]:
-    """What is said when the solvers are open, and by a check before; nothing else was wrong."""
+    """Return the problems found when the solvers are open, which a check found before, too; no other
+    problem exists."""
     given = loaded(folder, overrides)
     assert find_problems(given) == []
     checked = [str(mistake) for mistake in find_problems_when_open(given)]
@@ -58,7 +59,8 @@ def test_a_slack_panel_in_an_exit_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_ball_inside_a_slack_panel_is_refused(tmp_path: Path) -> None:
-    """It used to leave at 10 m/s.  In the middle the panel is 59 mm below its clamps."""
+    """A ball inside a slack panel would leave it at 10 m/s. In the middle the panel is 59 mm below its
+    clamps."""
     problems = problems_of(tmp_path, [*SLACK, *BALL, ball_at(-0.06)])
     assert len(problems) == 1
     assert "bed.particles.ball.position_m: " in problems[0]
@@ -68,7 +70,7 @@ def test_a_ball_inside_a_slack_panel_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("height_m", [0.0, -0.03, -0.08])
 def test_a_ball_in_the_hollow_or_below_a_slack_panel_is_not(tmp_path: Path, height_m: float) -> None:
-    """Where the flat panel would be there is room."""
+    """The ball has room in the place of the flat panel."""
     assert problems_of(tmp_path, [*SLACK, *BALL, ball_at(height_m)]) == []
 
 
@@ -84,7 +86,8 @@ OPENINGS = (
 
 
 def test_a_ball_in_an_opening_is_clear_of_the_panel(tmp_path: Path) -> None:
-    """Of 12 mm, on the rim of an opening of 10 x 10 mm, its centre is sqrt(6^2 - 5^2) = 3.32 mm high."""
+    """A ball of 12 mm on the rim of an opening of 10 x 10 mm has its centre sqrt(6^2 - 5^2) = 3.32 mm
+    high."""
     x, y, _ = openings_m(loaded(tmp_path, [*TAUT_STRIP, OPENINGS]).case)[0]
 
     def problems(along_m: float, height_m: float) -> int:
@@ -127,7 +130,7 @@ def test_a_slack_panel_on_its_stop_is_refused(tmp_path: Path) -> None:
 
 
 def test_nothing_is_left_behind(tmp_path: Path) -> None:
-    """From outside: exit code 2, one message, no folder; a check says the same."""
+    """The command has exit code 2, prints one message and leaves no folder; a check says the same."""
     case = case_folder(tmp_path / "case", draft=LEVEL)
     sets = [*QUICK, *SLACK, *BALL, ball_at(-0.06), plate(-0.02)]
     run = run_words(str(case), tmp_path / "run", sets)

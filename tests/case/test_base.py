@@ -87,7 +87,7 @@ def test_new_levels_lie_in_the_cases_own_folder(below: Path) -> None:
 
 
 def test_files_are_found_where_their_names_were_written(below: Path) -> None:
-    """Of the base's surface and of the base's level; the run's folder has its own copies of both."""
+    """The files are the base's surface and the base's level; the run's folder has its own copies of both."""
     (below / "case.toml").write_text(CASE + SURFACE)
     (below / "plate.stl").write_text(PLATE)
     (below / "levels/draft.toml").write_text(
@@ -107,7 +107,7 @@ def test_files_are_found_where_their_names_were_written(below: Path) -> None:
 
 
 def test_a_bed_of_the_base_is_found_beside_the_base(below: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where the upper case or the working directory has a file of that name; else these count."""
+    """The bed is found there also if the upper case or the working directory has a file of that name."""
     bed = "x_m,y_m,z_m,sieve_size_m,material\n0.1,0.1,{},0.01,coal\n"
     (below / "bed.csv").write_text(bed.format(0.1))
     (below / "case.toml").write_text(CASE + '[bed]\ntable = "bed.csv"\n')

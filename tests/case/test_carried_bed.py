@@ -116,7 +116,7 @@ def test_one_message_names_places_beside_an_unknown_material(tmp_path: Path) -> 
 
 
 def test_one_message_names_materials_coarse_graining_sides_and_surfaces(tmp_path: Path) -> None:
-    """In the slice of the middle 0.1 of 0.2 m; one grain lies in the panel, one beside the slice, and one
+    """The slice is the middle 0.1 of 0.2 m; one grain lies in the panel, one beside the slice, and one
     outside of all."""
     run = saved_run(tmp_path, coarse_graining=2.0)
     place_m = np.array([[0.1, 0.1, 0.004], [0.2, 0.19, 0.02], [0.25, 0.1, 5.0], [0.2, 0.1, 0.05]])
@@ -291,7 +291,7 @@ def test_the_nearest_state_of_a_run_is_taken(tmp_path: Path, wanted: float | Non
 def test_a_bed_of_a_run_that_cannot_be_trusted_is_told_by_its_name(
     tmp_path: Path, status: str | None, reason: str, doubts: list[str], reason_given: str
 ) -> None:
-    """That of a failed run is refused unless a moment is asked for."""
+    """The bed of a failed run is refused unless a moment is asked for."""
     run = saved_run(tmp_path)
     if status:
         summary = {"status": status, "reason": reason, "doubts": doubts}

@@ -394,7 +394,7 @@ def test_a_sample_that_cannot_be_is_refused(tmp_path: Path) -> None:
 
 
 def warned(folder: Path, *overrides: str) -> list[str]:
-    """What a case without mistakes is warned of."""
+    """Return the warnings of a case without mistakes."""
     given = loaded(folder, overrides)
     assert find_problems(given) == []
     return warnings(given)
@@ -444,7 +444,7 @@ def test_a_feed_that_never_feeds_is_said(tmp_path: Path) -> None:
 def test_a_feed_that_brings_no_particle_before_the_end_is_said(
     tmp_path: Path, change: tuple[str, str], warning: str | None
 ) -> None:
-    """Too slow for one particle, or begun after the last batch."""
+    """The feed is too slow for one particle, or begins after the last batch."""
     lines = [line for line in warned(tmp_path, FEED.replace(*change)) if 'feed "chute"' in line]
     assert len(lines) == (warning is not None)
     assert all(warning in line for line in lines if warning)

@@ -67,7 +67,8 @@ def test_run_hands_everything_over_and_exits_with_its_code(
 def test_cases_that_come_with_the_program_have_names_everywhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Outside of the clone, as where a user's own cases are; one's own case of the same name comes first."""
+    """Names of shipped cases work outside of the clone, where a user's own cases are; one's own case of the
+    same name comes first."""
     monkeypatch.chdir(tmp_path)
     listed = CALL.invoke(app, ["list"])
     assert listed.exit_code == 0

@@ -80,7 +80,7 @@ def predicted(*sets: str, name: str = "quickstart", level: str = "draft") -> dic
 
 @pytest.mark.parametrize(("port", "table"), [("panel", PanelSolver), ("frames", FramesSolver)])
 def test_every_solver_says_what_it_costs(port: str, table: type[Table]) -> None:
-    """Also those that this case could not run."""
+    """Every solver has a cost, also one that this case could not run."""
     for solver in get_args(table.model_fields["solver"].annotation):
         sets = [f"{port}.solver={solver}"]
         assert predicted(*sets)[port] > 0.0
@@ -112,7 +112,7 @@ def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
 
 
 def test_triangles_of_rigid_surfaces_are_read_once() -> None:
-    """They cost the start of a run some time and its intervals none."""
+    """The triangles cost the start of a run some time and its intervals none."""
     folder = ROOT / "cases/quickstart"
     case = load_judged(folder, "draft").case
     assert rigid_triangles(case, folder) == [6]

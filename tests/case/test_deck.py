@@ -72,7 +72,7 @@ def ends_m(panel: SinglePanel) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_slopes_are_those_of_the_segments(tmp_path: Path) -> None:
-    """Against the horizontal, whatever the inclination of the axes."""
+    """The slopes are measured against the horizontal, whatever the inclination of the axes."""
     panels = single_panels(deck(tmp_path).case)
     slopes = [np.degrees(np.arcsin(-panel.rectangle.along[2])) for panel in panels]
     assert slopes == pytest.approx(np.repeat([40.0, 38.6, 23.7, 13.7, 12.0], 2), abs=1e-9)

@@ -1,4 +1,4 @@
-"""What the folder of a run or study may hold, and how its files are opened."""
+"""The contents that the folder of a run or study may have, and how its files are opened."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever TOML comes in, a case comes out or a CaseError: never another exception."""
+"""TOML of any kind becomes a case or a CaseError: never another exception."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def test_a_constant_loss_factor_needs_three_branches() -> None:
 
 @pytest.mark.parametrize("with_storage", [False, True])
 def test_the_curve_of_known_branches_is_met(with_storage: bool) -> None:
-    """Within 3 %, by at most as many branches as it was made of."""
+    """The fit is within 3 %, with at most as many branches as the curve was made of."""
     storage, loss = moduli(KNOWN, 2 * np.pi * FREQUENCIES_HZ)
     fit = fit_of(loss, storage if with_storage else None)
     assert len(fit.branches) <= len(KNOWN)
@@ -114,7 +114,7 @@ def test_given_branches_are_not_fitted_again(tmp_path: Path) -> None:
 
 
 def test_branches_that_do_not_meet_the_curve_are_refused(tmp_path: Path) -> None:
-    """As those of an earlier fit beside a new curve in a resolved case."""
+    """The branches are those of an earlier fit beside a new curve in a resolved case."""
     assert kinds(
         tmp_path, CONSTANT, "materials.PU.hyperelastic.maxwell=[{ratio=0.3, relaxation_s=0.004}]"
     ) == ["materials.PU.hyperelastic.loss_curve: conflict"]

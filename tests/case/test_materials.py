@@ -181,7 +181,7 @@ def test_two_kinds_of_grains_have_the_means_of_their_own_contacts(tmp_path: Path
 
 
 def test_the_shape_of_grains_gives_the_rolling_friction_of_contacts_that_give_none(tmp_path: Path) -> None:
-    """By the case's own shape before the library's; a contact's own number counts before both."""
+    """The case's own shape counts before the library's; a contact's own number counts before both."""
     own = """
 [materials.limestone]
 shape = "rounded"

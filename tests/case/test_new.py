@@ -53,7 +53,8 @@ def complaints(judged: JudgedCase) -> list[str]:
 @pytest.mark.parametrize("level", ["draft", "study"])
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_a_new_case_is_right_at_once(template: str, level: str, tmp_path: Path) -> None:
-    """But for crushed stone as spheres on 20 degrees in a thin bed, which is told as a doubt."""
+    """The only exception is crushed stone as spheres on 20 degrees in a thin bed, which is told as a
+    doubt."""
     complaints_found = complaints(load_judged(write(template, tmp_path), level))
     steep = [
         line for line in complaints_found if line.startswith("lone spheres may never reach a steady speed")
@@ -98,7 +99,7 @@ def test_the_case_itself_meets_the_closed_form_of_two_masses(template: str, tmp_
 
 @pytest.mark.solver
 def test_another_machine_has_its_own_stroke_and_a_draft_that_says_what_it_leaves_out(tmp_path: Path) -> None:
-    """So many fine particles come here that the draft feeds only a part of them."""
+    """The feed has so many fine particles that the draft feeds only a part of them."""
     answers = {"stroke": "4 mm", "speed": "850 rpm", "width": "1.2 m", "panels": "15"}
     answers |= {"opening": "3 mm", "throughput": "100 t/h", "material": "iron ore"}
     proposal = propose(read_wishes("flip-flow", answers), "mine")
@@ -232,7 +233,8 @@ def test_feed_cut_and_moisture_reach_the_case(tmp_path: Path) -> None:
 
 @pytest.mark.solver
 def test_a_curve_of_twelve_sieves_is_sampled_in_both_levels(tmp_path: Path) -> None:
-    """From a quarter of the openings up, in a draft that takes minutes and leaves out no throughput.
+    """The particles are sampled from a quarter of the openings up, in a draft that takes minutes and leaves
+    out no throughput.
 
     Of each 20 % in size of the sample, a hundred grains come in the time over which a draft is balanced.
     """
@@ -301,7 +303,7 @@ def test_the_inertia_of_long_and_wide_frames_is_that_of_a_body(length: str, widt
 def test_a_machine_near_resonance_is_called_doubtful(
     panels: str, length: str, near: str, tmp_path: Path
 ) -> None:
-    """On a short deck the bushings stand close together, and the frames pitch at the working speed."""
+    """The bushings of a short deck stand close together, and the frames pitch at the working speed."""
     answers = {"panels": panels, "length": length, "throughput": "20 t/h"}
     proposal = propose(read_wishes("flip-flow", answers), "mine")
     new.write_files(proposal.files, tmp_path / "mine")
@@ -517,7 +519,7 @@ def test_a_new_case_runs_and_loses_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("template", ["test-rig", "crank-link", "banana"])
 def test_each_template_runs(template: str, tmp_path: Path) -> None:
-    """Without a doubt, until the first particles fall onto the deck; none is lost."""
+    """The run has no doubt until the first particles fall onto the deck; none is lost."""
     words = ["--set", "duration_s=0.48", "--set", "output.pictures=false"]
     done = flipflow("run", str(write(template, tmp_path)), *words, "--out", str(tmp_path / "run"))
     assert done.returncode == 0, done.stderr

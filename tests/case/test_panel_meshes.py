@@ -16,7 +16,7 @@ SHEET = 'panel.solver="sheet"'
 
 
 def test_a_sheet_of_a_million_cells_is_refused_before_anything_is_made(tmp_path: Path) -> None:
-    """It took all memory of a machine of 23 GiB, and the system ended it without a word."""
+    """The sheet would take all memory of a machine of 23 GiB, and the system would end it without a word."""
     case = loaded(tmp_path, (SHEET, "panel.cells=[1000, 1000]"))
     problems = find_problems(case)
     assert [problem.key for problem in problems] == [("panel", "cells")]

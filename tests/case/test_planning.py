@@ -149,7 +149,7 @@ def test_an_exit_is_the_box_that_the_case_gives(tmp_path: Path) -> None:
 
 
 def test_a_feed_without_its_fines_feeds_the_rest_of_its_rate(tmp_path: Path) -> None:
-    """Of 2 kg/s, the 0.3 that are finer than 4 mm are not fed."""
+    """The 0.3 of 2 kg/s that are finer than 4 mm are not fed."""
     feed = (
         'bed.feeds.coal={material="coal", rate_kg_per_s=2, box_m=[[0, 0, 0.2], [0.1, 0.2, 0.3]], '
         "velocity_m_per_s=[0, 0, -1], smallest_fed_m=0.004, sizes=["

@@ -72,7 +72,7 @@ def test_where_more_ranks_no_longer_pay(slice_case) -> None:
 
 
 def test_lines_name_the_limit_and_its_cause(slice_case) -> None:
-    """Of few particles the undivided parts; of very small steps, those that every rank makes."""
+    """The limit of few particles is the undivided parts; of very small steps, those that every rank makes."""
     lines = list(scaling_lines(slice_case, 1000, 8))
     assert [line.split()[0] for line in lines[2:-1]] == ["1", "2", "4", "8"]
     assert "ranks do not pay" in lines[-1]

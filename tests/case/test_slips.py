@@ -66,7 +66,7 @@ def test_the_motion_is_that_of_a_mass_on_a_damped_spring(tmp_path: Path) -> None
 
 
 def test_a_drive_that_turns_its_frame_moves_the_centre_of_mass(tmp_path: Path) -> None:
-    """By the angle times the arm."""
+    """The centre moves by the angle times the arm."""
     turned = f"{DRIVE}={{speed_rad_per_s=80, rotation_rad=[0, 0.01, 0], center_m=[0, 0, 0], run_up_s=0.1}}"
     sets = (turned, "frames.solver=prescribed", "screen.frames.driving.center_of_mass_m=[0.4, 0, 0]")
     (motion,) = frame_motions(scene(load_case(tmp_path, BODY, sets).case))
@@ -109,7 +109,7 @@ def test_a_drive_beyond_all_screens_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("limit_m_per_s2", "problems"), [(3000.0, 0), (2000.0, 1)])
 def test_a_key_says_that_it_is_meant(tmp_path: Path, limit_m_per_s2: float, problems: int) -> None:
-    """And it is still said."""
+    """The unusual value is still told."""
     sets = (f"{SHAFT}.speed_rad_per_s=750", f"screen.largest_acceleration_m_per_s2={limit_m_per_s2}")
     refused, warned = problems_and_warnings(tmp_path, *sets)
     assert len(refused) == problems
@@ -117,7 +117,7 @@ def test_a_key_says_that_it_is_meant(tmp_path: Path, limit_m_per_s2: float, prob
 
 
 def test_a_resonance_alone_is_not_refused(tmp_path: Path) -> None:
-    """Without damping the linear estimate has no bound at a mode; the mode is warned of."""
+    """The linear estimate without damping has no bound at a mode; the mode is warned of."""
     near = f"screen.bushings.isolation.stiffness_N_per_m={[100.0 * 80.0**2] * 3}"
     problems, warned = problems_and_warnings(
         tmp_path, near, "screen.bushings.isolation.damping_N_s_per_m=[0, 0, 0]"
@@ -177,7 +177,7 @@ def test_what_screens_do_is_not_warned_of(tmp_path: Path, override: str) -> None
 
 
 def test_a_given_unit_is_not_doubted(tmp_path: Path) -> None:
-    """What the number is stays said."""
+    """The number stays told with its unit."""
     problems, (line,) = problems_and_warnings(tmp_path, f'{SHAFT}.speed_rad_per_s="12.5 rad/s"')
     assert problems == []
     assert "is 12.5 rad/s" in line
@@ -200,7 +200,7 @@ def test_a_stroke_across_the_panels_is_said(tmp_path: Path) -> None:
 
 
 def test_shipped_cases_have_no_slip() -> None:
-    """At all levels."""
+    """Cases are right at all their levels."""
     problems_by_case = {}
     for file in sorted([*CASES.glob("*/case.toml"), *CASES.glob("hard/*/case.toml")]):
         for level in (None, *level_names(file.parent)):
@@ -248,7 +248,7 @@ def test_check_prints_one_line_for_each_frame() -> None:
 
 
 def test_a_frame_that_tips_over_on_its_one_bushing_is_refused() -> None:
-    """Under the centre of mass it holds the weight, and nothing keeps the frames from turning."""
+    """The bushing under the centre of mass holds the weight, and nothing keeps the frames from turning."""
     bushing = "screen.bushings.isolation.positions_m=[[0.319, 0.10, 0.0]]"
     case = CASES / "empty-machine"
     problems = [str(problem) for problem in find_problems(load_judged(case, "default", [bushing]))]

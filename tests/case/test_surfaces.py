@@ -83,7 +83,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("binary", [False, True])
 def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
-    """Also where a triangle ends, which would leave a wall with a hole."""
+    """A cut where a triangle ends is found, too, which would leave a wall with a hole."""
     mesh = meshio.Mesh(CUBE_M, [("triangle", OUTWARD)])
     meshio.stl.write(tmp_path / "wall.stl", mesh, binary=binary)
     whole = (tmp_path / "wall.stl").read_bytes()
@@ -162,7 +162,8 @@ def test_the_quickstarts_walls_are_those_of_the_generator(tmp_path: Path) -> Non
 
 
 def test_a_particle_inside_a_closed_body_is_refused(tmp_path: Path) -> None:
-    """Also one that touches none of its faces; beside the body, and in one that is open, nothing is said."""
+    """A particle that touches none of the body's faces is refused, too; beside the body, and in one that is
+    open, there is no problem."""
     write(tmp_path)
     trapped = "bed.particles.ball.position_m=[0.05, 0.05, 0.05]"
     complaint = only_complaint(tmp_path, WALL, trapped)

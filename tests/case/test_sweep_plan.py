@@ -45,7 +45,8 @@ def test_random_settings_are_repeatable_and_can_be_continued() -> None:
 
 
 def test_a_random_plan_has_as_many_different_settings_as_were_asked_for() -> None:
-    """Of a short list nearly each is drawn twice; all settings there are can be asked for, and no more."""
+    """A short list would have nearly each setting drawn twice; all settings there are can be asked for, and
+    no more."""
     wanted = (f"{SLOPE}=10,15,20", "panel.solver=rigid,strip")
     every = plan_sweep(wanted, Arrangement.RANDOM, 6, 1).settings
     assert len(set(every)) == 6

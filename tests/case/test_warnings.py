@@ -253,7 +253,7 @@ def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
 def test_a_panel_that_reaches_over_the_next_leaves_no_gap(
     corner_m: float, lines: int, tmp_path: Path
 ) -> None:
-    """It is 0.3 m long and 50 mm higher, and ends 40 mm behind or before the edge of the deck."""
+    """The panel is 0.3 m long and 50 mm higher, and ends 40 mm behind or before the edge of the deck."""
     over = (
         f'screen.panels.over={{material="PU", frames=["driving", "driving"], corner_m=[{corner_m}, 0, 0.05], '
         "length_m=0.3, span_m=0.3, width_m=0.4, thickness_m=0.004}"
@@ -280,7 +280,7 @@ def test_an_exit_that_a_panel_swings_into_is_said(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("low_m", "reaches"), [(-0.5, True), (0.25, True), (0.26, False), (0.3, False)])
 def test_an_exit_beside_periodic_sides_is_said(tmp_path: Path, low_m: float, reaches: bool) -> None:
-    """Nothing could leave there, and the flights, which know no sides, end in it."""
+    """No particle could leave there, and the flights, which know no sides, end in it."""
     exit_ = f"screen.exits.behind.box_m=[[1.1, {low_m}, -1.0], [2.5, 0.9, -0.3]]"
     lines = warnings_of(tmp_path, "slice.width_m=0.12", exit_)
     wanted = 'no particle gets to exit "behind": box_m does not reach into the slice from y = 0.14 to 0.26 m'
