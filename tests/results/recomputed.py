@@ -169,8 +169,8 @@ class Motion:
 
     @cached_property
     def widths(self) -> list[Width]:
-        """Of each component: each batch has a phasor, whose part along the mean one counts.  Hann's weight
-        makes the interval wider."""
+        """Width of each component: each batch has a phasor, whose part along the mean one counts. Hann's
+        weight makes the interval wider."""
         count = batch_number(self.turns)
         long, rest = self.turns // count, self.values[self.inside] - self.slow
         t, w = self.time_s[self.inside], 2 * np.pi / self.turn_s
@@ -289,7 +289,7 @@ class Recomputed:
 
     @cached_property
     def balance(self) -> tuple[Array, Array, Array, Array]:
-        """In, out, hold-up at the ends of cycles, and its mean over each cycle."""
+        """Mass in and out, hold-up at the ends of cycles, and its mean over each cycle."""
         came, left = self.fed, self.removed
         later = came["time_s"] > 0
         fed = self.by_cycle(came["time_s"], came["kg"], later)
@@ -357,7 +357,7 @@ class Recomputed:
         return max(min(row["length_m"], row["width_m"]) for row in openings)
 
     def product(self, name: str) -> npt.NDArray[np.bool_]:
-        """Which particles left with a product."""
+        """Return which particles left with a product."""
         numbers = [i for i, (_, product) in enumerate(self.exits) if product == name]
         return np.isin(self.removed["exit"], numbers)
 
@@ -1309,7 +1309,8 @@ class Recomputed:
 
 
 def differences(ours: Any, theirs: Any, where: str = "", tolerance: float = 1e-9) -> list[str]:
-    """Where two tables differ: in their keys, or in a number or list by more than a share of its size.
+    """Return where two tables differ: in their keys, or in a number or list by more than a share of its
+    size.
 
     Of reasons it only counts whether there is one.
     """

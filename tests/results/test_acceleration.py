@@ -58,7 +58,7 @@ def test_steps_longer_than_the_band_are_not_filtered() -> None:
 
 
 def test_the_series_of_a_run_are_those_of_the_report(tmp_path: Path) -> None:
-    """In ``history.h5``, with the band; the probes' largest ones are the report's."""
+    """The series stand in ``history.h5``, with the band; the probes' largest ones are the report's."""
     folder = folder_of(tmp_path / "run", particles=False, cycles=12)
     with RunReader(folder) as run:
         series = acceleration_series(run)

@@ -57,7 +57,7 @@ def transient(
 @pytest.mark.parametrize("stuck", [0, 3])
 @pytest.mark.parametrize("end_s", [2.2, 2.8])
 def test_a_transient_is_told_without_bias(end_s: float, stuck: int) -> None:
-    """Of all that has left, 65 to 80 % of the fines had passed; of each cohort 1 - exp(-0.75) = 53 %."""
+    """The fines passed in 65 to 80 % of all that has left; of each cohort 1 - exp(-0.75) = 53 %."""
     events = transient(end_s, stuck=stuck)
     assert events.steady.reason
     early = cohort(events)
@@ -77,10 +77,9 @@ def test_a_run_that_ends_too_early_has_no_cohort() -> None:
 
 
 def test_the_chance_of_a_cohort_holds_the_true_share() -> None:
-    """Of 400 feeds with some 160 grains in the cohort, 95 % of the intervals by chance hold what passes
-    of each grain by its own chance, within three standard deviations of counting 400, 3.3 points; that 1
-    % of the mass may remain makes the shares too favourable by 1 point at most, a fifth of their
-    deviation."""
+    """The intervals of 400 feeds with some 160 grains in the cohort hold, in 95 % by chance, what passes of
+    each grain by its own chance, within three standard deviations of counting 400, 3.3 points; that 1 % of
+    the mass may remain makes the shares too favourable by 1 point at most, a fifth of their deviation."""
     held, errors, deviations = [], [], []
     for seed in range(400):
         early = cohort(transient(2.2, per_s=320, seed=seed))
@@ -96,9 +95,8 @@ def test_the_chance_of_a_cohort_holds_the_true_share() -> None:
 
 
 def test_grains_that_go_together_widen_the_chance_of_a_cohort() -> None:
-    """Of fines that are fed together all pass or all stay: 95 % of the intervals hold, where those by
-    counting grains, 1.96 deviations, would hold 2 (Phi(1.96 / sqrt(5)) - 1/2) = 62 % or so for five
-    fines."""
+    """Fines that are fed together all pass or all stay: 95 % of the intervals hold, where those by counting
+    grains, 1.96 deviations, would hold 2 (Phi(1.96 / sqrt(5)) - 1/2) = 62 % or so for five fines."""
     held, by_counting = [], []
     for seed in range(200):
         early = cohort(transient(2.2, per_s=2000, together=10, seed=seed))
@@ -114,7 +112,7 @@ def test_grains_that_go_together_widen_the_chance_of_a_cohort() -> None:
 
 
 def test_a_cohort_has_no_interval_and_says_why() -> None:
-    """What the filling deck does is not known; that 80 of 80 fines passed does not tell that all do."""
+    """The grains of the filling deck are not known; that 80 of 80 fines passed does not tell that all do."""
     for rate_per_s, reason in (
         (RATE_PER_S, r"still filling; by chance alone ± \d"),
         (100.0, "still filling$"),

@@ -310,7 +310,7 @@ def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> 
 
 
 def test_runs_of_different_programs_are_told_apart(runs: list[str]) -> None:
-    """What the program changed would be taken for what the keys changed."""
+    """A change by the program would be taken for a change by the keys."""
     for run, commit in zip(runs, ("aa", "aa+", "aa"), strict=True):
         about = {"commit": commit, "versions": {"numpy": "1.24.2"}}
         (Path(run) / "provenance.json").write_text(json.dumps(about))
@@ -323,7 +323,7 @@ def test_runs_of_different_programs_are_told_apart(runs: list[str]) -> None:
 
 
 def test_efficiencies_of_different_cuts_are_not_compared(tmp_path: Path) -> None:
-    """At another cut, other grains are fine: a change of the efficiency would say nothing of the machine."""
+    """Other grains are fine at another cut: a change of the efficiency would say nothing of the machine."""
     folders = []
     for place, cut_m, efficiency in (("a", 0.012, 60.0), ("b", 0.012, 70.0), ("c", 0.006, 80.0)):
         screening = {"cut_size_m": cut_m, "efficiency_percent": estimate(efficiency, 2.0)}
@@ -375,7 +375,7 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
 
 
 def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: Path) -> None:
-    """Across the deck a machine in its plane moves by 1e-17 m, in one run five times as far as in another."""
+    """A machine in its plane moves across the deck by 1e-17 m, in one run five times as far as in another."""
     first, other = tmp_path / "one", tmp_path / "other"
     for place, across_m, reason in (
         (first, 1.9e-17, ""),

@@ -139,7 +139,7 @@ def test_power(results: dict[str, Any]) -> None:
 
 
 def test_counting(results: dict[str, Any]) -> None:
-    """Of the fines in 50 cycles, 350 of 2 and 2.8 mm pass and 50 of 2.8 mm do not."""
+    """The fines in 50 cycles are 350 of 2 and 2.8 mm that pass and 50 of 2.8 mm that do not."""
     screening = results["screening"]
     cycles = screening["particles"] / LEAVES.sum()
     fines = np.repeat(MASS_KG[:2], np.round(cycles * LEAVES[:, :2].sum(axis=0)).astype(int))
@@ -394,7 +394,7 @@ def test_wear(results: dict[str, Any]) -> None:
 def test_the_profile_of_wear_has_each_panel_in_its_place(
     folder: Path, results: dict[str, Any], tmp_path: Path
 ) -> None:
-    """Whatever the panels are called: the second of the case comes first among the names."""
+    """The names of the panels do not matter: the second of the case comes first among the names."""
     copy = Path(shutil.copytree(folder, tmp_path / "run"))
     case, names = copy / "case.toml", {"deck-1": "upper", "deck-2": "lower"}
     before, block, after = re.split(

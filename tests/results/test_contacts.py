@@ -1,4 +1,4 @@
-"""Why so much of the fines passes, against a stream whose contacts and chances are known."""
+"""The causes of a share that passes, against a stream whose contacts and chances are known."""
 
 from __future__ import annotations
 
@@ -82,7 +82,8 @@ def test_what_was_put_in_comes_out(result: Contacts) -> None:
 
 
 def test_the_share_that_passes_is_rebuilt_from_stay_contacts_and_chance(result: Contacts) -> None:
-    """Within a point of the closed form: three standard deviations of 20 000 grains by counting."""
+    """The share is within a point of the closed form: three standard deviations of 20 000 grains by
+    counting."""
     assert result.counted_percent == pytest.approx(100 * expected(), abs=1.0)
     assert result.rebuilt_percent == pytest.approx(100 * expected(), abs=1.0)
     assert result.rebuilt_percent == pytest.approx(result.counted_percent, abs=0.7)

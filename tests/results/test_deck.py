@@ -138,8 +138,8 @@ def shaken(
 
 @pytest.mark.parametrize("throw", [1.3, 1.6, 2.5])
 def test_a_loose_grain_that_hops_low_is_no_sticker(throw: float) -> None:
-    """On a panel that shakes harmonically, a grain of 40 mm is thrown anew in each cycle and flies as a stone
-    does.  It never rises by a quarter of its diameter, and one that is held stays where it is."""
+    """A grain of 40 mm on a panel that shakes harmonically is thrown anew in each cycle and flies as a
+    stone does. It never rises by a quarter of its diameter, and one that is held stays where it is."""
     g, speed, diameter_m = 9.80665, 2 * np.pi / CYCLE_S, 0.04
     amplitude_m = throw * g / speed**2
     deck, line = deck_of(straight(0.0))

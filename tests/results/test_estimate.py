@@ -63,7 +63,7 @@ def test_a_ratio_has_the_interval_of_its_linearisation() -> None:
 
 
 def test_the_first_batch_has_what_is_left_over() -> None:
-    """Of 43 cycles, 21 batches of two leave one over, and 40 of one would leave three."""
+    """The 43 cycles in 21 batches of two leave one over, and in 40 of one would leave three."""
     sums = batch_sums(np.arange(43.0)[:, None])
     assert sums.ravel().tolist() == [3.0, *(float(2 * first + 1) for first in range(3, 43, 2))]
     assert mean(np.arange(43.0)).value == pytest.approx(21.0, rel=1e-14)

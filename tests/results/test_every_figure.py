@@ -88,7 +88,7 @@ def test_every_entry_of_a_summary_has_a_record(summary: dict[str, Any]) -> None:
 
 
 def test_every_record_is_met_by_a_run(summary: dict[str, Any]) -> None:
-    """Else a reader could be wrong of it unseen."""
+    """A reader could otherwise be wrong of it unseen."""
     met = {path for path, _ in leaves(summary["results"], "results")}
     words = {tuple(path.split(".")) for path in met}
 

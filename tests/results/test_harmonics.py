@@ -39,7 +39,7 @@ def wave(time_s: Array, phasor: Array = PHASOR, speed: float = SPEED) -> Array:
 
 @pytest.mark.parametrize("cycles", [1, 1.3, 2, 5.5, 7.4, 20, 33.9])
 def test_amplitude_and_phase_of_a_sine_at_any_place(cycles: float) -> None:
-    """Also where the rows are no whole number of cycles, and drift."""
+    """The sine is met also where the rows are no whole number of cycles, and drift."""
     time_s = times(cycles + 0.01)
     moved = wave(time_s) + np.array([0.1, 0.0, 3.0]) + np.outer(time_s, [0.01, 0.0, -0.02])
     harmonic = first_harmonic(time_s, moved, CYCLE_S)
@@ -71,7 +71,8 @@ def test_a_slow_swing_hardly_leaks_into_it() -> None:
 
 
 def test_the_interval_holds_the_amplitude_under_noise() -> None:
-    """In 95 of 100 runs or so, and it is not raised by the noise: a mean of half ranges would be."""
+    """The interval holds in 95 of 100 runs or so, and is not raised by the noise: a mean of half ranges
+    would be."""
     time_s, rng = times(40), np.random.default_rng(1)
     inside, amplitudes_m = 0, []
     for _ in range(200):
@@ -137,7 +138,7 @@ def test_the_end_of_a_cycle_belongs_to_it_whatever_the_rounding() -> None:
 
 
 def test_a_run_of_exactly_one_cycle_is_one_of_a_driven_machine() -> None:
-    """At 750 rpm a cycle takes 0.08 s."""
+    """A cycle takes 0.08 s at 750 rpm."""
     sets = ["duration_s=0.08", f"screen.exciters.shaft.speed_rad_per_s={25 * np.pi!r}"]
     case = load_judged(ROOT / "cases/empty-machine", None, sets).case
     assert cycle_s(case) == case.duration_s
@@ -159,7 +160,8 @@ def test_a_drive_without_amplitude_drives_nothing() -> None:
 
 @pytest.mark.parametrize(("twice", "named"), [(0.3, ""), (3.0, "fast")])
 def test_a_motion_of_twice_the_frequency_is_named(twice: float, named: str) -> None:
-    """That of a machine with a slow shaft that is weak, for example; what hardly moves does not count."""
+    """A machine with a slow shaft that is weak has such a motion, for example; what hardly moves does not
+    count."""
     time_s = times(20)
     slow, noise = wave(time_s), 1e-3 * wave(time_s, speed=3.3 * SPEED)
     motions = {"slow": slow, "still": noise, "fast": slow + twice * wave(time_s, speed=2 * SPEED)}

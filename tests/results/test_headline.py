@@ -94,7 +94,7 @@ def test_the_feed_is_in_tonnes_an_hour_with_kilograms_a_second_beside(steady: di
 
 
 def test_the_whole_feed_says_how_far_its_curve_is_continued(steady: dict[str, Any]) -> None:
-    """How far the curve is continued, and the error of that, which the interval has."""
+    """The line says how far the curve is continued, and the error of that, which the interval has."""
     efficiency = steady["screening"]["efficiency_percent"]
     screening = steady["screening"] | {"whole_feed": WHOLE_FEED | {"efficiency_percent": efficiency}}
     tiles = headline(parsed(steady | {"screening": screening}))
@@ -105,7 +105,7 @@ def test_the_whole_feed_says_how_far_its_curve_is_continued(steady: dict[str, An
 
 
 def test_the_grains_that_tell_the_separation_of_a_transient_are_named(steady: dict[str, Any]) -> None:
-    """Instead of a window of cycles, which has others, and with why there is no interval."""
+    """The grains stand instead of a window of cycles, which has others, and with why there is no interval."""
     cohort = {"fed_until_s": 0.95, "remaining_percent": 0.4, "particles": 104}
     reason = {"half_width": None, "reason": "no interval: the deck was still filling; by chance alone ± 9.0"}
     cohort["efficiency_percent"] = {"value": 64.6, **reason}
@@ -123,7 +123,7 @@ def test_the_grains_that_tell_the_separation_of_a_transient_are_named(steady: di
 
 
 def test_an_efficiency_that_is_not_known_has_its_reason(steady: dict[str, Any]) -> None:
-    """Where no curve completes what is left out, the figure of the computed sizes is not the answer."""
+    """The figure of the computed sizes is not the answer where no curve completes what is left out."""
     missing = steady["missing"] | {"whole feed": "12 fine particles left; its curve needs 100"}
     tiles = headline(parsed(steady | {"missing": missing}))
     assert tiles[0].line == f"{EFFICIENCY}: unknown (12 fine particles left; its curve needs 100)"
@@ -145,7 +145,7 @@ def test_an_efficiency_that_is_not_known_has_its_reason(steady: dict[str, Any]) 
 def test_a_recovery_that_is_the_efficiency_is_not_told_twice(
     steady: dict[str, Any], points: float | None, shown: bool
 ) -> None:
-    """Where no coarse particle passes they are one figure; without coarse ones there is no efficiency."""
+    """The two are one figure where no coarse particle passes; without coarse ones there is no efficiency."""
     screening = steady["screening"]
     recovery = screening["fine_placement_percent"]["value"]
     less = screening["efficiency_percent"] | {"value": None if points is None else recovery - points}
@@ -156,7 +156,7 @@ def test_a_recovery_that_is_the_efficiency_is_not_told_twice(
 def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
     steady: dict[str, Any],
 ) -> None:
-    """Of the panel with the largest mean peak, whatever single peaks and the other panels have."""
+    """The panel is the one with the largest mean peak, whatever single peaks and the other panels have."""
     calm = {"value": 50.0, "half_width": 4.0, "batches": 20}
     points = {
         "one": {"peak_g": 900.0, "cycle_peak_g": calm, "rms_g": calm | {"value": 30.0}},
@@ -202,7 +202,7 @@ def test_the_power_of_the_drives_is_told(steady: dict[str, Any]) -> None:
 
 
 def test_panels_and_frames_stand_in_natural_order(tmp_path: Path) -> None:
-    """In the results, from which the tables of the page follow."""
+    """The order is that of the results, from which the tables of the page follow."""
     folder = folder_of(tmp_path / "run", particles=False, cycles=4)
     with h5py.File(folder / "history.h5", "a") as history:
         for number in (10, 11):
@@ -213,7 +213,7 @@ def test_panels_and_frames_stand_in_natural_order(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("cycles", [11, 15])
 def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
-    """So early, what has left is mostly what leaves fast: it does not tell the separation."""
+    """The material that has left so early is mostly what leaves fast: it does not tell the separation."""
     folder = folder_of(tmp_path / "run", cycles=cycles)
     results = results_table(folder)
     tiles = tiles_of(results)

@@ -1,4 +1,4 @@
-"""How the mats of a run flipped, from its recorded cycles."""
+"""The flipping of a run's mats, from its recorded cycles."""
 
 from __future__ import annotations
 

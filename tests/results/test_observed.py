@@ -1,4 +1,4 @@
-"""What a run tells of the numbers by which its effects were judged: a run made by hand."""
+"""Observations of a run on the numbers by which its effects were judged: a run made by hand."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def figures(folder: Path) -> dict[str, Any]:
 
 
 def seen(data: RunReader, figures: dict[str, Any], **solvers: str) -> Scene:
-    """Of the run as if other solvers had made it."""
+    """Return the scene of the run as if other solvers had made it."""
     tables = {
         port: getattr(data.case, port).model_copy(update={"solver": solver})
         for port, solver in solvers.items()
@@ -71,7 +71,7 @@ def seen(data: RunReader, figures: dict[str, Any], **solvers: str) -> Scene:
 
 
 def test_motion_of_frames_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
-    """Both in phase along the deck, by 8 and 2 mm; 5 mm normal to it at 78.5 rad/s."""
+    """Both frames move in phase along the deck, by 8 and 2 mm; 5 mm normal to it at 78.5 rad/s."""
     seen_scene = seen(data, figures)
     assert [panel.stroke_m for panel in seen_scene.panels] == pytest.approx([0.006, 0.006], rel=1e-6)
     assert seen_scene.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-6)
@@ -111,7 +111,7 @@ def test_rigid_panels_have_the_sag_that_their_stroke_would_give(
 
 
 def test_power_and_torque_of_the_exciters_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
-    """They are given 2 W all the time, at 78.5 rad/s from the start."""
+    """The exciters are given 2 W all the time, at 78.5 rad/s from the start."""
     screen = data.case.screen
     at_once = {
         name: exciter.model_copy(update={"run_up_s": 0.0, "start_s": 0.0})
@@ -238,7 +238,7 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: di
 def test_the_verdict_by_what_a_run_has_seen(
     data: RunReader, effect: str, was_seen: Observed, value: float, matters: bool
 ) -> None:
-    """Of the quickstart, whose coal on panels has 0.47 and 0.09, at 15 degrees."""
+    """The coal of the quickstart has 0.47 and 0.09 on panels, at 15 degrees."""
     judged = EFFECTS[effect].judge(replace(scene(data.case), observed=was_seen))
     assert judged is not None
     assert judged.value == pytest.approx(value, rel=1e-6)

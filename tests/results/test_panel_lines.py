@@ -44,7 +44,7 @@ def test_the_stretch_of_an_arc() -> None:
 
 @pytest.mark.parametrize("tilt_rad", [0.0, 0.3])
 def test_heights_are_over_the_chord(tilt_rad: float) -> None:
-    """Up is positive, so that a panel which snaps through travels by both of its arches."""
+    """Heights are positive upwards, so that a panel which snaps through travels by both of its arches."""
     c, s = np.cos(tilt_rad), np.sin(tilt_rad)
     turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     lines = PanelLines([AT, AT], [line(), line()])

@@ -27,7 +27,8 @@ def listed(folder: Path) -> list[tuple[float, str]]:
 
 
 def test_the_list_is_whole_after_each_snapshot(tmp_path: Path) -> None:
-    """It is the same whether rows were added or all written anew; a list that was removed comes back."""
+    """The list is the same whether rows were added or all written anew; a list that was removed comes
+    back."""
     series = Series(tmp_path, "series")
     for number in range(4):
         series.add(0.1 * number, POINT)
@@ -68,7 +69,8 @@ def test_a_full_disk_leaves_the_list_as_it_was(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("moves", [True, False])
 def test_what_stands_still_is_listed_beside_each_time(tmp_path: Path, moves: bool) -> None:
-    """As a second part of the time, or as the only one where nothing moves; the pictures take the first."""
+    """The still part is a second part of the time, or the only one where nothing moves; the pictures take
+    the first."""
     write_mesh(tmp_path / "walls.vtu", POINT)
     series = Series(tmp_path, "series", "walls.vtu", moves)
     for number in range(3):

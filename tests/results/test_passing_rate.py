@@ -14,7 +14,7 @@ DECK_M = 8 * 0.3375
 
 
 def test_one_rate_describes_the_43_rows_of_the_paper() -> None:
-    """By a search over a grid of rates, which knows nothing of the fit."""
+    """The rate is that of a search over a grid of rates, which knows nothing of the fit."""
     velocity_m_per_s, efficiency = read_rows(TABLE)
     assert len(efficiency) == 43
     rates = np.arange(0.5, 1.2, 1e-4)

@@ -44,7 +44,7 @@ IN_BROWSER = pytest.mark.skipif(
 
 @pytest.fixture(scope="module", params=["screen", "empty machine"])
 def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """With its report."""
+    """Return the folder of a run with its report."""
     made = folder_of(tmp_path_factory.mktemp("report") / "run", request.param == "screen")
     done = flipflow("report", str(made))
     assert done.returncode == 0, done.stderr
@@ -89,7 +89,7 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
 def test_a_picture_without_a_place_of_its_own_is_on_the_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever adds a picture need not know the page's template."""
+    """The page's template needs no change for a new picture."""
     run = folder_of(tmp_path / "run", cycles=15)
     drawn = [("new_picture", figure(1, 1, 2.0, 1.0)[0])]
     monkeypatch.setattr("orchestrator.output.report.page.draw_results", lambda results: iter(drawn))
@@ -190,7 +190,7 @@ def test_the_figures_of_the_page_are_the_results(folder: Path) -> None:
 
 @pytest.mark.process
 def test_an_interrupted_and_a_failed_run(tmp_path: Path) -> None:
-    """What a failed run lacks is not asked for; the reason stands at the top."""
+    """The parts that a failed run lacks are not asked for; the reason stands at the top."""
     folder = folder_of(tmp_path / "run", cycles=15)
     summary = json.loads((folder / "summary.json").read_text())
     summary |= {"status": "failed", "reason": "a <solver> failed"}
@@ -252,7 +252,7 @@ def test_a_damaged_file(tmp_path: Path) -> None:
 
 
 def test_a_file_that_crashes_its_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As HDF5 does on some damaged files, which the fuzzer finds; which, hangs on its version."""
+    """HDF5 crashes on some damaged files, which the fuzzer finds; which, hangs on its version."""
     folder = folder_of(tmp_path / "run", cycles=15)
     crash = lambda _: os.kill(os.getpid(), signal.SIGKILL)  # noqa: E731
     monkeypatch.setattr("orchestrator.output.report.page.compute_results", crash)

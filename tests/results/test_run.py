@@ -36,7 +36,7 @@ def run_results(folder: Path) -> dict[str, Any]:
 @pytest.mark.process
 @pytest.mark.slow
 def test_the_small_pass_and_the_large_do_not(folder: Path, run_results: dict[str, Any]) -> None:
-    """By hand from the event table."""
+    """The shares are counted by hand from the event table."""
     with h5py.File(folder / "history.h5") as history:
         removed = {name: series[:] for name, series in history["removed"].items()}
     mass = np.pi / 6 * removed["sieve_size_m"] ** 3 * removed["density_kg_per_m3"]

@@ -36,7 +36,7 @@ def filling(cycles: int, residence: float, noise: float = 0.0) -> tuple[Array, A
 
 
 def test_a_deck_that_fills_becomes_steady() -> None:
-    """Without noise the least certain half goes; with it, a few residence times (next test)."""
+    """The least certain half goes without noise; with it, a few residence times (next test)."""
     fed, out = filling(400, 20.0)
     state = steady(fed, out, 0.0)
     assert state.reason == ""
@@ -86,7 +86,7 @@ def fluctuating(seed: int, growth_kg: float = 0.0) -> tuple[Array, Array]:
 
 
 def test_a_few_large_stones_do_not_make_a_steady_deck_unsteady() -> None:
-    """In less out is 1.5 % of the feed by chance, and so beyond 2 % in one run of six."""
+    """The mass in less out is 1.5 % of the feed by chance, and so beyond 2 % in one run of six."""
     states = [steady(*fluctuating(seed), 1.25) for seed in range(200)]
     beyond = [each for each in states if abs(each.imbalance or 0.0) > 0.02]
     assert len(beyond) > 20
@@ -95,7 +95,7 @@ def test_a_few_large_stones_do_not_make_a_steady_deck_unsteady() -> None:
 
 
 def test_a_deck_that_grows_beyond_chance_is_not_steady() -> None:
-    """By a tenth of the feed, with the same fluctuations."""
+    """The deck grows by a tenth of the feed, with the same fluctuations."""
     states = [steady(*fluctuating(seed, growth_kg=0.1 * 60 * 0.085), 1.25) for seed in range(200)]
     assert all(each.reason for each in states)
 
@@ -125,7 +125,7 @@ def test_truncation_of_a_step() -> None:
 
 
 def test_what_lay_there_at_the_start_did_not_come() -> None:
-    """In each of 40 cycles a fine grain comes and one passes, and of two that lie there one is never seen
+    """A fine grain comes and one passes in each of 40 cycles, and of two that lie there one is never seen
     again: what passes is all that came, and not 40 of 42."""
     cycles, ones = np.arange(40), np.ones(42)
     came_s = np.concatenate([[0.0, 0.0], 0.5 * (cycles + 0.25)])

@@ -47,7 +47,8 @@ def test_a_run_in_which_a_panel_went_through_a_surface_is_doubtful(times: int, d
 def test_a_run_that_contradicts_what_was_left_out_of_it_is_doubtful(
     left_out: str, crossed: bool, matters: bool, doubtful: bool
 ) -> None:
-    """Not where the effect is there, nor where the run says that it may be left out after all."""
+    """The run is not doubtful where the effect is there, nor where it says that it may be left out after
+    all."""
     after = {"number": "throw", "value": 0.31234, "threshold": "0.1", "matters": matters}
     entry = {"left_out": left_out, "crossed": crossed, "before": {}, "after": after}
     summary = {"energy_ledger_J": {}, "effects": {"adhesion": entry}, "results": {}}

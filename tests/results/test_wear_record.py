@@ -62,7 +62,7 @@ def test_even_wear_is_even_everywhere() -> None:
 
 
 def test_a_spot_is_in_its_patch() -> None:
-    """At 0.7 of the length and 3/8 of the width: patch 5 of 8 along, 1 of 4 across."""
+    """The spot is at 0.7 of the length and 3/8 of the width: patch 5 of 8 along, 1 of 4 across."""
     wear, surface = record()
     spot_m = AT.corner_m + 0.7 * 0.3 * AT.along + 0.375 * 0.2 * AT.across
     worn_m3 = np.zeros(len(surface.position_m))

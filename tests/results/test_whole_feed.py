@@ -115,8 +115,8 @@ def test_the_finest_grain_passes_in_an_attempt_by_the_open_share() -> None:
 
 
 def test_fines_of_a_feed_are_divided_by_their_mass() -> None:
-    """From 0.5 to 3 mm are half of the mass, evenly: a fifth of it is finer than 1 mm.  In a narrow class
-    diameters are even by number, which moves 2 % of what a limit inside of it cuts off."""
+    """Grains from 0.5 to 3 mm are half of the mass, evenly: a fifth of it is finer than 1 mm. In a narrow
+    class diameters are even by number, which moves 2 % of what a limit inside of it cuts off."""
     fines = feed_fines([feed(0.001)], OPENING_M)
     assert fines.left_out == pytest.approx(finer_share(feed(0.001)), rel=1e-12)
     assert (fines.total, fines.left_out) == (pytest.approx(0.5, rel=1e-12), pytest.approx(0.1, rel=0.02))
@@ -157,7 +157,7 @@ def completed(seen: Events, fines: FeedFines) -> WholeFeed:
 
 @pytest.mark.parametrize("limit_m", [0.001, 0.0012, 0.0015])
 def test_the_whole_feed_is_completed(limit_m: float) -> None:
-    """Only particles above a limit are seen; the law gives the share of all.
+    """Particles above a limit only are seen; the law gives the share of all.
 
     Tolerance: four standard errors.
     """
@@ -250,7 +250,7 @@ def test_a_curve_of_which_too_little_is_known_is_refused() -> None:
 
 
 def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
-    """With "next-class", the finest computed class is heavier than in the feed, and passes most easily.
+    """The finest computed class with "next-class" is heavier than in the feed, and passes most easily.
 
     The particles of the same law are weighed as in the feed; unweighed, more of them seem to pass.
     """
