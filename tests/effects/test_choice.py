@@ -75,7 +75,7 @@ def test_the_full_case_has_these_effects_that_can_be_left_out(tmp_path: Path) ->
 
 @pytest.mark.parametrize("name", CAN_GO)
 def test_what_is_not_named_is_left_out_and_nothing_else(tmp_path: Path, name: str) -> None:
-    """With what needs it."""
+    """An effect that is left out takes along the effects that need it."""
     before = has(load_case(tmp_path, FULL, MORE))
     with_it = before & set(with_dependents([name], ""))
     judged = full(tmp_path, *(before - with_it))

@@ -48,7 +48,7 @@ def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 @pytest.mark.parametrize("effects", ["auto", "[]"])
 def test_every_case_can_do_without_what_may_be_left_out(case: str, level: str, effects: str) -> None:
-    """And is then a case without mistakes in its tables, which has none of these effects."""
+    """The case is then without mistakes in its tables, and has none of these effects."""
     judged = load_judged(CASES / case, level, [f"effects={effects}"])
     assert find_table_problems(judged) == []
     asked = weigh_effects(judged.case, None, (*SHORT_NAMES,))
@@ -146,7 +146,7 @@ def test_a_case_with_mistakes_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_nothing_of_the_solvers_is_imported() -> None:
-    """In a process of its own: of a solver only its adapter's door, and no MPI."""
+    """A process of its own has only the adapter's door of a solver, and no MPI."""
     say = (
         "import sys\n"
         "from orchestrator.cli.main import app\n"

@@ -55,9 +55,9 @@ def test_without_damping_rubbers_is_tried(tmp_path: Path) -> None:
 
 
 def test_rotation_of_a_body_on_its_own_by_hand(tmp_path: Path) -> None:
-    """On bushings next to nothing, an exciter 0.2 m above the centre of mass: theta = u h / I
-    (w cancels), translation sqrt(2) u / m of a force that turns: 0.2 * 76 / 6 / sqrt(2) per m of
-    lever.  It holds no panel, so that the lever is 0.7 m, to the bushing at x = 0.4."""
+    """The body stands on bushings next to nothing, with an exciter 0.2 m above the centre of mass: theta =
+    u h / I (w cancels), translation sqrt(2) u / m of a force that turns: 0.2 * 76 / 6 / sqrt(2) per m of
+    lever. It holds no panel, so that the lever is 0.7 m, to the bushing at x = 0.4."""
     soft = "screen.bushings.isolation.stiffness_N_per_m=[10.0, 10.0, 10.0]"
     above = "screen.exciters.shaft.position_m=[-0.3, 0.1, 0.2]"
     centre = "screen.frames.driving.center_of_mass_m=[-0.3, 0.1, 0.0]"

@@ -96,7 +96,8 @@ def test_a_shaft_that_runs_up_has_turned_half_as_far() -> None:
 def test_a_run_without_the_motor_says_whether_it_would_have_passed(
     tmp_path: Path, largest_N_m: float, matters: bool | None
 ) -> None:
-    """By the torque that the machine took on its way up, in place of the steady motion's there."""
+    """The verdict uses the torque that the machine took on its way up, in place of the steady motion's
+    there."""
     estimated = scene(loaded(tmp_path, [MOTOR, DAMPED, TURNING]).case)
     seen = replace(
         estimated, observed=Observed(exciter_load=ExciterLoad(power_W=0.01, largest_N_m=largest_N_m))

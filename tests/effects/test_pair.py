@@ -26,7 +26,7 @@ SHORT = "duration_s=0.02"
 
 
 def summary(**values: float) -> dict[str, Any]:
-    """Of a run whose bed figures are ``values``."""
+    """Return the summary of a run whose bed figures are ``values``."""
     bed = {name: {"value": value, "half_width": None} for name, value in values.items()}
     return {"status": "done", "processor_s": 1.0, "results": {"bed": bed}}
 
@@ -120,7 +120,7 @@ def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> 
 
 
 def test_the_run_with_everything_is_made_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of two effects three runs are made, and none when they are asked for again."""
+    """Two effects take three runs, and none when they are asked for again."""
     made: list[tuple[str, ...]] = []
 
     def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:
@@ -178,7 +178,8 @@ def test_no_run_is_made_that_would_take_more_than_is_left(
 
 @pytest.mark.process
 def test_a_run_is_ended_when_the_budget_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """However short it was predicted to be: 50 s of simulated time in a second of processor time."""
+    """The run is ended however short it was predicted to be: 50 s of simulated time in a second of
+    processor time."""
     case = loaded(tmp_path, ("duration_s=50.0",))
     monkeypatch.setattr(pairs, "predicted_s", lambda *_: 0.5)
     trials = try_effects(case, ("particle-load",), pairs.Pairs(limit_s=30.0, budget_s=1.0))
@@ -190,7 +191,7 @@ def test_a_run_is_ended_when_the_budget_is_used(tmp_path: Path, monkeypatch: pyt
 def test_a_run_gets_a_quarter_of_the_budget(
     words: tuple[str, ...], limit_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And no more, however little that is."""
+    """A run gets no more than that, however little it is."""
     asked: list[pairs.Pairs] = []
 
     def try_all(case: object, engine: pairs.Pairs) -> pairs.TriedEffects:
@@ -212,7 +213,7 @@ def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> Non
 
 
 def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Else it would wait for the other ranks of the run that asks for it."""
+    """The trial would otherwise wait for the other ranks of the run that asks for it."""
     for name in [name for name in os.environ if name.startswith("OMPI")]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
@@ -222,7 +223,7 @@ def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.Monke
 
 
 def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What another rank has in its own memory does not count."""
+    """The memory of another rank does not count."""
     monkeypatch.setattr(pair, "_AGREED", {})
     read = load_case(tmp_path / "agreed", CASE).origin.read()
     mine, agreed = key_of(read, "wear"), key_of(read, "adhesion")
@@ -233,8 +234,8 @@ def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch
 
 
 def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of what an estimate surely leaves out the cheapest is tried; the rest is by two runs each, of
-    which the one with everything is made once; asked again, nothing is run."""
+    """The cheapest of the effects that an estimate surely leaves out is tried; the rest is by two runs
+    each, of which the one with everything is made once; asked again, nothing is run."""
     made: list[tuple[str, ...]] = []
 
     def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:

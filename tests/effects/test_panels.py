@@ -80,7 +80,8 @@ def test_width_over_length(tmp_path: Path) -> None:
 
 
 def test_a_beam_below_is_reached_where_the_sag_exceeds_the_gap(tmp_path: Path) -> None:
-    """In the middle of the length it is the sag itself; without beams nothing can be said."""
+    """The gap in the middle of the length is measured by the sag itself; without beams there is no
+    verdict."""
     assert of_driven(tmp_path, "beam-contact").verdict.matters is None
     slack = "screen.panels.deck.tension_m=-0.002"
     bar = "screen.panels.deck.stops.bar={from_m=0.14, to_m=0.16, gap_m=0.01}"

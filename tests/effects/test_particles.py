@@ -34,7 +34,7 @@ def test_friction_against_the_slope(tmp_path: Path) -> None:
 @pytest.mark.parametrize("friction", [0.4, 0.09, 0.03])
 @pytest.mark.parametrize("case", [STILL_CASE, CASE])
 def test_rolling_friction_matters_on_a_slope(tmp_path: Path, friction: float, case: str) -> None:
-    """Where a lone sphere does not stop, with or without a throw; and where it does."""
+    """The effect matters where a lone sphere does not stop, with or without a throw; and where it does."""
     row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
     judged = by_name(load_case(tmp_path, case, [TILTED, row]))["rolling-friction"]
     assert judged.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)

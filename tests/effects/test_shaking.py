@@ -46,7 +46,7 @@ def test_without_damping_the_masses_have_their_textbook_amplitudes() -> None:
 
 
 def test_a_loss_factor_takes_the_place_of_the_bushings_damping() -> None:
-    """At 78.5 rad/s the machine's own damping is that of a loss factor of 0.1."""
+    """The machine's own damping at 78.5 rad/s is that of a loss factor of 0.1."""
     plan = two_bodies((exciter(),), loss_factor=0.1)
     own, other = solve_shakings(plan)[0], solve_shakings(plan, loss_factor=0.1)[0]
     assert own.amplitude_m["driven"] == pytest.approx(other.amplitude_m["driven"], rel=1e-9)

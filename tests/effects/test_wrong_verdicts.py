@@ -50,7 +50,7 @@ ONE_MAT = (  # 0.3 m, mounted taut by 3 mm, its frame shaken normal to it
 
 
 def of(case: str, *sets: str, level: str | None = "draft") -> dict[str, Judged]:
-    """What is said of a shipped case, by effect."""
+    """Return the verdicts of a shipped case, by effect."""
     described = load_judged(CASES / case, level, sets).described
     return weigh_effects(described)
 
@@ -290,7 +290,7 @@ def test_brute_force_of_the_stroke(
 
 
 def asked_of(names: Sequence[str], case: str, *sets: str) -> dict[str, Judged]:
-    """What is said of a shipped case at level draft, by effect, for some results."""
+    """Return the verdicts of a shipped case at level draft, by effect, for some results."""
     described = load_judged(CASES / case, "draft", sets).described
     return {name: with_doubt(judged) for name, judged in weigh_effects(described, asked=names).items()}
 
