@@ -1,4 +1,4 @@
-"""What a run that failed must say and leave."""
+"""The words and files that a run which failed must leave."""
 
 from __future__ import annotations
 

@@ -105,8 +105,8 @@ def times(folder: Path, group: str) -> Any:
 
 
 def left_usable(folder: Path, status: str) -> dict[str, Any]:
-    """What every run that started must leave: a summary with its status, and time series that
-    are whole up to the last output time.  Returns the summary."""
+    """Check what every run that started must leave: a summary with its status, and time series that are
+    whole up to the last output time. Returns the summary."""
     table = summary(folder)
     assert table["status"] == status
     with h5py.File(folder / "history.h5") as history:

@@ -127,7 +127,7 @@ def test_a_lost_particle_stops_the_run_where_the_case_wants_it(tmp_path: Path) -
 
 @pytest.mark.process
 def test_a_particle_too_large_for_the_undersize_is_warned_of(tmp_path: Path) -> None:
-    """It is a third of all that came, so that the run is doubtful, too."""
+    """The particle is a third of all that came, so that the run is doubtful, too."""
     code, output, folder = run(tmp_path, ESCAPED, "duration_s=0.1")
     assert code == trust.EXIT_CODES[trust.DOUBTFUL], output
     assert "WARNING: 1 particle too large for any opening came out with the undersize" in output

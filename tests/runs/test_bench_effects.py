@@ -26,7 +26,7 @@ COAL = ROOT / "cases/ffs0827-slice"
 
 
 def test_ratios_are_of_blocks_side_by_side() -> None:
-    """Whatever the computer's speed does from block to block."""
+    """The ratios do not depend on the computer's speed from block to block."""
     first = Timed((2.0, 8.0, 3.0), 0.0, {})
     other = Timed((1.0, 4.0, 2.0), 0.0, {})
     assert ratio(first, other) == "2.00 (1.75 to 2.00)"
@@ -72,7 +72,7 @@ def test_what_is_loaded_is_what_the_case_calls_for() -> None:
 
 @pytest.mark.process
 def test_the_table_has_a_row_for_each_effect_that_can_be_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a clock that ticks whenever it is read: a virtual computer's may tick every 50 ms."""
+    """The clock ticks whenever it is read: a virtual computer's may tick every 50 ms."""
     monkeypatch.setattr(time, "perf_counter", itertools.count().__next__)
     table = bench(TimedCase(Path(ROOT / "cases/bushing-hysteresis"), "draft", ()), 40)
     rows = list(table.columns[0].cells)

@@ -72,7 +72,7 @@ def test_it_ends_well_and_says_where_the_time_went(case: Done) -> None:
 
 
 def test_results_are_made_and_shown(case: Done) -> None:
-    """What a run cannot have is no failure: a case without frames has no orbits."""
+    """A result that a run cannot have is no failure: a case without frames has no orbits."""
     name, folder, done = case
     results = has_results(folder)
     for tile in headline(parse_results({"results": results})):
@@ -167,7 +167,7 @@ def test_paraview_finds_every_output_time(case: Done) -> None:
 
 
 def fed_later(name: str, series: str) -> bool:
-    """Without particles at t = 0: VTK reads such a file, meshio does not."""
+    """Return whether a series begins without particles at t = 0: VTK reads such a file, meshio does not."""
     return series == "particles" and name in FED_SOON
 
 
@@ -206,8 +206,8 @@ def test_the_resolved_case_gives_the_same_run_again(case: Done, tmp_path: Path) 
 
 
 def _same(first: h5py.Group, second: h5py.Group, key: str) -> None:
-    """To rounding: sums of numpy's BLAS depend on where arrays happen to lie in memory, and a
-    tenth of a second of bouncing enlarges 1e-16 by less than a million."""
+    """Compare to rounding: sums of numpy's BLAS depend on where arrays happen to lie in memory, and a tenth
+    of a second of bouncing enlarges 1e-16 by less than a million."""
     if isinstance(first[key], h5py.Dataset):
         values, again = first[key][:], second[key][:]
         if not key.startswith(("defect.", "created.")):  # small differences of large numbers
@@ -215,7 +215,7 @@ def _same(first: h5py.Group, second: h5py.Group, key: str) -> None:
 
 
 def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
-    """It flies up at 20 m/s through the top of the domain, 0.16 m above; the other never comes."""
+    """The particle flies up at 20 m/s through the top of the domain, 0.16 m above; the other never comes."""
     sets = [*QUICK, "duration_s=0.05", "bed.particles.ball.velocity_m_per_s=[0, 0, 20]"]
     sets += ["probes.nobody={particle=7}", "output.interval_s=0.005"]
     done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))

@@ -1,4 +1,4 @@
-"""What is said on the console: progress, help, and how soon."""
+"""The console: progress, help, and how soon it says them."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_progress_on_a_terminal_is_a_bar(tmp_path: Path) -> None:
 
 
 def _all_of(terminal: int) -> str:
-    """What appears on a terminal until everybody has left it (Linux then says EIO)."""
+    """Return what appears on a terminal until everybody has left it (Linux then says EIO)."""
     shown = b""
     try:
         while part := os.read(terminal, 4096):
@@ -109,7 +109,7 @@ LOADED = "import atexit, sys; atexit.register(lambda: print('loaded:', *sys.modu
     ],
 )
 def test_quick_commands_load_only_what_they_use(tmp_path: Path, words: list[str], used: set[str]) -> None:
-    """They stay quick because they load no more; no clock is asked."""
+    """Commands stay quick because they load no more; no clock is asked."""
     shutil.copytree(ROOT / "cases/quickstart", tmp_path / "quickstart")
     done = flipflow(*(word.format(folder=tmp_path) for word in words), before=LOADED)
     assert done.returncode == 0, done.stderr

@@ -95,7 +95,7 @@ def checkpoints_elsewhere(it: Stranger) -> None:
 
 
 def files_elsewhere(it: Stranger) -> None:
-    """As ``particles``, where there are some."""
+    """Replace the folder of surfaces by a link to a folder elsewhere."""
     shutil.rmtree(it.run / "surface")
     (it.run / "surface").symlink_to(it.home / "shapes")
 

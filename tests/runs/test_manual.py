@@ -141,8 +141,8 @@ def array_names(folder: Path) -> set[str]:
 
 
 def test_the_line_for_pandas_gives_floats(folder: Path) -> None:
-    """Of the line as it is printed: every frame is made of one array of floats with a column for
-    each component, which pandas takes as it is.  (A list of rows would become objects.)"""
+    """The line is taken as it is printed: every frame is made of one array of floats with a column for each
+    component, which pandas takes as it is. (A list of rows would become objects.)"""
     (line,) = re.findall(r"^pandas\.concat.*$", MANUAL, flags=re.M)
     line = line.replace("probes/middle", "probes/middle-1")
     data = eval(line, {"pandas": pandas, "h5py": h5py, "f": folder / "history.h5"})
@@ -154,7 +154,7 @@ def test_the_line_for_pandas_gives_floats(folder: Path) -> None:
 
 
 def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
-    """Together with the next, every documented term is one that a solver has."""
+    """Every documented term is one that a solver has, by this test and the next together."""
     cheap = ledger_of((STOPS,), "quickstart", tmp_path / "a")
     moved = ledger_of(("screen.frames.moving.drive.run_up_s=0",), "panel-cycle", tmp_path / "b")
     turned = ledger_of(("frames.solver=planar", MOTOR), "quickstart", tmp_path / "c")

@@ -98,7 +98,7 @@ def test_the_first_harmonic_is_that_of_the_shaft(tmp_path: Path) -> None:
 
 
 def test_a_motor_that_does_not_come_up_is_said(tmp_path: Path) -> None:
-    """It stays at the resonance, at less than half of its speed."""
+    """The motor stays at the resonance, at less than half of its speed."""
     caught_rad_per_s = steady_speeds(WEAK)[0]
     motion = results(tmp_path, WEAK.rated_power_W, WEAK.rated_slip)["motion"]
     assert motion["shafts_rad_per_s"]["shaft"] == pytest.approx(caught_rad_per_s, rel=0.01)

@@ -132,7 +132,7 @@ def test_a_failure_on_one_rank_ends_both_with_one_message(
 
 
 def test_rank_0_sums_up_where_all_ranks_fail_alike(tmp_path: Path) -> None:
-    """It alone has the figures, though it has more to close than the others."""
+    """Rank 0 alone has the figures, though it has more to close than the others."""
     folder = tmp_path / "run"
     done = flipflow(*run_words("quickstart", folder, SHORT), before=ALL_RANKS_FAIL, ranks=2)
     assert done.returncode == 4, done.stderr
@@ -142,7 +142,7 @@ def test_rank_0_sums_up_where_all_ranks_fail_alike(tmp_path: Path) -> None:
 
 
 def test_a_summary_that_breaks_does_not_keep_the_other_ranks(tmp_path: Path) -> None:
-    """They wait for rank 0, which ends them whatever happens to it."""
+    """The other ranks wait for rank 0, which ends them whatever happens to it."""
     folder = tmp_path / "run"
     before = f"{ALL_RANKS_FAIL}\nfrom orchestrator.run.ending import Ending\nEnding.write = None"
     done = flipflow(*run_words("quickstart", folder, SHORT), before=before, ranks=2)
@@ -153,8 +153,8 @@ def test_a_summary_that_breaks_does_not_keep_the_other_ranks(tmp_path: Path) -> 
 
 
 def test_a_rank_that_is_killed_takes_the_others_with_it(tmp_path: Path) -> None:
-    """Nobody is left to write a summary: mpirun says which rank it was and ends the others by
-    SIGTERM and, a second later, SIGKILL.  What was written until the last output time is there."""
+    """Nobody is left to write a summary: mpirun says which rank it was and ends the others by SIGTERM and,
+    a second later, SIGKILL. What was written until the last output time is there."""
     folder = tmp_path / "run"
     run = started(*run_words("quickstart", folder, [*QUICK, "duration_s=30"]), ranks=2)
     wait_until(lambda: (folder / "particles/particles_00002.vtu").exists())
@@ -187,7 +187,7 @@ def test_a_folder_that_exists_is_said_once(tmp_path: Path) -> None:
 
 
 def test_ranks_that_read_different_cases(tmp_path: Path) -> None:
-    """As from folders of two computers that are not the same."""
+    """The folders of two computers may not be the same."""
     other = (
         "import sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.argv += ['--set', 'duration_s=0.03']"
     )

@@ -74,7 +74,7 @@ def newest(folder: Path) -> str:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Not stopped, and saved at its end only."""
+    """Return a run that is not stopped, and saved at its end only."""
     folder = tmp_path_factory.mktemp("whole") / "run"
     done = flipflow(*run_words("quickstart", folder, CASE), ranks=2)
     assert done.returncode == 0, done.stderr
@@ -82,7 +82,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def goes_on(folder: Path, whole: Path) -> str:
-    """With the command that was said; what is said then."""
+    """Go on with the command that was printed, and return what is printed then."""
     done = flipflow("resume", str(folder), ranks=2)
     assert done.returncode == 0, done.stderr
     said_plainly(done)

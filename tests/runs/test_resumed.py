@@ -48,7 +48,7 @@ def run(folder: Path, case: Sequence[str], sets: Sequence[str]) -> Path:
 
 
 def checkpoint_folders(folder: Path) -> list[Path]:
-    """In order of time."""
+    """Return the checkpoint folders in order of time."""
     return sorted(
         checkpoint for checkpoint in (folder / "checkpoints").iterdir() if checkpoint.name.isdigit()
     )
@@ -106,7 +106,7 @@ def test_a_finished_run_may_go_on_to_a_later_end(whole: Path, tmp_path: Path) ->
 
 
 def test_pages_and_pictures_of_the_former_end_are_gone(stopped: Path) -> None:
-    """They would stand beside the results of the later end."""
+    """The pages would stand beside the results of the later end."""
     own = stopped / "notes.png"
     for file in (stopped / "report.html", stopped / "energy.png", own):
         file.touch()
@@ -149,7 +149,7 @@ def test_a_save_of_another_flipflow_is_said_to_be_one(
 def test_a_save_that_names_a_file_elsewhere_is_torn(
     saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """It would be written over."""
+    """The file would be written over."""
     folder, other = Path(shutil.copytree(saved, tmp_path / "evil")), tmp_path / "mine.txt"
     other.write_text("mine")
     for save in checkpoint_folders(folder):
@@ -289,7 +289,7 @@ def test_killed_inside_a_save_it_goes_on_from_the_one_before(whole: Path, tmp_pa
 @pytest.mark.process
 @pytest.mark.slow
 def test_killed_again_and_again_it_comes_to_the_same_end(whole: Path, tmp_path: Path) -> None:
-    """At four random instants, half of them in the midst of a save."""
+    """The run is killed at four random instants, half of them in the midst of a save."""
     folder, chance = tmp_path / "run", random.Random(4)
     words = run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *OFTEN])
     for _ in range(4):

@@ -62,7 +62,7 @@ def test_one_run_that_three_go_on_with_goes_to_one(tmp_path: Path) -> None:
 
 
 def test_a_study_does_not_touch_a_run_that_goes_on(tmp_path: Path) -> None:
-    """What it takes for an unfinished run of its own may be one that is still at work."""
+    """A run that looks like an unfinished one of the study may still be at work."""
     case, key = "cases/empty-machine", "screen.exciters.shaft.speed_rad_per_s"
     folder = tmp_path / "speed_rad_per_s-70"
     run = started(*run_words("empty-machine", folder, [*LONG, f"{key}=70"]))

@@ -1,4 +1,4 @@
-"""Which runs are doubtful, on both sides of each limit: whole runs, and summaries made by hand."""
+"""The runs that are doubtful, on both sides of each limit: whole runs, and summaries made by hand."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def doubtful(tmp_path: Path) -> sweep.Point:
 
 
 def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
-    """Nor do they run it again: it would be as doubtful.  Sweeps mark it as what it is
+    """Studies do not run it again, either: it would be as doubtful. Sweeps mark it as what it is
     (``tests/test_sweep_table.py``)."""
     assert doubtful.ended(doubtful.folder)
     row = Criterion(what="a", run="one", measure="amplitude", of="driving")

@@ -74,7 +74,7 @@ def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
 
 
 def test_the_save_from_before_stays(tmp_path: Path) -> None:
-    """While intervals are shortened, later saves are not trusted."""
+    """Later saves are not trusted while intervals are shortened."""
     sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
     names = [save.name for save in checkpoint_folders(run(tmp_path / "run", QUICKSTART, sets))]
     assert names[-2:] == [f"{110:012d}", f"{120:012d}"]
@@ -83,8 +83,8 @@ def test_the_save_from_before_stays(tmp_path: Path) -> None:
 
 
 def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
-    """It is not trusted to the end: what it saves after it was resumed must neither take the place
-    of the last good save nor forget which one that is."""
+    """The run is not trusted to the end: what it saves after it was resumed must neither take the place of
+    the last good save nor forget which one that is."""
     sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
     folder = run(tmp_path / "run", QUICKSTART, sets)
     assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
