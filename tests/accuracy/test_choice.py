@@ -1,4 +1,4 @@
-"""What a study recommends and takes as its reference, on errors and costs that are made up."""
+"""The recommendation and the reference of a study, on errors and costs that are made up."""
 
 from __future__ import annotations
 
@@ -170,7 +170,8 @@ def test_the_front_has_no_point_that_is_better_by_chance(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("by", [0.0001, 0.003])
 def test_a_plan_recommends_what_its_study_recommends(tmp_path: Path, by: float) -> None:
-    """Although the finest setting is itself off by an estimated 6 %: console and page of both say so."""
+    """The console and the page of both say so, although the finest setting is itself off by an estimated 6
+    %."""
     series = (replace(SERIES[0], expected=1.0), *SERIES[1:])
     points = (
         point(tmp_path, "base", {}, by_seed(1.06, 1.0, by), panel=10.0),
@@ -242,7 +243,8 @@ def test_a_part_that_becomes_dear_counts() -> None:
 
 
 def test_particles_that_are_taken_over_have_an_unknown_scatter(tmp_path: Path) -> None:
-    """There are no other seeds of them; their chaos must not count as an error of the settings."""
+    """No other seeds of taken-over particles exist; their chaos must not count as an error of the
+    settings."""
     bed = LOADED.case.bed.model_copy(update={"blocks": {}, "table": "bed.csv"})
     loaded = replace(LOADED, case=LOADED.case.model_copy(update={"bed": bed}))
     same = point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=2.0)

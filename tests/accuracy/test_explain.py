@@ -1,4 +1,4 @@
-"""What ``flipflow explain`` takes from a study of accuracy."""
+"""The lines of ``flipflow explain`` that come from a study of accuracy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
 
 @pytest.mark.parametrize(("error", "matters"), [(0.03, False), (0.3, True)])
 def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) -> None:
-    """By what repeats itself: the shape's 50 % do not count."""
+    """The verdict counts only what repeats itself: the shape's 50 % do not count."""
     verdicts = {
         name: judged.verdict for name, judged in judge_effects(load_judged(CASE, "draft").case).items()
     }

@@ -57,7 +57,7 @@ def test_one_seed_tells_nothing_about_chance() -> None:
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
-    """Nothing differs but by chance, of 5 %: 95 % of the intervals hold zero (of 600, within three
+    """The runs differ by chance alone, of 5 %: 95 % of the intervals hold zero (of 600, within three
     standard deviations of that)."""
     held = 0
     for _ in range(100):

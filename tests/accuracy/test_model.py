@@ -63,7 +63,7 @@ def test_the_best_within_a_time_and_its_cost() -> None:
 
 
 def test_of_settings_that_are_equally_good_the_cheapest_and_the_finest_are_found() -> None:
-    """What is finer was cheaper, by chance."""
+    """The finer setting was cheaper, by chance."""
     axis = [
         Option("a", Setting(name, (f"a={name}",), h), {"deflection_m": 0.0}, {"panel": ratio})
         for name, h, ratio in (("long", 2.0, 1.1), ("short", 0.5, 1.0), ("middle", 1.0, 0.9))

@@ -27,8 +27,8 @@ def studied(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 
 def test_every_model_is_compared_with_the_best(studied: tuple[Path, str]) -> None:
-    """Of one ball: none, NumPy, LIGGGHTS; without the ball the panel stays where it is; NumPy and
-    LIGGGHTS agree to 1 %; contacts ten times softer than the reference throw the panel's middle
+    """The models of one ball are none, NumPy and LIGGGHTS; without the ball the panel stays where it is;
+    NumPy and LIGGGHTS agree to 1 %; contacts ten times softer than the reference throw the panel's middle
     within 10 % as far."""
     models = json.loads((studied[0] / "accuracy.json").read_text())["models"]
     particles = {row["variant"]: row for row in models if row["axis"] == "particles"}

@@ -1,4 +1,4 @@
-"""What models are compared by, and which models a case has, without any run."""
+"""The quantities by which models are compared, and the models that a case has, without any run."""
 
 from __future__ import annotations
 

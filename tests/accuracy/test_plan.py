@@ -179,7 +179,7 @@ def test_a_study_whose_short_run_was_doubtful_has_no_times() -> None:
 
 
 def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) -> None:
-    """And is not case_folder over; what it leaves out is named in it."""
+    """The level is never written over; what it leaves out is named in it."""
     folder = case_folder(tmp_path)
     sets = ["panel.solver=rigid", "duration_s=0.02", "contacts.0.restitution=0.5"]
     loaded = load_judged(folder, None)

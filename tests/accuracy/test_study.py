@@ -79,7 +79,8 @@ def observed_order(series: MeasuredSeries) -> float:
 
 
 def test_particles_first_is_of_second_order(study: AccuracyStudy) -> None:
-    """In motion and in the energy that it creates, as theory has it (docs/theory/coupling.md)."""
+    """The order holds in motion and in the energy that the scheme creates, as in theory
+    (docs/theory/coupling.md)."""
     series = family(study, "sync")
     for name in ("deflection_m", "shape", "energy_defect"):
         assert series.orders[name].order == pytest.approx(series.series.expected, abs=0.25)
@@ -109,7 +110,7 @@ def test_a_study_of_nothing_says_so(out: Path) -> None:
 
 
 def test_a_study_without_a_quantity_that_decides_says_so(study: AccuracyStudy, out: Path) -> None:
-    """Nothing leaves this panel, so that no efficiency can be wrong."""
+    """No particle leaves this panel, so that no efficiency can be wrong."""
     with pytest.raises(CaseError, match="none of the quantities that should decide: efficiency_percent"):
         made(replace(study.request, judged_by=("efficiency_percent",)))
 
@@ -126,7 +127,7 @@ def test_a_failed_run_of_another_case_is_not_taken_for_one_of_this(out: Path) ->
 
 
 def test_serial_staggered_is_of_first_order(out: Path) -> None:
-    """Not the largest deflection, off by 0.02 % only: the ball leaves before it comes."""
+    """The largest deflection, off by 0.02 % only, is not of first order: the ball leaves before it comes."""
     sets = ("coupling.scheme=serial-staggered",)
     series = family(made(asked(out.with_name("serial"), ("sync",), *sets)), "sync")
     assert series.series.expected == 1.0
@@ -212,7 +213,7 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
 
 
 def test_a_plan_by_the_study_is_one_of_its_short_run(study: AccuracyStudy, out: Path) -> None:
-    """How well times are kept is no test, but a command: tools/plan_series.py."""
+    """The command tools/plan_series.py measures how well predicted times are kept."""
     write_study(study, out)
     stored = find_study(load_judged(BALL, "draft"), out / "accuracy.json")
     assert stored is not None
