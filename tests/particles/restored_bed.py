@@ -27,7 +27,7 @@ from tests.saved_states import differences
 
 
 def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> list[str]:
-    """What differs at the end between a run that never stops and one that another solver, freshly
+    """Return what differs at the end between a run that never stops and one that another solver, freshly
     opened, takes over at ``save_at``; loads in between included."""
     build = solver_adapter(solver).build
     whole, first, second = build(plan), build(plan), build(plan)
@@ -55,7 +55,7 @@ INLET = Inlet(
 
 
 def fed(solver: str, plan: ParticlesPlan) -> MeteredParticles:
-    """With a feed that draws at random, and a meter."""
+    """Return particles with a feed that draws at random, and a meter."""
     feed = Feeds([INLET], 7, plan.particles)
     opened = solver_adapter(solver).build(replace(plan, feed=feed))
     return MeteredParticles(opened, feed, solver, Stopwatch())
@@ -70,7 +70,7 @@ def astray(interval: Interval) -> HermitePath:
 
 
 def hesitating(solver: str, plan: ParticlesPlan, intervals: int) -> list[str]:
-    """What differs between a run that goes straight on and one that goes astray in every interval
+    """Return what differs between a run that goes straight on and one that goes astray in every interval
     and steps back: loads, whole states, accounts, who was removed and how many were fed."""
     straight, hesitant = fed(solver, plan), fed(solver, plan)
     differing = []

@@ -1,4 +1,4 @@
-"""What particles and surface give each other of angular momentum: each solver closes it."""
+"""Angular momentum that particles and surface give each other: each solver closes it."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ LAWS: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("laws", LAWS)
 def test_angular_momentum_is_handed_over_to_rounding(build: Build, laws: str) -> None:
-    """With friction, with either law of rolling, and with necks."""
+    """The balance holds with friction, with either law of rolling, and with necks."""
     run = build(spinning(**LAWS[laws]))
     before = run.solver.account()
     advance(run, 8)
@@ -130,8 +130,8 @@ def test_resistance_to_rolling_sees_the_surface_turn(build: Build, law: str) -> 
 
 
 def test_a_couple_works_on_a_surface_that_turns(build: Build) -> None:
-    """On a surface that turns, what resistance to rolling takes is the work of the relative
-    rotation, and the books of energy close."""
+    """The work of the relative rotation is what resistance to rolling takes on a surface that turns, and
+    the books of energy close."""
     run = build(spinning(restitution=table(1.0), step_s=4e-6))
     before = run.solver.account()
     advance(run, 5)

@@ -67,7 +67,7 @@ OF_ANY_SHAPE = [
 
 @pytest.mark.parametrize("test", OF_ANY_SHAPE, ids=lambda test: test.__name__)
 def test_the_contract_holds_for_a_dumbbell(build: Build, test: Callable[[Build], None]) -> None:
-    """As light as a sphere of its sieve size, whose mass the contract expects."""
+    """The dumbbell is as light as a sphere of its sieve size, whose mass the contract expects."""
     hollow = replace(DUMBBELL, volume=pi / 6, inertia=tuple(np.array(DUMBBELL.inertia) / 2))
     test(lambda plan: build(dumbbells(hollow, plan)))
 
@@ -171,7 +171,7 @@ def test_books_close_while_dumbbells_come_hit_and_leave(build: Build) -> None:
 
 
 def test_a_feed_looks_at_each_sphere(build: Build) -> None:
-    """Beside an upright dumbbell there is room within the sphere that holds it, and above it none."""
+    """The feed has room beside an upright dumbbell within the sphere that holds it, and none above it."""
     feed = OnceAt(0, particles([[0.0105, 0, 0.1], [0, 0, 0.119], [0, 0.05, 0.1]]))
     present = particles([0, 0, 0.1])
     run = build(dumbbells(DUMBBELL, plan(plate(0.02, 1), present, feed=feed, gravity_m_per_s2=WEIGHTLESS)))

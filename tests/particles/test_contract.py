@@ -43,7 +43,7 @@ def test_a_sphere_at_rest_loads_the_surface_with_its_weight(build: Build) -> Non
 
 
 def test_overlaps_are_the_deepest_of_now(build: Build) -> None:
-    """At t = 0 of spheres of 10 mm: 0.1 mm deep in each other, one 0.2 mm in the plate."""
+    """Spheres of 10 mm at t = 0 are 0.1 mm deep in each other, one 0.2 mm in the plate."""
     apart = particles(np.array([[0.0, 0.0, 0.0048], [0.0, 0.0, 0.0147], [0.03, 0.0, 0.05]]))
     overlaps = build(plan(plate(0.05, 3), apart)).solver.overlaps()
     assert overlaps.between_m == pytest.approx(1e-4, rel=1e-9)

@@ -49,7 +49,8 @@ def with_hole(cells: int) -> TriangleSurface:
 def test_who_goes_through_is_counted_once(
     build: Build, place_m: tuple[float, float], height_m: float, side: float
 ) -> None:
-    """Through a point, an edge and a triangle of the surface, flat or folded, from either side."""
+    """The spheres go through a point, an edge and a triangle of the surface, flat or folded, from either
+    side."""
     x_m, y_m = place_m
     surface_z_m = height_m * (1.0 - abs(x_m) / 0.02)
     start_m = [x_m, y_m, surface_z_m + side * 0.008]
@@ -140,7 +141,7 @@ def test_a_surface_that_moves_through_a_particle(build: Build) -> None:
 
 
 def test_a_surface_that_follows_is_not_crossed(build: Build) -> None:
-    """Seen from a surface that falls and turns with them, particles at rest cross nothing."""
+    """Particles at rest cross nothing of a surface that falls and turns with them."""
     surface = plate(0.05, 4)
     given = particles([[0.0, 0.0, 0.0049], [0.02, 0.013, 0.0049]], [0.4, 0.1, -2.0])
     run = build(plan(surface, given, gravity_m_per_s2=WEIGHTLESS, restitution=table(1.0)))
@@ -167,9 +168,9 @@ def test_crossings_are_saved(build: Build) -> None:
 
 
 def test_overlaps_are_the_deepest_of_all_steps(build: Build) -> None:
-    """Of a pair that meets and of a sphere that bounces between two times at which is looked, when
-    nothing touches: Hertz, 0.9745 (m^2 v^4 / (R E*^2))^(1/5), Johnson, Contact Mechanics, 1985,
-    section 11.4."""
+    """The overlaps are those of a pair that meets and of a sphere that bounces between two times at which
+    is looked, when nothing touches: Hertz, 0.9745 (m^2 v^4 / (R E*^2))^(1/5), Johnson, Contact Mechanics,
+    1985, section 11.4."""
     place_m = [[0.0, 0.0, 0.0052], [0.1, 0.0, 0.05], [0.1104, 0.0, 0.05]]
     velocity_m_per_s = [[0.0, 0.0, -0.5], [0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]
     given = particles(place_m, velocity_m_per_s)

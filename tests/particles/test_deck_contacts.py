@@ -65,9 +65,9 @@ def hopping(module: ParticlesAdapter, open_m: float = HALF_M) -> Removed:
 
 
 def test_a_hopping_ball_is_counted_hop_by_hop(module: ParticlesAdapter) -> None:
-    """Without friction it keeps its speed along.  It falls from 5 mm, hops to e^2 times that, 1.8 mm, and
-    then to 0.65 mm, which is less than a quarter of its diameter: from the second hit on it is one
-    contact.  Times by free fall; each is off by two intervals at most, for a contact's length too."""
+    """The ball without friction keeps its speed along. It falls from 5 mm, hops to e^2 times that, 1.8 mm,
+    and then to 0.65 mm, which is less than a quarter of its diameter: from the second hit on it is one
+    contact. Times by free fall; each is off by two intervals at most, for a contact's length too."""
     first_s = math.sqrt(2 * GAP_M / G_M_PER_S2)
     second_s = first_s + 2 * RESTITUTION * first_s
     at_m = [START_M + ALONG_M_PER_S * hit_s for hit_s in (first_s, second_s)]

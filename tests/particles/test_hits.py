@@ -113,8 +113,8 @@ def test_without_rolling_friction_five_sevenths_of_the_speed_are_left_for_ever(
 def test_a_constant_couple_takes_what_the_impulse_allows(
     module: ParticlesAdapter, rolling_friction: float
 ) -> None:
-    """Of a hit with the impulse m (1 + e) v, the first part slides until the grain rolls; the rest takes
-    5/7 mu_r of itself, as down a slope."""
+    """A hit with the impulse m (1 + e) v slides until the grain rolls; the rest takes 5/7 mu_r of itself,
+    as down a slope."""
     along, down = ALONG_M_PER_S, DOWN_M_PER_S
     expected = []
     for _ in range(2):
@@ -131,8 +131,8 @@ def test_a_constant_couple_takes_what_the_impulse_allows(
 def test_the_elastic_law_is_that_of_an_integration_of_its_own(
     module: ParticlesAdapter, rolling_friction: float
 ) -> None:
-    """To 4 mm/s; the second hit begins with what the solver had after the first, and its flight takes
-    nothing.  At 0.5 the second hit stops the grain."""
+    """The speeds agree to 4 mm/s; the second hit begins with what the solver had after the first, and its
+    flight takes nothing. At 0.5 the second hit stops the grain."""
     rows = hits(module, rolling_friction)
     first, up_m_per_s = integrated_hit(ALONG_M_PER_S, 0.0, DOWN_M_PER_S, rolling_friction)
     assert rows[0] == pytest.approx(first, abs=4e-3)

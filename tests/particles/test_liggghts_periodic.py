@@ -93,7 +93,7 @@ def test_a_sphere_that_slides_across_the_boundary_keeps_its_contact():
 
 
 def test_two_spheres_touch_across_the_boundary():
-    """As two in the middle do, with the same momentum and energy."""
+    """The spheres touch as two in the middle do, with the same momentum and energy."""
 
     def collide(middle_m):
         y = (middle_m + np.array([-2.6137e-3, 2.6137e-3])) % PERIOD_M

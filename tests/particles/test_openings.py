@@ -54,7 +54,7 @@ def over_the_pattern(pattern: AperturePattern, diameter_m: float, seed: int) -> 
 
 
 def untouched_and_passed(run: Run, time_s: float) -> tuple[int, int]:
-    """How many fell as freely as in vacuo, and how many are below the panel."""
+    """Return how many fell as freely as in vacuo, and how many are below the panel."""
     start = run.solver.snapshot()
     run.advance(round(time_s / run.plan.sync_interval_s))
     now = run.solver.snapshot()

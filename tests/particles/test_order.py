@@ -70,7 +70,7 @@ def dropped(restitution: float, steps: int) -> ParticlesPlan:
 
 @pytest.mark.parametrize("height", [still, shaken])
 def test_without_dampers_it_is_of_second_order(module: Any, height: Height) -> None:
-    """Inside the contact, against a fine step."""
+    """The order is measured inside the contact, against a fine step."""
     places_m = []
     for steps in (4, 8, 16, 128):
         given = dropped(1.0, steps)
@@ -80,8 +80,8 @@ def test_without_dampers_it_is_of_second_order(module: Any, height: Height) -> N
 
 
 def rebound_m_per_s(restitution: float, late_s: float) -> float:
-    """Of Hertz's spring with Tsuji's damper, whose force is that of the velocity ``late_s`` ago:
-    c (v - late a), as if the mass were m - c late."""
+    """Return the rebound of Hertz's spring with Tsuji's damper, whose force is that of the velocity
+    ``late_s`` ago: c (v - late a), as if the mass were m - c late."""
     log_e = np.log(restitution)
     damping = 2.0 * np.sqrt(5.0 / 6.0) * -log_e / np.hypot(log_e, np.pi)
 
@@ -129,8 +129,8 @@ def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
 
 
 def test_a_sphere_rests_on_a_plate_that_accelerates(module: Any) -> None:
-    """At 50 g its overlap is Hertz's under 50 times its weight, whatever the step and the damper:
-    both velocities that the damper compares are those of the middle of the step."""
+    """The overlap at 50 g is Hertz's under 50 times its weight, whatever the step and the damper: both
+    velocities that the damper compares are those of the middle of the step."""
     acceleration_m_per_s2 = 490.0
     overlap_m = (0.75 * MASS_KG * acceleration_m_per_s2 / (E_STAR_PA * RADIUS_M**0.5)) ** (2.0 / 3.0)
 

@@ -85,7 +85,7 @@ def test_shares_must_add_up_to_one() -> None:
 
 
 def test_fifty_thousand_particles_take_seconds() -> None:
-    """At 20 % of the volume, in processor time; measured 1.2 s."""
+    """The packing fills 20 % of the volume in processor time; measured 1.2 s."""
     volume_m3 = np.pi / 6.0 * np.sum(random_sizes_m(COAL, 50000, np.random.default_rng(1)) ** 3) / 0.2
     box_m = np.array([[0.0, 0.0, 0.0], 3 * [volume_m3 ** (1 / 3)]])
     start = time.process_time()

@@ -108,8 +108,8 @@ def plan_on(surface: TriangleSurface) -> ParticlesPlan:
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_particles_and_loads_are_those_of_plain_triangles(solver: str) -> None:
-    """In 60 intervals in which the surfaces turn by 7 degrees.  Rounding of 1e-16, some 1e4 times as much
-    after the impacts; places to 1e-12 m, forces of up to 2 N to 1e-8, moments to 1e-9 N m."""
+    """The surfaces turn by 7 degrees in 60 intervals. Rounding of 1e-16, some 1e4 times as much after the
+    impacts; places to 1e-12 m, forces of up to 2 N to 1e-8, moments to 1e-9 N m."""
     parts = flat(0.02, 9), replace(pit(0.4, 5), material=np.ones(5, dtype=np.int64))
     plain, four = (run(solver, plan_on(of(*parts))) for of in (joined, rigid))
     assert np.abs(plain.force_N).max() > 0.1

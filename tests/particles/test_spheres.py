@@ -1,4 +1,4 @@
-"""What is special to the spheres in NumPy: friction, energy and the order of Verlet."""
+"""Features of the spheres in NumPy: friction, energy and the order of Verlet."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def agree(first: Result, second: Result, relative: float) -> None:
 
 
 def test_eighteen_bouncing_spheres() -> None:
-    """Of three sizes and two materials, on a third that moves; 25 ms, before chaos sets in."""
+    """The spheres have three sizes and two materials, on a third that moves; 25 ms, before chaos sets in."""
     place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
     place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])
     generator = np.random.default_rng(1)
@@ -89,7 +89,7 @@ def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
 
 @pytest.mark.parametrize("surface", [pit(0.4, 5)], ids=["pit"])
 def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface) -> None:
-    """With friction, so that the tangential springs of contacts that come and go take part."""
+    """Friction makes the tangential springs of contacts that come and go take part."""
     start_m, velocity_m_per_s = [2e-4, 1e-4, 3.6e-3], [0.05, 0.03, -0.1]
     case = make_plan(
         surface,
@@ -104,7 +104,7 @@ def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface
 
 
 def summed(result: Result, surface: TriangleSurface) -> Result:
-    """With force and moment about the origin in the place of the forces on all points."""
+    """Return the result with force and moment about the origin in the place of the forces on all points."""
     force_N = result[0]
     moment_N_m = np.cross(surface.position_m, force_N).sum(axis=1)
     return np.stack([force_N.sum(axis=1), moment_N_m / 0.01], axis=1), result[1], result[2]
@@ -116,8 +116,8 @@ ADHESION = {"dry": None, "sjkr": Sjkr(np.full((1, 1), 3e5)), "jkr": Jkr(np.full(
 @pytest.mark.parametrize("rolling", ["epsd2", "cdt"])
 @pytest.mark.parametrize("adhesion", ADHESION)
 def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
-    """Of 1 mm radius, thrown together and against a sheet: 8 ms, in which pairs stick and part.
-    The turns of cdt at rest are chaotic."""
+    """The spheres of 1 mm radius are thrown together and against a sheet: 8 ms, in which pairs stick and
+    part. The turns of cdt at rest are chaotic."""
     place_m = 2.02e-3 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [0, 1], indexing="ij"), -1)
     generator = np.random.default_rng(0)
     given = particles(
@@ -152,7 +152,7 @@ def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
 
 @pytest.mark.parametrize("angle_deg", [10.0, 40.0, -10.0, -60.0])
 def test_a_sticky_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
-    """It hangs on its neck below the surface: ridges (> 0) and valleys, at which it may part."""
+    """The sphere hangs on its neck below the surface: ridges (> 0) and valleys, at which it may part."""
     tilt = np.radians(angle_deg) / 2.0
     x, z = 0.003 * np.cos(tilt), 0.003 * np.sin(tilt)
     corner_m = np.array([[s * x, y, abs(s) * z] for s in (-1, 0, 1) for y in (-0.002, 0.002)])

@@ -116,7 +116,7 @@ def test_an_oblique_impact_wears_the_same_however_stiff(build: Build, youngs_mod
 
 @pytest.mark.parametrize("adhesion", [None, Jkr(table(0.05), 1e-2)], ids=["dry", "sticky"])
 def test_a_contact_that_sticks_wears_nothing(build: Build, adhesion: Jkr | None) -> None:
-    """However soft: the spring gives way by 1 um and comes back."""
+    """The contact wears nothing however soft it is: the spring gives way by 1 um and comes back."""
     start = particles([0.0, 0.0, 0.005 - sag_m()])
     given = plan(plate(0.02, 3), start, sliding_friction=table(0.5), adhesion=adhesion)
     run = build(wearing(given))
