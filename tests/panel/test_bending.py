@@ -1,4 +1,4 @@
-"""What a bending matrix must be whatever processor assembles it."""
+"""Properties of a bending matrix, whatever processor assembles it."""
 
 from __future__ import annotations
 

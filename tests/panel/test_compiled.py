@@ -59,7 +59,8 @@ def files(cache: Path, pattern: str) -> list[Path]:
 
 
 def all_ready(cache: Path) -> bool:
-    """At least the elements and two forms; UFL may name one form differently in two processes."""
+    """Return whether at least the elements and two forms are ready; UFL may name one form differently in
+    two processes."""
     sources, ready = files(cache, "*.c"), files(cache, "*.c.cached")
     return len(sources) >= 3 and [f.stem for f in ready] == [f.name for f in sources]
 
@@ -79,7 +80,7 @@ def test_two_processes_compile_into_a_cold_cache(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("moment", ["libffcx_forms_*.c", "libffcx_forms_*.o"])
 def test_one_that_is_killed_while_it_compiles(tmp_path: Path, moment: str) -> None:
-    """Killed when its C file appears, empty, and when the compiler has written its object."""
+    """The process is killed when its C file appears, empty, and when the compiler has written its object."""
     killed = started(tmp_path)
     wait_for(tmp_path, moment)
     os.killpg(killed.pid, signal.SIGKILL)

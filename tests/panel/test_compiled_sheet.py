@@ -111,7 +111,7 @@ def test_a_blow_up_is_reported_also_when_nothing_is_a_number():
 
 
 def test_sheets_of_a_set_advance_together_as_they_do_alone(monkeypatch):
-    """To the last bit, and in one call; a surface of another kind stands beside them."""
+    """The sheets agree to the last bit, and take one call; a surface of another kind stands beside them."""
     from adapters.panel import sheet
     from adapters.panel.common import carried, compiled_panel
 
@@ -152,7 +152,7 @@ def test_sheets_of_a_set_advance_together_as_they_do_alone(monkeypatch):
 
 
 def test_arrays_of_a_wrong_size_or_type_are_refused():
-    """They are never converted: what is written to a copy would be lost."""
+    """Arrays are never converted: what is written to a copy would be lost."""
     from adapters.panel import sheet
 
     panel = sheet.build(given(None))
@@ -215,7 +215,7 @@ ALIKE = ("position_m", "velocity_m_per_s", "internal_N", "elastic_N")
 
 @pytest.mark.parametrize("pair", list(combinations(ALIKE, 2)), ids="-".join)
 def test_arrays_of_equal_size_cannot_be_exchanged_unnoticed(pair):
-    """Which array is which is a matter of names alone: with two exchanged they hold something else."""
+    """Names alone tell the arrays apart: with two exchanged they hold something else."""
     first, second = pair
     expected, actual = advanced(bound({})), advanced(bound({first: second, second: first}))
     assert not all(np.allclose(actual[name], expected[name], rtol=1e-6, atol=1e-9) for name in pair)

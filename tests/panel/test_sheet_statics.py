@@ -124,7 +124,7 @@ def test_a_taut_panel_with_joined_sides_is_in_pure_shear(stretch):
 
 
 def test_joined_sides_move_alike_and_take_no_momentum():
-    """Under a load on one side: both sides have the same velocity to the bit, and what weight, load and
+    """The load is on one side: both sides have the same velocity to the bit, and what weight, load and
     clamps give is the momentum to rounding, also along y."""
     given = plan(cells=(8, 2), joined_sides=True)
     panel = opened(cells=(8, 2), joined_sides=True)

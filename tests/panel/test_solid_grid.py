@@ -56,7 +56,8 @@ def test_finer_cells_where_the_plan_asks_for_them():
 
 @pytest.mark.parametrize("pattern", [SLOTS, STAGGERED], ids=["rows", "staggered"])
 def test_values_on_material_and_across_openings(pattern):
-    """On material s^2 y^2 to rounding, on rims, too; in an opening linear between its rims."""
+    """The values on material are s^2 y^2 to rounding, on rims, too; in an opening they are linear between
+    its rims."""
     chosen = given(pattern)
     grid = solid_grid(chosen)
 

@@ -104,7 +104,7 @@ def test_tangent_is_the_derivative_of_the_force(mounting: dict[str, float]) -> N
 
 @MOUNTINGS
 def test_compiled_force_is_the_chain_s(mounting: dict[str, float]) -> None:
-    """Of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
+    """The forces are those of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
     given = taut(6, branches=BRANCHES, **mounting)
     links = build_chain(given)
     rng = np.random.default_rng(11)
@@ -145,7 +145,7 @@ def test_the_compiled_strip_moves_as_the_python_one() -> None:
 
 
 def test_strips_of_a_set_advance_together_as_they_do_alone() -> None:
-    """To the last bit; the one that blows up is named."""
+    """The strips agree to the last bit; the one that blows up is named."""
 
     def opened(number: int) -> Panel:
         return strip.build(replace(taut([6, 8, 6][number], branches=BRANCHES), name=f"panel {number}"))

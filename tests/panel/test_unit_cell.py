@@ -26,7 +26,7 @@ def hexagonal(diameter: float) -> AperturePattern:
 
 
 def open_share(pattern: AperturePattern) -> float:
-    """Of the polygons that stand for round holes."""
+    """Return the open share, of the polygons that stand for round holes."""
     x, y = pattern.outline_m().T
     area = np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2
     return area / (pattern.pitch_along_m * pattern.pitch_across_m)
@@ -44,10 +44,9 @@ def test_few_round_holes_soften_by_three_times_their_share():
 
 @pytest.mark.parametrize("diameter", [0.3, 0.5, 0.7])
 def test_a_hexagonal_pattern_is_isotropic_and_within_the_bound(diameter: float):
-    """Alike in all directions (1 %: the holes are polygons), and below the upper bound
-    (1 - f) / (1 + 2 f) of Hashin and Shtrikman for Young's modulus of a sheet with holes (Z.
-    Hashin, J. Mech. Phys. Solids 13 (1965) 119-134), which this pattern almost reaches while
-    holes are not close."""
+    """The pattern is alike in all directions (1 %: the holes are polygons), and below the upper bound (1 -
+    f) / (1 + 2 f) of Hashin and Shtrikman for Young's modulus of a sheet with holes (Z. Hashin, J. Mech.
+    Phys. Solids 13 (1965) 119-134), which this pattern almost reaches while holes are not close."""
     pattern = hexagonal(diameter)
     membrane, f = cell(pattern).membrane, open_share(pattern)
     assert membrane[0, 0] == pytest.approx(membrane[1, 1], rel=0.01)
@@ -94,8 +93,8 @@ def test_a_finer_mesh_changes_little(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_the_membrane_s_factors_would_not_do_for_bending():
-    """Along and across they are alike, but twisted lands are ten times as stiff as sheared ones:
-    why bending has a cell problem of its own."""
+    """The factors along and across are alike, but twisted lands are ten times as stiff as sheared ones:
+    bending needs a cell problem of its own."""
     factors = cell(AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006))
     for axis in (0, 1):
         assert modulus(factors.bending, axis) == pytest.approx(modulus(factors.membrane, axis), 0.02)
