@@ -1,4 +1,4 @@
-"""What a study finds: whether its best setting was measured as predicted, and what it gains."""
+"""The findings of a study: whether its best setting was measured as predicted, and what it gains."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_best_setting_that_is_slower_than_predicted_is_not_confirmed(whole: Ca
 
 @pytest.mark.parametrize("confidence", [0.5, 0.9, 0.99])
 def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(confidence: float, tmp_path: Path) -> None:
-    """However surely the limit was to be kept."""
+    """The setting is not confirmed however surely the limit was to be kept."""
     whole = run_all(belt(tmp_path, confidence=confidence), tmp_path)
     findings = with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(59.8, 0.5)})
     assert not findings.is_confirmed()
@@ -233,7 +233,7 @@ def test_a_best_setting_that_is_less_sure_than_was_asked_for_is_told(
 
 
 def test_a_setting_that_misses_its_limit_by_a_rounding_is_not_called_unsure(tmp_path: Path) -> None:
-    """Without noise no error is left of a quadratic, and SLSQP ends some 1e-9 before or behind the limit."""
+    """A quadratic without noise has no error, and SLSQP ends some 1e-9 before or behind the limit."""
     study = belt(tmp_path, **{"search/optimiser": "gradient"})
     whole = run_all(study, tmp_path, noise={}, deviations={"speed": None, "share": None})
     assert not any("as surely as was asked for" in line for line in borders(Findings(whole)))
@@ -252,7 +252,7 @@ def test_the_ends_of_ranges_and_limits_that_do_not_bind_are_told(
 
 
 def test_a_response_that_is_neither_goal_nor_limit_refuses_nothing(whole: Campaign, tmp_path: Path) -> None:
-    """What runs cost was predicted far too surely, but nobody asked for it."""
+    """The cost of runs was predicted far too surely, but it is neither goal nor limit."""
     more = [
         replace(
             each,

@@ -122,7 +122,7 @@ def test_the_coefficients_and_the_anova_of_table_5_are_known(response: str) -> N
 
 @EACH
 def test_the_standard_errors_of_table_5_follow_from_its_design(response: str) -> None:
-    """Of linear terms s/4, of products s/2, since 16 and 4 runs carry them."""
+    """The errors of linear terms are s/4, of products s/2, since 16 and 4 runs carry them."""
     errors = {row["term"]: row["standard_error"] for row in surface(response).anova()}
     s = QUALITY[response]["standard_error"]
     for term, error in errors.items():
@@ -296,7 +296,7 @@ def test_a_constant_response_has_a_surface_that_explains_nothing() -> None:
 
 
 def test_a_single_centre_of_a_box_behnken_design_is_not_judged_by_the_others() -> None:
-    """Without it nothing tells the squares from the constant; the other points are predicted as by a fit
+    """The centre alone tells the squares from the constant; the other points are predicted as by a fit
     without each."""
     x = np.vstack([box_behnken(3, centres=0), np.zeros((1, 3))])
     y = 1.0 + x @ [1.0, 2.0, 3.0] + 0.1 * np.random.default_rng(2).standard_normal(len(x))

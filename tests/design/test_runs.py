@@ -1,4 +1,4 @@
-"""What a study takes from the run of a trial, and what it does not take."""
+"""The data that a study takes from the run of a trial, and those that it does not take."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def test_the_noise_of_a_run_is_its_standard_error(
 def test_a_run_of_another_duration_is_data_where_only_steady_runs_are(
     is_steady: bool, tmp_path: Path
 ) -> None:
-    """It has another duration, and nothing else that differs."""
+    """The run has another duration, and no other difference."""
     text = 'unit = "{}"' + "\nsteady = true" * is_steady
     changes = [(f'unit = "{unit}"\n', text.format(unit) + "\n") for unit in ("m/s", "m")]
     study = read_study(write_plates(tmp_path, *changes, ("duration_s=0.3", "duration_s=0.9")))

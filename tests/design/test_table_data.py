@@ -209,7 +209,7 @@ def test_two_responses_may_share_a_column(tmp_path: Path) -> None:
 
 
 def test_a_pipe_is_no_table(tmp_path: Path) -> None:
-    """It would be waited for."""
+    """A pipe would be waited for."""
     study = study_of(tmp_path, HEAD + ROWS)
     (tmp_path / "belt.csv").unlink()
     os.mkfifo(tmp_path / "belt.csv")
@@ -217,6 +217,6 @@ def test_a_pipe_is_no_table(tmp_path: Path) -> None:
 
 
 def test_a_simpler_design_without_a_value_is_refused_with_the_file(tmp_path: Path) -> None:
-    """Of a table as of a case, at a corner of the ranges: slope is 10 there."""
+    """The design is refused for a table as for a case, at a corner of the ranges: slope is 10 there."""
     with pytest.raises(CaseError, match=r"simpler: slope = 10, stroke = 2: .* has no value"):
         study_of(tmp_path, HEAD + ROWS, simpler={"stroke": "4 + 0 / (slope - 10)"})

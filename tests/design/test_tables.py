@@ -138,7 +138,7 @@ def test_the_fit_says_how_far_each_surrogate_is_to_be_trusted(written: Path) -> 
 
 
 def test_the_resolved_study_can_be_read_again(written: Path, whole: Campaign) -> None:
-    """From its new place, it names the same case."""
+    """The resolved study in its new place names the same case."""
     again = read_study(written / "study.toml")
     assert again.path(again.file.case) == whole.study.path(whole.study.file.case)
     assert again.file.model_copy(update={"case": "."}) == whole.study.file
