@@ -30,8 +30,8 @@ ELEMENTS = 16
 
 @dataclass(frozen=True)
 class Histories:
-    """At the times (n,): displacements along x and z, (n, 2) each, of the frames' centres by name
-    and of the panels' middles."""
+    """Displacements along x and z at the times (n,): (n, 2) each, of the frames' centres by name and of the
+    panels' middles."""
 
     time_s: Array
     frames_m: dict[str, Array]
@@ -39,7 +39,7 @@ class Histories:
 
 
 def solved(case: Case, duration_s: float, step_s: float) -> Histories:
-    """From rest with the panels' weight on the machine."""
+    """Solve from rest with the panels' weight on the machine."""
     model = Model(case)
     for bushing in case.screen.bushings.values():
         model.add_bushing(bushing)

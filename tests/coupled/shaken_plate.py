@@ -49,7 +49,7 @@ FRICTION = 0.3 / 3.5
 
 
 def case(shaking: Shaking, friction: float = 0.0, work_J_per_m2: float = 0.0) -> str:
-    """With one sphere that touches the plate in the middle."""
+    """Return a case with one sphere that touches the plate in the middle."""
     sticky = f"work_of_adhesion_J_per_m2 = {work_J_per_m2}" if work_J_per_m2 else ""
     return (
         f"""
@@ -106,7 +106,7 @@ sync_interval_s = {shaking.period_s / 128!r}
 
 @dataclass(frozen=True)
 class Ridden:
-    """Where the sphere is along x, and how deep in the plate, at a time."""
+    """Place of the sphere along x, and its depth in the plate, at a time."""
 
     along_m: float
     overlap_m: float

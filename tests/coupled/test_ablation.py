@@ -32,7 +32,7 @@ def farthest_m(first: Motion, second: Motion) -> float:
 
 @pytest.fixture(scope="module")
 def full(tmp_path_factory: pytest.TempPathFactory) -> State:
-    """With every hand-over on."""
+    """Return a case with every hand-over on."""
     return end(tmp_path_factory.mktemp("full"), CASE)
 
 
@@ -53,7 +53,7 @@ def test_without_particle_load_the_machine_moves_as_if_empty(
 
 
 def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full: State) -> None:
-    """As the same frames by themselves, to rounding (the two masses, whose solver is tested
+    """The frames move as the same frames by themselves, to rounding (the two masses, whose solver is tested
     against closed forms); panels and particles still move with them."""
     settings = ("frames.solver=two-mass", "exchange.panel_reaction=false")
     loaded = load_case(tmp_path, CASE, settings)
@@ -72,7 +72,8 @@ def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full:
 
 
 def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
-    """Exactly; the frames still move, the panels only as their resting shape is exact (1e-7)."""
+    """The clamps stand still exactly; the frames still move, the panels only as their resting shape is
+    exact (1e-7)."""
     with opened(load_case(tmp_path, EMPTY, ["exchange.frame_motion=false"])) as run:
         start = run.state
         still = run.advance(INTERVALS)
@@ -87,8 +88,8 @@ def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
 
 
 def test_without_panel_motion_particles_see_a_still_surface(tmp_path: Path) -> None:
-    """As LIGGGHTS by itself on the surface of t = 0, bit for bit; the panels still move, and
-    feel the particles."""
+    """The particles move as in LIGGGHTS by itself on the surface of t = 0, bit for bit; the panels still
+    move, and feel the particles."""
     loaded = load_case(tmp_path, CASE, ["exchange.panel_motion=false"])
     with opened(loaded) as run:
         surface = run.machine.surface

@@ -27,7 +27,7 @@ ROLLING = [f"contacts.{pair}.rolling_friction=0.1" for pair in (0, 1)]
 
 
 def residual(folder: Path, solver: str, law: str, sync_interval_s: float) -> dict[str, float]:
-    """After 20 ms on rigid panels, inclined by 15 degrees, on frames that move freely."""
+    """Return the residual after 20 ms on rigid panels, inclined by 15 degrees, on frames that move freely."""
     settings = [
         "panel.solver=rigid",
         "frames.solver=planar",

@@ -59,7 +59,7 @@ def test_explicit_solid_panels_run(tmp_path: Path) -> None:
 
 
 def test_robin_on_rigid_panels_is_particles_first(tmp_path: Path) -> None:
-    """To the last bit: of no mass behind the surface anything is known."""
+    """The runs are equal to the last bit: no mass behind the surface is known."""
     ends = []
     for scheme in ("robin", "particles-first"):
         settings = ["panel.solver=rigid", f"coupling.scheme={scheme}"]

@@ -48,12 +48,12 @@ class Amplitudes:
 
     @property
     def stroke_m(self) -> complex:
-        """Along the deck."""
+        """Stroke along the deck."""
         return complex((self.frames_m["driven"] - self.frames_m["driving"])[0])
 
 
 def amplitude(time_s: Array, moved_m: Array) -> Array:
-    """By least squares over the last four cycles."""
+    """Return the amplitude by least squares over the last four cycles."""
     last = time_s > time_s[-1] - 4 * 2 * np.pi / SPEED_rad_per_s
     turned = SPEED_rad_per_s * time_s[last]
     harmonic = np.column_stack([np.cos(turned), np.sin(turned), np.ones(len(turned))])
@@ -69,7 +69,7 @@ def amplitudes(time_s: Array, frames_m: dict[str, Array], middles_m: list[Array]
 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[Amplitudes, Amplitudes]:
-    """Of the coupled run, and of the one system."""
+    """Amplitudes of the coupled run, and of the one system."""
     loaded = load_case(tmp_path_factory.mktemp("one"), EMPTY, SETTINGS)
     model = solved(loaded.case, COUNT * INTERVAL_s, INTERVAL_s)
     with opened(loaded) as run:
@@ -94,8 +94,8 @@ def off(actual: Array | complex, expected: Array | complex) -> float:
 
 
 def test_frames_move_alike(both: tuple[Amplitudes, Amplitudes]) -> None:
-    """In size and phase within 1 %: the panels' law is 1 % softer (1 - strain of the neo-Hookean
-    bar, twice for its tangent) and they are half of what is between the frames."""
+    """Size and phase agree within 1 %: the panels' law is 1 % softer (1 - strain of the neo-Hookean bar,
+    twice for its tangent) and they are half of what is between the frames."""
     coupled, model = both
     for name, moved_m in model.frames_m.items():
         assert off(coupled.frames_m[name], moved_m) < 0.01

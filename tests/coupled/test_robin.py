@@ -76,10 +76,10 @@ def test_a_heavy_bed_at_rest(tmp_path: Path) -> None:
 
 
 def test_a_heavy_bed_that_falls(tmp_path: Path) -> None:
-    """At 0.5 m/s, with 44 mJ; the contacts' shortest impact is 6e-4 s.  Sag against 3.876 mm of
-    particles-first at 1e-5 s, and energy created: robin at 1.5e-4 s -0.3 % and +1.6 mJ, where
-    particles-first takes 31 mJ and at its own limit, 3e-5 s, has -0.08 % and -2 uJ; robin at 6e-5 s
-    -0.1 % and -0.04 mJ."""
+    """The bed falls at 0.5 m/s, with 44 mJ; the contacts' shortest impact is 6e-4 s. Sag against 3.876 mm
+    of particles-first at 1e-5 s, and energy created: robin at 1.5e-4 s -0.3 % and +1.6 mJ, where
+    particles-first takes 31 mJ and at its own limit, 3e-5 s, has -0.08 % and -2 uJ; robin at 6e-5 s -0.1 %
+    and -0.04 mJ."""
     reference = outcome(tmp_path, DROPPED, "particles-first", 1e-5, 0.02)
     long, short = (outcome(tmp_path, DROPPED, "robin", h, 0.02) for h in (1.5e-4, 6e-5))
     assert long.deepest_m == pytest.approx(reference.deepest_m, rel=5e-3)

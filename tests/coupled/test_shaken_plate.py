@@ -62,8 +62,8 @@ def overlap_m(run: Coupled, shaking: Shaking) -> float:
 def test_overlap_of_a_sticky_sphere_on_a_plate_that_slows_down(
     tmp_path: Path, solver: str, scheme: str
 ) -> None:
-    """At the plate's middle, top (where 0.66 of the pull-off force is asked of the contact), middle
-    and bottom.  Measured 0.6 % at the top, below 0.04 % elsewhere."""
+    """The overlap is compared at the plate's middle, top (where 0.66 of the pull-off force is asked of the
+    contact), middle and bottom. Measured 0.6 % at the top, below 0.04 % elsewhere."""
     shaking = Shaking(PERIOD_S, 0.0, 4e-3, 0.0, PERIOD_S)
     periods = (1.0, 1.25, 1.5, 1.75)
     overlaps_m = []

@@ -85,7 +85,8 @@ INTERVALS_S = (2e-6, 4e-6, 8e-6, 16e-6)  # an eightieth to a tenth of the contac
 
 @pytest.mark.parametrize(("scheme", "order"), [("particles-first", 2), ("serial-staggered", 1)])
 def test_order_in_the_sync_interval(tmp_path: Path, scheme: str, order: int) -> None:
-    """Of the rebound's error against the finest run, and of the energy that the coupling makes.
+    """The orders are those of the rebound's error against the finest run, and of the energy that the
+    coupling makes.
 
     Between a Hertz contact, which starts smoothly, and many degrees of freedom that answer it,
     particles-first is of second order; measured 2.12 and 2.08, serial-staggered 1.05 and 1.08.
@@ -121,5 +122,6 @@ def test_robin_in_the_sync_interval(tmp_path: Path) -> None:
 
 
 def slope(errors: list[float]) -> float:
-    """Of the straight line through the errors at ``INTERVALS_S`` in a doubly logarithmic plot."""
+    """Return the slope of the straight line through the errors at ``INTERVALS_S`` in a doubly logarithmic
+    plot."""
     return float(np.polyfit(np.log(INTERVALS_S), np.log(errors), 1)[0])
