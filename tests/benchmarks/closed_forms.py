@@ -41,7 +41,7 @@ def deepest_m(
     stiffer: float = 1.0,
     contact: tuple[float, float] | None = None,
 ) -> float:
-    """How deep a lump can push the middle of a strip by its energy: nothing stores less than a V.
+    """Return how deep a lump can push the middle of a strip by its energy: no shape stores less than a V.
 
     ``panel``: stress-free length, span, section; ``kept``: share of the kinetic energy that is left
     after the impact; ``stiffer``: factor on the strip's stiffness; ``contact``: radius and E* of

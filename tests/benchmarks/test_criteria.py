@@ -138,7 +138,7 @@ def test_the_error_against_an_answer(runs: dict[str, Runs]) -> None:
 
 
 def test_answers_are_exact_and_of_the_case_as_it_is(tmp_path: Path) -> None:
-    """Not those of a run that is changed, nor those that are compared with another."""
+    """The answers are not those of a run that is changed, nor of one that is compared with another."""
     assert known_answers(tmp_path) == ()
     head = '[runs.one]\n[runs.two]\nsets = ["a=1"]\n'
     exact = ROW + "reference = 1.0\nexact = true\n"
@@ -268,7 +268,8 @@ def test_the_load_and_the_velocity_on_the_deck_are_those_of_the_time_they_are_as
 
 
 def test_each_part_of_a_series_has_the_scatter_of_its_own_time(runs: dict[str, Runs]) -> None:
-    """Over the runs, x scatters by a row's number: not at all in the first row, but in the last one."""
+    """The value x scatters over the runs by a row's number: not at all in the first row, but in the last
+    one."""
     seeds = {"seeds": Runs((*runs["one"].points, *runs["two"].points))}
     given = {"of": "probes/p/position_m", "axis": "x", "scatter": "seeds", "compare": "difference"}
     row = criterion(**given, between_s=(4.0, 4.0), earlier_s=(0.0, 0.0))
