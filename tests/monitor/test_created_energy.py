@@ -29,7 +29,7 @@ ALL = slice(None)
 
 
 def energy_J(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> float:
-    """Of the three, when the sphere has let go."""
+    """Return the energy of the three, when the sphere has let go."""
     hanger_m = plate.x - plate.clamp.position_m[0, 0]
     return 0.5 * (
         sphere.mass_kg * sphere.v**2
@@ -146,7 +146,7 @@ def test_a_share_of_what_went_through() -> None:
 
 
 def test_what_went_through_is_the_range_of_the_work() -> None:
-    """Given for good, or to and fro; nothing but the floor where nothing moves."""
+    """The work is given for good, or to and fro; only the floor is left where nothing moves."""
     size_N = 3.0 + 4.0
     given, back, rest = ExchangedEnergy(), ExchangedEnergy(), ExchangedEnergy()
     for _ in range(100):

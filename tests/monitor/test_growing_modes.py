@@ -1,4 +1,4 @@
-"""What alternates and grows is found, what only moves, rings or rattles is not."""
+"""Modes that alternate and grow are found; those that only move, ring or rattle are not."""
 
 from __future__ import annotations
 
@@ -118,7 +118,8 @@ def held_down(damping_N_s_per_m: float, v: float) -> tuple[Sphere, HungPlate, Fr
 def test_the_real_limit_of_a_light_point(
     damping_N_s_per_m: float, of_the_limit: float, is_found: bool
 ) -> None:
-    """Found by bisection of the real loop: beyond it the watch sees the mode, below it does not."""
+    """The limit is found by bisection of the real loop: beyond it the watch sees the mode, below it does
+    not."""
     predicted_s = light_point_s(1.0, damping_N_s_per_m, 1.0, 0.0)
     line = Line(*held_down(damping_N_s_per_m, 0.0))
     limit = limit_s(lambda h: line.radius("particles-first", h, CONTACT), predicted_s)

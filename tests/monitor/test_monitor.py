@@ -1,4 +1,4 @@
-"""What the watch does about what it sees, on the members on a line."""
+"""The actions of the watch about what it sees, on the members on a line."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_what_cannot_be_shortened_further_is_said_once(
 
 
 def test_loads_are_recorded_as_means_of_the_whole_interval(tmp_path: Path) -> None:
-    """What the frame gains in momentum is what was recorded of the reaction."""
+    """The frame gains the momentum that was recorded of the reaction."""
     _, machine = pressed()
     recorded: list[float] = []
     monitored(
@@ -120,7 +120,7 @@ def test_loads_are_recorded_as_means_of_the_whole_interval(tmp_path: Path) -> No
 
 
 def test_calm_again_it_goes_on_in_whole_intervals(tmp_path: Path) -> None:
-    """What was amiss is over when the sphere lets go."""
+    """The alarm is over when the sphere lets go."""
     _, machine = pressed()
     sphere = machine.members.particles
     assert sphere is not None
@@ -159,7 +159,7 @@ def flat(saved: dict, within: str = "") -> dict:
 def test_the_scheme_is_charged_for_what_it_repeats(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scheme: str
 ) -> None:
-    """By a clock that only the members move: a run of the plate takes 1 s, of the sphere 10, of the scheme
+    """The clock moves with the members only: a run of the plate takes 1 s, of the sphere 10, of the scheme
     itself 100."""
     now_s, runs, intervals = 0.0, {HungPlate: 0, Sphere: 0}, 5
 
@@ -208,7 +208,7 @@ def test_the_scheme_is_charged_for_what_it_repeats(
 
 @pytest.mark.parametrize(("speed_m_per_s", "stops"), [(170.0, False), (180.0, True)])
 def test_a_point_is_as_fast_as_its_velocity_is_long(speed_m_per_s: float, stops: bool) -> None:
-    """Along a diagonal of space, 174 m/s along each axis are more than 300 m/s."""
+    """A velocity of 174 m/s along each axis of a diagonal of space is more than 300 m/s."""
     moved = Motion(np.zeros((1, 3)), np.full((1, 3), speed_m_per_s))
     still = Load(np.zeros((1, 3)))
     state = State(moved, np.zeros((1, 3)), PanelState(moved, still), still)
