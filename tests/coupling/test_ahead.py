@@ -1,4 +1,4 @@
-"""What schemes tell of an interval's end: clamps by their drives, or by their last acceleration."""
+"""Forecasts of schemes for an interval's end: clamps by their drives, or by their last acceleration."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_a_panel_on_a_frame_that_speeds_up_evenly_is_told_where_it_will_be(name:
 
 @every_scheme
 def test_a_panel_on_a_driven_frame_is_told_where_the_drive_has_it(name: str) -> None:
-    """Of the first interval on, bit for bit; the plate itself is free to swing."""
+    """The forecast holds from the first interval on, bit for bit; the plate itself is free to swing."""
     panel, sphere = Told(1.0, 4.0), Sphere(1.0, 5.0, -0.01, 0.0)
     states = run(name, Solvers(DrivenFrame(1.0), panel, sphere), 4)
     last_told = panel.received[-1]
@@ -146,7 +146,7 @@ def test_particles_see_the_true_path_of_what_is_driven(name: str) -> None:
 
 
 def test_what_is_not_driven_is_not_known() -> None:
-    """Nor is the surface of a panel that says nothing of it."""
+    """The surface of a panel that says nothing of it is not known, either."""
     free = Solvers(FreeFrame(1.0, v=0.5), HungPlate(1.0, 0.0), None)
     known = forecast(free, Interval(0, LENGTH_S), initial_state(free))
     assert known.surface is None

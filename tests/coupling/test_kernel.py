@@ -58,7 +58,7 @@ def offsets() -> tuple[Array, Array, Array, _kernel.NormalOffsets]:
 
 
 def test_an_offset_goes_along_the_normal_and_turns_with_it() -> None:
-    """Against NumPy, and the rate against a difference quotient of the places (1e-6)."""
+    """The offset agrees with NumPy, and its rate with a difference quotient of the places (1e-6)."""
     along, across, offset_m, compiled = offsets()
     own_m, own_m_per_s = field(), field()
 
@@ -77,7 +77,8 @@ def test_an_offset_goes_along_the_normal_and_turns_with_it() -> None:
 
 
 def test_the_couples_of_loads_beside_a_surface_do_their_work() -> None:
-    """On any motion of the own points; forces at points without an offset have no couple."""
+    """The couples do their work on any motion of the own points; forces at points without an offset have no
+    couple."""
     _, _, offset_m, compiled = offsets()
     own_m, own_m_per_s, force_N = field(), field(), GENERATOR.normal(size=(30, 3))
     _, rate_m_per_s = both = np.zeros((2, 30, 3))

@@ -45,7 +45,8 @@ def test_every_triangle_faces_the_bed(cells: tuple[int, int], clamp_m: float) ->
 
 
 def test_neighbours_share_an_edge_in_opposite_directions() -> None:
-    """As they must where all face the same side; an edge of one triangle alone is on the rim."""
+    """The directions are opposite since all triangles face the same side; an edge of one triangle alone is
+    on the rim."""
     mesh = grid(rectangle(0.02), (4, 3))
     directed = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in mesh.triangles for k in range(3))
     assert set(directed.values()) == {1}
@@ -89,8 +90,8 @@ CORNERS_M = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 def test_a_point_over_a_turning_plane_goes_round_with_it() -> None:
-    """At 0.2 m over a plane that turns at 3 rad/s about y: there, and with the velocity that a rigid body
-    has; a push of 5 N along x turns the plane's corners about y with 1 N m."""
+    """The point is 0.2 m over a plane that turns at 3 rad/s about y: there, and with the velocity that a
+    rigid body has; a push of 5 N along x turns the plane's corners about y with 1 N m."""
     turn = np.array([0.0, 3.0, 0.0])
     panel = StillPanel(Motion(CORNERS_M, np.cross(turn, CORNERS_M)))
     surface = mapped(panel, above_a_line(0.2)).initial().surface
@@ -105,8 +106,8 @@ def test_a_point_over_a_turning_plane_goes_round_with_it() -> None:
 
 
 def test_a_load_acts_where_its_points_are_in_the_middle_of_the_interval() -> None:
-    """On a plane that turns by 0.2 rad in an interval of 0.1 s, as its velocity says: the moment about the
-    first corner is that of the force at the point after half of it."""
+    """The plane turns by 0.2 rad in an interval of 0.1 s, as its velocity says: the moment about the first
+    corner is that of the force at the point after half of it."""
     turn = np.array([0.0, 2.0, 0.0])
     panel = StillPanel(Motion(CORNERS_M, np.cross(turn, CORNERS_M)))
     seen = mapped(panel, above_a_line(0.2))
@@ -120,7 +121,7 @@ def test_a_load_acts_where_its_points_are_in_the_middle_of_the_interval() -> Non
 
 
 def test_points_without_an_offset_cost_no_more_than_a_matrix() -> None:
-    """What sees a panel without offsets is the plain matrix, and saves nothing of its own."""
+    """The view of a panel without offsets is the plain matrix, and saves nothing of its own."""
     panel = StillPanel(Motion(CORNERS_M, np.zeros((3, 3))))
     plain, beside = mapped(panel, above_a_line(0.0)), mapped(panel, above_a_line(1e-3))
     assert type(plain) is MappedPanel
