@@ -1,4 +1,4 @@
-"""What a sync interval does to small deviations: spectral radius of the real coupling loop.
+"""The growth of small deviations in a sync interval: spectral radius of the real coupling loop.
 
 The members on the line are linear where the sphere stays on the plate, so that the loop's matrix is
 found exactly by running it for one interval from each deviation alone.  (Robin's share of the free

@@ -270,7 +270,7 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
 
 
 def test_in_a_designers_words(tmp_path: Path) -> None:
-    """Without the theory's terms; the numbers behind it are in the detail."""
+    """The report does without the theory's terms; the numbers behind it are in the detail."""
     report = stability_report(loaded(tmp_path, [*DAMPED, "coupling.scheme=particles-first"]).case)
     short, long = "\n".join(report.short_lines()), "\n".join(report.detail_lines())
     for term in ("light points", "lasting contacts", "extrapolated clamps", "N s/m"):
