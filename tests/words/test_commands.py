@@ -1,4 +1,4 @@
-"""What commands say, word for word: one snapshot for each, in ``__snapshots__``.
+"""The output of commands, word for word: one snapshot for each, in ``__snapshots__``.
 
 A change of words is reviewed there: ``pytest -n 0 tests/words --snapshot-update`` writes what they say now.
 All other tests ask for exit codes, keys, kinds and numbers.
