@@ -1,4 +1,4 @@
-"""What ``flipflow check`` says of a machine's mats."""
+"""The lines of ``flipflow check`` about a machine's mats."""
 
 from __future__ import annotations
 
@@ -63,7 +63,8 @@ def test_a_mat_that_hangs_is_none(tmp_path: Path) -> None:
 
 
 def test_neighbours_on_two_frames_are_two_kinds_of_mats(tmp_path: Path) -> None:
-    """With stroke and lift a quarter of a turn apart, as of an unbalance; without a lift they are alike."""
+    """The stroke and the lift are a quarter of a turn apart, as of an unbalance; without a lift the
+    neighbours are alike."""
     drive = "screen.frames.driving.drive."
     lifted = (f"{drive}amplitude_m=[0.006, 0, 0.005]", f"{drive}phase_rad=[0, 0, 1.5707963267948966]")
     both = load_case(tmp_path / "both", DRIVEN, [DAMPED, *lifted])
@@ -107,7 +108,7 @@ def test_mats_that_nothing_moves_or_whose_trial_is_long_are_not_tried(tmp_path: 
 def test_a_trial_that_fails_stops_no_command(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception, why: str
 ) -> None:
-    """What goes wrong in its solver is said where the regime would stand, and is no warning."""
+    """The failure of the solver is told where the regime would stand, and is no warning."""
 
     def fail(shaken: object) -> None:
         raise error

@@ -137,7 +137,8 @@ def flat(peak_g: float, side: float) -> Regime:
 def test_a_stroke_at_which_no_mat_hangs_is_refused_with_one_at_which_some_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """As if all mats arched up above a stroke of 4.5 mm: the largest share that is tried below is 0.7."""
+    """All mats are taken to arch up above a stroke of 4.5 mm: the largest share that is tried below is
+    0.7."""
 
     def regimes_of(trials: Sequence[Trial], cells: int, turns: int) -> tuple[Regime, ...]:
         return tuple(flat(40.0, 1.0 if trial.stroke_m > 0.0045 else -1.0) for trial in trials)

@@ -86,7 +86,7 @@ def both() -> dict[str, tuple[Regime, Turns]]:
 
 @pytest.mark.parametrize("mounting", [name for name in MOUNTINGS if name != "flat"])
 def test_a_mat_that_repeats_itself_flips_as_an_independent_chain_does(mounting: str) -> None:
-    """On the same side in every turn, as far within 5 %, with the same mean peak within 15 %."""
+    """The mat is on the same side in every turn, as far within 5 %, with the same mean peak within 15 %."""
     regime, chain = both()[mounting]
     up = mounting.endswith("up in every turn")
     assert regime.side == ("up" if up else "down")
@@ -96,8 +96,8 @@ def test_a_mat_that_repeats_itself_flips_as_an_independent_chain_does(mounting: 
 
 
 def test_a_thin_flat_mat_changes_sides_in_both() -> None:
-    """Between a third and two thirds of its turns are up.  Its peaks, which depend on how it came to a turn,
-    are alike within 30 %."""
+    """The turns that are up are between a third and two thirds of all. Its peaks, which depend on how it
+    came to a turn, are alike within 30 %."""
     regime, chain = both()["flat"]
     for farthest_m in (regime.farthest_m, chain.farthest_m):
         assert 1 / 3 <= np.mean(farthest_m > 0) <= 2 / 3
@@ -106,7 +106,8 @@ def test_a_thin_flat_mat_changes_sides_in_both() -> None:
 
 
 def test_a_mat_turned_round_flips_as_before_and_one_that_is_lifted_the_other_way_does_not() -> None:
-    """To rounding, and not alike: of two neighbours on two frames, one opens while it is lifted."""
+    """The mats agree to rounding, and are not alike: of two neighbours on two frames, one opens while it is
+    lifted."""
     moved_m = np.array([[0.001, 0.0, 0.003j], [0.006, 0.0, 0.004j]])
     mirrored_m, lowered_m = moved_m[::-1] * [-1.0, 1.0, 1.0], moved_m * [1.0, 1.0, -1.0]
     given = trial(0.005, 20.0, 0.002, 0.005)
@@ -142,7 +143,7 @@ def test_sides_and_turns_after_which_a_motion_repeats_itself() -> None:
 
 
 def test_a_load_that_moves_with_a_mat_is_as_a_denser_mat() -> None:
-    """To rounding: only its mass counts."""
+    """The mats agree to rounding: only the load's mass counts."""
     light = trial(0.005, 15.0, 0.002, 0.005)
     own_kg_per_m2 = 1150.0 * 0.005
     material = replace(light.plan.material, density_kg_per_m3=2 * 1150.0)
