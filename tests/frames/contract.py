@@ -1,4 +1,4 @@
-"""What every adapter of the frames port must do; ``CASES`` lists the adapters.
+"""The contract of the adapters of the frames port; ``CASES`` lists the adapters.
 
 Each case builds the real solver on a small machine.  A package that is missing makes the case
 fail with SolverMissing: nothing is skipped.
@@ -57,7 +57,8 @@ def one_driven(step_s: float, size: float = 1.0) -> FramesPlan:
 
 
 def both_driven(step_s: float, size: float = 1.0) -> FramesPlan:
-    """With bushings between them and to the ground, which the drives have to move."""
+    """Return two driven frames with bushings between them and to the ground, which the drives have to
+    move."""
     slower = replace(drive("driving", size), speed_rad_per_s=40.0)
     plan = two_bodies(interval_s=INTERVAL_S, step_s=step_s)
     return replace(plan, drives=(drive("driven", size), slower))

@@ -63,7 +63,7 @@ def surplus_N_m(motor: MotorPlan, speed: Array | float) -> Array:
 
 
 def steady_speeds(motor: MotorPlan) -> list[float]:
-    """Where the surplus changes its sign, from low to high."""
+    """Return the speeds where the surplus changes its sign, from low to high."""
     tried = np.linspace(1.0, motor.synchronous_rad_per_s, 4000)
     signs = np.sign(surplus_N_m(motor, tried))
     crossings = np.flatnonzero(np.diff(signs))
@@ -134,7 +134,7 @@ def test_a_shaft_about_any_axis() -> None:
 
 
 def test_what_the_motor_gives_the_dampers_and_bearings_take(build: Build) -> None:
-    """In the steady state, to the rest of the start's swinging."""
+    """The balance holds in the steady state, to the rest of the start's swinging."""
     plan = one_body(MOTOR)
     frames = build(plan)
     run(frames, plan, 600)

@@ -86,7 +86,8 @@ def integrated_m(stop_s: float, run_down_s: float, until_s: float) -> Array:
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_peak_while_passing_a_resonance(solver: str) -> None:
-    """Within 0.5 %: the trapezoidal rule of exudyn has an error of phase w t (w h)^2 / 12 of 1e-3."""
+    """The peak is met within 0.5 %: the trapezoidal rule of exudyn has an error of phase w t (w h)^2 / 12
+    of 1e-3."""
     stop_s, run_down_s, until_s = 0.9, 2.0, 3.4
     found_m, expected_m = (
         moved_m(solver, single(stop_s, run_down_s), until_s),

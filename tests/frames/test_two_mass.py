@@ -108,7 +108,7 @@ def test_run_up_does_not_depend_on_the_step() -> None:
 
 @pytest.mark.parametrize("run_up_s", [0.0, 0.1])
 def test_an_exciter_that_starts_later_does_the_same_later(run_up_s: float) -> None:
-    """Nothing moves before 0.1 s, and from then on all is as if it had started at once."""
+    """The machine rests before 0.1 s, and from then on moves as if the exciter had started at once."""
     late = build(two_bodies((exciter(run_up_s=run_up_s, start_s=0.1, phase_rad=0.7),)))
     soon = build(two_bodies((exciter(run_up_s=run_up_s, phase_rad=0.7),)))
     for index in range(5):
