@@ -139,7 +139,7 @@ def test_stiff_bushings_are_labelled_in_meganewtons() -> None:
 
 
 def test_a_shaft_along_y_turns_clockwise_from_the_side() -> None:
-    """Seen from the side, x points to the right and z up, so that y points away from the reader."""
+    """The view from the side has x to the right and z up, so that y points away from the reader."""
     assert SIDE.toward == pytest.approx([0, -1, 0])
     assert TOP.toward == pytest.approx([0, 0, 1])
     assert FRONT.toward == pytest.approx([1, 0, 0])
