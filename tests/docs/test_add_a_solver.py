@@ -93,8 +93,8 @@ def test_check_explain_and_run_know_it(package: Path, tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_a_study_of_accuracy_compares_it_with_the_other_models(package: Path, tmp_path: Path) -> None:
-    """Nothing is changed for it but the case's key: it stands among the models of the panel, below the
-    strip that the case has."""
+    """The case's key is all that changes: the model stands among the models of the panel, below the strip
+    that the case has."""
     case = ["cases/empty-machine", "--set", "panel.solver=strip", "--set", "panel.cells=[8, 1]"]
     words = ["study", "accuracy", *case, "--parameters", "panel-mesh,panel-model=springs", "--quick"]
     flipflow(package, *words, "--duration", "0.05", "--out", str(tmp_path / "study"))

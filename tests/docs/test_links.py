@@ -66,7 +66,7 @@ def test_files_that_are_named_are_there(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
 def test_sources_that_are_named_without_their_folder_are_there(page: Path) -> None:
-    """As ``shaking.py``, or ``exudyn/shaft.py``."""
+    """The sources are named as ``shaking.py``, or ``exudyn/shaft.py``."""
     if page.parent.name == "how-to":
         return  # the files of an example are the reader's
     files = [f"/{file.relative_to(ROOT)}" for file in written("*.py", "*.cpp", "*.h")]

@@ -33,7 +33,7 @@ def test_every_picture_is_stored_and_shown(drawn: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(file.name for file in STORED.iterdir()))
 def test_the_stored_picture_is_the_drawn_one(drawn: Path, name: str) -> None:
-    """Up to the last digits of numbers, which differ from processor to processor."""
+    """The pictures agree up to the last digits of numbers, which differ from processor to processor."""
     before, after = (HASH.sub("", (at / name).read_text(encoding="utf-8")) for at in (STORED, drawn))
     again = f"python docs/pictures/draw.py {Path(name).stem}"
     assert NUMBER.sub("#", before) == NUMBER.sub("#", after), again
