@@ -1,4 +1,5 @@
-"""How a test writes a case: TOML text, of parts where it is long, in a folder that the test may spoil.
+"""Functions by which a test writes a case: TOML text, of parts where it is long, in a folder that the test
+may spoil.
 
 ``CASE`` is a small valid case; ``case_folder`` writes it or another one, ``load_case`` reads it as
 a user's case is read, and ``complaints`` are what a user would be told.
@@ -133,7 +134,8 @@ def kinds(folder: Path, *overrides: str) -> list[str]:
 
 
 def complaints(folder: Path, *overrides: str) -> list[str]:
-    """What loading and checking say of the test case with some keys changed."""
+    """Return the problems that loading and checking find in the test case with some keys changed, as
+    texts."""
     return [str(problem) for problem in problems(folder, *overrides)]
 
 
@@ -169,7 +171,7 @@ poisson_ratio = 0.3
 
 
 def contact(material: str, other: str, restitution: float, sliding: float, rolling: float = 0.0) -> str:
-    """Between two materials; ``sliding`` and ``rolling`` friction."""
+    """Return the TOML text of a contact between two materials; ``sliding`` and ``rolling`` are friction."""
     return f"""
 [[contacts]]
 between = ["{material}", "{other}"]

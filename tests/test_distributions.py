@@ -1,4 +1,4 @@
-"""What is imported is what docker/debian.txt names and docker/constraints.txt pins, no more."""
+"""Imports are those that docker/debian.txt names and docker/constraints.txt pins, no more."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_the_environment_is_the_pinned_one() -> None:
 @pytest.mark.process
 @pytest.mark.solver
 def test_every_imported_module_belongs_to_a_pinned_distribution() -> None:
-    """Also what is imported at the bottom of something else, and what has no metadata at all."""
+    """Modules imported at the bottom of something else count, too, and those that have no metadata at all."""
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", IMPORT_ALL],
         capture_output=True,
@@ -59,7 +59,8 @@ def test_every_imported_module_belongs_to_a_pinned_distribution() -> None:
 
 
 def of_python(file: Path) -> bool:
-    """Of Python's own library, or of this checkout, but not of what is installed beside it."""
+    """Return whether a module is of Python's own library, or of this checkout, but not of what is installed
+    beside it."""
     if Path(sys.prefix) in file.parents:
         return False
     own = Path(sys.base_prefix) / "lib" in file.parents or CHECKOUT in file.parents

@@ -61,7 +61,7 @@ def case(tmp_path: Path) -> Path:
 
 
 def compared(case: Path, text: str) -> list[CriterionResult]:
-    """With runs in which both frames swing along x, against each other."""
+    """Return the comparison with runs in which both frames swing along x, against each other."""
     (case / "criteria.toml").write_text(HEAD + text)
     runs = runs_of(case)
     for point in runs["speed"].points:
@@ -142,7 +142,8 @@ def test_the_distance_is_in_the_papers_unit_and_in_per_cent(case: Path) -> None:
 
 
 def test_intervals(case: Path) -> None:
-    """Of one run, of a growth between two runs in quadrature, and by the scatter of other runs."""
+    """The intervals are those of one run, of a growth between two runs in quadrature, and by the scatter of
+    other runs."""
     growth = ROW.replace('at = "70"\n', 'compare = "growth"\nbetween = [60, 90]\n').replace('"mm"', '"%"')
     scatter = ROW + 'scatter = "seeds"\n'
     seeds = '[runs.seeds]\nvary = "screen.exciters.shaft.speed_rad_per_s=60,70"\n'
@@ -166,7 +167,7 @@ def test_intervals(case: Path) -> None:
 
 @pytest.mark.parametrize("theirs", [10.0, 9.5, 10.5, 40.0])
 def test_the_interval_of_a_difference_does_not_depend_on_its_sign(case: Path, theirs: float) -> None:
-    """Between two runs of 10 and ``theirs``, both plus or minus 1: near zero as well as far from it."""
+    """The runs have 10 and ``theirs``, both plus or minus 1: near zero as well as far from it."""
     row = ROW.replace('"amplitude"', '"result"').replace("driven-driving", "results.power.drives_W")
     row = row.replace('"mm"', '"W"') + 'compare = "difference"\nagainst = "other"\n'
     (case / "criteria.toml").write_text(HEAD + "[runs.other]\n" + row)

@@ -1,4 +1,4 @@
-"""Which panel has gone through what: found from where all is drawn and where it is now."""
+"""The panel that has gone through a surface: found from where all is drawn and where it is now."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def test_what_moves_together_goes_through_nothing() -> None:
 
 
 def test_a_plate_that_comes_through_a_panel() -> None:
-    """It is drawn 2 mm below the flat panel and goes 5 mm up."""
+    """The plate is drawn 2 mm below the flat panel and goes 5 mm up."""
     deepest = deepest_in(DRAWN_M, plate_m(0.003), plate_m(-0.002))
     assert deepest is not None
     assert deepest.depth_m == pytest.approx(0.003, rel=1e-9)
@@ -127,7 +127,7 @@ def test_a_plate_that_comes_through_a_panel() -> None:
 
 @pytest.mark.parametrize("across_m", [0.0, 0.013, 0.2])
 def test_a_side_plate_at_the_edge_or_through_the_panel_as_drawn_is_taken_as_meant(across_m: float) -> None:
-    """It stands upright along the panel, which moves up and down along it."""
+    """The plate stands upright along the panel, which moves up and down along it."""
     upright = np.array([[-0.1, 0, -0.1], [0.4, 0, -0.1], [0.4, 0, 0.1], [-0.1, 0, 0.1]])
     for sag_m in (0.05, -0.05):
         assert deepest_in(hanging_m(sag_m), upright + np.array([0.0, across_m, 0.0])) is None
@@ -199,7 +199,7 @@ def test_a_search_finds_what_a_new_one_finds_whatever_it_has_seen_before() -> No
 
 @pytest.mark.parametrize(("points", "boxes"), [(40, 30), (1, 1), (7, 0)])
 def test_pairs_that_meet_are_those_of_all_pairs_that_no_side_parts_twice(points: int, boxes: int) -> None:
-    """Against the comparison of each with each; some points and boxes share coordinates."""
+    """The reference is the comparison of each with each; some points and boxes share coordinates."""
     random = np.random.default_rng(4)
     points_m = random.integers(0, 12, (2, points, 3)).astype(float)
     corners_m = random.integers(0, 12, (2, boxes, 1, 3)) + random.integers(0, 4, (2, boxes, 2, 3))

@@ -1,4 +1,4 @@
-"""What crosses a port is checked, and the examples in the ports' docstrings run, alone and coupled."""
+"""Values that cross a port are checked, and the examples in the ports' docstrings run, alone and coupled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the options of all studies refuse before anything is run or written."""
+"""The options of all studies refuse wrong words before anything is run or written."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def points(tmp_path: Path) -> list[Any]:
 
 
 def test_a_measured_figure_does_not_overwrite_the_swept_value(points: list[Any]) -> None:
-    """Both end with speed_rad_per_s."""
+    """Both columns end with speed_rad_per_s."""
     table = sweep.sweep_rows(VARY, points)
     assert [row[VARY.key] for row in table] == ["58", "78", "98", "118"]
     assert table[0]["speed_rad_per_s"] == 78.5
