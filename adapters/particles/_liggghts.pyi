@@ -55,6 +55,11 @@ class Engine:
         """Set the tables (types, types) by which energy in contacts is computed: of adhesion the one
         of jkr, the one of sjkr, or none; the others are empty."""
 
+    def set_rebound(self, *, type: int, other_type: int, speed_m_per_s: Array, restitution: Array) -> None:
+        """Let the restitution of two types, from 1, go by the speed of approach, by points (n,).
+
+        The call comes before the input names a contact model."""
+
     def set_wear(self, rate_m3_per_N_m: Array) -> None:
         """Let contacts wear the surface from now on, by a table (types, types)."""
 

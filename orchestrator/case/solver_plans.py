@@ -50,6 +50,7 @@ from orchestrator.ports.plans import (
     ParticleList,
     ParticlesPlan,
     PointMass,
+    Rebound,
 )
 
 LOG = logging.getLogger("flipflow")
@@ -299,7 +300,8 @@ def particles_plan(
     return ParticlesPlan(
         surface=surface,
         materials=tuple(GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers),
-        restitution=by_pair(case, numbers, "restitution", 1.0),
+        restitution=by_pair(case, numbers, "slow_restitution", 1.0),
+        rebounds=_rebounds(case, numbers),
         sliding_friction=by_pair(case, numbers, "sliding_friction"),
         rolling_friction=by_pair(case, numbers, "rolling_friction") * (case.particles.rolling != "none"),
         adhesion=planned_adhesion(case, numbers),
@@ -345,6 +347,19 @@ def exits(case: Case) -> tuple[ExitPlan, ...]:
         center_m = to_world(case, (low + high) / 2.0)
         plans.append(ExitPlan(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
     return tuple(plans)
+
+
+def _rebounds(case: Case, numbers: dict[str, int]) -> tuple[Rebound, ...]:
+    """Return the restitutions over speed of the pairs of k materials that have one."""
+    return tuple(
+        Rebound(
+            (numbers[row.between[0]], numbers[row.between[1]]),
+            np.array([point.impact_m_per_s for point in row.rebound]),
+            np.array([point.restitution for point in row.rebound]),
+        )
+        for row in case.contacts
+        if row.rebound and set(row.between) <= set(numbers)
+    )
 
 
 def _wear(case: Case, numbers: dict[str, int]) -> Array | None:

@@ -389,6 +389,19 @@ class Sjkr:
 
 
 @dataclass(frozen=True)
+class Rebound:
+    """The restitution of two materials, by number, over the normal speed with which bodies first touch.
+
+    Between the points (n,), whose speeds grow, it is linear, and beyond them constant.  It stays that of the
+    first touch as long as the contact lasts.
+    """
+
+    materials: tuple[int, int]
+    speed_m_per_s: Array
+    restitution: Array
+
+
+@dataclass(frozen=True)
 class AirPlan:
     """Still air around the particles, whose drag is that of spheres (``physics.sphere_drag_N``)."""
 
@@ -401,6 +414,7 @@ class ParticlesPlan:
     """The particles, the surface they touch, and the laws between them.
 
     ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
+    ``rebounds``: those over speed; the pair's ``restitution`` is then that of the slowest impacts.
     ``wear_m3_per_N_m``: (k, k) too, volume that particles of one material wear off a surface of the
     other per force and distance slid; None where nothing wears.
     ``air``: the air that resists the particles; None for particles in a vacuum.
@@ -430,6 +444,7 @@ class ParticlesPlan:
     sync_interval_s: float
     adhesion: Jkr | Sjkr | None = None
     rolling: Literal["epsd2", "cdt"] = "epsd2"
+    rebounds: tuple[Rebound, ...] = ()
     wear_m3_per_N_m: Array | None = None
     air: AirPlan | None = None
     predicts_load: bool = False

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -23,6 +23,8 @@ from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Part
 from orchestrator.studies.design.study_file import StudyFile
 
+ROWS = "tables"
+"""A list of tables, in words."""
 EFFECTS_TABLE = """\
 | effect | part | can be left out | laws | what else has it or not |
 | --- | --- | --- | --- | --- |"""
@@ -92,10 +94,12 @@ def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]], fil
 
 
 def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
-    if table is not None:
+    if choices := _choices(field.annotation):
+        value = " or ".join(_kind(each) + _limits(each) for each in choices)
+    elif table is not None:
         value = "tables" if get_origin(field.annotation) in (dict, tuple) else "table"
     else:
-        value = _solvers(field) or _kind(field.annotation) + _limits(field)
+        value = _solvers(field) or _kind(field.annotation) + _limits(field.annotation, field.metadata)
     meaning = _text(field.description)
     return f"| `{key}` | {value} | {unit_of(key, '')} | {_default(field)} | {meaning} |"
 
@@ -112,7 +116,13 @@ def _text(words: str | None) -> str:
 
 def _is_list(field: FieldInfo) -> bool:
     """Return whether the tables of a field are rows of a list."""
-    return get_origin(field.annotation) is tuple
+    return any(_kind(each) == ROWS for each in (field.annotation, *_choices(field.annotation)))
+
+
+def _choices(kind: Any) -> list[Any]:
+    """Return the types of a value that is a list of tables or something else; none of any other value."""
+    choices = list(get_args(kind)) if get_origin(kind) in (Union, UnionType) else []
+    return choices if ROWS in map(_kind, choices) and NoneType not in choices else []
 
 
 def table_in(kind: Any) -> tuple[type[BaseModel] | None, str]:
@@ -130,11 +140,17 @@ def table_in(kind: Any) -> tuple[type[BaseModel] | None, str]:
 def _kind(kind: Any) -> str:
     """Return a type in words."""
     origin, arguments = get_origin(kind), get_args(kind)
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return "table"
+    if kind is NoneType:
+        return "none"
     if origin is Annotated:
         return _kind(arguments[0])
     if origin is Literal:
         return " or ".join(f'"{word}"' for word in arguments)
     if origin is tuple:
+        if arguments[-1] is Ellipsis and _kind(arguments[0]) == "table":
+            return ROWS
         if arguments[-1] is Ellipsis:
             return f"list of [{_kind(arguments[0])}]"
         return f"{len(arguments)} x {_kind(arguments[0])}"
@@ -145,9 +161,9 @@ def _kind(kind: Any) -> str:
     return {float: "number", int: "whole number", bool: "true or false", str: "text"}[kind]
 
 
-def _limits(field: FieldInfo) -> str:
+def _limits(kind: Any, metadata: Sequence[Any] = ()) -> str:
     formats = {Gt: "> {0.gt}", Ge: ">= {0.ge}", Lt: "< {0.lt}", Le: "<= {0.le}"}
-    marks = [*field.metadata, *_marks(field.annotation)]
+    marks = [*metadata, *_marks(kind)]
     limits = [formats[type(mark)].format(mark) for mark in marks if type(mark) in formats]
     return " " + ", ".join(dict.fromkeys(limits)) if limits else ""
 

@@ -16,6 +16,7 @@
 #include "modify.h"
 #include "neighbor.h"
 #include "pair_lists.h"
+#include "rebound.h"
 #include "saved_particles.h"
 #include "update.h"
 
@@ -88,6 +89,7 @@ Engine::~Engine() {
   if (!healthy_) return;
   FILE *screen = lammps_->screen;
   deepest_between.erase(lammps_);
+  rebounds_of.erase(lammps_);
   delete lammps_;
   if (screen) std::fclose(screen);
 }

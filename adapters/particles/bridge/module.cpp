@@ -17,6 +17,7 @@
 #include "contact_energy.h"
 #include "engine.h"
 #include "lammps.h"
+#include "rebound.h"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -301,6 +302,15 @@ void set_laws(Engine &engine, const Doubles &e_star_Pa, const Doubles &g_star_Pa
   engine.set_laws(laws);
 }
 
+// Before the input names a contact model.
+void set_rebound(Engine &engine, int type, int other_type, const Doubles &speed_m_per_s,
+                 const Doubles &restitution) {
+  check_shape("restitution", restitution, {speed_m_per_s.size()});
+  const flipflow::Rebound rebound = {values_of(speed_m_per_s), values_of(restitution)};
+  auto &rebounds = flipflow::rebounds_of[&engine.lammps()];
+  rebounds[{type, other_type}] = rebounds[{other_type, type}] = rebound;
+}
+
 void set_wear(Engine &engine, const Doubles &rate_m3_per_N_m) {
   const flipflow::ContactLaws &laws = engine.laws();
   flipflow::FixSurface &surface = engine.surface();
@@ -387,6 +397,8 @@ PYBIND11_MODULE(_liggghts, module) {
            exactly("rigid_share"), exactly("triangles"), exactly("type"), py::arg("largest_radius_m"))
       .def("set_laws", &set_laws, by_keyword, exactly("e_star_Pa"), exactly("g_star_Pa"),
            py::arg("tangential_spring"), exactly("work_J_per_m2"), exactly("energy_density_J_per_m3"))
+      .def("set_rebound", &set_rebound, by_keyword, py::arg("type"), py::arg("other_type"),
+           exactly("speed_m_per_s"), exactly("restitution"))
       .def("set_wear", &set_wear, exactly("rate_m3_per_N_m"))
       .def("create", &create_particles, by_keyword, exactly("position_m"), exactly("velocity_m_per_s"),
            exactly("spin_rad_per_s"), exactly("diameter_m"), exactly("density_kg_per_m3"),

@@ -1,6 +1,6 @@
 // Adds to LIGGGHTS's tables of contact models, for pairs and for walls: `model jkr`, and its own
 // `model hertz` compiled for the combinations that flipflow uses (LIGGGHTS would call every part of
-// them through a table), with rolling friction `epsd2` cured.
+// them through a table), with rolling friction `epsd2` cured.  In both, restitution may go by speed.
 
 #include <mpi.h>
 
@@ -27,6 +27,7 @@
 
 #include "engine.h"
 #include "jkr_contact.h"
+#include "rebound.h"
 #include "sphere_pairs.h"
 
 namespace flipflow {
@@ -65,15 +66,16 @@ void add_hertz() {
   using Style = GranStyle<HERTZ, tangential, cohesion, rolling, SURFACE_DEFAULT>;
   using Stock = ContactModel<Style>;
   constexpr bool cured = rolling == ROLLING_EPSD2;
-  using Contact = std::conditional_t<cured, RollingAcross<Stock>, Stock>;
+  using Contact = ReboundBySpeed<std::conditional_t<cured, RollingAcross<Stock>, Stock>>;
   add<Contact, SpherePairs<Contact>, Style::HASHCODE>();
 }
 
 template <int tangential, int rolling>
 void add_all(bool as_packaged) {
-  using Sticky = JkrContact<tangential, rolling>;
-  if (as_packaged) return add<Sticky, PairStyles::Granular<Sticky>, Sticky::kHash>();
-  add<Sticky, SpherePairs<Sticky>, Sticky::kHash>();
+  using Jkr = JkrContact<tangential, rolling>;
+  using Sticky = ReboundBySpeed<Jkr>;
+  if (as_packaged) return add<Sticky, PairStyles::Granular<Sticky>, Jkr::kHash>();
+  add<Sticky, SpherePairs<Sticky>, Jkr::kHash>();
   add_hertz<tangential, COHESION_OFF, rolling>();
   add_hertz<tangential, COHESION_SJKR, rolling>();
 }

@@ -39,6 +39,14 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         log_file=str(folder / "log.liggghts"),
         contact_distance_factor=contact_distance_factor(plan),
     )
+    for rebound in plan.rebounds:
+        one, other = rebound.materials
+        engine.set_rebound(
+            type=one + 1,
+            other_type=other + 1,
+            speed_m_per_s=floats(rebound.speed_m_per_s),
+            restitution=floats(rebound.restitution),
+        )
     for line in text.splitlines():
         engine.command(line)
     if communicator.size > 1:

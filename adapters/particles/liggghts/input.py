@@ -13,6 +13,8 @@ from orchestrator.ports.plans import AirPlan, Jkr, ParticlesPlan, Sjkr
 
 # LIGGGHTS wants a word of confirmation outside of these moduli
 SOFTEST_PA, HARDEST_PA = 5e6, 1e9
+# and refuses 0.05
+LEAST_RESTITUTION = 0.051
 LISTING, LOOKED_AT = 50.0, 0.35
 """The cost of listing a particle's neighbours, and of each other one that is looked at for that, over what a
 pair that is near but does not touch costs in a step."""
@@ -148,7 +150,7 @@ def input_text(plan: ParticlesPlan) -> str:
         bins=words(np.array(bin_size_m(plan))),
         youngs=words(np.array(youngs)),
         poisson=words(np.array([material.poisson_ratio for material in plan.materials])),
-        restitution=words(plan.restitution),
+        restitution=words(_constant_restitution(plan)),
         tables=_tables(plan),
         model=contact_model(plan),
         gravity=_gravity(plan.gravity_m_per_s2),
@@ -177,6 +179,16 @@ def _confirmations(youngs_Pa: list[float]) -> str:
     if max(youngs_Pa) > HARDEST_PA:
         lines += "hard_particles  yes\n"
     return lines
+
+
+def _constant_restitution(plan: ParticlesPlan) -> Array:
+    """Return the restitutions that LIGGGHTS reads; those over speed, which the bridge takes from memory, are
+    raised to what it accepts."""
+    table = plan.restitution.copy()
+    for rebound in plan.rebounds:
+        one, other = rebound.materials
+        table[one, other] = table[other, one] = max(table[one, other], LEAST_RESTITUTION)
+    return table
 
 
 def _tables(plan: ParticlesPlan) -> str:

@@ -130,7 +130,7 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
     A missing key is left out if a misspelt key was obviously meant to be that key.
     """
-    details = error.errors(include_url=False)[: 2 * MOST]
+    details = [_without_branches(detail) for detail in error.errors(include_url=False)[: 2 * MOST]]
     problems: list[CaseProblem] = []
     meant: set[Key] = set()
     for detail in details:
@@ -149,6 +149,12 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
         if detail["type"] != "extra_forbidden":
             problems.append(_problem(detail))
     return problems
+
+
+def _without_branches(detail: ErrorDetails) -> ErrorDetails:
+    """Return an error without the words in angle brackets, which name branches of a type and are no keys."""
+    loc = tuple(part for part in detail["loc"] if not str(part).startswith("<"))
+    return {**detail, "loc": loc}
 
 
 def _problem(detail: ErrorDetails) -> CaseProblem:
@@ -211,7 +217,9 @@ def _inside(place: Any, part: str | int) -> Any:
     arguments = get_args(place)
     if get_origin(place) is dict:
         return arguments[1]
-    return arguments[0] if arguments else None
+    if get_origin(place) is tuple:
+        return arguments[0]
+    return next((inner for each in arguments if (inner := _inside(each, part)) is not None), None)
 
 
 def _table_in(place: Any) -> type[BaseModel] | None:

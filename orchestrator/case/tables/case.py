@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import Field, PrivateAttr, Strict
+from pydantic import Discriminator, Field, PrivateAttr, Strict, Tag
 
 from orchestrator.case.solvers import NONE, Port
 from orchestrator.case.tables.bed import Bed
@@ -127,13 +128,31 @@ class Material(Table):
 WORK_OF_ADHESION = "work_of_adhesion_J_per_m2"
 
 
+class ReboundPoint(Table):
+    """A point of the restitution over the speed of impacts."""
+
+    impact_m_per_s: Annotated[float, Strict(), Gt(0), Le(100)]
+    """Normal speed with which the two bodies first touch."""
+    restitution: Annotated[float, Strict(), Gt(0), Le(1)]
+    """Coefficient of restitution of such impacts."""
+
+
+def _branch(restitution: object) -> str:
+    return "<points>" if isinstance(restitution, list | tuple | dict) else "<number>"
+
+
 class Contact(Table):
     """The contact properties of two materials.  Every pair that can meet must be given."""
 
     between: tuple[str, str]
     """The two materials; they are equal for contacts between particles of one material."""
-    restitution: Annotated[float, Strict(), Gt(0.05), Le(1)]
-    """Coefficient of restitution.  LIGGGHTS does not accept values of 0.05 or less."""
+    restitution: Annotated[
+        Annotated[float, Strict(), Gt(0.05), Le(1), Tag("<number>")]
+        | Annotated[tuple[ReboundPoint, ...], Tag("<points>")],
+        Discriminator(_branch),
+    ]
+    """Coefficient of restitution: a number above 0.05, LIGGGHTS's limit, or points from slow to fast
+    impacts, linear between them and constant beyond (docs/theory/rebound.md)."""
     sliding_friction: NotNegative
     """Coefficient of sliding friction."""
     rolling_friction: NotNegative
@@ -155,6 +174,30 @@ class Contact(Table):
     specific_wear_m3_per_N_m: NotNegative = 0.0
     """Volume that particles of one material wear off a panel or surface of the other material, per
     normal force and sliding distance (docs/theory/wear.md)."""
+
+    @property
+    def rebound(self) -> tuple[ReboundPoint, ...]:
+        """The points of a restitution over speed; none of a constant one."""
+        return self.restitution if isinstance(self.restitution, tuple) else ()
+
+    @property
+    def restitutions(self) -> tuple[float, ...]:
+        """The restitution of every point, or the one of all impacts."""
+        if isinstance(self.restitution, tuple):
+            return tuple(point.restitution for point in self.restitution)
+        return (self.restitution,)
+
+    @property
+    def slow_restitution(self) -> float:
+        """The restitution of the slowest impacts."""
+        return self.restitutions[0]
+
+    def restitution_at(self, impact_m_per_s: float) -> float:
+        """Return the restitution of impacts of this speed."""
+        if not self.rebound:
+            return self.slow_restitution
+        speeds_m_per_s = [point.impact_m_per_s for point in self.rebound]
+        return float(np.interp(impact_m_per_s, speeds_m_per_s, self.restitutions))
 
 
 class Air(Table):
@@ -284,7 +327,7 @@ def has_particles(case: Case) -> bool:
 
 def damped_contacts(case: Case) -> bool:
     """Return whether particles lose energy in contacts."""
-    return has_particles(case) and any(row.restitution < 1 for row in case.contacts)
+    return has_particles(case) and any(min(row.restitutions) < 1 for row in case.contacts)
 
 
 def missing_features(case: Case) -> dict[str, str]:

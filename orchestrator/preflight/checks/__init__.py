@@ -8,6 +8,7 @@ TABLE_RULES = (
     names.shared_names,
     bed.complete_materials,
     bed.complete_contacts,
+    bed.growing_impacts,
     bed.boxes_and_sizes,
     machine.frames_and_their_solver,
     machine.start_of_drives,

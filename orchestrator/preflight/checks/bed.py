@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations, combinations_with_replacement, product
+from itertools import combinations, combinations_with_replacement, pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +81,20 @@ def complete_materials(case: Case) -> Iterator[CaseProblem]:
 def _grains(case: Case) -> set[str]:
     carried = case.bed.carried.materials if case.bed.carried is not None else ()
     return {row.material for row in (*case.bed.particles.values(), *case.bed.sources)} | {*carried}
+
+
+def growing_impacts(case: Case) -> Iterator[CaseProblem]:
+    """Check that a restitution over speed has points, and that they go from slow to fast impacts."""
+    for key, contact in rows(case, "contacts"):
+        if not contact.restitutions:
+            hint = "give a number, or points of impact_m_per_s and restitution"
+            yield CaseProblem((*key, "restitution"), "has no points", hint, kind="missing")
+        for number, (slower, point) in enumerate(pairwise(contact.rebound), start=1):
+            if point.impact_m_per_s <= slower.impact_m_per_s:
+                at: Key = (*key, "restitution", number, "impact_m_per_s")
+                what = f"{point.impact_m_per_s:g} comes after {slower.impact_m_per_s:g}"
+                yield CaseProblem(at, what, "give points from slow to fast impacts, each speed once")
+                break
 
 
 def complete_contacts(case: Case) -> Iterator[CaseProblem]:

@@ -116,7 +116,7 @@ def _touch(scene: Scene, name: str, grain: Grain[float], surface_material: str) 
     lying_N = max(bed_Pa * area_m2, mass_kg * scene.gravity_m_per_s2)
     pressed_m = hertz_static_overlap_m(thrown_N, radius_m, reduced_Pa)
     deepest_m = max(pressed_m, hertz_overlap_m(mass_kg, radius_m, reduced_Pa, speed_m_per_s))
-    pairs = {frozenset(row.between): row.restitution for row in case.contacts}
+    pairs = {frozenset(row.between): row.restitution_at(speed_m_per_s) for row in case.contacts}
     log_e = math.log(pairs[frozenset((name, surface_material))])
 
     def spring(depth_m: float) -> ContactSpring:

@@ -289,7 +289,7 @@ def _facts(
             bed = scene.bed_kg_per_m2
             ratio = bed / min(panel.mass_kg_per_m2 for panel in scene.panels)
             yield "bed on panel", f"{ratio:.3g} times the panel's mass, up to {bed:.3g} kg/m2"
-        restitution = [row.restitution for row in case.contacts]
+        restitution = [each for row in case.contacts for each in row.restitutions]
         if restitution:
             yield "restitution", f"{min(restitution):g} to {max(restitution):g}"
     if scene.panels:

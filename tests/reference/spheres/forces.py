@@ -95,19 +95,22 @@ def compute_forces(
     spin_rad_per_s = contacts.compute_spin(spheres.spin_rad_per_s, surface_rad_per_s)
     # what springs and couples were, zero where a contact is new; lost until now: all they stored
     shear_m, tension_N, couple_N_m = np.zeros((3, len(contacts.first), 3))
-    lost_J = 0.0
+    approach_m_per_s, lost_J = -np.einsum("ij,ij->i", slip_m_per_s, contacts.normal), 0.0
     if before is not None:
         same, parent = match_contacts(contacts, before.contacts, len(spheres))
         heir, old = np.flatnonzero(parent >= 0), np.flatnonzero(same >= 0)
         shear_m[heir] = before.acting.shear_m[parent[heir]]
         couple_N_m[heir] = before.acting.couple_N_m[parent[heir]]
+        approach_m_per_s[heir] = before.acting.approach_m_per_s[parent[heir]]
         tension_N[old] = before.acting.tangential_N_per_m[same[old], None] * shear_m[old]
         lost_J = float(before.acting.tangential_J.sum())
         if laws.normal.reach_m > 0.0:
             lost_J += _compute_necks_J(laws, contacts, before.contacts, same, parent)
     stretch_m = step_s * slip_m_per_s
     elongation_m = across(shear_m + stretch_m, contacts.normal)
-    acting = laws.at(contacts, slip_m_per_s, spin_rad_per_s, elongation_m, couple_N_m, step_s)
+    acting = laws.at(
+        contacts, slip_m_per_s, spin_rad_per_s, elongation_m, couple_N_m, approach_m_per_s, step_s
+    )
     now_N = acting.tangential_N_per_m[:, None] * acting.shear_m
     lost_J += 0.5 * float(np.vdot(now_N + tension_N, stretch_m)) - float(acting.tangential_J.sum())
     mean_N_m = 0.5 * contacts.weight[:, None] * (acting.couple_N_m + couple_N_m)

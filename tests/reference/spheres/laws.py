@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
+from orchestrator.ports.plans import Jkr, ParticlesPlan, Rebound, Sjkr
 from orchestrator.ports.rows import Rows
 from tests.reference.spheres.contacts import Contacts
 
@@ -127,6 +127,7 @@ class ContactForces(Rows):
     turning_N: Array  # (n, 3) on a sphere that touches the surface, through its centre
     shear_m: Array  # (n, 3) elongation of the tangential spring
     couple_N_m: Array  # (n, 3) against rolling
+    approach_m_per_s: Array  # (n,) with which the partners first touched
     tangential_N_per_m: Array  # (n,)
     stiffness_N_per_m: Array
     damping_N_s_per_m: Array
@@ -140,7 +141,8 @@ class ContactForces(Rows):
 class Laws:
     """Coefficients by pair of materials, (k, k).
 
-    Damping gives the restitution set at every speed: Tsuji, Y., Tanaka, T. and Ishida, T., Powder
+    Damping gives a restitution whatever the speed; that of a pair with a ``Rebound`` goes by the speed of
+    approach at first touch: Tsuji, Y., Tanaka, T. and Ishida, T., Powder
     Technology 71, 1992, 239-250, in the closed form of Antypov, D. and Elliott, J. A., EPL 94, 2011,
     50004, doi 10.1209/0295-5075/94/50004.  The tangential stiffness 8 G* a is that of Mindlin, R. D.,
     Journal of Applied Mechanics 16, 1949, 259-268.  Rolling: models A (``cdt``, constant directional
@@ -151,7 +153,8 @@ class Laws:
 
     normal: NormalLaw
     shear_modulus_Pa: Array  # G*
-    damping_ratio: Array  # of the linear oscillator with the same restitution
+    restitution: Array
+    rebounds: tuple[Rebound, ...]
     sliding_friction: Array
     rolling_friction: Array
     rolling: Literal["cdt", "epsd2"]
@@ -164,11 +167,11 @@ class Laws:
         E = np.array([material.youngs_modulus_Pa for material in plan.materials])
         nu = np.array([material.poisson_ratio for material in plan.materials])
         normal, shear = (1.0 - nu**2) / E, 2.0 * (2.0 - nu) * (1.0 + nu) / E
-        log_e = np.log(plan.restitution)
         return Laws(
             NormalLaw.of(plan, 1.0 / np.add.outer(normal, normal)),
             1.0 / np.add.outer(shear, shear),
-            -log_e / np.hypot(log_e, np.pi),
+            plan.restitution,
+            plan.rebounds,
             plan.sliding_friction,
             plan.rolling_friction,
             plan.rolling,
@@ -181,20 +184,21 @@ class Laws:
         spin_rad_per_s: Array,
         shear_m: Array,
         couple_N_m: Array,
+        approach_m_per_s: Array,
         step_s: float,
     ) -> ContactForces:
         """The forces at the present overlaps.
 
         ``slip_m_per_s`` and ``spin_rad_per_s`` (n, 3) are those of the first partner relative to the
         second at the contact; ``shear_m`` (n, 3) is the spring's elongation with this step's slip in
-        it, ``couple_N_m`` (n, 3) that against rolling a step ago.  A sliding contact has no
-        tangential damping.
+        it, ``couple_N_m`` (n, 3) that against rolling a step ago, ``approach_m_per_s`` (n,) the speed of
+        the first touch.  A sliding contact has no tangential damping.
         """
         pair, normal = contacts.materials, contacts.normal
         law = self.normal.at(contacts, contacts.overlap_m)
         S_n = 2.0 * self.normal.youngs_modulus_Pa[pair] * law.contact_radius_m
         S_t = 8.0 * self.shear_modulus_Pa[pair] * law.contact_radius_m
-        damping = 2.0 * np.sqrt(5.0 / 6.0) * self.damping_ratio[pair]
+        damping = 2.0 * np.sqrt(5.0 / 6.0) * self._damping_ratio(contacts, approach_m_per_s)
         g_n, g_t = damping * np.sqrt(S_n * contacts.mass_kg), damping * np.sqrt(S_t * contacts.mass_kg)
 
         closing_m_per_s = np.einsum("ij,ij->i", slip_m_per_s, normal)
@@ -218,6 +222,7 @@ class Laws:
             turning_N=turned[:, None] * contacts.turning,
             shear_m=left_m,
             couple_N_m=couple_N_m,
+            approach_m_per_s=approach_m_per_s,
             tangential_N_per_m=weight * S_t,
             stiffness_N_per_m=column * np.column_stack([S_n, sticks * S_t]),
             damping_N_s_per_m=column * np.column_stack([g_n, sticks * g_t]),
@@ -226,6 +231,18 @@ class Laws:
             elastic_J=weight * law.elastic_J + tangential_J,
             adhesion_J=weight * law.adhesion_J,
         )
+
+    def _damping_ratio(self, contacts: Contacts, approach_m_per_s: Array) -> Array:
+        """The damping ratio (n,) of the linear oscillator with the same restitution."""
+        one, other = contacts.materials
+        restitution = self.restitution[one, other]
+        for rebound in self.rebounds:
+            first, second = rebound.materials
+            pair = ((one == first) & (other == second)) | ((one == second) & (other == first))
+            at = np.interp(approach_m_per_s, rebound.speed_m_per_s, rebound.restitution)
+            restitution = np.where(pair, at, restitution)
+        log_e = np.log(restitution)
+        return np.asarray(-log_e / np.hypot(log_e, np.pi))
 
     def _couple_N_m(
         self,
