@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -151,6 +151,35 @@ def rolling_friction_of(one: str | None, other: str | None) -> float | None:
     """
     given = [shapes()[shape].rolling_friction.value for shape in (one, other) if shape is not None]
     return sum(given) / len(given) if given else None
+
+
+def rolling_friction_range(one: str | None, other: str | None) -> tuple[float, float] | None:
+    """Return the range of the rolling friction of two materials of these shape classes; None without one.
+
+    Two grains have the means of both classes' ends.
+    """
+    given = [shapes()[shape].rolling_friction for shape in (one, other) if shape is not None]
+    return _mean_range(given)
+
+
+def restitution_range(one: NamedMaterial, other: NamedMaterial) -> tuple[float, float] | None:
+    """Return the range of the restitution of two materials; None if the library does not have the pair.
+
+    Two different grains have the means of the ends of their own pairs.
+    """
+    names = [(one.material.name, other.material.name)]
+    if frozenset(names[0]) not in pairs() and one.material.kind == other.material.kind == "grains":
+        names = [(name, name) for name in names[0]]
+    found = [
+        pairs()[frozenset(pair)].quantities["restitution"] for pair in names if frozenset(pair) in pairs()
+    ]
+    return _mean_range(found)
+
+
+def _mean_range(given: Sequence[Quantity]) -> tuple[float, float] | None:
+    if not given:
+        return None
+    return sum(each.low for each in given) / len(given), sum(each.high for each in given) / len(given)
 
 
 @cache

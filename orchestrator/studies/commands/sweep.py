@@ -80,7 +80,7 @@ def command(
     and each --result.  In sweep.png, a value that has not settled has an open mark, and a value that cannot
     be trusted is a cross.  results.png has each --result with its interval, and the same marks.
     """
-    wanted = _check_results(result)
+    wanted = check_results(result)
     single = len(vary) == 1 and plan is not Arrangement.RANDOM
     settings = parse_vary(vary[0]) if single else plan_sweep(vary, plan, number, seed)
     study = replace(study, name=settings.name)
@@ -133,8 +133,8 @@ def _predictions(settings: Vary | SweepPlan, points: Sequence[Point], workers: i
     )
 
 
-def _check_results(names: Sequence[str] | None) -> tuple[str, ...]:
-    """Return the names of the wanted results.  Raises CaseError for a name that is none."""
+def check_results(names: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the names of wanted results.  Raises CaseError for a name that is none."""
     problems = []
     for name in names or ():
         try:

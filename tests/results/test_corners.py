@@ -1,0 +1,109 @@
+"""``flipflow study corners``: restitution and rolling friction at the ends of their ranges."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.output.report.corners import CENTRE, FILE, corner_lines
+from orchestrator.studies.commands import corners
+from orchestrator.studies.points import CaseStudy, Point
+from tests.cases import CASE, case_folder
+
+ANGULAR = "materials.coal.shape=angular"
+OF_LIBRARY = ('screen.panels.deck.material="polyurethane 85 Shore A"',)
+
+
+def study(folder: Path, case: str = CASE, sets: tuple[str, ...] = ()) -> CaseStudy:
+    return CaseStudy(case_folder(folder / "case", case), None, sets, folder / "out", name="corners")
+
+
+def contacts_of(point: Point) -> dict[frozenset[str], Any]:
+    return {frozenset(row.between): row for row in point.loaded.case.contacts}
+
+
+def corner_points(given: CaseStudy, **own: tuple[float, float]) -> dict[str, Point]:
+    loaded = given.check()
+    ranged = [*corners._ranged(loaded, own)]
+    return {point.value: point for point in corners._corners(given, loaded, ranged)}
+
+
+def test_the_corners_are_the_ends_of_the_library(tmp_path: Path) -> None:
+    """Coal: restitution 0.1 to 0.5, on polyurethane 0.2 to 0.5; angular grains roll with 0.15 to 0.4."""
+    sets = (*OF_LIBRARY, "materials.coal.like=coal")
+    found = corner_points(study(tmp_path, CASE, (*sets, ANGULAR, "contacts=[]")))
+    assert len(found) == 4
+    rows = contacts_of(found["low-restitution-high-rolling-friction"])
+    own, deck = rows[frozenset({"coal"})], rows[frozenset({"coal", "polyurethane-85-Shore-A"})]
+    assert (own.restitution, own.rolling_friction) == (0.1, 0.4)
+    assert (deck.restitution, deck.rolling_friction) == (0.2, 0.4)
+    assert deck.sliding_friction > 0  # that of the library
+    rows = contacts_of(found["high-restitution-low-rolling-friction"])
+    assert (rows[frozenset({"coal"})].restitution, rows[frozenset({"coal"})].rolling_friction) == (0.5, 0.15)
+
+
+def test_what_has_no_range_stays_as_it_is_given(tmp_path: Path) -> None:
+    """The library does not know PU, and coal of the case has no shape: two runs for coal among coal."""
+    found = corner_points(study(tmp_path))
+    assert sorted(found) == ["high-restitution", "low-restitution"]
+    rows = contacts_of(found["low-restitution"])
+    assert rows[frozenset({"coal"})].restitution == 0.1
+    assert rows[frozenset({"coal", "PU"})].restitution == 0.34
+    assert rows[frozenset({"coal"})].sliding_friction == 0.36
+
+
+def test_own_ranges_hold_for_all_grains(tmp_path: Path) -> None:
+    found = corner_points(study(tmp_path), restitution=(0.2, 0.3), rolling_friction=(0.05, 0.35))
+    rows = contacts_of(found["high-restitution-low-rolling-friction"])
+    assert {(row.restitution, row.rolling_friction) for row in rows.values()} == {(0.3, 0.05)}
+
+
+def test_points_over_speed_are_taken_as_known(tmp_path: Path) -> None:
+    points = "contacts.1.restitution=[{impact_m_per_s=1, restitution=0.5}]"
+    with pytest.raises(CaseError, match="no range"):
+        list(corners.command(study(tmp_path, sets=(points,))))
+
+
+@pytest.mark.parametrize("text", ["0.5", "0.5:0.1", "a:b", "-1:1", "0.1:0.2:0.3"])
+def test_a_range_that_is_none_is_one_message(tmp_path: Path, text: str) -> None:
+    with pytest.raises(CaseError, match="two numbers from low to high") as raised:
+        list(corners.command(study(tmp_path), restitution=text))
+    assert len(raised.value.problems) == 1
+
+
+def test_the_page_of_the_centre_says_what_was_found(tmp_path: Path) -> None:
+    given = study(tmp_path, sets=(ANGULAR,))
+    loaded = given.check()
+    ranged = [*corners._ranged(loaded, {})]
+    points = [given.point(CENTRE), *corners._corners(given, loaded, ranged)]
+    given.folder.mkdir()
+    values = {
+        point.value: {"efficiency": None, "velocity": Number(v)}
+        for point, v in zip(points, range(5), strict=True)
+    }
+    corners._write(given, ranged, points, values)
+    (line,) = corner_lines(given.folder / CENTRE)
+    assert line.startswith(
+        "velocity from 0 to 4.00 m/s within the ranges of the materials, by 5 runs of one seed each"
+    )
+    assert "coal on PU: restitution as given, rolling friction 0.15 to 0.4" in line
+    assert "5 of them did not end well" in line  # none was run here
+    assert corner_lines(given.folder / points[1].value) == []
+    assert corner_lines(tmp_path) == []
+
+
+@pytest.mark.parametrize("content", ["[]", "{}", "nonsense", json.dumps({"results": {"a": 1}})])
+def test_a_foreign_file_says_nothing(tmp_path: Path, content: str) -> None:
+    (tmp_path / FILE).write_text(content)
+    assert corner_lines(tmp_path / CENTRE) == []
+
+
+class Number:
+    """A value of a run."""
+
+    def __init__(self, value: float) -> None:
+        self.value = value
