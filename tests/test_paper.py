@@ -13,10 +13,10 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import write_summary
+from orchestrator.output.results.quantities import Unknown
 from orchestrator.studies.commands.paper import command, find_papers
 from orchestrator.studies.criteria import Runs, read_criteria, wanted_runs
 from orchestrator.studies.points import CaseStudy, Point
-from orchestrator.studies.quantities import Unknown
 from orchestrator.studies.verdicts import CriterionResult, judge, write_verdicts
 from tests.cases import CASE, case_folder
 

@@ -18,7 +18,7 @@ from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
 from orchestrator.preflight.scene.effect import PARTS, describe_verdict
 from orchestrator.preflight.stability.report import AUTO
-from orchestrator.studies.pairs import TriedEffects
+from orchestrator.run.trials.pairs import TriedEffects
 
 if TYPE_CHECKING:
     from orchestrator.studies.accuracy.plan import StoredStudy

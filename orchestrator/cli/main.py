@@ -26,8 +26,8 @@ from orchestrator.studies.options import CasePath, Level, Overrides
 
 if TYPE_CHECKING:
     from orchestrator.preflight.judge import JudgedCase
+    from orchestrator.run.trials.pairs import TriedEffects
     from orchestrator.studies.accuracy.plan import StoredStudy
-    from orchestrator.studies.pairs import TriedEffects
 
 HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
 
@@ -462,7 +462,7 @@ def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Return runs with and without effects for the results ``asked`` for; None if none are asked for."""
     from orchestrator.figures.short_names import named
-    from orchestrator.studies.pairs import RUNS_IN_BUDGET, Pairs, try_all_effects
+    from orchestrator.run.trials.pairs import RUNS_IN_BUDGET, Pairs, try_all_effects
 
     try:
         for name in asked:

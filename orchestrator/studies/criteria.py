@@ -23,10 +23,7 @@ from scipy.stats import t as student_t
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Share, Switch, Table
-from orchestrator.ports import Array
-from orchestrator.preflight.stability.report import stability_report
-from orchestrator.studies.points import CaseStudy, Point, Vary, came_to_its_end, parse_vary
-from orchestrator.studies.quantities import (
+from orchestrator.output.results.quantities import (
     MEASURES,
     TAKES,
     Question,
@@ -35,6 +32,9 @@ from orchestrator.studies.quantities import (
     number_of,
     read_dataset,
 )
+from orchestrator.ports import Array
+from orchestrator.preflight.stability.report import stability_report
+from orchestrator.studies.points import CaseStudy, Point, Vary, came_to_its_end, parse_vary
 
 FILE = "criteria.toml"
 UNITS = {name: 1.0 for name in ("1", "m", "m/s", "rad/s", "N", "J", "kg", "kg/m2", "kg/s", "s", "W")}

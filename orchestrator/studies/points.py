@@ -9,20 +9,16 @@ are threads.
 from __future__ import annotations
 
 import logging
-import math
 import os
-import resource
 import signal
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable, read_json
@@ -38,14 +34,13 @@ from orchestrator.output.records.run_folder import (
     study_folder,
     write_json,
 )
-from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.results.run_reader import summary_of
 from orchestrator.output.subprocesses import python
-from orchestrator.ports.clock import exact
+from orchestrator.ports.clock import exact, sample_s
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase, load_judged
+from orchestrator.run.trials.scratch import MAIN, ONE_THREAD, run_words
 
-MAIN = "from orchestrator.cli.main import main; main()"
-ONE_THREAD = {"OMP_NUM_THREADS": "1"}  # environment of a run: others run beside it
 MOST_VALUES = 1000
 WAIT_S = 0.5  # between two looks at a run of a study that was killed
 PER_RUN_MIB = 1000  # memory of a run: a run with sheets and tens of thousands of particles takes less
@@ -60,7 +55,6 @@ QUIET = {
     "distributed.scheduler.active-memory-manager.start": False,
 }
 T = TypeVar("T")
-SAMPLES_PER_S = 2500  # rate of shapes and series: enough for accelerations up to 500 Hz
 
 
 @dataclass(frozen=True)
@@ -126,17 +120,6 @@ def workers_that_fit() -> int:
     processors = len(os.sched_getaffinity(0))
     free_MiB = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**20
     return max(1, min(processors, int(free_MiB / PER_RUN_MIB)))
-
-
-def summary_of(folder: Path) -> Mapping[str, Any]:
-    """Return the content of ``summary.json`` in a run's folder, or {} without a readable file.
-
-    Raises OtherFormat where another version of flipflow wrote it.
-    """
-    try:
-        return RunReader(folder).summary
-    except (OSError, ValueError):
-        return {}
 
 
 def status(folder: Path) -> str:
@@ -248,50 +231,6 @@ class CaseStudy:
         """
         with study_folder(self.folder):
             yield from run_points(points, self.crew)
-
-
-def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[str, ...]:
-    """Return the command that runs a case in a folder."""
-    options = [word for each in sets for word in ("--set", each)]
-    at_level = ["--level", level] if level else []
-    return ("run", str(case.resolve()), *at_level, *options, "--trial-s", "0", "--out", str(out.resolve()))
-
-
-class NoResult(Exception):
-    """An error of a run that gave no result; the message says why."""
-
-
-def run_in_scratch(
-    case: Path,
-    level: str,
-    sets: Sequence[str],
-    patience_s: float | None = None,
-    processor_s: float = math.inf,
-) -> dict[str, Any]:
-    """Make a run in a folder that is removed afterwards, and return its summary.
-
-    Raises NoResult where the run leaves no summary, takes longer than ``patience_s``, or takes more processor
-    time than ``processor_s``, in whole seconds.
-    """
-    more: dict[str, Any] = {}
-    if math.isfinite(processor_s):
-        limit_s = max(1, math.ceil(processor_s))
-        limits_s = (limit_s, limit_s + 1)  # then asked to end, then killed
-        more["preexec_fn"] = partial(resource.setrlimit, resource.RLIMIT_CPU, limits_s)
-    with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
-        folder = Path(scratch) / "run"
-        words = ("-c", MAIN, *run_words(case, level, sets, folder))
-        try:
-            done = python(*words, alone=True, capture_output=True, env=ONE_THREAD, timeout=patience_s, **more)
-        except subprocess.TimeoutExpired:
-            raise NoResult(f"took more than {patience_s:g} s and was ended") from None
-        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and more:
-            raise NoResult(f"took more than {limit_s} s of processor time and was ended")
-        try:
-            return dict(RunReader(folder).summary)
-        except (OSError, ValueError):
-            last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-            raise NoResult(f"left nothing: {last[0]}") from None
 
 
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
@@ -524,11 +463,6 @@ def seed_sets(case: Case, number: int) -> tuple[str, ...]:
 def is_random(case: Case) -> bool:
     """Return whether other seeds change the run of a case."""
     return bool(seed_sets(case, 1)) and case.particles.adapter is not None
-
-
-def sample_s(interval_s: float) -> Fraction:
-    """Return the time between two samples in s: a whole number of sync intervals of length ``interval_s``."""
-    return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)
 
 
 def sampling_sets(interval_s: float) -> tuple[str, ...]:

@@ -17,8 +17,10 @@ from orchestrator.figures.short_names import Value, named
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
 from orchestrator.output.report.formatting import interval
-from orchestrator.studies.points import Point, summary_of
-from orchestrator.studies.report import console_table, figure_parts
+from orchestrator.output.results.run_reader import summary_of
+from orchestrator.output.tables import console_table
+from orchestrator.studies.points import Point
+from orchestrator.studies.report import figure_parts
 
 LOOKS: dict[str, dict[str, Any]] = {
     "good": {"marker": "o", "ms": 4},

@@ -9,6 +9,8 @@ from pathlib import Path
 from rich.table import Table
 
 from orchestrator.output.records.run_folder import write_text
+from orchestrator.output.results.quantities import Unknown
+from orchestrator.output.tables import Cell, console_table, write_csv
 from orchestrator.studies.criteria import (
     UNITS,
     Criteria,
@@ -20,8 +22,7 @@ from orchestrator.studies.criteria import (
     wanted_runs,
 )
 from orchestrator.studies.points import CaseStudy, Point, came_to_its_end
-from orchestrator.studies.quantities import Unknown
-from orchestrator.studies.report import Cell, console_table, markdown_table, percent, write_csv
+from orchestrator.studies.report import markdown_table, percent
 
 SIGNIFICANT = 0.05
 """The p-value of a reference above which the source itself cannot tell it from chance."""

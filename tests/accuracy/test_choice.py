@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.summary import write_summary
+from orchestrator.output.results.quantities import DECISIVE, Metrics
 from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.refinement import Offer, RefinementSeries, Setting
 from orchestrator.studies.accuracy import report
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
@@ -24,7 +26,6 @@ from orchestrator.studies.accuracy.combinations import (
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
 from orchestrator.studies.accuracy.plan import StoredStudy
-from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
 from orchestrator.studies.accuracy.report import (
     advice,
     as_json,
@@ -36,7 +37,6 @@ from orchestrator.studies.accuracy.report import (
 )
 from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, best_measured, proposals
 from orchestrator.studies.points import CaseStudy, Point
-from orchestrator.studies.quantities import DECISIVE, Metrics
 from tests.runs.outside import ROOT
 
 LOADED = load_judged(ROOT / "cases/quickstart", "draft")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.output.results.quantities import Metrics
+from orchestrator.preflight.refinement import RefinementSeries, Setting
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     EXACT,
@@ -16,8 +18,6 @@ from orchestrator.studies.accuracy.combinations import (
     worst_error,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
-from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
-from orchestrator.studies.quantities import Metrics
 
 GENERATOR = np.random.default_rng(4)
 

@@ -9,8 +9,8 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.refinement import PARAMETERS, offer
 from orchestrator.studies.accuracy.combinations import shared_sets
-from orchestrator.studies.accuracy.refinement import PARAMETERS, offer
 from orchestrator.studies.points import seed_sets
 from tests.runs.outside import ROOT
 

@@ -15,6 +15,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.output.records.run_folder import write_case
 from orchestrator.output.records.summary import write_summary
+from orchestrator.output.results.quantities import DECISIVE, Question, Unknown, number_of
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import StudyRequest
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
@@ -22,7 +23,6 @@ from orchestrator.studies.accuracy.plan import find_study, time_by_study
 from orchestrator.studies.accuracy.report import write_study
 from orchestrator.studies.accuracy.study import AccuracyStudy, plan_study, run_study
 from orchestrator.studies.points import CaseStudy, Crew
-from orchestrator.studies.quantities import DECISIVE, Question, Unknown, number_of
 from tests.runs.outside import ROOT, flipflow
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]

@@ -16,11 +16,11 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records.run_folder import write_case
 from orchestrator.output.records.summary import write_summary
+from orchestrator.output.tables import write_csv
 from orchestrator.studies import points
 from orchestrator.studies.commands import stability
 from orchestrator.studies.criteria import interval_sets
 from orchestrator.studies.points import CaseStudy, Crew, FolderUnusable, Point, run_points
-from orchestrator.studies.report import write_csv
 from orchestrator.studies.verdicts import CriterionResult
 from tests.cases import case_folder
 from tests.runs.outside import ROOT, flipflow, said_plainly

@@ -21,12 +21,12 @@ from orchestrator.output.records.summary import write_summary
 from orchestrator.output.report.headline import headline
 from orchestrator.output.report.page import Film, page, shown
 from orchestrator.output.results.compute import compute_results
+from orchestrator.output.results.quantities import number_of
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.tidy import read_results
 from orchestrator.studies.commands.sweep import write_sweep
 from orchestrator.studies.criteria import Criterion
 from orchestrator.studies.points import Vary
-from orchestrator.studies.quantities import number_of
 from tests.results.synthetic import folder_of
 from tests.runs.outside import ROOT
 from tools.results_reference.__main__ import results_reference

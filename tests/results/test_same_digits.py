@@ -20,12 +20,12 @@ from orchestrator.output.report.formatting import interval
 from orchestrator.output.report.headline import headline
 from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.observed import ObservedMotion
+from orchestrator.output.results.quantities import number_of
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.studies.commands.sweep import sweep_rows, write_sweep
 from orchestrator.studies.criteria import Criterion
 from orchestrator.studies.points import Vary
-from orchestrator.studies.quantities import number_of
 from tests.results.synthetic import folder_of, parsed, results_table
 
 PAIR = "driven-driving"

@@ -11,11 +11,11 @@ from orchestrator.cli.launch import run
 from orchestrator.coupling.ledger import created_shares
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
+from orchestrator.output.results.quantities import Unknown, outcome
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.criteria import Criterion, Runs, evaluate
-from orchestrator.studies.quantities import Unknown, outcome
 from tests.runs.outside import ROOT, summary
 
 ONLY_WARN = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]

@@ -14,11 +14,12 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.results.run_reader import RunReader
+from orchestrator.ports.clock import sample_s
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
 from orchestrator.studies import points as sweep
-from orchestrator.studies.points import CaseStudy, sample_s, seed_sets
+from orchestrator.studies.points import CaseStudy, seed_sets
 from tools.effect_bank.bank import Scene
 
 AS_IT_IS = ""

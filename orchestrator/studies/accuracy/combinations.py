@@ -19,11 +19,11 @@ from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
 from orchestrator.output.results.estimate import CONFIDENCE
-from orchestrator.ports.clock import exact
-from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
+from orchestrator.output.results.quantities import COMPARED, Metrics, is_over, measure, relative
+from orchestrator.ports.clock import exact, sample_s
+from orchestrator.preflight.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.criteria import Criterion, answer_error
-from orchestrator.studies.points import CaseStudy, Point, sample_s, sampling_sets
-from orchestrator.studies.quantities import COMPARED, Metrics, is_over, measure, relative
+from orchestrator.studies.points import CaseStudy, Point, sampling_sets
 
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
 

@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from orchestrator.ports import Array
+from orchestrator.preflight.refinement import RefinementSeries, Setting
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
@@ -26,7 +27,6 @@ from orchestrator.studies.accuracy.combinations import (
     errors,
     folder_name,
 )
-from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
 from orchestrator.studies.criteria import Criterion
 
 LARGEST = 6.0  # the largest order that is tried

@@ -27,16 +27,17 @@ from orchestrator.case.file.slice import ENOUGH_DIAMETERS, between_openings_m, f
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
+from orchestrator.output.results.quantities import DECISIVE, happens
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s, particles_at_start
 from orchestrator.preflight.judge import JudgedCase, load_judged
+from orchestrator.preflight.refinement import Setting, joint_label, joint_sets
 from orchestrator.preflight.scene.effect import TENTH, Verdict
+from orchestrator.run.trials.scratch import NoResult, run_in_scratch
 from orchestrator.studies.accuracy.combinations import ALONE, BASE, Error, part_s
 from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.recommendation import recommend
-from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
-from orchestrator.studies.points import CaseStudy, NoResult, run_in_scratch
-from orchestrator.studies.quantities import DECISIVE, happens
+from orchestrator.studies.points import CaseStudy
 
 NAME = "accuracy.json"
 FORMAT = 3

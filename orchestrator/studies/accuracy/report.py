@@ -13,6 +13,9 @@ from rich.table import Table
 
 from orchestrator.output.drawing import LINES, figure, save
 from orchestrator.output.records.run_folder import write_json
+from orchestrator.output.results.quantities import QUANTITIES
+from orchestrator.output.tables import Cell, align_rows, console_table, write_csv, write_parquet
+from orchestrator.preflight.refinement import PARAMETERS
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
@@ -24,19 +27,8 @@ from orchestrator.studies.accuracy.combinations import (
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
 from orchestrator.studies.accuracy.plan import FORMAT, NAME
-from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting, Row
-from orchestrator.studies.quantities import QUANTITIES
-from orchestrator.studies.report import (
-    Cell,
-    align_rows,
-    console_table,
-    figure_parts,
-    percent,
-    write_csv,
-    write_page,
-    write_parquet,
-)
+from orchestrator.studies.report import figure_parts, percent, write_page
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
 DEEP = 1e4  # the ratio of the largest error to the least error that is drawn

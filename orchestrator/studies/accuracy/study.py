@@ -15,9 +15,12 @@ from math import ceil, inf
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.tables.case import has_particles
+from orchestrator.output.results.frame_drives import drives
+from orchestrator.output.results.quantities import COMPARED, happens, is_over
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import NUMERICS, JudgedCase
+from orchestrator.preflight.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
@@ -47,11 +50,8 @@ from orchestrator.studies.accuracy.convergence import (
     measure_series,
 )
 from orchestrator.studies.accuracy.recommendation import recommend
-from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
-from orchestrator.studies.frame_drives import drives
 from orchestrator.studies.points import Point, is_random, run_points, seed_sets
-from orchestrator.studies.quantities import COMPARED, happens, is_over
 
 TOLERANCES = (0.01, 0.02, 0.05, 0.1, 0.2)
 RECOMMENDED = (0.01, 0.05, 0.1)

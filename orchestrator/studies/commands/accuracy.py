@@ -10,13 +10,13 @@ import typer
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.output.records.run_folder import study_folder
+from orchestrator.output.results.quantities import COMPARED, DECISIVE, is_over
+from orchestrator.preflight.refinement import PARAMETERS
 from orchestrator.studies.accuracy.combinations import StudyRequest, afford
-from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.report import advice, cost_table, warnings, write_study
 from orchestrator.studies.accuracy.study import plan_study, run_study
 from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy
-from orchestrator.studies.quantities import COMPARED, DECISIVE, is_over
 
 QUICK_VALUES, QUICK_SEEDS = 3, 1
 MOST_SEEDS = 100  # each run is checked first, in some hundredths of a second

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from orchestrator.output.tables import console_table
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
 from orchestrator.studies.design.campaign import planned_settings
 from orchestrator.studies.design.page import hours_in_words
@@ -13,7 +14,6 @@ from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.options import Out, StudyOutput, StudyPath
 from orchestrator.studies.points import Crew
-from orchestrator.studies.report import console_table
 
 
 def command(

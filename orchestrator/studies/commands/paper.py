@@ -12,11 +12,12 @@ import typer
 from orchestrator.case.file.base import CASE_FILE
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.output.records.run_folder import study_folder, write_text
+from orchestrator.output.tables import write_csv
 from orchestrator.studies.commands.sweep import write_sweep
 from orchestrator.studies.criteria import FILE, read_criteria
 from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy
-from orchestrator.studies.report import markdown_table, write_csv, write_page
+from orchestrator.studies.report import markdown_table, write_page
 from orchestrator.studies.verdicts import CaseCriteria, CriterionResult, case_criteria, verdict_table
 
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")

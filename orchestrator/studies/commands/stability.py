@@ -26,12 +26,14 @@ from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.drawing import save
 from orchestrator.output.records.run_folder import study_folder
+from orchestrator.output.results.quantities import is_over, outcome
+from orchestrator.output.results.run_reader import summary_of
+from orchestrator.output.tables import write_csv
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets
 from orchestrator.studies.options import StudyOutput, check_folder
-from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
-from orchestrator.studies.quantities import is_over, outcome
-from orchestrator.studies.report import figure_parts, write_csv, write_page
+from orchestrator.studies.points import CaseStudy, Crew, Point, run_points
+from orchestrator.studies.report import figure_parts, write_page
 from orchestrator.studies.verdicts import (
     CaseCriteria,
     CriterionResult,

@@ -17,11 +17,13 @@ from orchestrator.figures.short_names import named, value_at
 from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
 from orchestrator.output.results.machine import LARGEST_DRIFT
+from orchestrator.output.results.run_reader import summary_of
 from orchestrator.output.results.tidy import single_numbers
+from orchestrator.output.tables import Cell, write_csv, write_parquet
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
 from orchestrator.studies.options import StudyOutput
-from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary, summary_of
-from orchestrator.studies.report import Cell, figure_parts, write_csv, write_parquet
+from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary
+from orchestrator.studies.report import figure_parts
 from orchestrator.studies.sweep_plan import Arrangement, SweepPlan, check_names, plan_sweep
 from orchestrator.studies.sweep_results import (
     LOOKS,

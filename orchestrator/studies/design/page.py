@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.output.tables import align_rows
 from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SAME, SIMPLER, Campaign, role_of
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.surrogates import settings_of
 from orchestrator.studies.design.tables import effect_rows, point_rows, term_name
-from orchestrator.studies.report import align_rows, write_page
+from orchestrator.studies.report import write_page
 
 AT_THE_END = 0.95  # coded: from there on a setting is at the end of a range
 SURE = 0.005  # by which the probability that the limits are kept may miss the confidence: by the search

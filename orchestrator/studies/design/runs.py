@@ -16,13 +16,14 @@ from orchestrator.figures.results import entry_at, why_transient
 from orchestrator.figures.short_names import Value, part_of, value_at
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import worked_by_part_s
+from orchestrator.output.results.quantities import NORMAL_95
+from orchestrator.output.results.run_reader import summary_of
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Stage, Trial
-from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
-from orchestrator.studies.quantities import NORMAL_95
+from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status
 from orchestrator.studies.sweep_plan import check_names
 
 UNFINISHED = ("missing", "interrupted")

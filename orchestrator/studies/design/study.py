@@ -12,6 +12,7 @@ from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.file.layers import read_toml
 from orchestrator.output.records.run_folder import study_folder
+from orchestrator.output.tables import console_table
 from orchestrator.ports import Array
 from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import SAME, Campaign
@@ -24,7 +25,6 @@ from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.design.tables import term_name, write_recommended, write_tables
 from orchestrator.studies.design.trials import Journal, Outcome
 from orchestrator.studies.points import CaseStudy, Crew
-from orchestrator.studies.report import console_table
 
 RUNS = "runs"  # folder of the runs, in the study's folder
 

@@ -12,6 +12,8 @@ import tomli_w
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.figures.figure import to_json
 from orchestrator.output.records.run_folder import write_json, write_text
+from orchestrator.output.results.quantities import NORMAL_95
+from orchestrator.output.tables import Cell, write_csv, write_parquet
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text
@@ -23,8 +25,6 @@ from orchestrator.studies.design.study_file import StudyError
 from orchestrator.studies.design.surrogates import TooFewPoints
 from orchestrator.studies.design.table_data import read_published
 from orchestrator.studies.design.trials import Outcome
-from orchestrator.studies.quantities import NORMAL_95
-from orchestrator.studies.report import Cell, write_csv, write_parquet
 
 Row = dict[str, Cell]
 

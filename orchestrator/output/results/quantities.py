@@ -29,12 +29,11 @@ from orchestrator.output.records import trust
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import deck_area_m2
 from orchestrator.output.results.compute import interval_of
-from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.results.run_reader import RunReader, summary_of
 from orchestrator.ports import Array
 from orchestrator.ports.acceleration import acceleration_m_per_s2
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.shape_grid import ShapeGrid
-from orchestrator.studies.points import summary_of
 
 
 class Unknown(Exception):

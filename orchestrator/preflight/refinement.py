@@ -18,10 +18,10 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.file.slice import between_openings_m, full_width_m
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case, damped_contacts, has_particles
-from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.checks.bed import FEWEST_DIAMETERS
+from orchestrator.preflight.cost import TRIES
 from orchestrator.preflight.stability.modes import largest_steps_s
 from orchestrator.preflight.stability.report import case_with_scheme
 
@@ -213,7 +213,7 @@ def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
     some, own = has_particles(case), case_with_scheme(case).coupling.scheme
     if not (case.screen.panels and (some or case.screen.frames)):
         raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
-    for name in SCHEMES:
+    for name in TRIES:
         if name != own and (some or name in WITHOUT_PARTICLES):
             overlay = (f"coupling.scheme={name}",)
             yield _intervals(case, name, overlay, overlay, points)
