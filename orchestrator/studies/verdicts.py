@@ -8,9 +8,6 @@ from pathlib import Path
 
 from rich.table import Table
 
-from orchestrator.output.records.run_folder import write_text
-from orchestrator.output.results.quantities import Unknown
-from orchestrator.output.tables import Cell, console_table, write_csv
 from orchestrator.studies.criteria import (
     UNITS,
     Criteria,
@@ -23,6 +20,8 @@ from orchestrator.studies.criteria import (
 )
 from orchestrator.studies.points import CaseStudy, Point, came_to_its_end
 from orchestrator.studies.report import markdown_table, percent
+from orchestrator.workbench import StudyFolder, Unknown, console_table
+from orchestrator.workbench.vocabulary import Cell
 
 SIGNIFICANT = 0.05
 """The p-value of a reference above which the source itself cannot tell it from chance."""
@@ -231,8 +230,9 @@ def verdict_table(title: str, results: Sequence[CriterionResult]) -> Table:
 
 def write_verdicts(results: Sequence[CriterionResult], folder: Path, name: str) -> list[Path]:
     """Write the table of verdicts as CSV and in Markdown, and return both files."""
-    write_text(folder / f"{name}.md", verdict_markdown(results))
-    return [write_csv([each.cells for each in results], folder / f"{name}.csv"), folder / f"{name}.md"]
+    into = StudyFolder(folder)
+    markdown = into.write_text(f"{name}.md", verdict_markdown(results))
+    return [into.write_csv(f"{name}.csv", [each.cells for each in results]), markdown]
 
 
 def verdict_markdown(results: Sequence[CriterionResult]) -> str:

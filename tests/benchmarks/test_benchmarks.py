@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from orchestrator.output.records import trust
-from orchestrator.studies.commands.stability import QUIET, is_over
 from orchestrator.studies.criteria import Criterion, read_criteria
 from orchestrator.studies.points import CaseStudy, Crew, run_points
+from orchestrator.studies.stability import QUIET, is_over
 from orchestrator.studies.verdicts import CaseCriteria, case_criteria, judge
 from tests.runs.outside import has_results, summary
 

@@ -12,10 +12,10 @@ from orchestrator.coupling.ledger import created_shares
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
 from orchestrator.output.results.quantities import Unknown, outcome
-from orchestrator.preflight.judge import load_judged
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.criteria import Criterion, Runs, evaluate
+from orchestrator.workbench import Case
 from tests.runs.outside import ROOT, summary
 
 ONLY_WARN = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
@@ -155,7 +155,7 @@ def doubtful(tmp_path: Path) -> sweep.Point:
     """A run that came to its end and is not to be trusted."""
     (tmp_path / "run").mkdir()
     write_summary(tmp_path / "run", {"status": "doubtful"})
-    loaded = load_judged(ROOT / "cases/quickstart", "draft")
+    loaded = Case.load(ROOT / "cases/quickstart", "draft")
     return sweep.Point("1.0", loaded, (), tmp_path / "run")
 
 

@@ -15,11 +15,11 @@ from typing import Any
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports.clock import sample_s
-from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
 from orchestrator.studies import points as sweep
 from orchestrator.studies.points import CaseStudy, seed_sets
+from orchestrator.workbench import Case
 from tools.effect_bank.bank import Scene
 
 AS_IT_IS = ""
@@ -92,7 +92,7 @@ def try_scene(name: str, scene: Scene, folder: Path, out: Path) -> SceneTrials:
     case = folder / scene.case
     sets = _sets(load_judged(case, scene.level, scene.sets), scene)
     first = _trial(name, AS_IT_IS, case, scene, sets, out)
-    loaded = first.runs[0].loaded
+    loaded = first.runs[0].loaded.judged
     here = [one for one in EFFECTS if has_effect(loaded.described, one)]
     trials = [first]
     for effect in here:
@@ -109,13 +109,13 @@ def try_scene(name: str, scene: Scene, folder: Path, out: Path) -> SceneTrials:
 def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path) -> Trial:
     """Return the trial of a scene without an effect, checked.  Raises CaseError."""
     whole = f"{name}-without-{without}" if without else name
-    bare = load_judged(case, scene.level, sets).case
+    bare = Case(load_judged(case, scene.level, sets))
     study = CaseStudy(case, scene.level, tuple(sets), out)
     runs = tuple(
         study.point(whole, seed_sets(bare, number), f"{whole}-seed{number}" if number else whole)
         for number in range(scene.seeds)
     )
-    return Trial(name, without, runs, predicted_s(bare, particles_at_start(bare)))
+    return Trial(name, without, runs, bare.predicted_s)
 
 
 def _sets(loaded: JudgedCase, scene: Scene) -> list[str]:
