@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from orchestrator.case.file.folder import FolderUnusable, admit, read_json
-from orchestrator.output.drawing import data_uri, fill_template
-from orchestrator.output.records.run_folder import study_folder, write_json, write_text
+from orchestrator.case.file.whole import write_json, write_text
+from orchestrator.output.records.run_folder import study_folder
 from orchestrator.output.tables import Cell, write_csv, write_parquet
+from orchestrator.views.style import data_uri, fill_template
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, ClassVar
 
-from orchestrator.output.drawing import LINES, figure, save
+from orchestrator.views.style import LINES, figure, save
 
 
 class Picture:
