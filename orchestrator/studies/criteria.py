@@ -20,7 +20,7 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.stats import t as student_t
 
-from orchestrator.studies.points import CaseStudy, Point, Vary, came_to_its_end, parse_vary
+from orchestrator.studies.points import CaseStudy, Point, Vary, parse_vary
 from orchestrator.workbench import CaseError, CaseProblem, Question, Run, Unknown
 from orchestrator.workbench.vocabulary import (
     Array,
@@ -264,11 +264,11 @@ def _number_in(point: Point) -> float:
 
 
 def wanted_runs(
-    criteria: Criteria, study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end
+    criteria: Criteria, study: CaseStudy, ended: Callable[[Run], bool] = Run.came_to_its_end
 ) -> dict[str, Runs]:
     """Check the runs that criteria need, and return them by name; nothing is run here.
 
-    ``ended`` says whether the run in a folder is over.  Raises CaseError.
+    ``ended`` says whether a run is over.  Raises CaseError.
     """
     runs = {}
     for name, wanted in criteria.runs.items():
@@ -306,8 +306,8 @@ def _interrupted(whole: Point, resume_at_s: float) -> Point:
     end = f"duration_s={whole.loaded.tables.duration_s!r}"
     resume = ("resume", str(whole.folder.resolve()), "--set", end)
 
-    def ended(run: Path) -> bool:
-        return whole.ended(run) and "resumed" in (run / "provenance.json").read_text(encoding="utf-8")
+    def ended(run: Run) -> bool:
+        return whole.ended(run) and "resumed" in (run.folder / "provenance.json").read_text(encoding="utf-8")
 
     return replace(whole, words=first, then=resume, ended=ended)
 

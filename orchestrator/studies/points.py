@@ -110,23 +110,13 @@ def workers_that_fit() -> int:
     return max(1, min(processors, int(free_MiB / PER_RUN_MIB)))
 
 
-def came_to_its_end(folder: Path) -> bool:
-    """Return whether the run of a folder need not be made again; it may still be doubtful."""
-    return Run(folder).came_to_its_end
-
-
-def is_over(folder: Path) -> bool:
-    """Return whether the run of a folder is over; one that was stopped is over, too: that is its result."""
-    return Run(folder).is_over
-
-
 @dataclass(frozen=True)
 class Point:
     """One run of a study.
 
     ``value`` is its name, ``loaded`` its case and ``folder`` its folder.  The command ``words`` makes the
     run, and a second command ``then``, if there is one, continues in the same folder.  ``ended`` says whether
-    nothing is left to be run in a folder.  A finished run may differ from the case in the keys ``free``.
+    nothing of the run is left to be made.  A finished run may differ from the case in the keys ``free``.
     """
 
     value: str
@@ -134,7 +124,7 @@ class Point:
     words: tuple[str, ...]
     folder: Path
     then: tuple[str, ...] = ()
-    ended: Callable[[Path], bool] = came_to_its_end
+    ended: Callable[[Run], bool] = Run.came_to_its_end
     free: tuple[str, ...] = ()
 
     def done(self) -> bool:
@@ -142,7 +132,7 @@ class Point:
 
         Raises FolderUnusable if the folder holds a finished run of another case.
         """
-        if not self.ended(self.folder):
+        if not self.ended(self.run):
             return False
         changes = [key for key in self.loaded.changes_in(self.folder) if key not in self.free]
         if differing := ", ".join(changes[:3]):

@@ -19,9 +19,9 @@ from matplotlib.lines import Line2D
 from pydantic import ValidationError
 
 from orchestrator.studies.criteria import FILE, interval_sets
-from orchestrator.studies.points import CaseStudy, Point, is_over
+from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.verdicts import CaseCriteria, CriterionResult, case_criteria
-from orchestrator.workbench import Case, CaseError, CaseProblem, Picture, StudyFolder
+from orchestrator.workbench import Case, CaseError, CaseProblem, Picture, Run, StudyFolder
 from orchestrator.workbench.vocabulary import OneLine, Positive, Table, from_validation, read_toml
 
 MAP_FILE = "map.toml"
@@ -72,7 +72,7 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
 
 def benchmark(case: Path, out: Path) -> CaseCriteria:
     """Return a benchmark, at its default level, with the runs that it needs.  Raises CaseError."""
-    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
+    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), Run.is_over)
 
 
 class MapAxes(Table):
@@ -150,7 +150,7 @@ def map_spots(folder: Path, out: Path) -> list[Spot]:
             for scheme in Case.schemes:
                 name = f"{scheme}-{mass_ratio:.3g}-{multiple:g}"
                 run = study.point(name, [mass, f"coupling.scheme={scheme}", *interval])
-                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=is_over)))
+                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=Run.is_over)))
     return spots
 
 

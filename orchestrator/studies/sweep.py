@@ -29,7 +29,7 @@ def write_sweep(vary: Vary, points: Sequence[Point], folder: Path, wanted: Seque
     """
     rows = sweep_rows(vary, points, wanted)
     files = [StudyFolder(folder).write_csv("sweep.csv", rows)]
-    ended = [row for row, point in zip(rows, points, strict=True) if point.run.came_to_its_end]
+    ended = [row for row, point in zip(rows, points, strict=True) if point.run.came_to_its_end()]
     try:
         values = [float(str(row[vary.key])) for row in ended]
     except ValueError:
@@ -55,7 +55,7 @@ def sweep_rows(vary: Vary | SweepPlan, points: Sequence[Point], wanted: Sequence
         run = point.run
         row: Row = {**vary.setting_of(point), "status": run.status}
         row |= {f"{key}.given": text for key, text in vary.given_of(point).items()}
-        if run.came_to_its_end:
+        if run.came_to_its_end():
             row |= _motion(run) | run.single_numbers
             for name, value in results_of(run, wanted).items():
                 row[name] = value.value

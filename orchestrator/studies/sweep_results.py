@@ -74,11 +74,6 @@ def short_keys(keys: Sequence[str]) -> list[str]:
     return next((names for names in longer if len(set(names)) == len(names)), list(keys))
 
 
-def with_unit(name: str) -> str:
-    """Return the name of a result with its unit, such as "velocity / (m/s)"."""
-    return name + in_unit(Run.named(name).figure.unit)
-
-
 def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Sequence[str]) -> Table:
     """Return a table for the terminal with a row for each setting."""
 
@@ -89,7 +84,7 @@ def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Seq
             yield interval(value)
         yield ", ".join((row.status, *row.transient))
 
-    head = [*short_keys(keys), *(with_unit(name) for name in wanted), "state"]
+    head = [*short_keys(keys), *(name + in_unit(Run.named(name).figure.unit) for name in wanted), "state"]
     return console_table("", head, (list(cells(row)) for row in rows), left=("state",))
 
 

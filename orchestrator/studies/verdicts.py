@@ -18,9 +18,9 @@ from orchestrator.studies.criteria import (
     read_criteria,
     wanted_runs,
 )
-from orchestrator.studies.points import CaseStudy, Point, came_to_its_end
+from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.report import markdown_table, percent
-from orchestrator.workbench import StudyFolder, Unknown, console_table
+from orchestrator.workbench import Run, StudyFolder, Unknown, console_table
 from orchestrator.workbench.vocabulary import Cell
 
 SIGNIFICANT = 0.05
@@ -202,10 +202,10 @@ def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResul
     return CriterionResult(case, row, measured, half_width=None if width is None else width / unit)
 
 
-def case_criteria(study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end) -> CaseCriteria:
+def case_criteria(study: CaseStudy, ended: Callable[[Run], bool] = Run.came_to_its_end) -> CaseCriteria:
     """Return the criteria of a case with the runs that they need; nothing is run here.
 
-    ``ended`` says whether the run in a folder is over.  Raises CaseError.
+    ``ended`` says whether a run is over.  Raises CaseError.
     """
     criteria = read_criteria(study.case)
     runs = wanted_runs(criteria, study, ended)

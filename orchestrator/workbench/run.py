@@ -69,9 +69,8 @@ class Run:
         """Its state: done, doubtful, incomplete, interrupted or failed; "missing" where there is none."""
         return str(self.summary.get("status", "missing"))
 
-    @property
     def came_to_its_end(self) -> bool:
-        """Whether it need not be made again; it may still be doubtful."""
+        """Return whether it need not be made again; it may still be doubtful."""
         return self.status in self.at_the_end
 
     @property
@@ -84,9 +83,8 @@ class Run:
         """What came of it, with the monitor's warnings; "stopped" where it ended by a reason in its case."""
         return outcome(self.folder)
 
-    @property
     def is_over(self) -> bool:
-        """Whether it would end in the same way again: it was stopped, or came to its end."""
+        """Return whether it would end in the same way again: it was stopped, or came to its end."""
         return self.outcome != "not run"
 
     @staticmethod

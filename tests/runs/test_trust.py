@@ -162,7 +162,7 @@ def doubtful(tmp_path: Path) -> sweep.Point:
 def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
     """Studies do not run it again, either: it would be as doubtful. Sweeps mark it as what it is
     (``tests/test_sweep_table.py``)."""
-    assert doubtful.ended(doubtful.folder)
+    assert doubtful.ended(doubtful.run)
     row = Criterion(what="a", run="one", measure="amplitude", of="driving")
     with pytest.raises(Unknown, match="run: doubtful"):  # what a paper is compared with
         evaluate(row, {"one": Runs((doubtful,))})

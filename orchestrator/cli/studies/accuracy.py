@@ -93,7 +93,7 @@ def _predictions(request: StudyRequest) -> Iterator[str]:
     start = [one.with_metrics() for one in study.points[:2]]
     total_s = 0.0
     for each in afford([*start, *study.points[2:]], request.budget_s):
-        todo = [run for run in each.runs if not run.run.is_over]
+        todo = [run for run in each.runs if not run.run.is_over()]
         total_s += each.predicted_s * len(todo)
         what = each.omitted or f"predicted {each.predicted_s:.0f} s each, {len(todo)} to be run"
         yield f"{each.name}: {what}"

@@ -265,11 +265,6 @@ def outcome(run: Path) -> Outcome:
     return "warned" if has_warned or state == trust.DOUBTFUL else "stable"
 
 
-def is_over(run: Path) -> bool:
-    """Return whether a run is over; a stopped run is over, too, since the stop is its result."""
-    return outcome(run) != "not run"
-
-
 def _outcome_is(*wanted: Outcome) -> Callable[[Question, Path], float]:
     def measure(question: Question, run: Path) -> float:
         if (state := outcome(run)) == "not run":

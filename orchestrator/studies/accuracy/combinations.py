@@ -86,7 +86,7 @@ class Combination:
     @property
     def has_ended(self) -> bool:
         """Whether all runs have ended, successfully or not."""
-        return bool(self.runs) and all(run.run.is_over for run in self.runs)
+        return bool(self.runs) and all(run.run.is_over() for run in self.runs)
 
     def with_metrics(self) -> Combination:
         """Return the combination with the metrics of its runs, if all runs are done."""

@@ -46,8 +46,8 @@ from orchestrator.studies.accuracy.convergence import (
 )
 from orchestrator.studies.accuracy.recommendation import recommend
 from orchestrator.studies.criteria import Criterion, known_answers
-from orchestrator.studies.points import Point, is_over, is_random, run_points, seed_sets
-from orchestrator.workbench import Case, CaseError, CaseProblem, Offer, RefinementSeries, Setting
+from orchestrator.studies.points import Point, is_random, run_points, seed_sets
+from orchestrator.workbench import Case, CaseError, CaseProblem, Offer, RefinementSeries, Run, Setting
 from orchestrator.workbench.vocabulary import exact
 
 TOLERANCES = (0.01, 0.02, 0.05, 0.1, 0.2)
@@ -139,7 +139,7 @@ class AccuracyStudy:
             for number in range(seeds):
                 sets = (*self.shared, *joint_sets(settings), *seed_sets(case, number))
                 run = self.request.study.point(name, sets, f"{name}-seed{number}" if number else name)
-                runs.append(replace(run, ended=is_over))
+                runs.append(replace(run, ended=Run.is_over))
         except CaseError as error:
             return Combination(kind, name, settings, omitted=str(error.problems[0]))
         return Combination(kind, name, settings, tuple(runs), runs[0].loaded.predicted_s)

@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,9 +26,9 @@ FROM_THE_BED = re.compile(
 """Results of panels and drives that the material makes."""
 
 
-def has_ended(folder: Path) -> bool:
-    """Return whether the run of a folder is over for good; a failed run would fail again."""
-    return Run(folder).status not in UNFINISHED
+def has_ended(run: Run) -> bool:
+    """Return whether a run is over for good; a failed run would fail again."""
+    return run.status not in UNFINISHED
 
 
 class Runs:
