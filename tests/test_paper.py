@@ -130,7 +130,7 @@ def test_an_effect_that_the_source_cannot_tell_from_chance(case: Path) -> None:
 
 @pytest.mark.parametrize("compare", ["growth", "ratio"])
 def test_a_number_relative_to_zero_is_none(case: Path, compare: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("orchestrator.workbench.run.number_of", lambda question, run: 0.0)
+    monkeypatch.setattr("orchestrator.output.results.quantities.number_of", lambda question, run: 0.0)
     still = ROW.replace('at = "70"', f'compare = "{compare}"\nagainst = "speed"')
     (line,) = compared(case, still)
     assert (line.measured, line.verdict, line.why[:11]) == (None, "no number", "is relative")

@@ -20,7 +20,6 @@ from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
 from orchestrator.preflight.scene.effect import PARTS, TENTH, Verdict, describe_verdict
 from orchestrator.preflight.stability.report import AUTO
 from orchestrator.run.trials.pairs import TriedEffects
-from orchestrator.workbench import Case
 
 if TYPE_CHECKING:
     from orchestrator.studies.accuracy.stored import StoredStudy
@@ -44,7 +43,11 @@ def print_explanation(
     The measurements of a ``study`` of accuracy replace estimates, unless the case has changed since.  So do
     the runs that were ``tried``, with their changes of the results ``asked`` for.
     """
-    changes = [] if study is None else study.changes(Case(loaded))
+    changes: list[str] = []
+    if study is not None:
+        from orchestrator.workbench import Case  # it takes a second, and few have a study
+
+        changes = study.changes(Case(loaded))
     effects = _judge_with_measurements(loaded, None if changes else study, tried, asked)
     if as_json:
         print_json(explain_form(loaded, [*effects.values()]))

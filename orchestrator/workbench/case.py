@@ -15,11 +15,9 @@ from orchestrator.case.tables.case import has_particles
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.figures.short_names import part_of
 from orchestrator.output.records.run_folder import changed_files, resolved_case
+from orchestrator.preflight import cost, level_file, refinement
 from orchestrator.preflight.check import find_problems
-from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import NUMERICS, JudgedCase, load_judged
-from orchestrator.preflight.level_file import level_text
-from orchestrator.preflight.refinement import Offer, offer
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.preflight.stability.report import stability_report
 
@@ -77,7 +75,7 @@ class Case:
     @property
     def predicted_s(self) -> float:
         """The predicted processor time of its run in s, good to a factor of three."""
-        return predicted_s(self.tables, particles_at_start(self.tables))
+        return cost.predicted_s(self.tables, cost.particles_at_start(self.tables))
 
     @property
     def safe_interval_s(self) -> float:
@@ -130,12 +128,12 @@ class Case:
         """Return whether an overlay changes how a case is computed, and not the case that is described."""
         return overlay.partition(".")[0] in NUMERICS
 
-    def refined(self, parameters: Sequence[str], values: int) -> Offer:
+    def refined(self, parameters: Sequence[str], values: int) -> refinement.Offer:
         """Return the settings of refinement parameters, with so many ``values`` each, from coarse to fine.
 
         Raises CaseError for a variant that the case does not have.
         """
-        return offer(self.tables, parameters, values)
+        return refinement.offer(self.tables, parameters, values)
 
     def part_of(self, result: str) -> str:
         """Return the part of the machine that a result describes; "" if its name does not tell."""
@@ -143,4 +141,4 @@ class Case:
 
     def level_text(self, sets: Sequence[str], about: str) -> str:
         """Return the content of a level file: the level with ``sets``, and what it leaves out named."""
-        return level_text(self.judged, sets, about)
+        return level_file.level_text(self.judged, sets, about)

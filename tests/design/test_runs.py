@@ -28,7 +28,7 @@ def outcome_of(
 ) -> Any:
     """Return the outcome of a trial of the plates whose run has a summary."""
     study = read_study(write_plates(folder, *(others or [('unit = "m/s"', replaced)])))
-    monkeypatch.setattr("orchestrator.workbench.run.summary_of", lambda run: {"status": "done", **summary})
+    monkeypatch.setattr("orchestrator.output.results.run_reader.summary_of", lambda run: {"status": "done", **summary})
     runs = Runs(study, CaseStudy(CASE, None, (), folder / "runs", Crew()))
     return next(
         iter(runs.finished([Trial(1, "plan", (0.0, 0.0), 0, values={"amplitude": 8.0, "rate": 70.0})]))
