@@ -12,6 +12,7 @@ import tomli_w
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.summary import SUMMARY_FORMAT
+from orchestrator.output.results import run_reader
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.design.trials import Trial
@@ -28,7 +29,7 @@ def outcome_of(
 ) -> Any:
     """Return the outcome of a trial of the plates whose run has a summary."""
     study = read_study(write_plates(folder, *(others or [('unit = "m/s"', replaced)])))
-    monkeypatch.setattr("orchestrator.output.results.run_reader.summary_of", lambda run: {"status": "done", **summary})
+    monkeypatch.setattr(run_reader, "summary_of", lambda run: {"status": "done", **summary})
     runs = Runs(study, CaseStudy(CASE, None, (), folder / "runs", Crew()))
     return next(
         iter(runs.finished([Trial(1, "plan", (0.0, 0.0), 0, values={"amplitude": 8.0, "rate": 70.0})]))

@@ -48,12 +48,12 @@ class Trial:
     @property
     def has_ended(self) -> bool:
         """Whether all its runs have come to their end, trusted or not."""
-        return all(one.ended(one.folder) for one in self.runs)
+        return all(one.ended(one.run) for one in self.runs)
 
     @property
     def summaries(self) -> list[dict[str, Any]]:
         """The contents of ``summary.json`` of the runs that came to their end, trusted or not."""
-        return [RunReader(one.folder).summary for one in self.runs if one.ended(one.folder)]
+        return [RunReader(one.folder).summary for one in self.runs if one.ended(one.run)]
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def still_to_run(scenes: Sequence[SceneTrials]) -> dict[str, float]:
     return {
         run.folder.name: cost_s
         for run, cost_s in every_run(scenes)
-        if not run.ended(run.folder) and run.status() != "failed"
+        if not run.ended(run.run) and run.status() != "failed"
     }
 
 
