@@ -1,4 +1,5 @@
-"""How a test writes a case: TOML text, of parts where it is long, in a folder that the test may spoil.
+"""Functions by which a test writes a case: TOML text, of parts where it is long, in a folder that the test
+may spoil.
 
 ``CASE`` is a small valid case; ``case_folder`` writes it or another one, ``load_case`` reads it as
 a user's case is read, and ``complaints`` are what a user would be told.
@@ -133,15 +134,16 @@ def kinds(folder: Path, *overrides: str) -> list[str]:
 
 
 def complaints(folder: Path, *overrides: str) -> list[str]:
-    """What loading and checking say of the test case with some keys changed."""
+    """Return the problems that loading and checking find in the test case with some keys changed, as
+    texts."""
     return [str(problem) for problem in problems(folder, *overrides)]
 
 
 def only_complaint(folder: Path, *overrides: str) -> str:
     """The one and only complaint."""
-    found = complaints(folder, *overrides)
-    assert len(found) == 1, found
-    return found[0]
+    texts = complaints(folder, *overrides)
+    assert len(texts) == 1, texts
+    return texts[0]
 
 
 def polyurethane(*branches: tuple[float, float]) -> str:
@@ -168,11 +170,11 @@ poisson_ratio = 0.3
 """
 
 
-def contact(one: str, other: str, restitution: float, sliding: float, rolling: float = 0.0) -> str:
-    """Between two materials; ``sliding`` and ``rolling`` friction."""
+def contact(material: str, other: str, restitution: float, sliding: float, rolling: float = 0.0) -> str:
+    """Return the TOML text of a contact between two materials; ``sliding`` and ``rolling`` are friction."""
     return f"""
 [[contacts]]
-between = ["{one}", "{other}"]
+between = ["{material}", "{other}"]
 restitution = {restitution}
 sliding_friction = {sliding}
 rolling_friction = {rolling}

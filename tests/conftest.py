@@ -1,4 +1,4 @@
-"""What holds for all tests in one process, and for those that they start.
+"""Settings of all tests in one process, and of those that they start.
 
 PyVista brings its own VTK, and Debian's DOLFINx loads another one.  The process dies where PyVista
 is the second of them.  A run has it first, since its case is checked before solvers are opened;

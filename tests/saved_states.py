@@ -9,18 +9,18 @@ import numpy as np
 from orchestrator.ports import Saved
 
 
-def differences(one: Saved, other: Saved, within: str = "") -> list[str]:
+def differences(first: Saved, second: Saved, within: str = "") -> list[str]:
     """Names of the arrays that differ in shape, type or any bit; minus zero is not zero."""
-    if one.keys() != other.keys():
-        return [f"{within}: {sorted(one)} and {sorted(other)}"]
-    found = []
-    for name in one:
+    if first.keys() != second.keys():
+        return [f"{within}: {sorted(first)} and {sorted(second)}"]
+    differing = []
+    for name in first:
         where = f"{within}/{name}"
-        if isinstance(one[name], dict):
-            found += differences(one[name], other[name], where)
-        elif _bits(one[name]) != _bits(other[name]):
-            found.append(where)
-    return found
+        if isinstance(first[name], dict):
+            differing += differences(first[name], second[name], where)
+        elif _bits(first[name]) != _bits(second[name]):
+            differing.append(where)
+    return differing
 
 
 def _bits(value: Any) -> tuple[Any, ...]:

@@ -1,4 +1,4 @@
-"""What CI does: the README's commands on a bare machine; here, and loudly, if none can be made."""
+"""The README's commands on a bare machine, as in CI; here, and loudly, if none can be made."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_ci_runs_everything_once(
 
 @pytest.mark.process
 def test_a_bare_machine_is_for_root() -> None:
-    """It says so, makes nothing, and its exit code is none of a command."""
+    """The script says so, makes nothing, and its exit code is none of a command."""
     nobody = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"]
     if os.geteuid() == 0 and shutil.which(nobody[0]) is None:
         pytest.skip("no setpriv to be somebody else with")
@@ -63,8 +63,8 @@ def test_a_bare_machine_is_for_root() -> None:
 
 def test_the_readme_s_two_commands_are_found() -> None:
     lines = (ROOT / "README.md").read_text().splitlines()
-    found = [line for line in lines if line.startswith("bash docker/setup.sh && ")]
-    assert [line.split("&& ")[1] for line in found] == [
+    commands = [line for line in lines if line.startswith("bash docker/setup.sh && ")]
+    assert [line.split("&& ")[1] for line in commands] == [
         ".venv/bin/flipflow run cases/quickstart",
         ".venv/bin/python -m pytest",
     ]

@@ -1,4 +1,4 @@
-"""What is imported is what docker/debian.txt names and docker/constraints.txt pins, no more."""
+"""Imports are those that docker/debian.txt names and docker/constraints.txt pins, no more."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ print(json.dumps([file for file in files if file]))
 
 
 def test_the_environment_is_the_pinned_one() -> None:
-    found = dict(known.distributions())
-    print("\n".join(f"{name} {one}" for name, one in found.items()))
-    assert departures(found) == []
+    distributions = dict(known.distributions())
+    print("\n".join(f"{name} {distribution}" for name, distribution in distributions.items()))
+    assert departures(distributions) == []
 
 
 @pytest.mark.process
 @pytest.mark.solver
 def test_every_imported_module_belongs_to_a_pinned_distribution() -> None:
-    """Also what is imported at the bottom of something else, and what has no metadata at all."""
+    """Modules imported at the bottom of something else count, too, and those that have no metadata at all."""
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", IMPORT_ALL],
         capture_output=True,
@@ -59,7 +59,8 @@ def test_every_imported_module_belongs_to_a_pinned_distribution() -> None:
 
 
 def of_python(file: Path) -> bool:
-    """Of Python's own library, or of this checkout, but not of what is installed beside it."""
+    """Return whether a module is of Python's own library, or of this checkout, but not of what is installed
+    beside it."""
     if Path(sys.prefix) in file.parents:
         return False
     own = Path(sys.base_prefix) / "lib" in file.parents or CHECKOUT in file.parents
@@ -78,26 +79,28 @@ def owner(file: Path) -> str | None:
 def owners() -> dict[str, str]:
     """The distribution of every name at the top of the two folders."""
     return {
-        name: known.normalise(one.metadata["Name"])
-        for one in metadata.distributions()
+        name: known.normalise(distribution.metadata["Name"])
+        for distribution in metadata.distributions()
         for name in (
-            *(file.parts[0].split(".")[0] for file in one.files or ()),
-            *(one.read_text("top_level.txt") or "").split(),
+            *(file.parts[0].split(".")[0] for file in distribution.files or ()),
+            *(distribution.read_text("top_level.txt") or "").split(),
         )
     }
 
 
 def test_the_provenance_of_a_run_tells_the_same() -> None:
-    said = provenance(1)
-    assert said["distributions"] == {n: str(one) for n, one in known.distributions().items()}
-    assert said["distributions"]["numpy"].startswith("1.24.2 from Debian, python3-numpy 1:1.24.2")
-    assert said["distributions"]["meshio"] == "5.3.5 from PyPI"
-    assert said["not_as_pinned"] == []
+    record = provenance(1)
+    assert record["distributions"] == {
+        n: str(distribution) for n, distribution in known.distributions().items()
+    }
+    assert record["distributions"]["numpy"].startswith("1.24.2 from Debian, python3-numpy 1:1.24.2")
+    assert record["distributions"]["meshio"] == "5.3.5 from PyPI"
+    assert record["not_as_pinned"] == []
     assert None not in versions().values()
 
 
 @pytest.mark.parametrize(
-    ("one", "said"),
+    ("distribution", "message"),
     [
         (Distribution("meshio", "5.0.0", PYPI), "meshio is 5.0.0 from PyPI, but 5.3.5 is pinned"),
         (Distribution("meshio", "5.3.5", "/usr/lib/python3/dist-packages"), "no pin of docker/"),
@@ -105,15 +108,15 @@ def test_the_provenance_of_a_run_tells_the_same() -> None:
         (Distribution("numpy", "1.24.2", PYPI), "numpy is 1.24.2 from PyPI, and no pin"),
     ],
 )
-def test_what_is_not_as_pinned_is_said(one: Distribution, said: str) -> None:
-    (sentence,) = departures(known.distributions() | {one.name: one})
-    assert said in sentence
+def test_what_is_not_as_pinned_is_said(distribution: Distribution, message: str) -> None:
+    (sentence,) = departures(known.distributions() | {distribution.name: distribution})
+    assert message in sentence
 
 
 def test_what_is_not_there_is_said() -> None:
-    found = dict(known.distributions())
-    found.pop("petsc4py")
-    assert departures(found) == ["petsc4py is not there, docker/debian.txt names it"]
+    distributions = dict(known.distributions())
+    distributions.pop("petsc4py")
+    assert departures(distributions) == ["petsc4py is not there, docker/debian.txt names it"]
 
 
 def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:

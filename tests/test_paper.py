@@ -61,7 +61,7 @@ def case(tmp_path: Path) -> Path:
 
 
 def compared(case: Path, text: str) -> list[CriterionResult]:
-    """With runs in which both frames swing along x, against each other."""
+    """Return the comparison with runs in which both frames swing along x, against each other."""
     (case / "criteria.toml").write_text(HEAD + text)
     runs = runs_of(case)
     for point in runs["speed"].points:
@@ -109,9 +109,9 @@ def test_relative_amplitude(case: Path) -> None:
 
 def test_bands_and_fits(case: Path) -> None:
     met = ROW.replace("[5.4, 6.6]", "[8.0, 9.0]")
-    found = compared(case, met + met + 'ours = "fitted"\n' + ROW + 'ours = "fitted"\n')
-    assert [line.verdict for line in found] == ["met", "fitted, inside", "fitted, OUTSIDE"]
-    assert all(line.is_good for line in found)
+    lines = compared(case, met + met + 'ours = "fitted"\n' + ROW + 'ours = "fitted"\n')
+    assert [line.verdict for line in lines] == ["met", "fitted, inside", "fitted, OUTSIDE"]
+    assert all(line.is_good for line in lines)
 
 
 def test_a_band_from_own_theory_is_never_met(case: Path) -> None:
@@ -142,7 +142,8 @@ def test_the_distance_is_in_the_papers_unit_and_in_per_cent(case: Path) -> None:
 
 
 def test_intervals(case: Path) -> None:
-    """Of one run, of a growth between two runs in quadrature, and by the scatter of other runs."""
+    """The intervals are those of one run, of a growth between two runs in quadrature, and by the scatter of
+    other runs."""
     growth = ROW.replace('at = "70"\n', 'compare = "growth"\nbetween = [60, 90]\n').replace('"mm"', '"%"')
     scatter = ROW + 'scatter = "seeds"\n'
     seeds = '[runs.seeds]\nvary = "screen.exciters.shaft.speed_rad_per_s=60,70"\n'
@@ -151,9 +152,9 @@ def test_intervals(case: Path) -> None:
     for each in runs.values():
         for point in each.points:
             fake(point)
-    one, grown, scattered = (judge("case", row, runs) for row in read_criteria(case).criteria)
-    assert one.half_width == pytest.approx(HALF_WIDTH_MM)
-    assert f"± {HALF_WIDTH_MM:.2g} mm" in one.value_in_words
+    steady, grown, scattered = (judge("case", row, runs) for row in read_criteria(case).criteria)
+    assert steady.half_width == pytest.approx(HALF_WIDTH_MM)
+    assert f"± {HALF_WIDTH_MM:.2g} mm" in steady.value_in_words
     first, last = sum(moved_mm(60)), sum(moved_mm(90))
     expected = np.hypot(HALF_WIDTH_MM / first, last / first - last / (first + HALF_WIDTH_MM))
     assert grown.half_width == pytest.approx(100 * expected, rel=1e-6)
@@ -166,7 +167,7 @@ def test_intervals(case: Path) -> None:
 
 @pytest.mark.parametrize("theirs", [10.0, 9.5, 10.5, 40.0])
 def test_the_interval_of_a_difference_does_not_depend_on_its_sign(case: Path, theirs: float) -> None:
-    """Between two runs of 10 and ``theirs``, both plus or minus 1: near zero as well as far from it."""
+    """The runs have 10 and ``theirs``, both plus or minus 1: near zero as well as far from it."""
     row = ROW.replace('"amplitude"', '"result"').replace("driven-driving", "results.power.drives_W")
     row = row.replace('"mm"', '"W"') + 'compare = "difference"\nagainst = "other"\n'
     (case / "criteria.toml").write_text(HEAD + "[runs.other]\n" + row)
@@ -176,9 +177,9 @@ def test_the_interval_of_a_difference_does_not_depend_on_its_sign(case: Path, th
         run.points[0].folder.mkdir(parents=True)
         write_summary(run.points[0].folder, {"status": "done", "results": {"power": power}})
     (criterion,) = read_criteria(case).criteria
-    found = judge("case", criterion, runs)
-    assert found.measured == pytest.approx(abs(theirs - 10.0))
-    assert found.half_width == pytest.approx(np.sqrt(2.0))
+    line = judge("case", criterion, runs)
+    assert line.measured == pytest.approx(abs(theirs - 10.0))
+    assert line.half_width == pytest.approx(np.sqrt(2.0))
 
 
 def test_criteria_over_those_of_another_case(case: Path) -> None:
@@ -215,17 +216,17 @@ def test_the_arch_of_a_panel(case: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (("driven-driving", "nowhere"), 'no point "nowhere"'),
         (('at = "70"', 'at = "71"'), "no run with speed_rad_per_s = 71"),
     ],
 )
-def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], said: str) -> None:
+def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], message: str) -> None:
     (line,) = compared(case, ROW.replace(*change))
     assert line.measured is None
     assert not line.is_good
-    assert said in line.value_in_words
+    assert message in line.value_in_words
 
 
 def test_a_run_without_first_harmonics_says_why(case: Path) -> None:
@@ -245,7 +246,7 @@ def test_a_run_that_failed_is_no_value(case: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (('run = "speed"', 'run = "load"'), 'criteria.0.run: no run "load"'),
         (("amplitude", "amplitudes"), 'no measure "amplitudes"'),
@@ -255,16 +256,16 @@ def test_a_run_that_failed_is_no_value(case: Path) -> None:
         (('unit = "mm"', 'unit = "N"'), 'unit: "N" is wrong for an amplitude, one of m, mm is wanted'),
     ],
 )
-def test_a_wrong_table_is_said(case: Path, change: tuple[str, str], said: str) -> None:
+def test_a_wrong_table_is_said(case: Path, change: tuple[str, str], message: str) -> None:
     with pytest.raises(CaseError) as caught:
         compared(case, ROW.replace(*change))
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_the_file_has_every_row(case: Path) -> None:
-    found = compared(case, ROW)
-    none = replace(found[0], measured=None, why="not run")
-    file = write_verdicts([*found, none], case, "paper")[0]
+    lines = compared(case, ROW)
+    none = replace(lines[0], measured=None, why="not run")
+    file = write_verdicts([*lines, none], case, "paper")[0]
     rows = list(csv.DictReader(file.read_text().splitlines()))
     assert [row["verdict"] for row in rows] == ["NOT MET", "no number"]
     assert float(rows[0]["value"]) == pytest.approx(sum(moved_mm(70)), rel=1e-6)

@@ -1,4 +1,4 @@
-"""Which panel has gone through what: found from where all is drawn and where it is now."""
+"""The panel that has gone through a surface: found from where all is drawn and where it is now."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def search(plate_drawn_m: Array, drawn_m: Array = DRAWN_M) -> Penetrations:
     return Penetrations(all_drawn_m, [SurfaceBody("deck", CELLS.triangles), plate], [panel])
 
 
-def found(
+def deepest_in(
     now_m: Array, plate_now_m: Array, plate_drawn_m: Array | None = None, drawn_m: Array = DRAWN_M
 ) -> Penetration | None:
     drawn_plate_m = plate_now_m if plate_drawn_m is None else plate_drawn_m
@@ -55,7 +55,7 @@ def found(
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_panel_hangs_through_a_plate_as_deep_as_it_hangs_beyond_it(side: float) -> None:
     """39 mm of sag, 20 mm from the plate: 19 mm; from below as from above."""
-    deepest = found(hanging_m(side * 0.039), plate_m(-side * 0.02))
+    deepest = deepest_in(hanging_m(side * 0.039), plate_m(-side * 0.02))
     assert deepest is not None
     assert (deepest.panel, deepest.surface) == ("deck", "plate")
     assert deepest.depth_m == pytest.approx(0.019, rel=1e-12)
@@ -104,38 +104,38 @@ def test_it_is_found_however_large_or_small_the_plates_triangles() -> None:
 
 def test_a_plate_above_beside_or_below_the_panel_is_not_gone_through() -> None:
     for height_m in (0.001, -0.04):
-        assert found(hanging_m(0.039), plate_m(height_m)) is None
-    assert found(hanging_m(0.039), plate_m(-0.02) + np.array([0.0, 0.3, 0.0])) is None
+        assert deepest_in(hanging_m(0.039), plate_m(height_m)) is None
+    assert deepest_in(hanging_m(0.039), plate_m(-0.02) + np.array([0.0, 0.3, 0.0])) is None
 
 
 def test_what_moves_together_goes_through_nothing() -> None:
     """The whole machine turned by a right angle and carried off, the panel sagging by 10 mm."""
     turn, away_m = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float), np.array([3.0, 1.0, 2.0])
     now_m, plate_now_m = (m @ turn + away_m for m in (hanging_m(0.01), plate_m(-0.02)))
-    assert found(now_m, plate_now_m, plate_m(-0.02)) is None
-    deep = found(hanging_m(0.03) @ turn + away_m, plate_now_m, plate_m(-0.02))
+    assert deepest_in(now_m, plate_now_m, plate_m(-0.02)) is None
+    deep = deepest_in(hanging_m(0.03) @ turn + away_m, plate_now_m, plate_m(-0.02))
     assert deep is not None
     assert deep.depth_m == pytest.approx(0.01, rel=1e-9)
 
 
 def test_a_plate_that_comes_through_a_panel() -> None:
-    """It is drawn 2 mm below the flat panel and goes 5 mm up."""
-    deepest = found(DRAWN_M, plate_m(0.003), plate_m(-0.002))
+    """The plate is drawn 2 mm below the flat panel and goes 5 mm up."""
+    deepest = deepest_in(DRAWN_M, plate_m(0.003), plate_m(-0.002))
     assert deepest is not None
     assert deepest.depth_m == pytest.approx(0.003, rel=1e-9)
 
 
 @pytest.mark.parametrize("across_m", [0.0, 0.013, 0.2])
 def test_a_side_plate_at_the_edge_or_through_the_panel_as_drawn_is_taken_as_meant(across_m: float) -> None:
-    """It stands upright along the panel, which moves up and down along it."""
+    """The plate stands upright along the panel, which moves up and down along it."""
     upright = np.array([[-0.1, 0, -0.1], [0.4, 0, -0.1], [0.4, 0, 0.1], [-0.1, 0, 0.1]])
     for sag_m in (0.05, -0.05):
-        assert found(hanging_m(sag_m), upright + np.array([0.0, across_m, 0.0])) is None
+        assert deepest_in(hanging_m(sag_m), upright + np.array([0.0, across_m, 0.0])) is None
 
 
 @pytest.mark.parametrize("above_m", [0.0, -1e-6])
 def test_a_plate_in_the_panels_plane_has_no_side(above_m: float) -> None:
-    assert found(hanging_m(0.01), plate_m(above_m)) is None
+    assert deepest_in(hanging_m(0.01), plate_m(above_m)) is None
 
 
 def test_a_triangle_that_turns_far_aside_of_a_point_is_not_gone_through() -> None:
@@ -199,7 +199,7 @@ def test_a_search_finds_what_a_new_one_finds_whatever_it_has_seen_before() -> No
 
 @pytest.mark.parametrize(("points", "boxes"), [(40, 30), (1, 1), (7, 0)])
 def test_pairs_that_meet_are_those_of_all_pairs_that_no_side_parts_twice(points: int, boxes: int) -> None:
-    """Against the comparison of each with each; some points and boxes share coordinates."""
+    """The reference is the comparison of each with each; some points and boxes share coordinates."""
     random = np.random.default_rng(4)
     points_m = random.integers(0, 12, (2, points, 3)).astype(float)
     corners_m = random.integers(0, 12, (2, boxes, 1, 3)) + random.integers(0, 4, (2, boxes, 2, 3))

@@ -1,4 +1,4 @@
-"""What crosses a port is checked, and the examples in the ports' docstrings run, alone and coupled."""
+"""Values that cross a port are checked, and the examples in the ports' docstrings run, alone and coupled."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def test_examples_run(name: str) -> None:
 
 def example(protocol: type) -> dict[str, Any]:
     """Everything that the example in a protocol's docstring has defined once it has run."""
-    (found,) = doctest.DocTestFinder(recurse=False).find(protocol, protocol.__name__)
-    assert doctest.DocTestRunner(verbose=False).run(found, clear_globs=False).failed == 0
-    return found.globs
+    (doc,) = doctest.DocTestFinder(recurse=False).find(protocol, protocol.__name__)
+    assert doctest.DocTestRunner(verbose=False).run(doc, clear_globs=False).failed == 0
+    return doc.globs
 
 
 @pytest.mark.parametrize("scheme", ["particles-first", "serial-staggered", "aitken", "quasi-newton"])
@@ -57,12 +57,12 @@ def test_the_examples_make_a_machine(scheme: str) -> None:
     for index in range(200):
         state = way.advance(solvers, Interval(index, 5e-5), state)
     accounts = [solver.account() for solver in (frames, panel, particles)]
-    momentum_kg_m_per_s = sum(one.momentum_kg_m_per_s for one in accounts)
-    outside_N_s = sum(one.outside_impulse_N_s for one in accounts)
+    momentum_kg_m_per_s = sum(account.momentum_kg_m_per_s for account in accounts)
+    outside_N_s = sum(account.outside_impulse_N_s for account in accounts)
     pending = way.pending(state, Interval(200, 5e-5))
     transit_N_s = pending.load_N_s + pending.reaction_N_s
     np.testing.assert_allclose(momentum_kg_m_per_s + transit_N_s, outside_N_s, atol=1e-12)
-    for one in accounts:
-        had_J = sum(one.received_J.values()) + sum(one.supplied_J.values())
-        assert sum(one.stored_J.values()) == pytest.approx(had_J, abs=1e-6)
+    for account in accounts:
+        had_J = sum(account.received_J.values()) + sum(account.supplied_J.values())
+        assert sum(account.stored_J.values()) == pytest.approx(had_J, abs=1e-6)
     assert particles.velocity_m_per_s > 0.0, "it has rebounded"

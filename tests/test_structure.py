@@ -1,4 +1,4 @@
-"""What may import what, types, and style: the rules of pyproject.toml hold."""
+"""Imports, types, and style: the rules of pyproject.toml hold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the options of all studies refuse before anything is run or written."""
+"""The options of all studies refuse wrong words before anything is run or written."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ def refused(*words: str) -> str:
 
 
 def test_an_address_of_no_scheduler_is_told(tmp_path: Path) -> None:
-    said = refused("sweep", EMPTY, *VARY, "--scheduler", "nope", "--out", str(tmp_path / "out"))
-    assert "--scheduler nope: missing port number in address 'nope'; for example tcp://host:8786" in said
+    message = refused("sweep", EMPTY, *VARY, "--scheduler", "nope", "--out", str(tmp_path / "out"))
+    assert "--scheduler nope: missing port number in address 'nope'; for example tcp://host:8786" in message
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("file", ["case.toml", "accuracy.csv", "points.csv"])
 def test_the_folder_of_something_else_is_refused(file: str, tmp_path: Path) -> None:
     (tmp_path / file).touch()
-    said = refused("sweep", EMPTY, *VARY, "--out", str(tmp_path))
-    assert f"has {file}, of a case, a run or another study; give another folder with --out" in said
+    message = refused("sweep", EMPTY, *VARY, "--out", str(tmp_path))
+    assert f"has {file}, of a case, a run or another study; give another folder with --out" in message
     assert [each.name for each in tmp_path.iterdir()] == [file]
 
 
@@ -57,8 +57,8 @@ def test_a_study_of_too_many_seeds_is_refused_in_a_moment() -> None:
 
 
 def test_a_misspelt_variant_is_refused() -> None:
-    said = refused("accuracy", EMPTY, "--dry", "--parameters", "scheme=serial-stagered")
-    assert 'no variant "serial-stagered" for this case; did you mean "serial-staggered"?' in said
+    message = refused("accuracy", EMPTY, "--dry", "--parameters", "scheme=serial-stagered")
+    assert 'no variant "serial-stagered" for this case; did you mean "serial-staggered"?' in message
 
 
 def test_a_name_that_is_not_utf_8_is_refused(

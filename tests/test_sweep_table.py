@@ -53,11 +53,11 @@ def points(tmp_path: Path) -> list[Any]:
     """One that is good, one that still drifts by 43 %, one not to be trusted, and a failed one."""
     states = ("done", "done", "doubtful", "failed")
     results = (moving(0.01, True), moving(0.43, False), moving(0.01, True), RESULTS)
-    return [point(tmp_path, *one) for one in zip(VARY.values, states, results, strict=True)]
+    return [point(tmp_path, *values) for values in zip(VARY.values, states, results, strict=True)]
 
 
 def test_a_measured_figure_does_not_overwrite_the_swept_value(points: list[Any]) -> None:
-    """Both end with speed_rad_per_s."""
+    """Both columns end with speed_rad_per_s."""
     table = sweep.sweep_rows(VARY, points)
     assert [row[VARY.key] for row in table] == ["58", "78", "98", "118"]
     assert table[0]["speed_rad_per_s"] == 78.5
@@ -83,8 +83,8 @@ def test_what_has_not_settled_says_so(points: list[Any], tmp_path: Path) -> None
 
 def test_without_frames_there_are_the_results(tmp_path: Path) -> None:
     points = [point(tmp_path, value, "done") for value in VARY.values]
-    found = sweep.sweep_rows(VARY, points)
-    assert {row["settled"] for row in found} == {"unknown: the case has no frames"}
+    rows = sweep.sweep_rows(VARY, points)
+    assert {row["settled"] for row in rows} == {"unknown: the case has no frames"}
     files = sweep.write_sweep(VARY, points, tmp_path)
     assert [file.name for file in files] == ["sweep.csv", "sweep.png"]
 

@@ -1,4 +1,4 @@
-"""What a study recommends and takes as its reference, on errors and costs that are made up."""
+"""The recommendation and the reference of a study, on errors and costs that are made up."""
 
 from __future__ import annotations
 
@@ -91,9 +91,9 @@ def test_settings_that_are_no_choice_are_not_recommended(tmp_path: Path) -> None
         point(tmp_path, "particles-none", {"particles": EMPTY}, [still], panel=1.0),
         point(tmp_path, "coupling-short", {"coupling": SHORT}, [still], panel=20.0),
     )
-    found = made.recommend(0.01).row
-    assert found is not None
-    assert found.point.name == "base"
+    row = made.recommend(0.01).row
+    assert row is not None
+    assert row.point.name == "base"
 
 
 def test_a_point_without_a_quantity_that_decides_has_no_error(tmp_path: Path) -> None:
@@ -107,10 +107,10 @@ def test_a_point_without_a_quantity_that_decides_has_no_error(tmp_path: Path) ->
     _, long, _ = made.rows
     assert (long.errors, long.error) == ({"frame_half_range_m": Error(0.0, None)}, None)
     assert [*cost_table(made).columns[3].cells] == ["", "0 %", "reference"]
-    found = made.recommend(0.01).row
-    assert found is not None
-    assert found.point.name == "base"
-    assert [one.setting.label for one in made.options()["coupling"]] == ["own", "short"]
+    row = made.recommend(0.01).row
+    assert row is not None
+    assert row.point.name == "base"
+    assert [option.setting.label for option in made.options()["coupling"]] == ["own", "short"]
 
 
 def test_every_error_that_decides_is_within_the_tolerance_of_a_recommendation(tmp_path: Path) -> None:
@@ -148,9 +148,9 @@ def test_a_point_that_takes_longer_than_its_reference_is_not_recommended(tmp_pat
     assert made.recommend(0.1).row is None
     assert "no dearer than the reference" in [*advice(made)][1]
     cheaper = replace(points[1], metrics=point(tmp_path, "", {}, [flow(1.04, 1.0)], panel=15.0).metrics)
-    found = study(tmp_path, points[0], cheaper, points[2]).recommend(0.1).row
-    assert found is not None
-    assert found.point.name == "coupling-long"
+    row = study(tmp_path, points[0], cheaper, points[2]).recommend(0.1).row
+    assert row is not None
+    assert row.point.name == "coupling-long"
 
 
 def test_the_front_has_no_point_that_is_better_by_chance(tmp_path: Path) -> None:
@@ -164,13 +164,14 @@ def test_the_front_has_no_point_that_is_better_by_chance(tmp_path: Path) -> None
             point(tmp_path, "coupling-short", {"coupling": SHORT}, by_seed(1.0, 1.0, by), panel=20.0),
         )
         assert [row.point.name for row in made.front()] == names
-    one = replace(made, points=tuple(replace(each, metrics=each.metrics[:1]) for each in made.points))
-    assert not one.front()
+    single = replace(made, points=tuple(replace(each, metrics=each.metrics[:1]) for each in made.points))
+    assert not single.front()
 
 
 @pytest.mark.parametrize("by", [0.0001, 0.003])
 def test_a_plan_recommends_what_its_study_recommends(tmp_path: Path, by: float) -> None:
-    """Although the finest setting is itself off by an estimated 6 %: console and page of both say so."""
+    """The console and the page of both say so, although the finest setting is itself off by an estimated 6
+    %."""
     series = (replace(SERIES[0], expected=1.0), *SERIES[1:])
     points = (
         point(tmp_path, "base", {}, by_seed(1.06, 1.0, by), panel=10.0),
@@ -202,9 +203,9 @@ def test_the_best_point_is_the_reference_where_its_run_is_lost(tmp_path: Path) -
         point(tmp_path, "coupling-long", {"coupling": LONG}, [flow(1.15, 1.0)], panel=5.0),
         point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=20.0),
     )
-    names = [one.name for one, _ in proposals(study(tmp_path, *points))]
+    names = [proposed.name for proposed, _ in proposals(study(tmp_path, *points))]
     assert list(dict.fromkeys(names)) == ["coupling-short", "base", "coupling-long"]
-    names = [one.name for one, _ in proposals(study(tmp_path, *points, budget_s=15.0))]
+    names = [proposed.name for proposed, _ in proposals(study(tmp_path, *points, budget_s=15.0))]
     assert list(dict.fromkeys(names)) == ["base", "coupling-long"]
     whole = study(tmp_path, *points)
     finest, own = best_measured(whole, ["lost"]), best_measured(study(tmp_path, *points[1:2], points[0]), [])
@@ -242,7 +243,8 @@ def test_a_part_that_becomes_dear_counts() -> None:
 
 
 def test_particles_that_are_taken_over_have_an_unknown_scatter(tmp_path: Path) -> None:
-    """There are no other seeds of them; their chaos must not count as an error of the settings."""
+    """No other seeds of taken-over particles exist; their chaos must not count as an error of the
+    settings."""
     bed = LOADED.case.bed.model_copy(update={"blocks": {}, "table": "bed.csv"})
     loaded = replace(LOADED, case=LOADED.case.model_copy(update={"bed": bed}))
     same = point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=2.0)
@@ -259,8 +261,8 @@ def test_a_lost_reference_is_named(tmp_path: Path) -> None:
     lost = Combination("reference", "together", {"coupling": SHORT}, base.runs)
     (tmp_path / "base").mkdir()
     write_summary(tmp_path / "base", {"status": "doubtful"})
-    (said,) = warnings(study(tmp_path, lost, base))
-    assert "another point serves as reference (doubtful:" in said
+    (warning,) = warnings(study(tmp_path, lost, base))
+    assert "another point serves as reference (doubtful:" in warning
     assert [row["kind"] for row in entries(study(tmp_path, lost, base))] == ["diagonal", "reference"]
 
 
@@ -279,8 +281,8 @@ def test_errors_that_chance_explains_have_open_marks(tmp_path: Path, monkeypatch
     assert [line.get_markerfacecolor() for line in axis.lines].count("white") == 1
     assert axis.get_ylabel() == "error (open: chance)"
     models = [
-        ComparedSetting(SERIES[0], setting, each, found, each is fine)
-        for setting, each, found in zip(series.settings, series.points, wrong, strict=True)
+        ComparedSetting(SERIES[0], setting, each, error, each is fine)
+        for setting, each, error in zip(series.settings, series.points, wrong, strict=True)
     ]
     draw_models(models, ["frame_half_range_m", "velocity_m_per_s"], tmp_path / "picture.png")
     filled = [len(each.collections[0].get_facecolors()) for each in drawn[1].axes if each.collections]

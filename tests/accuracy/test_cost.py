@@ -31,8 +31,8 @@ def test_predictions_are_good_to_a_factor_of_three(name: str, measured_s: float)
 
 
 def test_what_makes_a_run_dear() -> None:
-    """Twice the time costs twice as much but for the start; particles and panels add to it, and the
-    steps of a sheet go with the third power of its cells (their number, and the step)."""
+    """A run of twice the time costs twice as much but for the start; particles and panels add to it, and
+    the steps of a sheet go with the third power of its cells (their number, and the step)."""
 
     def of(*sets: str, at_start: int = 0) -> float:
         return predicted_s(load_judged(ROOT / "cases/quickstart", "default", sets).case, at_start)

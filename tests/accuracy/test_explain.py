@@ -1,4 +1,4 @@
-"""What ``flipflow explain`` takes from a study of accuracy."""
+"""The lines of ``flipflow explain`` that come from a study of accuracy."""
 
 from __future__ import annotations
 
@@ -33,12 +33,14 @@ def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
 
 @pytest.mark.parametrize(("error", "matters"), [(0.03, False), (0.3, True)])
 def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) -> None:
-    """By what repeats itself: the shape's 50 % do not count."""
-    verdicts = {name: one.verdict for name, one in judge_effects(load_judged(CASE, "draft").case).items()}
+    """The verdict counts only what repeats itself: the shape's 50 % do not count."""
+    verdicts = {
+        name: judged.verdict for name, judged in judge_effects(load_judged(CASE, "draft").case).items()
+    }
     there = StoredStudy(Path(), study(error=error))
-    found = measured_verdict("variation-across", verdicts["variation-across"], there)
-    assert (found.value, found.matters) == (error, matters)
-    assert "5 s instead of 2 s" in found.cost
+    verdict = measured_verdict("variation-across", verdicts["variation-across"], there)
+    assert (verdict.value, verdict.matters) == (error, matters)
+    assert "5 s instead of 2 s" in verdict.cost
     there.table["models"][0]["half_width"] = {"deflection_m": 0.25, "middle_rms_g": 0.25}
     assert (
         measured_verdict("variation-across", verdicts["variation-across"], there)
@@ -46,7 +48,7 @@ def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) 
     )
     there.table["models"][0]["half_width"] = {"deflection_m": None, "middle_rms_g": None}  # of one seed
     alone = measured_verdict("variation-across", verdicts["variation-across"], there)
-    assert (alone.matters, alone.why) == (matters, f"{found.why}; how much of it is chance is not known")
+    assert (alone.matters, alone.why) == (matters, f"{verdict.why}; how much of it is chance is not known")
     other = verdicts["panel-deformation"]
     assert measured_verdict("panel-deformation", other, there) is other
 
@@ -73,8 +75,8 @@ def test_explain_shows_it(tmp_path: Path) -> None:
     assert "largest error" in done.output
     other = ["--set", "materials.PU.density_kg_per_m3=900", "--set", "duration_s=0.1"]
     done = CALL.invoke(app, ["explain", str(CASE), "--level", "draft", "--study", str(file), *other])
-    said = "before changes in materials.PU.density_kg_per_m3=900"
-    assert (done.exit_code, said in done.output, "largest error" in done.output) == (0, True, False)
+    text = "before changes in materials.PU.density_kg_per_m3=900"
+    assert (done.exit_code, text in done.output, "largest error" in done.output) == (0, True, False)
     gone = CALL.invoke(app, ["explain", str(CASE), "--study", str(tmp_path / "none.json")])
     assert (gone.exit_code, "no such file" in gone.output) == (2, True)
 

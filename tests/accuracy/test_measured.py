@@ -57,7 +57,7 @@ def test_one_seed_tells_nothing_about_chance() -> None:
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
-    """Nothing differs but by chance, of 5 %: 95 % of the intervals hold zero (of 600, within three
+    """The runs differ by chance alone, of 5 %: 95 % of the intervals hold zero (of 600, within three
     standard deviations of that)."""
     held = 0
     for _ in range(100):
@@ -68,8 +68,8 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
 
 
 def test_processor_time_is_divided_as_wall_time_was() -> None:
-    found = point(1.0).processor_by_part_s
-    assert found == {"start": 0.0, "particles": 4.0, "rest": 4.0}
+    processor_s = point(1.0).processor_by_part_s
+    assert processor_s == {"start": 0.0, "particles": 4.0, "rest": 4.0}
     run = {"processor_before_s": 2.0, "processor_s": 8.0, "wall_s": 12.0}
     assert parts_s(run | {"wall_by_part_s": {"panel": 12.0}}) == {"start": 2.0, "panel": 6.0}
     again = {"wall_by_part_s": {"panel": 4.0, "coupling": 8.0}, "repeated_by_part_s": {"panel": 6.0}}
@@ -88,9 +88,9 @@ def test_what_a_seed_does_to_all_points_alike_is_no_scatter() -> None:
 def test_the_error_that_decides_reaches_highest() -> None:
     """0.7 +- 5 % may be 5.7 %, 0.8 +- 0.1 % no more than 0.9 %."""
     wrong = {"frame_half_range_m": Error(0.008, 0.001), "middle_rms_g": Error(0.007, 0.05)}
-    found = worst_error(wrong, ["frame_half_range_m", "middle_rms_g"])
-    assert found is not None
-    assert (found[0], found[1].at_most) == ("middle_rms_g", pytest.approx(0.057))
+    worst = worst_error(wrong, ["frame_half_range_m", "middle_rms_g"])
+    assert worst is not None
+    assert (worst[0], worst[1].at_most) == ("middle_rms_g", pytest.approx(0.057))
 
 
 @pytest.mark.parametrize(("values", "order"), [((1.16, 1.04, 1.0), 1.58), ((1.2, 0.97, 1.0), None)])
@@ -101,11 +101,11 @@ def test_values_on_both_sides_of_the_finest_one_show_no_order(
     points = tuple(point(value) for value in values)
     differences = tuple(errors(each, points[-1], EXACT) for each in points)
     series = RefinementSeries("panel", "strip", settings, expected=2.0)
-    found = MeasuredSeries(series, settings, points, differences, ({}, {}, {}))
-    shown = found.orders.get("deflection_m")
+    measured = MeasuredSeries(series, settings, points, differences, ({}, {}, {}))
+    shown = measured.orders.get("deflection_m")
     assert (shown is None) == (order is None)
     if order is None:  # Roache's estimate by the expected order
-        assert found.remaining_error("deflection_m") == pytest.approx(0.03 / 3)
+        assert measured.remaining_error("deflection_m") == pytest.approx(0.03 / 3)
 
 
 def test_an_order_far_above_the_expected_one_is_chance() -> None:
@@ -113,9 +113,9 @@ def test_an_order_far_above_the_expected_one_is_chance() -> None:
     settings = tuple(Setting(str(h), h=h) for h in (4.0, 2.0, 1.0))
     points = (point(1.04), point(1.003), point(1.0))
     differences = tuple(errors(each, points[-1], EXACT) for each in points)
-    found = MeasuredSeries(
+    measured = MeasuredSeries(
         RefinementSeries("panel", "strip", settings, expected=1.0), settings, points, differences, ({},) * 3
     )
-    assert found.orders["deflection_m"].order > 3.0
-    assert not found.is_clean("deflection_m")  # two points always lie on a line
-    assert found.remaining_error("deflection_m") == pytest.approx(0.003)
+    assert measured.orders["deflection_m"].order > 3.0
+    assert not measured.is_clean("deflection_m")  # two points always lie on a line
+    assert measured.remaining_error("deflection_m") == pytest.approx(0.003)

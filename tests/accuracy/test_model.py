@@ -34,36 +34,36 @@ AXES = {
 
 def by_hand(tolerance: float) -> tuple[str, str]:
     """Cheapest of the nine by trying them all."""
-    found = []
+    options = []
     for step, mesh in product(*AXES.values()):
         cost = 8 * step.ratio.get("particles", 1.0) + 2 * mesh.ratio.get("panel", 1.0)
         if step.error["deflection_m"] + mesh.error["deflection_m"] <= tolerance:
-            found.append((cost, step.setting.label, mesh.setting.label))
-    return min(found)[1:]
+            options.append((cost, step.setting.label, mesh.setting.label))
+    return min(options)[1:]
 
 
 @pytest.mark.parametrize("tolerance", [0.2, 0.07, 0.05, 0.035, 0.015, 0.005])
 def test_the_cheapest_within_a_tolerance_is_found(tolerance: float) -> None:
     model = Model(AXES, PARTS_S, ["deflection_m", "middle_rms_g"])
-    found = model.cheapest(tolerance)
-    assert found is not None
-    assert tuple(one.setting.label for one in found.options) == by_hand(tolerance)
-    assert found.error <= tolerance
+    cheapest = model.cheapest(tolerance)
+    assert cheapest is not None
+    assert tuple(each.setting.label for each in cheapest.options) == by_hand(tolerance)
+    assert cheapest.error <= tolerance
 
 
 def test_the_best_within_a_time_and_its_cost() -> None:
     model = Model(AXES, PARTS_S, ["deflection_m"])
-    found = model.best(24.5, "cheapest")
-    assert found is not None
-    assert [one.setting.label for one in found.options] == ["half", "fine"]
-    assert (found.error, found.processor_s) == (pytest.approx(0.01), pytest.approx(24.0))
-    assert found.settings.keys() == {"step", "mesh"}
+    best = model.best(24.5, "cheapest")
+    assert best is not None
+    assert [each.setting.label for each in best.options] == ["half", "fine"]
+    assert (best.error, best.processor_s) == (pytest.approx(0.01), pytest.approx(24.0))
+    assert best.settings.keys() == {"step", "mesh"}
     assert model.best(1.0, "cheapest") is None
     assert model.cheapest(0.0) is not None  # all that is measured is perfect here
 
 
 def test_of_settings_that_are_equally_good_the_cheapest_and_the_finest_are_found() -> None:
-    """What is finer was cheaper, by chance."""
+    """The finer setting was cheaper, by chance."""
     axis = [
         Option("a", Setting(name, (f"a={name}",), h), {"deflection_m": 0.0}, {"panel": ratio})
         for name, h, ratio in (("long", 2.0, 1.1), ("short", 0.5, 1.0), ("middle", 1.0, 0.9))
@@ -71,12 +71,12 @@ def test_of_settings_that_are_equally_good_the_cheapest_and_the_finest_are_found
     model = Model({"a": axis}, PARTS_S, ["deflection_m"])
     wanted: list[tuple[Literal["cheapest", "finest"], str]] = [("finest", "short"), ("cheapest", "middle")]
     for ties, label in wanted:
-        found = model.best(100.0, ties)
-        assert found is not None
-        assert found.options[0].setting.label == label
+        best = model.best(100.0, ties)
+        assert best is not None
+        assert best.options[0].setting.label == label
 
 
 def test_the_case_as_it_is_where_nothing_was_turned() -> None:
-    found = Model({}, PARTS_S, ["deflection_m"]).best(100.0, "finest")
-    assert found is not None
-    assert (found.settings, found.processor_s) == ({}, pytest.approx(10.0))
+    best = Model({}, PARTS_S, ["deflection_m"]).best(100.0, "finest")
+    assert best is not None
+    assert (best.settings, best.processor_s) == ({}, pytest.approx(10.0))

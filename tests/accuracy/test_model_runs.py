@@ -27,16 +27,16 @@ def studied(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 
 def test_every_model_is_compared_with_the_best(studied: tuple[Path, str]) -> None:
-    """Of one ball: none, NumPy, LIGGGHTS; without the ball the panel stays where it is; NumPy and
-    LIGGGHTS agree to 1 %; contacts ten times softer than the reference throw the panel's middle
+    """The models of one ball are none, NumPy and LIGGGHTS; without the ball the panel stays where it is;
+    NumPy and LIGGGHTS agree to 1 %; contacts ten times softer than the reference throw the panel's middle
     within 10 % as far."""
     models = json.loads((studied[0] / "accuracy.json").read_text())["models"]
-    particles = {one["variant"]: one for one in models if one["axis"] == "particles"}
+    particles = {row["variant"]: row for row in models if row["axis"] == "particles"}
     assert list(particles) == ["none", "spheres", "liggghts"]
-    assert {one["reference"] for one in particles.values()} == {"liggghts"}
+    assert {row["reference"] for row in particles.values()} == {"liggghts"}
     assert particles["none"]["error"]["deflection_m"] > 0.9
     assert particles["spheres"]["error"]["deflection_m"] < 0.01
-    softest = next(one for one in models if one["axis"] == "stiffness")
+    softest = next(row for row in models if row["axis"] == "stiffness")
     assert 0 < softest["error"]["deflection_m"] < 0.1
 
 
@@ -49,6 +49,6 @@ def test_models_have_a_picture_and_a_table(studied: tuple[Path, str]) -> None:
 
 
 def test_no_model_that_leaves_out_the_particles_is_recommended(studied: tuple[Path, str]) -> None:
-    found = json.loads((studied[0] / "accuracy.json").read_text())
-    labels = [one["label"] for one in found["options"]["particles"]]
+    study = json.loads((studied[0] / "accuracy.json").read_text())
+    labels = [row["label"] for row in study["options"]["particles"]]
     assert sorted(labels) == ["liggghts", "spheres"]

@@ -1,4 +1,4 @@
-"""What models are compared by, and which models a case has, without any run."""
+"""The quantities by which models are compared, and the models that a case has, without any run."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ def measured(deflection_m: float, shapes_m: Array) -> Combination:
 def test_errors_are_relative_to_the_reference() -> None:
     """A sine of 10 % more amplitude is 10 % off about its mean; what is zero has no error."""
     wave = np.sin(np.linspace(0, 2 * np.pi, 200, endpoint=False))[:, None] + 5.0
-    found = errors(measured(1.1, 1.1 * (wave - 5.0) + 5.0), measured(1.0, wave), EXACT)
-    assert found == {name: Error(pytest.approx(0.1)) for name in ("deflection_m", "shape")}
+    wrong = errors(measured(1.1, 1.1 * (wave - 5.0) + 5.0), measured(1.0, wave), EXACT)
+    assert wrong == {name: Error(pytest.approx(0.1)) for name in ("deflection_m", "shape")}
     assert relative(wave, wave) == 0.0
 
 
 def test_chance_may_be_all_of_a_difference_in_shape() -> None:
-    found = errors(measured(1.0, np.eye(3)), measured(1.0, np.eye(3)), Scatter(True, {}, {}))
-    assert found["shape"] == Error(0.0, None)
+    wrong = errors(measured(1.0, np.eye(3)), measured(1.0, np.eye(3)), Scatter(True, {}, {}))
+    assert wrong["shape"] == Error(0.0, None)
 
 
 def test_shapes_of_other_grids_are_not_compared() -> None:
-    found = errors(measured(1.0, np.ones((3, 2))), measured(1.0, np.ones((3, 4))), EXACT)
-    assert "shape" not in found
+    wrong = errors(measured(1.0, np.ones((3, 2))), measured(1.0, np.ones((3, 4))), EXACT)
+    assert "shape" not in wrong
 
 
 MODELS = ("panel-mesh", "panel-model", "frames-model", "particles-model")
@@ -56,8 +56,8 @@ def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> No
             assert all(key.startswith(f"{series.axis}.") for key in setting.sets)
             if not setting.needs_drives:
                 loaded = load_judged(ROOT / "cases" / name, "default", setting.sets)
-                found = find_problems(loaded)
-                assert not found or series.variant == "two-mass", found  # drives
+                problems = find_problems(loaded)
+                assert not problems or series.variant == "two-mass", problems  # drives
                 if series.axis == "panel" and series.variant != "rigid":
                     costs[series.rank, series.settings.index(setting)] = predicted_s(loaded.case, 0)
     best = {rank: cost_s for (rank, place), cost_s in sorted(costs.items())}
@@ -67,8 +67,8 @@ def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> No
 def test_drives_are_made_from_the_run_as_it_is() -> None:
     base = load_judged(ROOT / "cases/empty-machine", "default").case
     there = offer(base, MODELS, 3)
-    assert [s.label for one in there.series for s in one.settings if s.needs_drives] == ["prescribed"]
-    assert not any(one.is_choice for one in there.series if one.variant in ("prescribed", "none"))
+    assert [s.label for each in there.series for s in each.settings if s.needs_drives] == ["prescribed"]
+    assert not any(each.is_choice for each in there.series if each.variant in ("prescribed", "none"))
 
 
 @pytest.mark.solver
@@ -76,7 +76,7 @@ def test_the_solid_is_a_model_where_openings_have_square_corners() -> None:
     """Dearer than without openings, as its cells are more; refused for round ends."""
     folder = ROOT / "cases/panel-cycle"
     there = offer(load_judged(folder, "default").case, ("panel-model",), 3)
-    (solid,) = (one.settings[-1] for one in there.series if one.variant == "solid")
+    (solid,) = (each.settings[-1] for each in there.series if each.variant == "solid")
     pattern = "length_m=0.02, width_m=0.005, pitch_along_m=0.03, pitch_across_m=0.01"
     openings = f"screen.panels.deck.apertures={{{pattern}}}"
     slots = f"screen.panels.deck.apertures={{{pattern}, shape='slot'}}"

@@ -37,7 +37,7 @@ REFERENCE |= {"sets": "coupling.sync_interval_s=2.5e-5", "processor_s": 42.0}
 
 def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -> StoredStudy:
     axis = [COARSE | {"ratio": {"panel": 0.5}}, OWN, FINE | {"ratio": {"panel": 2.0}}]
-    found: dict[str, Any] = {
+    table: dict[str, Any] = {
         "format_version": FORMAT,
         "case": case,
         "level": level,
@@ -54,7 +54,7 @@ def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -
         "options": {"coupling": axis},
         "points": [REFERENCE],
     }
-    return StoredStudy(Path("accuracy.json"), found)
+    return StoredStudy(Path("accuracy.json"), table)
 
 
 def plan(tolerance: float, budget_s: float, duration_s: float = 0.5) -> Plan:
@@ -95,10 +95,10 @@ def test_a_deck_fills_until_what_is_fed_leaves_it() -> None:
     """Fed from 0.3 s on, and nothing leaves before 2 s: the mean number over a run grows as
     (T - 0.3 s)^2 / T; of a long run it is that of the steady state."""
     case = load_judged(ROOT / "cases/ffs0827-slice", "dry").case
-    found = filling(case, 1.0)
-    assert found(1.0) == 1.0
-    assert found(2.0) == pytest.approx(1.7**2 / 2 / 0.7**2, rel=0.01)
-    assert found(64.0) / found(32.0) == pytest.approx(1.0, abs=0.05)
+    factor = filling(case, 1.0)
+    assert factor(1.0) == 1.0
+    assert factor(2.0) == pytest.approx(1.7**2 / 2 / 0.7**2, rel=0.01)
+    assert factor(64.0) / factor(32.0) == pytest.approx(1.0, abs=0.05)
     assert filling(load_judged(ROOT / "cases/quickstart", "draft").case, 0.5)(5.0) == 1.0
 
 
@@ -108,11 +108,11 @@ def test_what_does_not_fit_says_what_would() -> None:
     would leave 13 s of them."""
     made = plan(0.06, 17.0)
     assert not made.fits
-    said = list(made.remedies())
-    assert said[0].startswith("fewer cycles: 4 of 6 (duration_s=0.3202")
-    assert "is off by 21 % and takes 14 s" in said[1]
-    assert "mpirun -n 2" in said[2]
-    assert "slice.width_m=0.13 instead of 0.2 m" in said[3]
+    remedies = list(made.remedies())
+    assert remedies[0].startswith("fewer cycles: 4 of 6 (duration_s=0.3202")
+    assert "is off by 21 % and takes 14 s" in remedies[1]
+    assert "mpirun -n 2" in remedies[2]
+    assert "slice.width_m=0.13 instead of 0.2 m" in remedies[3]
 
 
 def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
@@ -123,39 +123,39 @@ def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
 
 def test_a_point_that_was_measured_keeps_its_settings() -> None:
     """Brackets, spaces and all.  A machine without its particles is cheaper, but no choice."""
-    found = study()
+    stored = study()
     point = {"settings": "mesh", "sets": "'panel.cells=[44, 1]' panel.step_s=0", "error": 0.001}
     point |= {"point": "mesh", "kind": "diagonal", "status": "done", "processor_s": 1.0}
     point |= {"frame_half_range_m_error": 0.001, "frame_half_range_m_error_half_width": 0.002}
     empty = point | {"kind": "parameter", "sets": "particles.solver=none", "processor_s": 0.5}
-    found.table["points"] += [empty, point]
-    one = found.recommend(0.05)
-    assert one is not None
-    assert one.sets == ("panel.cells=[44, 1]", "panel.step_s=0")
-    assert (one.error.at_most, one.measured) == (pytest.approx(0.003), True)
+    stored.table["points"] += [empty, point]
+    choice = stored.recommend(0.05)
+    assert choice is not None
+    assert choice.sets == ("panel.cells=[44, 1]", "panel.step_s=0")
+    assert (choice.error.at_most, choice.measured) == (pytest.approx(0.003), True)
 
 
 def test_what_was_measured_is_not_predicted() -> None:
     """Half the interval is predicted to be off by 1 %, but was measured to be off by 3 %; the reference, at
     42 s, is off by an estimated 1 %."""
-    found = study()
-    found.table["reference_error"] = 0.01
+    stored = study()
+    stored.table["reference_error"] = 0.01
     point = REFERENCE | {"point": "half", "kind": "parameter", "sets": FINE["sets"][0], "processor_s": 22.0}
-    found.table["points"].append(
+    stored.table["points"].append(
         point | {"error": 0.03, "frame_half_range_m_error": 0.03, "frame_half_range_m_error_half_width": 0.0}
     )
     for tolerance, settings in ((0.02, REFERENCE["sets"]), (0.03, FINE["sets"][0]), (0.005, None)):
-        one = found.recommend(tolerance)
-        assert (one and " ".join(one.sets)) == settings
+        choice = stored.recommend(tolerance)
+        assert (choice and " ".join(choice.sets)) == settings
 
 
 def test_chance_is_part_of_what_is_predicted() -> None:
     """4 and 1 % and a chance of 3 % are 8 %; within 7 % half the interval is wanted."""
-    found = study(chance=0.03)
+    stored = study(chance=0.03)
     for tolerance, label, error in ((0.09, "the case as it is", 0.08), (0.07, "half", 0.04)):
-        one = found.recommend(tolerance)
-        assert one is not None
-        assert (label in one.label, one.error.value) == (True, pytest.approx(error))
+        choice = stored.recommend(tolerance)
+        assert choice is not None
+        assert (label in choice.label, choice.error.value) == (True, pytest.approx(error))
 
 
 def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
@@ -163,8 +163,8 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="no such file"):
         find_study(loaded, file)
     older = {key: value for key, value in study().table.items() if key != "format_version"}
-    for found, why in ((study("other").table, "other"), ([], "is no study"), (older, "another version")):
-        write_json(file, found)
+    for table, why in ((study("other").table, "other"), ([], "is no study"), (older, "another version")):
+        write_json(file, table)
         with pytest.raises(CaseError, match=why):
             find_study(loaded, file)
     write_json(file, study().table)
@@ -179,7 +179,7 @@ def test_a_study_whose_short_run_was_doubtful_has_no_times() -> None:
 
 
 def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) -> None:
-    """And is not case_folder over; what it leaves out is named in it."""
+    """The level is never written over; what it leaves out is named in it."""
     folder = case_folder(tmp_path)
     sets = ["panel.solver=rigid", "duration_s=0.02", "contacts.0.restitution=0.5"]
     loaded = load_judged(folder, None)
@@ -215,6 +215,6 @@ def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
 def test_a_study_in_which_nothing_happened_is_no_ground_to_plan_on(
     values: dict[str, float | None], is_empty: bool
 ) -> None:
-    found = study()
-    found.table["points"] = [{"point": "base"} | values, {"point": "parameter", "deflection_m": 1.0}]
-    assert found.is_empty is is_empty
+    stored = study()
+    stored.table["points"] = [{"point": "base"} | values, {"point": "parameter", "deflection_m": 1.0}]
+    assert stored.is_empty is is_empty

@@ -1,4 +1,5 @@
-"""What each case can turn: every setting is a right case, and what is missing has a reason."""
+"""The settings of each case that a study can change: every one is a right case, and a missing one has a
+reason."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ QUICKSTART = ROOT / "cases/quickstart"
 
 
 def test_every_setting_but_the_own_is_another_right_case() -> None:
-    """With particles on strips.  The scheme and model variants cover the registry."""
+    """The case has particles on strips. The scheme and model variants cover the registry."""
     case = load_judged(QUICKSTART, "draft").case
     there = offer(case, [*PARAMETERS], 3)
     assert there.missing == {"cut-off": "no block or feed has a smallest_fed_m"}
@@ -42,12 +43,12 @@ def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
     for name, key in (("particle-step", "particles"), ("panel-step", "panel")):
         (series,) = offer(case, [name], 3).series
         counts = [
-            steps_in(case.coupling.sync_interval_s, float(one.sets[0].partition("=")[2]))
-            for one in series.settings[1:]
+            steps_in(case.coupling.sync_interval_s, float(setting.sets[0].partition("=")[2]))
+            for setting in series.settings[1:]
         ]
         own = round(float(exact(case.coupling.sync_interval_s)) / (series.settings[0].h or 0))
         assert counts == [2 * own, 4 * own]
-        assert all(one.sets[0].startswith(f"{key}.step_s=") for one in series.settings[1:])
+        assert all(setting.sets[0].startswith(f"{key}.step_s=") for setting in series.settings[1:])
 
 
 @pytest.mark.parametrize(
@@ -131,8 +132,8 @@ def test_no_contact_is_stiffer_than_its_material() -> None:
     ("restitution", "order", "best"), [(0.34, 1.0, "aitken"), (1.0, 2.0, "particles-first")]
 )
 def test_damped_contacts_cost_particles_first_an_order(restitution: float, order: float, best: str) -> None:
-    """In motion, by which settings are judged; iterated schemes keep theirs, and are nearer to the truth
-    (docs/theory/coupling.md)."""
+    """The order falls in motion, by which settings are judged; iterated schemes keep theirs, and are nearer
+    to the truth (docs/theory/coupling.md)."""
     sets = ["coupling.scheme=particles-first", *(f"contacts.{n}.restitution={restitution}" for n in (0, 1))]
     case = load_judged(ROOT / "cases/ball-on-panel", "draft", sets).case
     every = offer(case, ("sync", "scheme"), 2).series

@@ -70,28 +70,29 @@ def study(out: Path) -> AccuracyStudy:
 
 
 def family(study: AccuracyStudy, parameter: str) -> MeasuredSeries:
-    return next(one for one in study.measured_series if one.series.parameter == parameter)
+    return next(each for each in study.measured_series if each.series.parameter == parameter)
 
 
-def observed_order(found: MeasuredSeries) -> float:
+def observed_order(series: MeasuredSeries) -> float:
     """Return the median order over the quantities whose errors fall along a line."""
-    return median(one.order for one in found.orders.values() if one.is_clean)
+    return median(each.order for each in series.orders.values() if each.is_clean)
 
 
 def test_particles_first_is_of_second_order(study: AccuracyStudy) -> None:
-    """In motion and in the energy that it creates, as theory has it (docs/theory/coupling.md)."""
-    found = family(study, "sync")
+    """The order holds in motion and in the energy that the scheme creates, as in theory
+    (docs/theory/coupling.md)."""
+    series = family(study, "sync")
     for name in ("deflection_m", "shape", "energy_defect"):
-        assert found.orders[name].order == pytest.approx(found.series.expected, abs=0.25)
-        assert found.orders[name].is_clean
+        assert series.orders[name].order == pytest.approx(series.series.expected, abs=0.25)
+        assert series.orders[name].is_clean
 
 
 def test_a_strip_is_of_second_order_in_its_cells(study: AccuracyStudy) -> None:
     """Median of all quantities.  They scatter about 2, as the ball's place lies elsewhere between
     the strip's corners in each mesh."""
-    found = family(study, "panel-mesh")
-    assert observed_order(found) == pytest.approx(2.0, abs=0.6)
-    assert found.errors[0]["shape"].value > 3 * found.errors[1]["shape"].value
+    series = family(study, "panel-mesh")
+    assert observed_order(series) == pytest.approx(2.0, abs=0.6)
+    assert series.errors[0]["shape"].value > 3 * series.errors[1]["shape"].value
 
 
 def test_a_criterion_may_ask_for_what_studies_compare_by(study: AccuracyStudy) -> None:
@@ -109,7 +110,7 @@ def test_a_study_of_nothing_says_so(out: Path) -> None:
 
 
 def test_a_study_without_a_quantity_that_decides_says_so(study: AccuracyStudy, out: Path) -> None:
-    """Nothing leaves this panel, so that no efficiency can be wrong."""
+    """No particle leaves this panel, so that no efficiency can be wrong."""
     with pytest.raises(CaseError, match="none of the quantities that should decide: efficiency_percent"):
         made(replace(study.request, judged_by=("efficiency_percent",)))
 
@@ -126,13 +127,13 @@ def test_a_failed_run_of_another_case_is_not_taken_for_one_of_this(out: Path) ->
 
 
 def test_serial_staggered_is_of_first_order(out: Path) -> None:
-    """Not the largest deflection, off by 0.02 % only: the ball leaves before it comes."""
+    """The largest deflection, off by 0.02 % only, is not of first order: the ball leaves before it comes."""
     sets = ("coupling.scheme=serial-staggered",)
-    found = family(made(asked(out.with_name("serial"), ("sync",), *sets)), "sync")
-    assert found.series.expected == 1.0
+    series = family(made(asked(out.with_name("serial"), ("sync",), *sets)), "sync")
+    assert series.series.expected == 1.0
     for name in ("shape", "energy_defect"):
-        assert found.orders[name].order == pytest.approx(1.0, abs=0.25)
-    assert observed_order(found) == pytest.approx(1.0, abs=0.25)
+        assert series.orders[name].order == pytest.approx(1.0, abs=0.25)
+    assert observed_order(series) == pytest.approx(1.0, abs=0.25)
 
 
 @pytest.mark.parametrize(
@@ -149,9 +150,9 @@ def test_the_particles_step_is_of_the_order_expected(
 ) -> None:
     """2 where a contact loses nothing, but 1 where the surface jumps at sync points."""
     name = "-".join(("step", *sets)).replace("/", "")
-    found = family(made(asked(out.with_name(name), ("particle-step",), *sets)), "particle-step")
-    assert found.series.expected == order
-    assert found.orders[quantity].order == pytest.approx(order, abs=0.3)
+    series = family(made(asked(out.with_name(name), ("particle-step",), *sets)), "particle-step")
+    assert series.series.expected == order
+    assert series.orders[quantity].order == pytest.approx(order, abs=0.3)
 
 
 def test_what_is_proposed_together_keeps_what_it_promises(study: AccuracyStudy) -> None:
@@ -160,7 +161,7 @@ def test_what_is_proposed_together_keeps_what_it_promises(study: AccuracyStudy) 
     table = study.rows
     assert study.reference in study.proposals
     best = study.measured[study.reference].settings
-    assert {axis: one.h for axis, one in best.items()} == {"coupling": 4e-5, "panel": 0.5}
+    assert {axis: choice.h for axis, choice in best.items()} == {"coupling": 4e-5, "panel": 0.5}
     for row in table:
         if row.proposal and row.error:
             assert row.error.value < 2 * row.proposal.error + 1e-3
@@ -168,11 +169,11 @@ def test_what_is_proposed_together_keeps_what_it_promises(study: AccuracyStudy) 
     costs = [row.point.processor_s for row in front]
     assert costs == sorted(costs)
     for tolerance in (0.01, 0.05):
-        one = study.recommend(tolerance)
-        assert one.row is not None
-        assert one.row.error is not None
-        assert one.row.error.value <= tolerance
-        assert one.is_proven
+        choice = study.recommend(tolerance)
+        assert choice.row is not None
+        assert choice.row.error is not None
+        assert choice.row.error.value <= tolerance
+        assert choice.is_proven
 
 
 def test_called_again_nothing_is_run_and_the_files_are_there(study: AccuracyStudy, out: Path) -> None:
@@ -188,8 +189,8 @@ def test_called_again_nothing_is_run_and_the_files_are_there(study: AccuracyStud
     arrow = parquet.read_table(out / "accuracy.parquet").to_pylist()
     assert [row["point"] for row in table] == [row["point"] for row in arrow]
     assert len(table) == len(before) - 1  # the short part is no point
-    said = json.loads((out / "accuracy.json").read_text())
-    assert said["reference"] == study.reference
+    stored = json.loads((out / "accuracy.json").read_text())
+    assert stored["reference"] == study.reference
     assert all(0 < int(row["side_by_side"]) <= 2 for row in table)
     page = (out / "accuracy.html").read_text()
     assert page.count("data:image/png") == len(list(out.glob("*.png"))) == 3
@@ -212,11 +213,11 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
 
 
 def test_a_plan_by_the_study_is_one_of_its_short_run(study: AccuracyStudy, out: Path) -> None:
-    """How well times are kept is no test, but a command: tools/plan_series.py."""
+    """The command tools/plan_series.py measures how well predicted times are kept."""
     write_study(study, out)
-    found = find_study(load_judged(BALL, "draft"), out / "accuracy.json")
-    assert found is not None
-    timing, own_s = time_by_study(found, BALL, "draft"), study.base.processor_s
+    stored = find_study(load_judged(BALL, "draft"), out / "accuracy.json")
+    assert stored is not None
+    timing, own_s = time_by_study(stored, BALL, "draft"), study.base.processor_s
     short_s, long_s = (timing.wall_s(own_s, duration_s) for duration_s in (0.05, 0.1))
     assert timing.start_s < short_s < long_s < 2 * short_s
     assert timing.duration_s(own_s, short_s, 1.0) == pytest.approx(0.05)

@@ -225,7 +225,7 @@ def test_a_crash_is_no_interruption(
 @pytest.mark.process
 @pytest.mark.solver
 def test_a_killed_run_says_what_goes_on_with_it(run: flipflow.Run, tmp_path: Path) -> None:
-    """It has no summary, so that there is no run to open and to resume from Python."""
+    """A killed run has no summary, so that there is no run to open and to resume from Python."""
     killed = Path(shutil.copytree(run.folder, tmp_path / "killed"))
     (killed / "summary.json").unlink()
     goes_on = f"`flipflow resume {killed}` goes on from t = 0.24 s"
@@ -236,7 +236,7 @@ def test_a_killed_run_says_what_goes_on_with_it(run: flipflow.Run, tmp_path: Pat
 
 
 def test_a_message_of_many_lines_keeps_its_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of mpirun's words on too many ranks the last five were shown, without what is wrong."""
+    """The last five lines of mpirun on too many ranks do not say what is wrong."""
     words = "not enough slots\n" + "what to do\n" * 12
     say(monkeypatch, f"sys.stderr.write({words!r}); sys.exit(1)")
     with pytest.raises(flipflow.RunFailed, match="not enough slots"):

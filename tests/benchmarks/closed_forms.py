@@ -16,9 +16,9 @@ C10_PA, C01_PA, PU_KG_PER_M3 = 0.7e6, 2.8e6, 1150.0
 def stretched_J_per_m3(stretch: float) -> float:
     """Energy of an incompressible Mooney-Rivlin bar, per volume (Treloar, The Physics of Rubber
     Elasticity, 1975, ch. 5)."""
-    one = stretch**2 + 2 / stretch - 3
-    two = 2 * stretch + 1 / stretch**2 - 3
-    return C10_PA * one + C01_PA * two
+    first = stretch**2 + 2 / stretch - 3
+    second = 2 * stretch + 1 / stretch**2 - 3
+    return C10_PA * first + C01_PA * second
 
 
 def nominal_Pa(stretch: float) -> float:
@@ -41,7 +41,7 @@ def deepest_m(
     stiffer: float = 1.0,
     contact: tuple[float, float] | None = None,
 ) -> float:
-    """How deep a lump can push the middle of a strip by its energy: nothing stores less than a V.
+    """Return how deep a lump can push the middle of a strip by its energy: no shape stores less than a V.
 
     ``panel``: stress-free length, span, section; ``kept``: share of the kinetic energy that is left
     after the impact; ``stiffer``: factor on the strip's stiffness; ``contact``: radius and E* of
@@ -128,5 +128,5 @@ def swept_m(
         return [v1, v2, (force_N(t) + shear - kg * x1 - cg * v1) / m1, -shear / m2, *relaxing]
 
     times_s = np.linspace(0, end_s, 20001)
-    found = solve_ivp(rates, (0, end_s), [0.0] * (4 + len(maxwell)), t_eval=times_s, rtol=1e-9, atol=1e-12)
-    return float(np.abs(found.y[1]).max())
+    solution = solve_ivp(rates, (0, end_s), [0.0] * (4 + len(maxwell)), t_eval=times_s, rtol=1e-9, atol=1e-12)
+    return float(np.abs(solution.y[1]).max())

@@ -27,14 +27,14 @@ pytestmark = [pytest.mark.solver, pytest.mark.process, pytest.mark.slow]
 
 
 def every_criterion() -> list[object]:
-    found = []
+    parameters = []
     for name in NAMES:
         for row in read_criteria(FOLDER / name).criteria:
             known = pytest.mark.xfail(strict=True, reason=row.known_failure)
             marks = [known] if row.known_failure else []
             label = f"{name}: {row.run}: {row.what}"
-            found.append(pytest.param(name, row, marks=marks, id=label))
-    return found
+            parameters.append(pytest.param(name, row, marks=marks, id=label))
+    return parameters
 
 
 @pytest.fixture(scope="module")
@@ -69,8 +69,8 @@ def test_it_is_met(was_run: Callable[[str], CaseCriteria], name: str, row: Crite
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_run_has_results(was_run: Callable[[str], CaseCriteria], name: str) -> None:
-    """Of those that came to their end: several of these cases have no frames, or nothing that
-    drives them.  What a report draws of a case's runs differs in its values only, so that one is made."""
+    """Every run that came to its end has results; several of these cases have no frames, or nothing that
+    drives them. What a report draws of a case's runs differs in its values only, so that one is made."""
     ended = [each.folder for each in was_run(name).points if trust.came_to_its_end(each.status())]
     for folder in ended:
         assert summary(folder)["results"]["failed"] == {}

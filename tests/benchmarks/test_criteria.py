@@ -138,7 +138,7 @@ def test_the_error_against_an_answer(runs: dict[str, Runs]) -> None:
 
 
 def test_answers_are_exact_and_of_the_case_as_it_is(tmp_path: Path) -> None:
-    """Not those of a run that is changed, nor those that are compared with another."""
+    """The answers are not those of a run that is changed, nor of one that is compared with another."""
     assert known_answers(tmp_path) == ()
     head = '[runs.one]\n[runs.two]\nsets = ["a=1"]\n'
     exact = ROW + "reference = 1.0\nexact = true\n"
@@ -193,7 +193,7 @@ def test_verdicts(measured: float | None, given: dict[str, object], verdict: str
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         (HEAD + ROW.replace("series", "serie"), 'no measure "serie"'),
         (HEAD + ROW.replace('"one"', '"three"'), 'no run "three"'),
@@ -202,21 +202,21 @@ def test_verdicts(measured: float | None, given: dict[str, object], verdict: str
         (HEAD + ROW.replace("band", "ratio"), "reference, which is missing"),
     ],
 )
-def test_a_wrong_file_is_refused(tmp_path: Path, text: str, said: str) -> None:
+def test_a_wrong_file_is_refused(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "criteria.toml").write_text(text)
-    with pytest.raises(CaseError, match=said):
+    with pytest.raises(CaseError, match=message):
         read_criteria(tmp_path)
 
 
 def test_every_hard_case_is_read_and_has_its_page() -> None:
-    found = [file.parent for file in FOLDER.glob("*/criteria.toml")]
-    numbers = sorted(read_criteria(case).number or 0 for case in found)
+    folders = [file.parent for file in FOLDER.glob("*/criteria.toml")]
+    numbers = sorted(read_criteria(case).number or 0 for case in folders)
     assert numbers == [*range(1, len(numbers) + 1)]
-    for case in found:
+    for case in folders:
         page = (case / "README.md").read_text()
         assert page.startswith(f"# {case.name}\n")
         assert "**Measured" in page
-    assert len(found) == len([*FOLDER.glob("*/case.toml")])
+    assert len(folders) == len([*FOLDER.glob("*/case.toml")])
 
 
 def test_an_amplitude_is_that_of_the_cycles_it_is_asked_for(tmp_path: Path) -> None:
@@ -268,7 +268,8 @@ def test_the_load_and_the_velocity_on_the_deck_are_those_of_the_time_they_are_as
 
 
 def test_each_part_of_a_series_has_the_scatter_of_its_own_time(runs: dict[str, Runs]) -> None:
-    """Over the runs, x scatters by a row's number: not at all in the first row, but in the last one."""
+    """The value x scatters over the runs by a row's number: not at all in the first row, but in the last
+    one."""
     seeds = {"seeds": Runs((*runs["one"].points, *runs["two"].points))}
     given = {"of": "probes/p/position_m", "axis": "x", "scatter": "seeds", "compare": "difference"}
     row = criterion(**given, between_s=(4.0, 4.0), earlier_s=(0.0, 0.0))
@@ -277,7 +278,7 @@ def test_each_part_of_a_series_has_the_scatter_of_its_own_time(runs: dict[str, R
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [
         ({"compare": "change", "between": (5.0, 6.0)}, "no run has a value from 5 to 6"),
         ({"between": (5.0, 6.0)}, "no run has a value from 5 to 6"),
@@ -285,13 +286,13 @@ def test_each_part_of_a_series_has_the_scatter_of_its_own_time(runs: dict[str, R
     ],
 )
 def test_too_few_values_of_a_varied_key_are_unknown(
-    runs: dict[str, Runs], given: dict[str, object], said: str
+    runs: dict[str, Runs], given: dict[str, object], message: str
 ) -> None:
     points = [replace(of.points[0], value=value) for of, value in zip(runs.values(), "12", strict=True)]
     varied = {"one": Runs(tuple(points), Vary("n", ("1", "2")))}
     result = judge("a", criterion(measure="result", of="n", **given), varied)
     assert (result.measured, result.verdict) == (None, "no number")
-    assert said in result.value_in_words
+    assert message in result.value_in_words
 
 
 def test_the_place_of_a_minimum_is_that_of_the_parabola(runs: dict[str, Runs]) -> None:

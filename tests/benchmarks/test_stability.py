@@ -64,9 +64,9 @@ def test_the_map_has_every_scheme_mass_and_interval(spots: list[stability.Spot])
         case = spot.run.loaded.case
         assert case.coupling.scheme == spot.scheme
         by_mass[spot.mass_ratio].add((spot.multiple, case.coupling.sync_interval_s))
-    for found in by_mass.values():
-        (one, one_s), (two, two_s) = sorted(found)
-        assert (one, two) == (1.0, 2.0)
+    for pairs in by_mass.values():
+        (smaller, one_s), (larger, two_s) = sorted(pairs)
+        assert (smaller, larger) == (1.0, 2.0)
         assert two_s == pytest.approx(2 * one_s, rel=0.01)  # three digits
 
 
@@ -76,8 +76,8 @@ def test_what_was_stopped_is_not_run_again(
     for spot, figures in zip(spots, [DONE, WARNED, STOPPED] * len(spots), strict=False):
         made_up(spot.run, figures)
     monkeypatch.setattr(points, "python", lambda *words, **more: pytest.fail("it was run"))
-    said = list(run_points([spot.run for spot in spots], Crew(1)))
-    assert all(line.endswith("done before") for line in said)
+    lines = list(run_points([spot.run for spot in spots], Crew(1)))
+    assert all(line.endswith("done before") for line in lines)
     assert [spot.outcome for spot in spots[:3]] == ["stable", "warned", "stopped"]
 
 
@@ -124,17 +124,17 @@ def test_masses_that_are_one_to_three_digits_are_refused(spots: list[stability.S
 
 @pytest.mark.process
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (("--part", "hart"), "hard or map"),
         (("docs", "--part", "hard"), "criteria.toml"),
         (("--part", "map", "--map", "jam"), "map.toml"),
     ],
 )
-def test_what_is_wrong_is_said(tmp_path: Path, words: tuple[str, ...], said: str) -> None:
+def test_what_is_wrong_is_said(tmp_path: Path, words: tuple[str, ...], message: str) -> None:
     done = flipflow("study", "stability", *words, "--out", str(tmp_path / "out"))
     assert done.returncode == 2
-    assert said in done.stderr
+    assert message in done.stderr
     said_plainly(done)
 
 

@@ -1,5 +1,5 @@
-"""How many examples the fuzzers try: as many as a few seconds allow, or thousands with
-``pytest tests/case --hypothesis-profile=long``."""
+"""The number of examples that the fuzzers try: as many as a few seconds allow, or thousands with ``pytest
+tests/case --hypothesis-profile=long``."""
 
 from __future__ import annotations
 

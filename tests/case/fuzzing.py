@@ -48,8 +48,8 @@ def flipflow(words: Sequence[str], place: Path) -> Ended:
     if child == 0:
         _be(words, place)
     code = _waited(child, started + HANG_S)
-    said = [_taken(place.parent / name) for name in ("out", "err")]
-    return Ended(code, *said, frozenset(_files(place) - before))
+    texts = [_taken(place.parent / name) for name in ("out", "err")]
+    return Ended(code, *texts, frozenset(_files(place) - before))
 
 
 def _be(words: Sequence[str], place: Path) -> None:
@@ -109,10 +109,10 @@ def _taken(file: Path) -> str:
 
 
 def _files(place: Path) -> set[str]:
-    found = set()
+    files = set()
     for folder, _, names in os.walk(place):
         for name in names:
             path = os.path.join(folder, name)
             at = os.lstat(path)
-            found.add(f"{os.path.relpath(path, place)} {at.st_size} {at.st_mtime_ns}")
-    return found
+            files.add(f"{os.path.relpath(path, place)} {at.st_size} {at.st_mtime_ns}")
+    return files

@@ -64,7 +64,7 @@ def places(value: Any, here: Path_ = ()) -> list[Path_]:
         inner = value.items()
     elif isinstance(value, list):
         inner = enumerate(value)
-    return [here, *(place for key, one in inner for place in places(one, (*here, key)))]
+    return [here, *(place for key, child in inner for place in places(child, (*here, key)))]
 
 
 def at(table: Any, place: Path_) -> Any:
@@ -97,9 +97,9 @@ def spoilt(table: dict[str, Any], draw: Callable[[Any], Any]) -> dict[str, Any]:
 def scaled(value: Any, factor: float) -> Any:
     """Every number in it."""
     if isinstance(value, dict):
-        return {key: scaled(one, factor) for key, one in value.items()}
+        return {key: scaled(part, factor) for key, part in value.items()}
     if isinstance(value, list):
-        return [scaled(one, factor) for one in value]
+        return [scaled(part, factor) for part in value]
     if isinstance(value, int | float) and not isinstance(value, bool):
         return value * factor
     return value

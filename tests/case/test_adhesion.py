@@ -57,12 +57,12 @@ def test_works_by_pair_of_materials_and_the_widest_stretch(tmp_path: Path) -> No
     assert isinstance(plan, Jkr)
     np.testing.assert_allclose(plan.work_J_per_m2, [[0.0, 0.1], [0.1, 0.2]], rtol=1e-12)
     given = case(tmp_path, *WET)
-    one, two = (contact_moduli(given.materials[name], None) for name in ("PU", "coal"))
+    first, second = (contact_moduli(given.materials[name], None) for name in ("PU", "coal"))
     gaps_m = [
         0.75 * (math.pi**2 * w**2 * radius_m / e_star_Pa**2) ** (1 / 3)
         for w, radius_m, e_star_Pa in (
-            (0.1, 0.010, reduced_modulus_Pa(one, two)),
-            (0.2, 0.005, reduced_modulus_Pa(two, two)),
+            (0.1, 0.010, reduced_modulus_Pa(first, second)),
+            (0.2, 0.005, reduced_modulus_Pa(second, second)),
         )
     ]
     assert plan.largest_stretch == pytest.approx(max(gaps_m) / 0.010, rel=1e-6)
@@ -70,7 +70,7 @@ def test_works_by_pair_of_materials_and_the_widest_stretch(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("rule", ["sticking", "pull-off"])
 def test_softening(tmp_path: Path, rule: str) -> None:
-    """Kept are  w^5 / E*^2,  hence the sticking speed, or w, hence the pull-off force."""
+    """Softening keeps w^5 / E*^2, hence the sticking speed, or w, hence the pull-off force."""
     hard = (*WET, "materials.coal.youngs_modulus_Pa=1e9", f"particles.softened_adhesion={rule}")
     soft = (*hard, "particles.largest_youngs_modulus_Pa=1e7")
     for before, after in zip(
@@ -97,12 +97,14 @@ def test_a_case_by_bond_number_or_moisture_keeps_the_pull_off_force(tmp_path: Pa
     work_J_per_m2 = case(tmp_path, pair).contacts[1].work_of_adhesion_J_per_m2
     by_work = f"contacts.1.work_of_adhesion_J_per_m2={work_J_per_m2!r}"
     for given in ((by_work,), (pair, "particles.softened_adhesion=sticking")):
-        (found,) = pull_offs(case(tmp_path, *given, *SOFT))
-        assert found.asked == pytest.approx(3.0)
-        assert found.run == pytest.approx(3.0 * 0.02**0.4)
-        (said,) = [line for line in warnings(loaded(tmp_path, [*given, *SOFT])) if "pull-off force" in line]
-        assert "0.627 weights of a grain of 20 mm, 3 asked for" in said
-        assert any(found.in_words in line for line in overview(loaded(tmp_path, [*given, *SOFT])))
+        (pull_off,) = pull_offs(case(tmp_path, *given, *SOFT))
+        assert pull_off.asked == pytest.approx(3.0)
+        assert pull_off.run == pytest.approx(3.0 * 0.02**0.4)
+        (warning,) = [
+            line for line in warnings(loaded(tmp_path, [*given, *SOFT])) if "pull-off force" in line
+        ]
+        assert "0.627 weights of a grain of 20 mm, 3 asked for" in warning
+        assert any(pull_off.in_words in line for line in overview(loaded(tmp_path, [*given, *SOFT])))
         verdict = EFFECT.judge(scene(case(tmp_path, *given, *SOFT)))
         assert "the pull-off force is 0.627 weights" in verdict.why
     assert not [line for line in warnings(loaded(tmp_path, [pair, *SOFT])) if "pull-off force" in line]
@@ -116,14 +118,14 @@ def test_a_pull_off_force_counts_for_real_grains_and_by_the_law_of_the_run(tmp_p
     block += "[{smallest_m=0.004, largest_m=0.016, mass_fraction=1.0}]}"
     text = CASE[: CASE.index("[bed.particles.ball]")] + CASE[CASE.index("[probes.middle]") :]
 
-    def found(*overrides: str) -> PullOff:
+    def pull_off(*overrides: str) -> PullOff:
         bond = ("contacts.1.bond_number=3", "contacts.1.bond_diameter_m=0.004")
         (pair,) = pull_offs(load_case(tmp_path, text, (block, *bond, *overrides)).case)
         return pair
 
-    for real in (found(), found("particles.coarse_graining=1.5")):
+    for real in (pull_off(), pull_off("particles.coarse_graining=1.5")):
         assert (real.size_m, real.asked, real.run) == pytest.approx((0.004, 3.0, 3.0))
-    cheap = found('particles.adhesion="sjkr"')
+    cheap = pull_off('particles.adhesion="sjkr"')
     assert (cheap.asked, cheap.run) == pytest.approx((3.0, 1.5))
 
 
@@ -184,8 +186,8 @@ def test_negative_and_absurd_works(tmp_path: Path) -> None:
     assert "contacts.0.work_of_adhesion_J_per_m2" in only_complaint(
         tmp_path, "contacts.0.work_of_adhesion_J_per_m2=-1"
     )
-    said = only_complaint(tmp_path, "contacts.0.work_of_adhesion_J_per_m2=7750")
-    assert "looks like mJ/m2" in said
+    complaint = only_complaint(tmp_path, "contacts.0.work_of_adhesion_J_per_m2=7750")
+    assert "looks like mJ/m2" in complaint
 
 
 def test_a_neck_wider_than_half_the_radius(tmp_path: Path) -> None:
@@ -206,7 +208,7 @@ def test_a_pull_of_a_million_weights(tmp_path: Path) -> None:
 def test_sjkr_wants_a_material_of_its_own_for_surfaces(tmp_path: Path) -> None:
     same = ('bed.particles.ball.material="PU"', *WET, 'particles.adhesion="sjkr"')
     pu = 'contacts.1.between=["PU", "PU"]'
-    assert any("cannot tell them apart" in said for said in complaints(tmp_path, *same, pu))
+    assert any("cannot tell them apart" in complaint for complaint in complaints(tmp_path, *same, pu))
     key = "particles.sjkr_diameter_m=0.003"
     assert kinds(tmp_path, *WET, key) == ["particles.sjkr_diameter_m: conflict"]
 
@@ -272,7 +274,8 @@ def test_default_grain_of_particles_that_the_case_takes_over(tmp_path: Path) -> 
 
 
 def test_a_bed_that_is_taken_over_does_not_change_the_grain_of_blocks(tmp_path: Path) -> None:
-    """What is left on a deck is coarser than what the case describes; the contacts stay those of the case."""
+    """The material left on a deck is coarser than what the case describes; the contacts stay those of the
+    case."""
     block = 'bed.blocks.coal={material="coal", box_m=[[0.05, 0.05, 0.05], [0.2, 0.15, 0.2]], count=40, sizes='
     block += "[{smallest_m=0.004, largest_m=0.004, mass_fraction=1.0}]}"
     (tmp_path / "grains.csv").write_text("x_m,y_m,z_m,sieve_size_m,material\n0.1,0.1,0.1,0.008,coal\n")
@@ -347,7 +350,7 @@ def test_wrong_bond_numbers_and_moistures(tmp_path: Path, keys: str, wanted: str
 
 
 def test_a_bond_number_without_any_grain_stays(tmp_path: Path) -> None:
-    """Where nothing can stick, there is nothing to weigh; the case can still be given a bed."""
+    """A case in which nothing can stick has nothing to weigh; it can still be given a bed."""
     empty = CASE.partition("[bed.particles.ball]")[0].replace(
         "restitution = 0.13", "restitution = 0.13\nbond_number = 5"
     )

@@ -72,13 +72,13 @@ def test_triangles_cover_the_material_and_nothing_else(
     or an opening allows, no slivers, normals up, and not many triangles."""
     rectangle = panel()
     grid = perforated_grid(rectangle, pattern, (22, 8))
-    count, found = len(pattern.centres_m(rectangle)), quality(grid)
+    count, mesh = len(pattern.centres_m(rectangle)), quality(grid)
     whole_m2 = (rectangle.length_m + 2 * rectangle.clamp_m) * rectangle.width_m
-    open_m2 = whole_m2 - found.covered_m2
+    open_m2 = whole_m2 - mesh.covered_m2
     tolerance = 1e-9 if pattern.shape == "rectangle" else 0.02
     assert open_m2 == pytest.approx(count * pattern.opening_m2, rel=tolerance)
-    assert found.least_angle_deg > 3.0
-    assert found.longest_m < 1.6 * largest
+    assert mesh.least_angle_deg > 3.0
+    assert mesh.longest_m < 1.6 * largest
     assert len(grid.triangles) < per_opening * count + 500
     inside = grid.coordinates_m[grid.triangles].mean(axis=1)
     half = np.array([pattern.length_m, pattern.width_m]) / 2
@@ -98,16 +98,16 @@ def test_every_edge_but_rims_and_borders_has_two_triangles() -> None:
 
 
 def test_the_centre_line_is_that_of_a_panel_without_openings() -> None:
-    """From clamp to clamp, so that the deck's length does not depend on the openings."""
+    """The line goes from clamp to clamp, so that the deck's length does not depend on the openings."""
     with_openings, without = perforated_grid(panel(), FFS0827, (22, 8)), grid(panel(), (22, 8))
-    lines_m = (found.coordinates_m[found.centre_line] for found in (with_openings, without))
+    lines_m = (mesh.coordinates_m[mesh.centre_line] for mesh in (with_openings, without))
     np.testing.assert_allclose(*lines_m, rtol=0, atol=1e-12)
 
 
 def test_the_same_twice_to_the_last_bit() -> None:
-    one, two = (perforated_grid(panel(), FFS0827, (22, 8)) for _ in range(2))
-    assert (one.coordinates_m == two.coordinates_m).all()
-    assert (one.triangles == two.triangles).all()
+    first, second = (perforated_grid(panel(), FFS0827, (22, 8)) for _ in range(2))
+    assert (first.coordinates_m == second.coordinates_m).all()
+    assert (first.triangles == second.triangles).all()
 
 
 def test_panels_that_are_meshed_at_the_same_time_get_their_own_triangles() -> None:
@@ -122,7 +122,7 @@ def test_panels_that_are_meshed_at_the_same_time_get_their_own_triangles() -> No
 
 
 def test_few_triangles_for_the_ffs0827_panel_and_its_slice() -> None:
-    """What docs/measured/perforated_panel.md says they cost."""
+    """The numbers of triangles are those of docs/measured/perforated_panel.md."""
     assert len(perforated_grid(panel(), FFS0827, (22, 8)).triangles) < 8000
     thin = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
     assert len(perforated_grid(panel(width_m=0.03), thin, (22, 2)).triangles) < 350
@@ -156,8 +156,8 @@ def test_patterns_that_cannot_be(tmp_path: Path, change: str, wanted: str) -> No
 
 def test_an_opening_in_millimetres(tmp_path: Path) -> None:
     """The range of an opening's width is not that of a panel's."""
-    found = complaints(tmp_path, SLOTTED, f"{KEY}width_m=3")
-    assert any("width_m: 3 is out of the range 0.0001 to 1; looks like mm" in x for x in found)
+    problems = complaints(tmp_path, SLOTTED, f"{KEY}width_m=3")
+    assert any("width_m: 3 is out of the range 0.0001 to 1; looks like mm" in x for x in problems)
 
 
 def test_no_plate(tmp_path: Path) -> None:
@@ -171,8 +171,8 @@ def test_no_plate(tmp_path: Path) -> None:
 @pytest.mark.solver
 def test_round_ends_on_the_solid(tmp_path: Path) -> None:
     solid = "panel.solver=solid"
-    found = only_complaint(tmp_path, SLOTTED, f"{KEY}shape=slot", solid)
-    assert "apertures.shape: slot: the solid's cells are boxes" in found
+    complaint = only_complaint(tmp_path, SLOTTED, f"{KEY}shape=slot", solid)
+    assert "apertures.shape: slot: the solid's cells are boxes" in complaint
     assert complaints(tmp_path, SLOTTED, f"{KEY}shape=rectangle", solid) == []
 
 
@@ -183,9 +183,9 @@ def test_a_slice_takes_whole_pitches_from_side_to_side(tmp_path: Path) -> None:
     assert pattern is not None
     assert pattern.counts(rectangle) == (9, 15)
     assert pattern.region_m(rectangle)[:, 1] == pytest.approx([0.0, 0.09])
-    said = only_complaint(tmp_path, *sliced, "slice.width_m=0.1")
-    assert "0.1 m is 16.6667 pitches of the openings of panel deck" in said
-    assert "take a whole number of at most 30: 0.102 m is 17" in said
+    complaint = only_complaint(tmp_path, *sliced, "slice.width_m=0.1")
+    assert "0.1 m is 16.6667 pitches of the openings of panel deck" in complaint
+    assert "take a whole number of at most 30: 0.102 m is 17" in complaint
     assert "0.18 m is 30" in only_complaint(tmp_path, *sliced, "slice.width_m=0.198")
 
 
@@ -200,7 +200,7 @@ def test_equal_panels_share_their_triangles_and_their_mistakes(tmp_path: Path) -
 
 
 def test_openings_are_resolved_for_particles_only(tmp_path: Path) -> None:
-    """Whatever the surface is made of, the plan has them: stiffness and mass are the panel's."""
+    """The plan has the openings whatever the surface is made of: stiffness and mass are the panel's."""
     start, _, rest = CASE.partition("[bed.particles.ball]")
     empty = start + rest[rest.index("[probes.middle]") :]
     case = load_case(tmp_path, empty, [SLOTTED, "panel.surface_cells=[6, 4]"]).case
@@ -224,8 +224,8 @@ def test_the_solid_says_how_large_it_is_and_refuses_what_no_machine_carries(tmp_
     solid = [SLOTTED, "panel.solver=solid", "panel.integrator=implicit"]
     size = mesh_sizes(loaded(tmp_path, solid).case)["deck"]
     lines = list(overview(loaded(tmp_path, solid)))
-    said = f"{size.cells} cells, {3 * size.nodes} unknowns and some {size.memory_GiB:.2g} GiB"
-    assert any(said in line for line in lines)
+    expected = f"{size.cells} cells, {3 * size.nodes} unknowns and some {size.memory_GiB:.2g} GiB"
+    assert any(expected in line for line in lines)
     fine = only_complaint(tmp_path, *solid, "panel.cells=[1000, 600]")
     assert "panel.solver: 443599 cells" in fine
     assert "at most 64 GiB are allowed" in fine

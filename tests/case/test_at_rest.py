@@ -1,4 +1,4 @@
-"""What the open panels are asked before anything is computed: how they hang, and what is there."""
+"""Checks of the open panels before anything is computed: how they hang, and what is there."""
 
 from __future__ import annotations
 
@@ -31,8 +31,9 @@ def plate(height_m: float) -> str:
     return PLATE.replace("HEIGHT", str(height_m))
 
 
-def said(folder: Path, overrides: Sequence[str]) -> list[str]:
-    """What is said when the solvers are open, and by a check before; nothing else was wrong."""
+def problems_of(folder: Path, overrides: Sequence[str]) -> list[str]:
+    """Return the problems found when the solvers are open, which a check found before, too; no other
+    problem exists."""
     given = loaded(folder, overrides)
     assert find_problems(given) == []
     checked = [str(mistake) for mistake in find_problems_when_open(given)]
@@ -51,25 +52,26 @@ def ball_at(height_m: float) -> str:
 
 def test_a_slack_panel_in_an_exit_is_refused(tmp_path: Path) -> None:
     exit_ = 'screen.exits.under={product="undersize", box_m=[[-0.5, -0.5, -0.5], [0.5, 0.5, TOP]]}'
-    found = said(tmp_path, [*SLACK, exit_.replace("TOP", "-0.03")])
-    assert len(found) == 1
-    assert "screen.exits.under.box_m: panel deck as it hangs at rest reaches into it" in found[0]
-    assert said(tmp_path, [*SLACK, exit_.replace("TOP", "-0.07")]) == []
+    problems = problems_of(tmp_path, [*SLACK, exit_.replace("TOP", "-0.03")])
+    assert len(problems) == 1
+    assert "screen.exits.under.box_m: panel deck as it hangs at rest reaches into it" in problems[0]
+    assert problems_of(tmp_path, [*SLACK, exit_.replace("TOP", "-0.07")]) == []
 
 
 def test_a_ball_inside_a_slack_panel_is_refused(tmp_path: Path) -> None:
-    """It used to leave at 10 m/s.  In the middle the panel is 59 mm below its clamps."""
-    found = said(tmp_path, [*SLACK, *BALL, ball_at(-0.06)])
-    assert len(found) == 1
-    assert "bed.particles.ball.position_m: " in found[0]
-    assert '"ball" is 0.01' in found[0]
-    assert "m inside panel deck as it hangs at rest" in found[0]
+    """A ball inside a slack panel would leave it at 10 m/s. In the middle the panel is 59 mm below its
+    clamps."""
+    problems = problems_of(tmp_path, [*SLACK, *BALL, ball_at(-0.06)])
+    assert len(problems) == 1
+    assert "bed.particles.ball.position_m: " in problems[0]
+    assert '"ball" is 0.01' in problems[0]
+    assert "m inside panel deck as it hangs at rest" in problems[0]
 
 
 @pytest.mark.parametrize("height_m", [0.0, -0.03, -0.08])
 def test_a_ball_in_the_hollow_or_below_a_slack_panel_is_not(tmp_path: Path, height_m: float) -> None:
-    """Where the flat panel would be there is room."""
-    assert said(tmp_path, [*SLACK, *BALL, ball_at(height_m)]) == []
+    """The ball has room in the place of the flat panel."""
+    assert problems_of(tmp_path, [*SLACK, *BALL, ball_at(height_m)]) == []
 
 
 def test_a_ball_inside_a_taut_panel_is_refused_before_any_solver_is_open(tmp_path: Path) -> None:
@@ -84,7 +86,8 @@ OPENINGS = (
 
 
 def test_a_ball_in_an_opening_is_clear_of_the_panel(tmp_path: Path) -> None:
-    """Of 12 mm, on the rim of an opening of 10 x 10 mm, its centre is sqrt(6^2 - 5^2) = 3.32 mm high."""
+    """A ball of 12 mm on the rim of an opening of 10 x 10 mm has its centre sqrt(6^2 - 5^2) = 3.32 mm
+    high."""
     x, y, _ = openings_m(loaded(tmp_path, [*TAUT_STRIP, OPENINGS]).case)[0]
 
     def problems(along_m: float, height_m: float) -> int:
@@ -99,35 +102,35 @@ def test_a_ball_in_an_opening_is_clear_of_the_panel(tmp_path: Path) -> None:
 
 def test_a_feed_into_which_a_slack_panel_hangs_is_refused(tmp_path: Path) -> None:
     low = FEED.replace("[[0, 0, 0.1], [0.1, 0.1, 0.2]]", "[[0.1, 0, -0.08], [0.2, 0.2, -0.02]]")
-    found = said(tmp_path, [*SLACK, low])
-    assert len(found) == 1
-    assert "bed.feeds.chute.box_m: panel deck as it hangs at rest reaches into it" in found[0]
+    problems = problems_of(tmp_path, [*SLACK, low])
+    assert len(problems) == 1
+    assert "bed.feeds.chute.box_m: panel deck as it hangs at rest reaches into it" in problems[0]
 
 
 def test_a_panel_that_hangs_through_a_plate_is_refused(tmp_path: Path) -> None:
     """20 mm below the flat panel, 39 mm above where that hangs."""
-    found = said(tmp_path, [*SLACK, plate(-0.02)])
-    assert len(found) == 1
-    assert "screen.panels.deck: panel deck hangs 0.0387 m through plate before any" in found[0]
-    assert "give the panel a stop" in found[0]
-    assert said(tmp_path, [*SLACK, plate(-0.02), "monitor.penetrated_surfaces=warn"]) == []
+    problems = problems_of(tmp_path, [*SLACK, plate(-0.02)])
+    assert len(problems) == 1
+    assert "screen.panels.deck: panel deck hangs 0.0387 m through plate before any" in problems[0]
+    assert "give the panel a stop" in problems[0]
+    assert problems_of(tmp_path, [*SLACK, plate(-0.02), "monitor.penetrated_surfaces=warn"]) == []
 
 
 @pytest.mark.parametrize("height_m", [-0.06, 0.02])
 def test_a_plate_below_or_above_it_is_none_of_its_business(tmp_path: Path, height_m: float) -> None:
-    assert said(tmp_path, [*SLACK, plate(height_m)]) == []
+    assert problems_of(tmp_path, [*SLACK, plate(height_m)]) == []
 
 
 def test_a_slack_panel_on_its_stop_is_refused(tmp_path: Path) -> None:
     """The stop is 20 mm below the flat panel, which hangs 59 mm deep."""
     stop = 'screen.panels.deck.stops.beam={frame="ground", from_m=0.1, to_m=0.2, gap_m=0.02}'
-    found = said(tmp_path, [*SLACK, stop])
-    assert len(found) == 1
-    assert "panel deck lies on its stop beam before anything moves" in found[0]
+    problems = problems_of(tmp_path, [*SLACK, stop])
+    assert len(problems) == 1
+    assert "panel deck lies on its stop beam before anything moves" in problems[0]
 
 
 def test_nothing_is_left_behind(tmp_path: Path) -> None:
-    """From outside: exit code 2, one message, no folder; a check says the same."""
+    """The command has exit code 2, prints one message and leaves no folder; a check says the same."""
     case = case_folder(tmp_path / "case", draft=LEVEL)
     sets = [*QUICK, *SLACK, *BALL, ball_at(-0.06), plate(-0.02)]
     run = run_words(str(case), tmp_path / "run", sets)

@@ -21,7 +21,7 @@ def refusal(folder: Path, level: str | None = None) -> str:
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (b"title = \xff", "case.toml: is no text file (UTF-8 is wanted)"),
         (b'title = "\0"', "case.toml: is not TOML: "),
@@ -34,10 +34,10 @@ def refusal(folder: Path, level: str | None = None) -> str:
     ],
     ids=["bytes", "NUL", "twice", "digits", "lists", "tables", "dots", "large"],
 )
-def test_what_is_no_case(tmp_path: Path, content: bytes, said: str) -> None:
+def test_what_is_no_case(tmp_path: Path, content: bytes, message: str) -> None:
     case_folder(tmp_path)
     (tmp_path / "case.toml").write_bytes(content)
-    assert said in refusal(tmp_path)
+    assert message in refusal(tmp_path)
     assert len(refusal(tmp_path).splitlines()) == 2
 
 
@@ -50,9 +50,9 @@ def test_a_case_too_large_with_its_defaults(tmp_path: Path) -> None:
     )
     assert len(balls) < 1_000_000
     case_folder(tmp_path, CASE + balls)
-    (said,) = find_problems(load_judged(tmp_path))
-    assert "bytes with all defaults, and a file may have 1000000" in said.what
-    assert said.hint == "write many particles into a file of their own: bed.table"
+    (problem,) = find_problems(load_judged(tmp_path))
+    assert "bytes with all defaults, and a file may have 1000000" in problem.what
+    assert problem.hint == "write many particles into a file of their own: bed.table"
 
 
 def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
@@ -97,9 +97,9 @@ def test_a_case_may_be_reached_by_a_link(tmp_path: Path) -> None:
 def test_messages_have_nothing_that_a_terminal_obeys(tmp_path: Path, word: str) -> None:
     spoilt = [f"probes.p.frame='''{word}'''", f"{word}=1", f"probes.{word}.particle=1"]
     for override in [*spoilt, f"screen.panels.deck.{word}=2"]:
-        found = complaints(tmp_path, override)
-        assert found
-        assert all(complaint.isprintable() for complaint in found)
+        messages = complaints(tmp_path, override)
+        assert messages
+        assert all(complaint.isprintable() for complaint in messages)
         assert all(complaint.isprintable() for complaint in refusal_lines(tmp_path, override))
 
 
@@ -113,9 +113,9 @@ def refusal_lines(folder: Path, override: str) -> list[str]:
 
 def test_a_title_is_one_line_that_can_be_shown(tmp_path: Path) -> None:
     for title in ("\\u001b[2J", "two\\nlines", "\\u202e"):
-        said = only_complaint(tmp_path, f'title="{title}"')
-        assert said.startswith("--set title: ")
-        assert said.endswith("has characters that cannot be shown")
+        complaint = only_complaint(tmp_path, f'title="{title}"')
+        assert complaint.startswith("--set title: ")
+        assert complaint.endswith("has characters that cannot be shown")
     assert "at most 200 characters" in only_complaint(tmp_path, f"title='{'x' * 201}'")
     for title in ("Übergröße 篩い分け", "e\u0301 <b>&amp; $x$ [bold]", "غربال"):
         assert complaints(tmp_path, f"title='{title}'") == []
@@ -128,10 +128,10 @@ def test_names_are_short_enough_for_files(tmp_path: Path) -> None:
 
 def test_a_hundred_thousand_mistakes_are_not_all_said(tmp_path: Path) -> None:
     case_folder(tmp_path, CASE + "".join(f"[x{number}]\n" for number in range(50_000)))
-    said = refusal(tmp_path).splitlines()
-    assert len(said) == MOST + 2
-    assert all(len(line) <= LONGEST + 2 for line in said)
-    assert said[-1].endswith(" more")
+    lines = refusal(tmp_path).splitlines()
+    assert len(lines) == MOST + 2
+    assert all(len(line) <= LONGEST + 2 for line in lines)
+    assert lines[-1].endswith(" more")
 
 
 @pytest.mark.parametrize("value", ["0x" + "f" * 900_000, "'" + "\U0001f4a5" * 200_000 + "'"])
@@ -139,6 +139,6 @@ def test_huge_values_are_said_in_short(tmp_path: Path, value: str) -> None:
     for key in ("duration_s", "coupling.scheme", "bed.blocks.x.seed", "title", "panel.cells"):
         (tmp_path / key).mkdir(exist_ok=True)
         case_folder(tmp_path / key, f"{key} = {value}\n" + CASE)
-        said = refusal(tmp_path / key)
-        assert key in said
-        assert len(said) < 3 * LONGEST
+        message = refusal(tmp_path / key)
+        assert key in message
+        assert len(message) < 3 * LONGEST

@@ -87,7 +87,7 @@ def test_new_levels_lie_in_the_cases_own_folder(below: Path) -> None:
 
 
 def test_files_are_found_where_their_names_were_written(below: Path) -> None:
-    """Of the base's surface and of the base's level; the run's folder has its own copies of both."""
+    """The files are the base's surface and the base's level; the run's folder has its own copies of both."""
     (below / "case.toml").write_text(CASE + SURFACE)
     (below / "plate.stl").write_text(PLATE)
     (below / "levels/draft.toml").write_text(
@@ -107,17 +107,17 @@ def test_files_are_found_where_their_names_were_written(below: Path) -> None:
 
 
 def test_a_bed_of_the_base_is_found_beside_the_base(below: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where the upper case or the working directory has a file of that name; else these count."""
+    """The bed is found there also if the upper case or the working directory has a file of that name."""
     bed = "x_m,y_m,z_m,sieve_size_m,material\n0.1,0.1,{},0.01,coal\n"
     (below / "bed.csv").write_text(bed.format(0.1))
     (below / "case.toml").write_text(CASE + '[bed]\ntable = "bed.csv"\n')
     above = over(below)
     (above / "bed.csv").write_text(bed.format(0.2))
     monkeypatch.chdir(above)
-    found = read(above)
-    assert found.case.bed.carried is not None
-    assert found.case.bed.carried.position_m[0, 2] == 0.1
-    assert [*found.origin.read()["files"]] == ["../below/bed.csv"]
+    judged = read(above)
+    assert judged.case.bed.carried is not None
+    assert judged.case.bed.carried.position_m[0, 2] == 0.1
+    assert [*judged.origin.read()["files"]] == ["../below/bed.csv"]
     (below / "bed.csv").unlink()
     assert read(over(below, name="other")).case.bed.table == "bed.csv"
 
@@ -130,7 +130,7 @@ def test_files_outside_of_all_folders_are_refused(below: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "message"),
     [
         (
             '"../belov"',
@@ -142,9 +142,9 @@ def test_files_outside_of_all_folders_are_refused(below: Path) -> None:
         ('"../circle"', "../circle/case.toml base: the bases form a circle: above -> circle -> above"),
     ],
 )
-def test_a_wrong_base_is_one_message(below: Path, value: str, said: str) -> None:
+def test_a_wrong_base_is_one_message(below: Path, value: str, message: str) -> None:
     over(below, 'base = "../above"\n', "circle")
-    assert refusal(over(below, f"base = {value}\n")).startswith(said)
+    assert refusal(over(below, f"base = {value}\n")).startswith(message)
 
 
 def test_a_wrong_key_is_said_with_the_file_that_gives_it(below: Path) -> None:
@@ -168,8 +168,8 @@ def test_a_list_is_named_with_all_that_gave_it_or_changed_its_elements() -> None
 def test_a_level_of_the_base_that_feeds_less_is_said(tmp_path: Path) -> None:
     below = case_folder(tmp_path / "below", CASE + FEEDS, thin="[bed.feeds.chute]\nrate_kg_per_s = 0.1\n")
     for folder in (below, over(below)):
-        found = warnings(load_judged(folder, "thin"))
-        assert sum("levels/thin.toml feeds 10% of the case's throughput" in line for line in found) == 1
+        lines = warnings(load_judged(folder, "thin"))
+        assert sum("levels/thin.toml feeds 10% of the case's throughput" in line for line in lines) == 1
 
 
 def test_base_is_no_key_of_levels_and_sets(below: Path) -> None:

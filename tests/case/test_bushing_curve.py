@@ -71,11 +71,11 @@ def test_a_file_is_the_same_as_its_points(tmp_path: Path) -> None:
     (tmp_path / "spring.csv").write_text(text)
     from_file = loaded(tmp_path, ['screen.bushings.isolation.curves=[{axes="x", file="spring.csv"}]'])
     inline = loaded(tmp_path / "inline", [CURVE])
-    one, other = (case.case.screen.bushings["isolation"].curves[0] for case in (from_file, inline))
-    assert one.elastic_N_per_m == pytest.approx(other.elastic_N_per_m)
-    assert len(one.points) == 15
+    curve, other = (case.case.screen.bushings["isolation"].curves[0] for case in (from_file, inline))
+    assert curve.elastic_N_per_m == pytest.approx(other.elastic_N_per_m)
+    assert len(curve.points) == 15
     again = load_case(tmp_path / "again", resolved_case(from_file))
-    assert again.case.screen.bushings["isolation"].curves[0] == one
+    assert again.case.screen.bushings["isolation"].curves[0] == curve
 
 
 def test_check_says_how_well_the_curve_is_met(tmp_path: Path) -> None:
@@ -84,14 +84,14 @@ def test_check_says_how_well_the_curve_is_met(tmp_path: Path) -> None:
     assert "at 15 points: stiffness off by 0.0% at most, loss factor by 0%" in lines
 
 
-@pytest.mark.parametrize(("amplitude_m", "told"), [("[0.004, 0, 0.03]", True), ("[0.03, 0, 0.004]", False)])
-def test_a_turned_bushing_is_judged_along_its_own_axis(amplitude_m: str, told: bool) -> None:
+@pytest.mark.parametrize(("amplitude_m", "warns"), [("[0.004, 0, 0.03]", True), ("[0.03, 0, 0.004]", False)])
+def test_a_turned_bushing_is_judged_along_its_own_axis(amplitude_m: str, warns: bool) -> None:
     """Measured from 1 to 8 mm along its x, which stands upright."""
     turned = "screen.bushings.spring.rotation_deg=[0, 90, 0]"
     along = "screen.bushings.spring.curves.0.axes=x"
     sets = [turned, along, f"screen.frames.plate.drive.amplitude_m={amplitude_m}"]
-    found = warnings(load_judged(ROOT / "cases/shear-spring", None, sets))
-    assert any("works at an amplitude of 30 mm" in line for line in found) == told
+    lines = warnings(load_judged(ROOT / "cases/shear-spring", None, sets))
+    assert any("works at an amplitude of 30 mm" in line for line in lines) == warns
 
 
 def test_plans_have_the_elements_where_the_solver_has(tmp_path: Path) -> None:
@@ -122,7 +122,7 @@ def test_a_slice_has_its_share(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("curve", "said"),
+    ("curve", "message"),
     [
         ('{axes="x"}', "has no points"),
         (f'{{axes="xx", points=[{rows(measured())}]}}', "has an axis twice"),
@@ -146,8 +146,10 @@ def test_a_slice_has_its_share(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_wrong_curve_is_refused(tmp_path: Path, curve: str, said: str) -> None:
-    assert any(said in line for line in complaints(tmp_path, f"screen.bushings.isolation.curves=[{curve}]"))
+def test_a_wrong_curve_is_refused(tmp_path: Path, curve: str, message: str) -> None:
+    assert any(
+        message in line for line in complaints(tmp_path, f"screen.bushings.isolation.curves=[{curve}]")
+    )
 
 
 def test_new_points_take_fitted_elements_away(tmp_path: Path) -> None:
@@ -162,13 +164,13 @@ def test_new_points_take_fitted_elements_away(tmp_path: Path) -> None:
 
 def test_all_mistakes_in_a_file_are_told(tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("amplitude_m,frequenzy_Hz,loss_factor\n1,2\n0.001,ten,0.1\n")
-    found = complaints(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="bad.csv"}]')
+    lines = complaints(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="bad.csv"}]')
     assert any(
         "bad.csv" in line and """no column 'frequenzy_Hz'; did you mean "frequency_Hz"?""" in line
-        for line in found
+        for line in lines
     )
-    assert any("row 2: 2 cells instead of 3" in line for line in found)
-    assert any("row 3: frequenzy_Hz: 'ten' is no number" in line for line in found)
+    assert any("row 2: 2 cells instead of 3" in line for line in lines)
+    assert any("row 3: frequenzy_Hz: 'ten' is no number" in line for line in lines)
     missing = only_complaint(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="none.csv"}]')
     assert "none.csv" in missing
     assert "cannot be read: No such file" in missing
@@ -182,8 +184,8 @@ def test_a_level_that_leaves_curves_out_says_so(tmp_path: Path) -> None:
         "stiffness_N_per_m = [2e4, 3e4, 4e4]", f"stiffness_N_per_m = [2e4, 3e4, 4e4]\n{CURVE[26:]}"
     )
     folder = case_folder(tmp_path, text, light=level + '[frames]\nsolver = "two-mass"\n')
-    said = str(_refused(folder))
-    assert '"bushing-hysteresis" must be named' in said
+    message = str(_refused(folder))
+    assert '"bushing-hysteresis" must be named' in message
 
 
 def _refused(folder: Path) -> BaseException:

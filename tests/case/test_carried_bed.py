@@ -58,23 +58,23 @@ def write_table(folder: Path, rows: pd.DataFrame = ROWS, name: str = "bed.csv") 
 @pytest.mark.parametrize("name", ["bed.csv", "bed.parquet"])
 def test_a_table_replaces_the_particles_that_the_case_describes(tmp_path: Path, name: str) -> None:
     """Settled spheres touch each other and the panel, here by half a millimetre of 20."""
-    found = load_case(tmp_path, CASE, [write_table(tmp_path, name=name)])
-    particles = initial_particles(found.case)
-    assert find_problems(found) == []
+    judged = load_case(tmp_path, CASE, [write_table(tmp_path, name=name)])
+    particles = initial_particles(judged.case)
+    assert find_problems(judged) == []
     np.testing.assert_allclose(particles.position_m[:, 2], ROWS["z_m"])
     np.testing.assert_allclose(particles.velocity_m_per_s[:, 2], ROWS["vz_m_per_s"])
     assert not particles.spin_rad_per_s.any()
     assert set(particles.grains.density_kg_per_m3) == {1430.0}
-    assert sieve_sizes_m(found.case)[1] == 0.02
-    assert sizes_m(found.case.whole_machine) == [0.01, 0.02]  # beside the drawing of the openings
-    assert impact_speed_m_per_s(found.case) == 2.0
+    assert sieve_sizes_m(judged.case)[1] == 0.02
+    assert sizes_m(judged.case.whole_machine) == [0.01, 0.02]  # beside the drawing of the openings
+    assert impact_speed_m_per_s(judged.case) == 2.0
     mass_kg = 1430 * np.pi / 6 * (ROWS["sieve_size_m"] ** 3).sum()
-    assert bed_kg(found.case) == pytest.approx(mass_kg, rel=1e-6)
+    assert bed_kg(judged.case) == pytest.approx(mass_kg, rel=1e-6)
 
 
 def test_velocities_are_zeroed_on_request(tmp_path: Path) -> None:
-    found = load_case(tmp_path, CASE, [write_table(tmp_path), "bed.velocities=zero"])
-    assert not initial_particles(found.case).velocity_m_per_s.any()
+    judged = load_case(tmp_path, CASE, [write_table(tmp_path), "bed.velocities=zero"])
+    assert not initial_particles(judged.case).velocity_m_per_s.any()
 
 
 def test_a_table_may_be_larger_than_a_case_file(tmp_path: Path) -> None:
@@ -83,32 +83,32 @@ def test_a_table_may_be_larger_than_a_case_file(tmp_path: Path) -> None:
     grid = {"x_m": count % 200, "y_m": count // 200 % 10, "z_m": 1 + count // 2000}
     rows = pd.DataFrame({name: 0.0015 * number + 1e-4 for name, number in grid.items()})
     rows = rows.assign(sieve_size_m=0.001, material="coal", vx_m_per_s=np.linspace(0, 1e-3, 20_000))
-    found = load_case(tmp_path, CASE, [write_table(tmp_path, rows)])
+    judged = load_case(tmp_path, CASE, [write_table(tmp_path, rows)])
     assert (tmp_path / "bed.csv").stat().st_size > 1_000_000
-    assert find_problems(found) == []
-    assert len(initial_particles(found.case)) == 20_000
+    assert find_problems(judged) == []
+    assert len(initial_particles(judged.case)) == 20_000
 
 
 def test_one_message_names_everything_that_does_not_fit(tmp_path: Path) -> None:
     rows = ROWS.assign(z_m=[0.002, 0.01, 5.0], x_m=[0.10, 0.105, 0.2])
-    said = "\n".join(map(str, find_problems(load_case(tmp_path, CASE, [write_table(tmp_path, rows)]))))
-    assert "bed.table: particle 3" in said
-    assert 'bed.outside = "leave-out"' in said
-    assert "particle 1 overlaps particle 2" in said
-    assert "particle 1 is 0.008 m inside panel deck" in said
-    assert "bed.push_out = true makes room" in said
+    message = "\n".join(map(str, find_problems(load_case(tmp_path, CASE, [write_table(tmp_path, rows)]))))
+    assert "bed.table: particle 3" in message
+    assert 'bed.outside = "leave-out"' in message
+    assert "particle 1 overlaps particle 2" in message
+    assert "particle 1 is 0.008 m inside panel deck" in message
+    assert "bed.push_out = true makes room" in message
 
 
 def test_one_message_names_places_beside_an_unknown_material(tmp_path: Path) -> None:
     """Overlaps outside of the domain, or that are to be pushed apart, are none of its lines."""
     rows = ROWS.assign(z_m=[0.0099, 0.0101, 5.0], x_m=[0.10, 0.105, 0.2], material=["coal", "cool", "coal"])
     table = write_table(tmp_path, rows)
-    said = complaints(tmp_path, table)
-    assert len(said) == 3
-    assert 'are of "cool", which the case does not have; did you mean "coal"?' in said[0]
-    assert "particle 3 at [0.2, 0.1, 5.0] is outside domain_m; bed.outside" in said[1]
-    assert "overlaps particle" in said[2]
-    assert "by 0.015 m; up to 0.05 of the diameter" in said[2]
+    messages = complaints(tmp_path, table)
+    assert len(messages) == 3
+    assert 'are of "cool", which the case does not have; did you mean "coal"?' in messages[0]
+    assert "particle 3 at [0.2, 0.1, 5.0] is outside domain_m; bed.outside" in messages[1]
+    assert "overlaps particle" in messages[2]
+    assert "by 0.015 m; up to 0.05 of the diameter" in messages[2]
     assert len(complaints(tmp_path, table, "bed.outside=leave-out", "bed.push_out=true")) == 1
     write_table(tmp_path, rows.assign(z_m=[5.0, 5.0, 0.02]))
     (_, outside) = complaints(tmp_path, table)
@@ -116,7 +116,7 @@ def test_one_message_names_places_beside_an_unknown_material(tmp_path: Path) -> 
 
 
 def test_one_message_names_materials_coarse_graining_sides_and_surfaces(tmp_path: Path) -> None:
-    """In the slice of the middle 0.1 of 0.2 m; one grain lies in the panel, one beside the slice, and one
+    """The slice is the middle 0.1 of 0.2 m; one grain lies in the panel, one beside the slice, and one
     outside of all."""
     run = saved_run(tmp_path, coarse_graining=2.0)
     place_m = np.array([[0.1, 0.1, 0.004], [0.2, 0.19, 0.02], [0.25, 0.1, 5.0], [0.2, 0.1, 0.05]])
@@ -125,15 +125,15 @@ def test_one_message_names_materials_coarse_graining_sides_and_surfaces(tmp_path
         ("coal", "cool"), place_m, still, still, spheres(0.01 * ones, material=[0, 1, 0, 0]), 0.2, 2.0, ""
     )
     saved_bed.write(run / "checkpoints" / f"{20:012d}" / saved_bed.BED, bed)
-    said = complaints(tmp_path, f"bed.from_run={run}", "slice.width_m=0.1")
-    assert len(said) == 5
-    assert 'are of "cool", which the case does not have; did you mean "coal"?' in said[0]
-    assert "take particles.coarse_graining = 1" not in said[1]
-    assert "take particles.coarse_graining = 2" in said[1]
-    assert "particle 3 at [0.25, 0.1, 5.0] is outside domain_m; bed.outside" in said[2]
-    assert "1 particles of" in said[3]
-    assert "are not in the slice from y = 0.05 to 0.15 m; bed.outside" in said[3]
-    assert "particle 1 is 0.001 m inside panel deck" in said[4]
+    messages = complaints(tmp_path, f"bed.from_run={run}", "slice.width_m=0.1")
+    assert len(messages) == 5
+    assert 'are of "cool", which the case does not have; did you mean "coal"?' in messages[0]
+    assert "take particles.coarse_graining = 1" not in messages[1]
+    assert "take particles.coarse_graining = 2" in messages[1]
+    assert "particle 3 at [0.25, 0.1, 5.0] is outside domain_m; bed.outside" in messages[2]
+    assert "1 particles of" in messages[3]
+    assert "are not in the slice from y = 0.05 to 0.15 m; bed.outside" in messages[3]
+    assert "particle 1 is 0.001 m inside panel deck" in messages[4]
 
 
 def test_a_bed_from_a_periodic_slice_fits_the_same_slice(tmp_path: Path) -> None:
@@ -147,9 +147,9 @@ def test_a_bed_from_a_periodic_slice_fits_the_same_slice(tmp_path: Path) -> None
     bed = CarriedBed(("coal",), place_m, still, still, spheres(0.01 * ones), 0.2, 1.0, "")
     saved_bed.write(run / "checkpoints" / f"{20:012d}" / saved_bed.BED, bed)
     sets = [f"bed.from_run={run}"]
-    found = load_case(tmp_path, CASE, [*sets, *slice_of])
-    assert find_problems(found) == []
-    y_m = initial_particles(found.case).position_m[:, 1]
+    judged = load_case(tmp_path, CASE, [*sets, *slice_of])
+    assert find_problems(judged) == []
+    y_m = initial_particles(judged.case).position_m[:, 1]
     np.testing.assert_allclose(y_m[:2], [0.05 + 79e-6, 0.15 - 79e-6], rtol=1e-9)
     narrower = "\n".join(complaints(tmp_path, *sets, "slice.width_m=0.08"))
     assert "3 particles of" in narrower
@@ -157,9 +157,9 @@ def test_a_bed_from_a_periodic_slice_fits_the_same_slice(tmp_path: Path) -> None
 
 def test_particles_outside_are_left_out_on_request(tmp_path: Path) -> None:
     sets = [write_table(tmp_path, ROWS.assign(z_m=[0.0099, 0.0101, 5.0])), "bed.outside=leave-out"]
-    found = load_case(tmp_path, CASE, sets)
-    assert find_problems(found) == []
-    assert len(initial_particles(found.case)) == 2
+    judged = load_case(tmp_path, CASE, sets)
+    assert find_problems(judged) == []
+    assert len(initial_particles(judged.case)) == 2
     sets[0] = write_table(tmp_path, ROWS.assign(z_m=5.0))
     assert "all 3 particles" in only_complaint(tmp_path, *sets)
 
@@ -172,16 +172,16 @@ def test_particles_beside_a_slice_are_refused_or_left_out(tmp_path: Path, sides:
         f'slice={{width_m=0.1, sides="{sides}"}}',
     ]
     assert "1 particles of" in only_complaint(tmp_path, *sets)
-    found = load_case(tmp_path, CASE, [*sets, "bed.outside=leave-out"])
-    assert len(initial_particles(found.case)) == 2
+    judged = load_case(tmp_path, CASE, [*sets, "bed.outside=leave-out"])
+    assert len(initial_particles(judged.case)) == 2
 
 
 def test_a_run_of_an_earlier_bed_is_not_one_of_the_bed_that_stands_there_now(tmp_path: Path) -> None:
     """Studies take finished runs for theirs by what they ran, not by the names of files."""
     sets = [write_table(tmp_path / "case", ROWS)]
-    found = load_case(tmp_path / "case", CASE, sets)
-    run = create_run_folder(found, tmp_path / "run", None)
-    assert [*changed_files(found, run)] == []
+    judged = load_case(tmp_path / "case", CASE, sets)
+    run = create_run_folder(judged, tmp_path / "run", None)
+    assert [*changed_files(judged, run)] == []
     write_table(tmp_path / "case", ROWS.iloc[:2])
     assert [*changed_files(load_case(tmp_path / "case", CASE, sets), run)] == ["bed"]
 
@@ -193,11 +193,11 @@ def test_a_run_of_an_earlier_surface_is_not_one_of_the_surface_that_stands_there
     file.parent.mkdir()
     meshio.stl.write(file, meshio.Mesh(corners_m, [("triangle", triangles)]))
     wall = 'screen.surfaces.wall={stl="wall.stl", frame="driving", material="PU"}'
-    found = load_case(tmp_path / "case", CASE, [wall])
-    run = create_run_folder(found, tmp_path / "run", None)
-    assert [*changed_files(found, run)] == []
+    judged = load_case(tmp_path / "case", CASE, [wall])
+    run = create_run_folder(judged, tmp_path / "run", None)
+    assert [*changed_files(judged, run)] == []
     meshio.stl.write(file, meshio.Mesh(1.01 * corners_m, [("triangle", triangles)]))
-    assert [*changed_files(found, run)] == ["screen.surfaces.wall.stl"]
+    assert [*changed_files(judged, run)] == ["screen.surfaces.wall.stl"]
 
 
 @pytest.mark.parametrize("sets", [[], ["slice.width_m=0.1"], ["particles.coarse_graining=2"]])
@@ -207,11 +207,11 @@ def test_a_run_that_left_particles_out_knows_them_and_its_materials(tmp_path: Pa
     ash += contact("ash", "ash", 0.3, 0.3) + contact("ash", "PU", 0.3, 0.3) + contact("ash", "coal", 0.3, 0.3)
     rows = ROWS.assign(y_m=[0.19, 0.1, 0.1], z_m=[5.0, 0.0101, 0.02], material=["ash", "coal", "coal"])
     sets = [write_table(tmp_path / "case", rows), "bed.outside=leave-out", *sets]
-    found = load_case(tmp_path / "case", ash, sets)
-    run = create_run_folder(found, tmp_path / "run", None)
+    judged = load_case(tmp_path / "case", ash, sets)
+    run = create_run_folder(judged, tmp_path / "run", None)
     origin = json.loads((run / "provenance.json").read_text())["bed"]
     assert (origin["particles"], origin["left_out"]) == (2, 1)
-    began = initial_particles(found.case)
+    began = initial_particles(judged.case)
     snapshot = ParticleSnapshot(id=np.arange(1, len(began) + 1), **vars(began))
     Series(run, "particles").add(0.1, particle_mesh(snapshot))
     state = read_run(run, 0.1)
@@ -220,7 +220,7 @@ def test_a_run_that_left_particles_out_knows_them_and_its_materials(tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         (ROWS.rename(columns={"vz_m_per_s": "vz_m_s"}), 'did you mean "vz_m_per_s"?'),
         (ROWS.drop(columns="material"), 'there is no column "material"'),
@@ -230,12 +230,12 @@ def test_a_run_that_left_particles_out_knows_them_and_its_materials(tmp_path: Pa
         (ROWS.iloc[:0], "there are no rows"),
     ],
 )
-def test_a_wrong_table_is_refused_with_a_reason(tmp_path: Path, rows: pd.DataFrame, said: str) -> None:
-    assert said in only_complaint(tmp_path, write_table(tmp_path, rows))
+def test_a_wrong_table_is_refused_with_a_reason(tmp_path: Path, rows: pd.DataFrame, message: str) -> None:
+    assert message in only_complaint(tmp_path, write_table(tmp_path, rows))
 
 
 @pytest.mark.parametrize(
-    ("sets", "said"),
+    ("sets", "message"),
     [
         (["bed.from_run=nowhere"], 'there is no "nowhere"'),
         (["bed.from_run=levels"], "is not the folder of a run"),
@@ -244,8 +244,8 @@ def test_a_wrong_table_is_refused_with_a_reason(tmp_path: Path, rows: pd.DataFra
         (["bed.table=case.toml"], '".toml" is no kind of table'),
     ],
 )
-def test_a_wrong_source_is_refused_with_a_reason(tmp_path: Path, sets: list[str], said: str) -> None:
-    assert said in only_complaint(tmp_path, *sets)
+def test_a_wrong_source_is_refused_with_a_reason(tmp_path: Path, sets: list[str], message: str) -> None:
+    assert message in only_complaint(tmp_path, *sets)
 
 
 def saved_run(folder: Path, coarse_graining: float = 1.0) -> Path:
@@ -274,7 +274,7 @@ def test_the_nearest_state_of_a_run_is_taken(tmp_path: Path, wanted: float | Non
 
 
 @pytest.mark.parametrize(
-    ("status", "reason", "doubts", "said"),
+    ("status", "reason", "doubts", "reason_given"),
     [
         ("done", "", [], ""),
         (
@@ -289,9 +289,9 @@ def test_the_nearest_state_of_a_run_is_taken(tmp_path: Path, wanted: float | Non
     ],
 )
 def test_a_bed_of_a_run_that_cannot_be_trusted_is_told_by_its_name(
-    tmp_path: Path, status: str | None, reason: str, doubts: list[str], said: str
+    tmp_path: Path, status: str | None, reason: str, doubts: list[str], reason_given: str
 ) -> None:
-    """That of a failed run is refused unless a moment is asked for."""
+    """The bed of a failed run is refused unless a moment is asked for."""
     run = saved_run(tmp_path)
     if status:
         summary = {"status": status, "reason": reason, "doubts": doubts}
@@ -299,10 +299,10 @@ def test_a_bed_of_a_run_that_cannot_be_trusted_is_told_by_its_name(
     source = [f"bed.from_run={run}"]
     if status == "failed":
         (refused,) = complaints(tmp_path, *source)
-        assert f"the run {run} {said}; bed.from_time_s takes a state from before it failed" in refused
+        assert f"the run {run} {reason_given}; bed.from_time_s takes a state from before it failed" in refused
         source.append("bed.from_time_s=0.1")
-    found = [line for line in warnings(loaded(tmp_path, source)) if "bed.from_run" in line]
-    assert [f"the run {run} {said}" in line for line in found] == ([True] if said else [])
+    lines = [line for line in warnings(loaded(tmp_path, source)) if "bed.from_run" in line]
+    assert [f"the run {run} {reason_given}" in line for line in lines] == ([True] if reason_given else [])
 
 
 def test_runs_with_and_without_an_effect_are_remembered_for_one_state_of_a_run(tmp_path: Path) -> None:
@@ -319,8 +319,8 @@ def test_another_density_is_a_warning(tmp_path: Path) -> None:
     source = f"bed.from_run={saved_run(tmp_path)}"
     assert not [line for line in warnings(loaded(tmp_path, [source])) if "kg/m3" in line]
     other = loaded(tmp_path, [source, "materials.coal.density_kg_per_m3=1500.0"])
-    (said,) = (line for line in warnings(other) if "kg/m3" in line)
-    assert "had 1430 kg/m3 there, and have 1500" in said
+    (warning,) = (line for line in warnings(other) if "kg/m3" in line)
+    assert "had 1430 kg/m3 there, and have 1500" in warning
 
 
 def test_a_state_after_the_end_and_other_coarse_particles_are_refused(tmp_path: Path) -> None:
@@ -367,10 +367,10 @@ def test_pairs_of_very_different_sizes_are_all_found() -> None:
     apart_m = np.linalg.norm(place_m[:, None] - place_m, axis=2)
     overlap_m = (diameter_m[:, None] + diameter_m) / 2 - apart_m
     wanted = {(i, j) for i, j in np.argwhere(np.triu(overlap_m, 1) > 0).tolist()}
-    one, two, found_m = overlapping_pairs(place_m, diameter_m / 2)
-    assert {(min(pair), max(pair)) for pair in zip(one.tolist(), two.tolist(), strict=True)} == wanted
-    assert len(one) == len(wanted) > 200
-    np.testing.assert_allclose(found_m, overlap_m[one, two], rtol=1e-9)
+    first, second, found_m = overlapping_pairs(place_m, diameter_m / 2)
+    assert {(min(pair), max(pair)) for pair in zip(first.tolist(), second.tolist(), strict=True)} == wanted
+    assert len(first) == len(wanted) > 200
+    np.testing.assert_allclose(found_m, overlap_m[first, second], rtol=1e-9)
 
 
 def test_overlaps_across_periodic_sides_are_found_and_pushed_apart(tmp_path: Path) -> None:
@@ -378,8 +378,8 @@ def test_overlaps_across_periodic_sides_are_found_and_pushed_apart(tmp_path: Pat
     diameter_m = np.full(2, 0.006)
     place_m = np.array([[0.1, 0.0505, 0.05], [0.1, 0.1495, 0.0502]])
     assert len(overlapping_pairs(place_m, diameter_m / 2)[0]) == 0
-    one, two, depth_m = overlapping_pairs(place_m, diameter_m / 2, 0.1)
-    assert sorted([*one, *two]) == [0, 1]
+    first, second, depth_m = overlapping_pairs(place_m, diameter_m / 2, 0.1)
+    assert sorted([*first, *second]) == [0, 1]
     assert depth_m[0] == pytest.approx(0.006 - np.hypot(0.001, 0.0002), rel=1e-9)
     pushed = push_out(at_rest(place_m, diameter_m), FLOOR, UP, 0.1)
     assert overlapping_pairs(pushed.position_m, diameter_m / 2, 0.1)[2].max(initial=0.0) <= SETTLED * 0.006

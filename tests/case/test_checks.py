@@ -167,8 +167,10 @@ def test_a_share_of_the_rayleigh_time_above_the_limit_is_refused(tmp_path: Path)
 
 
 def test_a_hinge_holds_no_angle(tmp_path: Path) -> None:
-    said = only_complaint(tmp_path, "screen.panels.deck.clamp_m=0.0", "screen.panels.deck.clamp_angle_deg=5")
-    assert "deck.clamp_angle_deg: is the angle of a clamp, and clamp_m = 0 is a hinge" in said
+    complaint = only_complaint(
+        tmp_path, "screen.panels.deck.clamp_m=0.0", "screen.panels.deck.clamp_angle_deg=5"
+    )
+    assert "deck.clamp_angle_deg: is the angle of a clamp, and clamp_m = 0 is a hinge" in complaint
 
 
 def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
@@ -189,20 +191,20 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
         "screen.largest_acceleration_m_per_s2=1e4",
     ]
 
-    def said(*overrides: str) -> list[str]:
+    def problems_of(*overrides: str) -> list[str]:
         return [str(mistake) for mistake in find_problems(load_judged(folder, None, [*given, *overrides]))]
 
-    assert said() == []  # exudyn: one driven without a mass, one free that hangs on it
-    assert said("frames.solver=prescribed") == []
-    (refusal,) = said("frames.solver=two-mass")
+    assert problems_of() == []  # exudyn: one driven without a mass, one free that hangs on it
+    assert problems_of("frames.solver=prescribed") == []
+    (refusal,) = problems_of("frames.solver=two-mass")
     assert "frames.solver two-mass knows no drives; take the drive out" in refusal
     centre = "screen.frames.driving.drive.center_m=[0, 0, 0]"
     drive = "screen.frames.driving.drive.rotation_rad=[1, 1, 0.5]"
-    (refusal,) = said(drive)
+    (refusal,) = problems_of(drive)
     assert "drive.center_m: missing: rotation_rad turns the frame about it" in refusal
-    (refusal,) = said(drive, centre)
+    (refusal,) = problems_of(drive, centre)
     assert "rotation_rad: may add up to 1.5 rad; exudyn's limit is 1.4" in refusal
-    assert said(drive, centre, "frames.solver=prescribed") == []
+    assert problems_of(drive, centre, "frames.solver=prescribed") == []
 
 
 def test_exudyn_may_drive_every_frame() -> None:
@@ -212,9 +214,9 @@ def test_exudyn_may_drive_every_frame() -> None:
 
 def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
     drive = "screen.frames.driving.drive={speed_rad_per_s=9, amplitude_m=[0.1, 0, 0], run_up_s=1"
-    said = complaints(tmp_path, drive + ", phase_rad=[0.5, 0, 0]}")
-    assert said
-    assert not any("jump" in complaint for complaint in said)
+    messages = complaints(tmp_path, drive + ", phase_rad=[0.5, 0, 0]}")
+    assert messages
+    assert not any("jump" in complaint for complaint in messages)
 
 
 def test_feeds_may_not_share_a_box(tmp_path: Path) -> None:
@@ -229,22 +231,22 @@ def test_a_feed_may_stand_on_a_panel(tmp_path: Path) -> None:
 
 def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
     folder = case_folder(tmp_path, CASE.replace("tension_m = 0.002", ""))
-    (said,) = find_problems(load_judged(folder))
-    assert said.what == "missing"
-    assert said.hint == "give tension_m or span_m"
+    (problem,) = find_problems(load_judged(folder))
+    assert problem.what == "missing"
+    assert problem.hint == "give tension_m or span_m"
 
 
 def test_overlapping_particles_are_named(tmp_path: Path) -> None:
     other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], sieve_size_m=0.02, material="coal"}'
-    said = only_complaint(tmp_path, other)
-    assert '"ball" overlaps "other" by 0.001 m' in said
+    complaint = only_complaint(tmp_path, other)
+    assert '"ball" overlaps "other" by 0.001 m' in complaint
     assert not complaints(tmp_path, other.replace("0.069", "0.0701"))
 
 
 def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Path) -> None:
     slow = loaded(tmp_path, ["coupling.sync_interval_s=5e-4"])
-    (said,) = [line for line in stability_report(slow.case).warnings() if "accurate" in line]
-    assert "should last ten exchanges" in said
+    (warning,) = [line for line in stability_report(slow.case).warnings() if "accurate" in line]
+    assert "should last ten exchanges" in warning
     fast = loaded(tmp_path, ["coupling.sync_interval_s=1.5e-5"])
     assert list(stability_report(fast.case).warnings()) == []
 
@@ -269,10 +271,10 @@ def test_frames_may_hang_on_each_other_and_drop_when_not_drawn_at_rest(tmp_path:
 def test_bushings_must_keep_frames_from_tipping(tmp_path: Path) -> None:
     """The run used to refuse such frames, after a check that had found nothing."""
     turns, beside = "frames.solver=exudyn", "screen.frames.driving.center_of_mass_m=[0.1, 0.1, 0]"
-    one = "screen.bushings.isolation.positions_m=[[0, 0.1, 0]]"
-    assert complaints(tmp_path, turns, one) == complaints(tmp_path, turns, beside) == []
-    assert kinds(tmp_path, turns, one, beside) == ["screen.frames.driving: conflict"]
-    assert complaints(tmp_path, turns, one, beside, "screen.drawn_at_rest=false") == []
+    bushing = "screen.bushings.isolation.positions_m=[[0, 0.1, 0]]"
+    assert complaints(tmp_path, turns, bushing) == complaints(tmp_path, turns, beside) == []
+    assert kinds(tmp_path, turns, bushing, beside) == ["screen.frames.driving: conflict"]
+    assert complaints(tmp_path, turns, bushing, beside, "screen.drawn_at_rest=false") == []
     aside = "screen.frames.driving.center_of_mass_m=[0, 0, 0]"
     assert "keeps it from tipping" in only_complaint(tmp_path, turns, aside)
 
@@ -328,9 +330,9 @@ def test_a_plate_in_the_plane_of_a_panel_is_refused(
 
 def test_a_panel_step_above_the_solvers_limit_is_refused_with_the_limit(tmp_path: Path) -> None:
     strip = ("panel.solver=strip", "panel.cells=[22, 1]")
-    said = only_complaint(tmp_path, *strip, "panel.step_s=1e-3")
-    assert "panel.step_s: 0.001 s is above the limit" in said
-    assert "or 0 for the solver's own" in said
+    complaint = only_complaint(tmp_path, *strip, "panel.step_s=1e-3")
+    assert "panel.step_s: 0.001 s is above the limit" in complaint
+    assert "or 0 for the solver's own" in complaint
     assert not complaints(tmp_path, *strip, "panel.step_s=1e-6")
 
 
@@ -371,14 +373,14 @@ def test_exits_are_apart_but_may_share_a_face(tmp_path: Path) -> None:
 
 def test_fines_left_out_are_said(tmp_path: Path) -> None:
     feed = FEED.replace("sizes", "smallest_fed_m=0.015, sizes")
-    found = warnings(loaded(tmp_path, [feed]))
-    assert any("chute: 27.1% of the mass is finer than" in line for line in found)
+    lines = warnings(loaded(tmp_path, [feed]))
+    assert any("chute: 27.1% of the mass is finer than" in line for line in lines)
 
 
 def test_what_a_sample_leaves_out_is_said(tmp_path: Path) -> None:
     feed = FEED.replace("sizes", "sampled_below_m=0.015, sampled_as_m=0.02, sizes")
-    found = warnings(loaded(tmp_path, [feed]))
-    (line,) = (line for line in found if "is sampled" in line)
+    lines = warnings(loaded(tmp_path, [feed]))
+    (line,) = (line for line in lines if "is sampled" in line)
     assert "chute: 27.1% of the mass, of 10 to 15 mm, is sampled: one in 3.94 of its particles" in line
     assert "the others, 20.2% of the mass or" in line
     assert "kg/s, are left out" in line
@@ -392,7 +394,7 @@ def test_a_sample_that_cannot_be_is_refused(tmp_path: Path) -> None:
 
 
 def warned(folder: Path, *overrides: str) -> list[str]:
-    """What a case without mistakes is warned of."""
+    """Return the warnings of a case without mistakes."""
     given = loaded(folder, overrides)
     assert find_problems(given) == []
     return warnings(given)
@@ -402,8 +404,8 @@ def test_steel_panels_are_said_to_be_unusual_and_taken(tmp_path: Path) -> None:
     """E = 6 (c10 + c01) = 216 GPa; no unit makes a soft panel of it."""
     key = "materials.PU.hyperelastic.c10_Pa"
     stiff = f"{key}=35.97e9", "materials.PU.hyperelastic.bulk_modulus_Pa=1.6e11"
-    said = [line for line in warned(tmp_path, *stiff) if key in line]
-    assert said == [f"{key}: 3.597e+10 is out of the usual range 1000 to 1e+09; taken as meant"]
+    lines = [line for line in warned(tmp_path, *stiff) if key in line]
+    assert lines == [f"{key}: 3.597e+10 is out of the usual range 1000 to 1e+09; taken as meant"]
     assert [line for line in warned(tmp_path) if "usual range" in line] == []
 
 
@@ -425,14 +427,14 @@ def test_slips_of_units_and_what_is_out_of_all_proportion_are_refused(
 def test_a_feed_that_never_feeds_is_said(tmp_path: Path) -> None:
     """The run of 0.1 s has one batch at t = 0, when nothing is due; then 50 of them."""
     slow = FEED.replace("rate_kg_per_s=1,", "rate_kg_per_s=0.5,")
-    found = warned(tmp_path, slow, "particles.feed_interval_s=0.5")
-    (said,) = [line for line in found if 'feed "chute"' in line]
-    assert said.startswith('feed "chute" feeds nothing in 0.1 s: its batches come every 0.5 s')
+    lines = warned(tmp_path, slow, "particles.feed_interval_s=0.5")
+    (warning,) = [line for line in lines if 'feed "chute"' in line]
+    assert warning.startswith('feed "chute" feeds nothing in 0.1 s: its batches come every 0.5 s')
     assert [line for line in warned(tmp_path, slow) if 'feed "chute"' in line] == []
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "warning"),
     [
         (("rate_kg_per_s=1,", "rate_kg_per_s=1e-4,"), '"chute" feeds nothing in 0.1 s'),
         (("rate_kg_per_s=1,", "rate_kg_per_s=1, start_s=0.0995,"), '"chute" feeds nothing in 0.1 s'),
@@ -440,38 +442,38 @@ def test_a_feed_that_never_feeds_is_said(tmp_path: Path) -> None:
     ],
 )
 def test_a_feed_that_brings_no_particle_before_the_end_is_said(
-    tmp_path: Path, change: tuple[str, str], said: str | None
+    tmp_path: Path, change: tuple[str, str], warning: str | None
 ) -> None:
-    """Too slow for one particle, or begun after the last batch."""
-    found = [line for line in warned(tmp_path, FEED.replace(*change)) if 'feed "chute"' in line]
-    assert len(found) == (said is not None)
-    assert all(said in line for line in found if said)
+    """The feed is too slow for one particle, or begins after the last batch."""
+    lines = [line for line in warned(tmp_path, FEED.replace(*change)) if 'feed "chute"' in line]
+    assert len(lines) == (warning is not None)
+    assert all(warning in line for line in lines if warning)
 
 
-@pytest.mark.parametrize(("duration_s", "told"), [("0.1", True), ("30", False)])
+@pytest.mark.parametrize(("duration_s", "warns"), [("0.1", True), ("30", False)])
 def test_a_feed_that_brings_nothing_of_its_coarsest_sizes_is_said(
-    tmp_path: Path, duration_s: str, told: bool
+    tmp_path: Path, duration_s: str, warns: bool
 ) -> None:
     """Lumps of 90 mm are a tenth of the mass: half of the first is due when five times its mass have come."""
     lumps = FEED.replace("mass_fraction=1", "mass_fraction=0.9").replace(
         "}]", "}, {smallest_m=0.09, largest_m=0.09, mass_fraction=0.1}]"
     )
-    found = warned(tmp_path, lumps, f"duration_s={duration_s}")
-    said = 'feed "chute" brings no particle of 90 to 90 mm in 0.1 s, which are 10 % of its mass'
-    assert any(line.startswith(said) for line in found) == told
+    lines = warned(tmp_path, lumps, f"duration_s={duration_s}")
+    warning = 'feed "chute" brings no particle of 90 to 90 mm in 0.1 s, which are 10 % of its mass'
+    assert any(line.startswith(warning) for line in lines) == warns
 
 
-@pytest.mark.parametrize(("count", "told"), [(40, True), (188, False)])
-def test_a_block_that_loses_its_coarsest_sizes_is_said(tmp_path: Path, count: int, told: bool) -> None:
+@pytest.mark.parametrize(("count", "warns"), [(40, True), (188, False)])
+def test_a_block_that_loses_its_coarsest_sizes_is_said(tmp_path: Path, count: int, warns: bool) -> None:
     """Half of the mass each, and mean cubes of 167.75 and 15 650 mm3: one in 1 + 93.3 particles is large."""
     sizes = "{smallest_m=0.005, largest_m=0.006, mass_fraction=0.5}, "
     sizes += "{smallest_m=0.024, largest_m=0.026, mass_fraction=0.5}"
     block = BLOCK[: BLOCK.index("[{") + 1] + sizes + BLOCK[BLOCK.index("}]") + 1 :]
-    found = warned(tmp_path, block.replace("count=1,", f"count={count},"))
-    said = (
+    lines = warned(tmp_path, block.replace("count=1,", f"count={count},"))
+    warning = (
         "40 particles cannot have its sizes: 0 % of their mass is of 24 to 26 mm instead of 50 %; one in 94.3"
     )
-    assert any(said in line for line in found) == told
+    assert any(warning in line for line in lines) == warns
 
 
 @pytest.mark.parametrize(
@@ -488,22 +490,22 @@ def test_a_block_that_loses_its_coarsest_sizes_is_said(tmp_path: Path, count: in
 def test_a_probe_on_a_particle_that_never_comes_is_said(
     tmp_path: Path, overrides: list[str], wanted: str
 ) -> None:
-    found = warned(tmp_path, *overrides)
-    said = [line for line in found if line.startswith('probe "grain" records nothing: ')]
-    assert len(said) == bool(wanted)
-    assert wanted in "".join(said)
+    lines = warned(tmp_path, *overrides)
+    warning = [line for line in lines if line.startswith('probe "grain" records nothing: ')]
+    assert len(warning) == bool(wanted)
+    assert wanted in "".join(warning)
 
 
 def test_a_feed_whose_last_batch_is_long_before_the_end_is_said(tmp_path: Path) -> None:
-    found = warned(tmp_path, FEED, "particles.feed_interval_s=0.06")
-    (said,) = [line for line in found if 'feed "chute"' in line]
-    assert 'feed "chute" feeds 0.06 of the 0.1 kg that are due in 0.1 s' in said
+    lines = warned(tmp_path, FEED, "particles.feed_interval_s=0.06")
+    (warning,) = [line for line in lines if 'feed "chute"' in line]
+    assert 'feed "chute" feeds 0.06 of the 0.1 kg that are due in 0.1 s' in warning
 
 
 def test_a_feed_interval_that_is_rounded_is_said(tmp_path: Path) -> None:
     sets = (FEED, "particles.feed_interval_s=7e-5", "coupling.sync_interval_s=5e-5")
-    (said,) = [line for line in warned(tmp_path, *sets) if "feed_interval_s" in line]
-    assert "particles.feed_interval_s = 7e-05 s is taken as 5e-05 s" in said
+    (warning,) = [line for line in warned(tmp_path, *sets) if "feed_interval_s" in line]
+    assert "particles.feed_interval_s = 7e-05 s is taken as 5e-05 s" in warning
 
 
 def test_a_drive_without_run_up_under_a_panel_is_said(tmp_path: Path) -> None:
@@ -512,26 +514,26 @@ def test_a_drive_without_run_up_under_a_panel_is_said(tmp_path: Path) -> None:
         "frames.solver=prescribed",
         "screen.frames.driving.drive={amplitude_m=[0.003, 0, 0.004], speed_rad_per_s=78.5}",
     )
-    (said,) = [line for line in warned(tmp_path, *driven) if "run_up_s" in line]
-    assert 'frame "driving" moves at 0.393 m/s from t = 0, while panel deck on it is at rest' in said
-    assert "two cycles are 0.16 s" in said
+    (warning,) = [line for line in warned(tmp_path, *driven) if "run_up_s" in line]
+    assert 'frame "driving" moves at 0.393 m/s from t = 0, while panel deck on it is at rest' in warning
+    assert "two cycles are 0.16 s" in warning
     smooth = "screen.frames.driving.drive.run_up_s=0.16"
     assert [line for line in warned(tmp_path, *driven, smooth) if "run_up_s" in line] == []
 
 
-@pytest.mark.parametrize(("youngs_modulus_Pa", "said"), [(1e4, True), (1e6, False)])
+@pytest.mark.parametrize(("youngs_modulus_Pa", "warns"), [(1e4, True), (1e6, False)])
 def test_contacts_that_cannot_carry_an_impact_are_a_warning(
-    tmp_path: Path, youngs_modulus_Pa: float, said: bool
+    tmp_path: Path, youngs_modulus_Pa: float, warns: bool
 ) -> None:
     soft = f"particles.largest_youngs_modulus_Pa={youngs_modulus_Pa}"
-    found = warnings(loaded(tmp_path, [soft]))
-    assert any("particles are expected to sink into what they meet" in one for one in found) is said
+    lines = warnings(loaded(tmp_path, [soft]))
+    assert any("particles are expected to sink into what they meet" in line for line in lines) is warns
 
 
 def test_times_that_are_rounded_to_sync_intervals_are_said(tmp_path: Path) -> None:
     sets = ("coupling.sync_interval_s=1.3e-4", "output.series_s=7e-4", "output.interval_s=0.0143")
-    said = [line for line in warned(tmp_path, *sets) if "is taken as" in line]
-    assert said == [
+    lines = [line for line in warned(tmp_path, *sets) if "is taken as" in line]
+    assert lines == [
         "output.series_s = 0.0007 s is taken as 0.00078 s, a whole number of sync intervals of 0.00013 s"
     ]
 

@@ -67,7 +67,8 @@ def test_run_hands_everything_over_and_exits_with_its_code(
 def test_cases_that_come_with_the_program_have_names_everywhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Outside of the clone, as where a user's own cases are; one's own case of the same name comes first."""
+    """Names of shipped cases work outside of the clone, where a user's own cases are; one's own case of the
+    same name comes first."""
     monkeypatch.chdir(tmp_path)
     listed = CALL.invoke(app, ["list"])
     assert listed.exit_code == 0
@@ -127,16 +128,16 @@ FINES = ("coal: ", MARGINS, ROLLING, SMALL)  # accepted in all cases under coal
 
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 def test_every_case_is_without_mistakes_at_every_level(case: str, level: str) -> None:
-    found = load_judged(CASES / case, level)
-    assert find_problems(found) == []
+    judged = load_judged(CASES / case, level)
+    assert find_problems(judged) == []
     accepted = ACCEPTED.get(case, FINES if case in UNDER_COAL else ())
-    assert [said for said in warnings(found) if not said.startswith((MATS, *accepted))] == []
+    assert [line for line in warnings(judged) if not line.startswith((MATS, *accepted))] == []
     assert (CASES / case / "README.md").is_file()
 
 
 def test_version_names_what_the_program_stands_on() -> None:
     done = CALL.invoke(app, ["--version"])
     assert done.exit_code == 0
-    said = dict(line.split(maxsplit=1) for line in done.output.splitlines())
-    assert said["numpy"] == numpy.__version__
-    assert {"flipflow", "exudyn", "libliggghts3", "commit"} <= set(said)
+    versions = dict(line.split(maxsplit=1) for line in done.output.splitlines())
+    assert versions["numpy"] == numpy.__version__
+    assert {"flipflow", "exudyn", "libliggghts3", "commit"} <= set(versions)

@@ -54,9 +54,9 @@ def test_mass_stays_and_numbers_fall(tmp_path: Path) -> None:
 def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
     fine, coarse = (of(tmp_path, FEED, WET, *more).case for more in ([], [COARSE]))
     assert coarse.contacts[1].work_of_adhesion_J_per_m2 == pytest.approx(0.6)
-    one, two = (inlets(case)["chute"] for case in (fine, coarse))
-    assert two.rate_kg_per_s == one.rate_kg_per_s
-    for small, large in zip(one.sizes, two.sizes, strict=True):
+    fine_inlet, coarse_inlet = (inlets(case)["chute"] for case in (fine, coarse))
+    assert coarse_inlet.rate_kg_per_s == fine_inlet.rate_kg_per_s
+    for small, large in zip(fine_inlet.sizes, coarse_inlet.sizes, strict=True):
         assert large.smallest_m == pytest.approx(2 * small.smallest_m)
         assert large.largest_m == pytest.approx(2 * small.largest_m)
         assert large.mass_fraction == small.mass_fraction
@@ -64,13 +64,13 @@ def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
 
 def test_a_mass_that_whole_numbers_change_is_told(tmp_path: Path) -> None:
     """40 particles are 5 coarse ones, 12 are 1.5, and 2 are computed."""
-    for count, said in (
+    for count, texts in (
         (40, []),
         (12, ["1.5 of its particles would have its mass here, and 2 are computed"]),
     ):
-        found = warnings(of(tmp_path / str(count), BED.replace("count=64", f"count={count}"), COARSE))
-        told = [line for line in found if "its mass changes" in line]
-        assert [one in line for one, line in zip(said, told, strict=True)] == [True] * len(said)
+        lines = warnings(of(tmp_path / str(count), BED.replace("count=64", f"count={count}"), COARSE))
+        changes = [line for line in lines if "its mass changes" in line]
+        assert [text in line for text, line in zip(texts, changes, strict=True)] == [True] * len(texts)
 
 
 def test_the_diameter_of_the_pull_off_grows_with_the_particles(tmp_path: Path) -> None:
@@ -90,8 +90,8 @@ def test_the_resolved_case_is_the_same_case(tmp_path: Path) -> None:
 
 
 def test_it_is_named_as_left_out(tmp_path: Path) -> None:
-    said = of(tmp_path, BED, COARSE).left_out
-    assert said["single-particles"] == "particles.coarse_graining: one stands for 8"
+    left_out = of(tmp_path, BED, COARSE).left_out
+    assert left_out["single-particles"] == "particles.coarse_graining: one stands for 8"
 
 
 def test_single_particles_stand_for_themselves(tmp_path: Path) -> None:

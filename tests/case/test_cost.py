@@ -53,16 +53,16 @@ def sphere_kg(diameter_m: float) -> float:
 def test_a_feed_fills_the_deck_until_as_much_leaves(tmp_path: Path) -> None:
     """0.05 and 0.15 kg/s of two sizes; each stays 0.302 m / (0.34 m/s)."""
     case = load_case(tmp_path, CASE + FEED, [f"duration_s={DURATION_S}"]).case
-    found = bed_cost(case, 0, THICK)
+    cost = bed_cost(case, 0, THICK)
     rate = 0.05 / sphere_kg(0.004) + 0.15 / sphere_kg(0.008)
-    assert found.most == pytest.approx(rate * STAY_S, rel=1e-9)
+    assert cost.most == pytest.approx(rate * STAY_S, rel=1e-9)
     filling, full = STAY_S, DURATION_S - 0.5 - STAY_S
     wanted = rate * STAY_S * (filling / 2 + full) / DURATION_S
-    assert found.mean == pytest.approx(wanted, rel=1e-3)
+    assert cost.mean == pytest.approx(wanted, rel=1e-3)
     interval_s = case.coupling.sync_interval_s
     in_interval = math.ceil(interval_s / particle_step_s(case) - 1e-9)
-    assert found.steps == round(DURATION_S / interval_s) * in_interval > DURATION_S / particle_step_s(case)
-    assert found.particle_steps == pytest.approx(found.mean * found.steps)
+    assert cost.steps == round(DURATION_S / interval_s) * in_interval > DURATION_S / particle_step_s(case)
+    assert cost.particle_steps == pytest.approx(cost.mean * cost.steps)
 
 
 def test_who_is_there_at_the_start_leaves_where_there_are_exits(tmp_path: Path) -> None:
@@ -80,7 +80,7 @@ def predicted(*sets: str, name: str = "quickstart", level: str = "draft") -> dic
 
 @pytest.mark.parametrize(("port", "table"), [("panel", PanelSolver), ("frames", FramesSolver)])
 def test_every_solver_says_what_it_costs(port: str, table: type[Table]) -> None:
-    """Also those that this case could not run."""
+    """Every solver has a cost, also one that this case could not run."""
     for solver in get_args(table.model_fields["solver"].annotation):
         sets = [f"{port}.solver={solver}"]
         assert predicted(*sets)[port] > 0.0
@@ -94,10 +94,10 @@ def test_intervals_that_are_repeated_are_paid_for_as_often() -> None:
     )
     assert robin["particles"] == plain["particles"]
     assert robin["panel"] == pytest.approx(2 * plain["panel"])
-    for one in (aitken, newton):
-        assert one["particles"] >= 2 * plain["particles"]
-        assert one["panel"] >= 2 * plain["panel"]
-        assert one["output"] == plain["output"]
+    for repeated in (aitken, newton):
+        assert repeated["particles"] >= 2 * plain["particles"]
+        assert repeated["panel"] >= 2 * plain["panel"]
+        assert repeated["output"] == plain["output"]
 
 
 def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
@@ -112,7 +112,7 @@ def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
 
 
 def test_triangles_of_rigid_surfaces_are_read_once() -> None:
-    """They cost the start of a run some time and its intervals none."""
+    """The triangles cost the start of a run some time and its intervals none."""
     folder = ROOT / "cases/quickstart"
     case = load_judged(folder, "draft").case
     assert rigid_triangles(case, folder) == [6]
@@ -122,10 +122,10 @@ def test_triangles_of_rigid_surfaces_are_read_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("time_s", "said"), [(51.2, "51 s"), (119.0, "119 s"), (180.0, "3 min"), (7200.0, "2 h"), (5e5, "6 days")]
+    ("time_s", "text"), [(51.2, "51 s"), (119.0, "119 s"), (180.0, "3 min"), (7200.0, "2 h"), (5e5, "6 days")]
 )
-def test_times_are_said_in_familiar_units(time_s: float, said: str) -> None:
-    assert in_words(time_s) == said
+def test_times_are_said_in_familiar_units(time_s: float, text: str) -> None:
+    assert in_words(time_s) == text
 
 
 @pytest.mark.slow

@@ -72,22 +72,22 @@ def ends_m(panel: SinglePanel) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_slopes_are_those_of_the_segments(tmp_path: Path) -> None:
-    """Against the horizontal, whatever the inclination of the axes."""
-    found = single_panels(deck(tmp_path).case)
-    slopes = [np.degrees(np.arcsin(-panel.rectangle.along[2])) for panel in found]
+    """The slopes are measured against the horizontal, whatever the inclination of the axes."""
+    panels = single_panels(deck(tmp_path).case)
+    slopes = [np.degrees(np.arcsin(-panel.rectangle.along[2])) for panel in panels]
     assert slopes == pytest.approx(np.repeat([40.0, 38.6, 23.7, 13.7, 12.0], 2), abs=1e-9)
-    assert [panel.name for panel in found] == [f"deck-{number}" for number in range(1, 11)]
+    assert [panel.name for panel in panels] == [f"deck-{number}" for number in range(1, 11)]
 
 
 def test_panels_lie_end_to_end_on_beams_that_alternate(tmp_path: Path) -> None:
     """Clamps and gap of 2 mm fill the pitch of 270 mm; beams belong to both frames in turn."""
-    found = single_panels(deck(tmp_path).case)
-    for above, below in pairwise(found):
+    panels = single_panels(deck(tmp_path).case)
+    for above, below in pairwise(panels):
         gap_m = np.linalg.norm(ends_m(below)[0] - ends_m(above)[1])
         bend = np.arccos(np.clip(above.rectangle.along @ below.rectangle.along, -1, 1))
         assert gap_m == pytest.approx(0.002 * np.cos(bend / 2), abs=1e-9)
         assert above.frames[1] == below.frames[0]
-    assert {panel.frames for panel in found} == {("driving", "driven"), ("driven", "driving")}
+    assert {panel.frames for panel in panels} == {("driving", "driven"), ("driven", "driving")}
 
 
 def test_segments_of_unequal_length(tmp_path: Path) -> None:
@@ -141,19 +141,19 @@ def test_surfaces_close_the_deck(tmp_path: Path, angle_deg: float) -> None:
     """Side plates touch each other along shared edges; beams' tops begin and end at clamps, also where these
     are turned and their outer edges higher; the chute ends above the first beam, sloping by 45 degrees."""
     loaded = deck(tmp_path, f"screen.decks.deck.clamp_angle_deg={angle_deg}")
-    found = {wall.name: wall for wall in walls(loaded.case, loaded.folder)}
+    plates_by_name = {wall.name: wall for wall in walls(loaded.case, loaded.folder)}
     panels = single_panels(loaded.case)
     for side, y_m in (("left", 0.0), ("right", 0.2)):
-        plates = [found[f"deck-{side}-{number}"].position_m for number in range(1, 6)]
+        plates = [plates_by_name[f"deck-{side}-{number}"].position_m for number in range(1, 6)]
         for above, below in pairwise(plates):
             assert above[[1, 2]] == pytest.approx(below[[0, 3]], abs=1e-12)
         assert np.concatenate(plates)[:, 1] == pytest.approx(y_m)
     for number, (above, below) in enumerate(pairwise(panels), start=2):
-        top = found[f"deck-beam-{number}"]
+        top = plates_by_name[f"deck-beam-{number}"]
         assert top.position_m[0] == pytest.approx(ends_m(above)[1], abs=1e-12)
         assert top.position_m[1] == pytest.approx(ends_m(below)[0], abs=1e-12)
         assert top.frame == below.frames[0]
-    chute = found["deck-chute"].position_m
+    chute = plates_by_name["deck-chute"].position_m
     down = chute[1] - chute[0]
     assert np.degrees(np.arctan2(-down[2], down[0])) == pytest.approx(45.0)
     lifted = chute[1] - (0.0, 0.0, 0.5) @ axes(loaded.case).T
@@ -177,7 +177,7 @@ def test_the_resolved_case_has_the_deck_laid_out(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "said"),
+    ("override", "message"),
     [
         ("panels=8", "5 segments do not divide 8 panels; give panels_per_slope, or take 5 or 10"),
         (
@@ -195,16 +195,16 @@ def test_the_resolved_case_has_the_deck_laid_out(tmp_path: Path) -> None:
         ("corner_m=[0, 0, 2.5]", "screen.decks.deck.corner_m: panel deck-1: reaches"),
     ],
 )
-def test_mistakes_in_a_deck_are_said_of_the_deck(tmp_path: Path, override: str, said: str) -> None:
+def test_mistakes_in_a_deck_are_said_of_the_deck(tmp_path: Path, override: str, message: str) -> None:
     try:
-        found = find_problems(deck(tmp_path, f"screen.decks.deck.{override}"))
+        problems = find_problems(deck(tmp_path, f"screen.decks.deck.{override}"))
     except CaseError as error:
-        found = list(error.problems)
-    assert any(said in str(mistake) for mistake in found), found
+        problems = list(error.problems)
+    assert any(message in str(mistake) for mistake in problems), problems
 
 
 @pytest.mark.parametrize(
-    ("surface", "said"),
+    ("surface", "message"),
     [
         ("{frame='ground', material='PU'}", "is no surface"),
         ("{frame='ground', material='PU', corner_m=[0, 0, 0]}", "is no surface"),
@@ -219,6 +219,6 @@ def test_mistakes_in_a_deck_are_said_of_the_deck(tmp_path: Path, override: str, 
         ),
     ],
 )
-def test_a_surface_is_a_file_or_a_plate(tmp_path: Path, surface: str, said: str) -> None:
-    found = find_problems(deck(tmp_path, f"screen.surfaces.plate={surface}"))
-    assert any(said in str(mistake) for mistake in found), found
+def test_a_surface_is_a_file_or_a_plate(tmp_path: Path, surface: str, message: str) -> None:
+    problems = find_problems(deck(tmp_path, f"screen.surfaces.plate={surface}"))
+    assert any(message in str(mistake) for mistake in problems), problems

@@ -1,4 +1,4 @@
-"""What the folder of a run or study may hold, and how its files are opened."""
+"""The contents that the folder of a run or study may have, and how its files are opened."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_a_folder_of_own_files_is_admitted_also_by_a_link(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "fault"),
     [
         (lambda file: file.symlink_to("/etc/passwd"), "is a link"),
         (lambda file: file.symlink_to("nowhere"), "is a link"),
@@ -44,12 +44,12 @@ def test_a_folder_of_own_files_is_admitted_also_by_a_link(tmp_path: Path) -> Non
     ],
     ids=["file", "nowhere", "folder", "pipe"],
 )
-def test_foreign_things_are_named(tmp_path: Path, make: Callable[[Path], None], said: str) -> None:
+def test_foreign_things_are_named(tmp_path: Path, make: Callable[[Path], None], fault: str) -> None:
     (tmp_path / "checkpoints").mkdir()
     make(tmp_path / "checkpoints/x")
     with pytest.raises(FolderUnusable, match="holds links, pipes or devices") as refused:
         admit(tmp_path)
-    assert f"{tmp_path}/checkpoints/x {said}" in str(refused.value)
+    assert f"{tmp_path}/checkpoints/x {fault}" in str(refused.value)
 
 
 def test_of_many_foreign_things_some_are_named(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Whatever TOML comes in, a case comes out or a CaseError: never another exception."""
+"""TOML of any kind becomes a case or a CaseError: never another exception."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: An
     bare = load_judged(folder, "draft")
     with suppress(CaseError):
         bare.layers.lay(nested(key, value), "--set")
-        found = find_problems(replace(bare, case=validate(bare.layers, bare.folder)))
-        assert all(mistake.what and mistake.file for mistake in found)
+        problems = find_problems(replace(bare, case=validate(bare.layers, bare.folder)))
+        assert all(mistake.what and mistake.file for mistake in problems)
 
 
 @pytest.mark.parametrize("value", [0, -1, 1e-308, 1e308, [1e308, 1e308, 1e308]])
@@ -78,10 +78,10 @@ def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tm
     """Warnings are errors in tests, so that an overflow would show."""
     folder = case_folder(tmp_path, draft=LEVEL)
     for key in keys(load_judged(folder, "draft", [BLOCK, FEED]).layers.merged)[1:]:
-        found = load_judged(folder, "draft", [BLOCK, FEED])
+        judged = load_judged(folder, "draft", [BLOCK, FEED])
         with suppress(CaseError):
-            found.layers.lay(nested(key, value), "--set")
-            spoilt = replace(found, case=validate(found.layers, found.folder))
+            judged.layers.lay(nested(key, value), "--set")
+            spoilt = replace(judged, case=validate(judged.layers, judged.folder))
             if not find_problems(spoilt):
                 warnings(spoilt)
                 judge_effects(spoilt.case)
@@ -92,10 +92,10 @@ def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
     folder = ROOT / "cases" / "ffs0827-effects"
     deck = load_judged(folder, "draft").layers.merged["screen"]["decks"]["deck"]
     for key in keys(deck, ("screen", "decks", "deck"))[1:]:
-        found = load_judged(folder, "draft")
+        judged = load_judged(folder, "draft")
         with suppress(CaseError):
-            found.layers.lay(nested(key, value), "--set")
-            find_problems(replace(found, case=validate(found.layers, found.folder)))
+            judged.layers.lay(nested(key, value), "--set")
+            find_problems(replace(judged, case=validate(judged.layers, judged.folder)))
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -1,5 +1,5 @@
-"""Whatever is done to the files of this project's cases, a command ends soon, with an exit code
-that says who has to act and words that help; it writes nothing but its run's folder.
+"""Files of this project's cases, changed in any way: a command ends soon, with an exit code that says who
+has to act and words that help; it writes nothing but its run's folder.
 
 Thousands of examples instead of dozens: ``pytest tests/case --hypothesis-profile=long``.
 """
@@ -28,12 +28,12 @@ RIGHT_OR_WRONG, OF_A_RUN = {0, 2}, {0, 2, 3, 4}
 
 
 def ended_well(done: Ended, codes: set[int]) -> None:
-    said = done.out + done.err
-    assert done.code in codes, said
-    assert "Traceback" not in said, said
-    assert "internal error" not in said, said
-    assert all(one.isprintable() or one == "\n" for one in said), said
-    assert len(said) < 40_000, len(said)
+    output = done.out + done.err
+    assert done.code in codes, output
+    assert "Traceback" not in output, output
+    assert "internal error" not in output, output
+    assert all(char.isprintable() or char == "\n" for char in output), output
+    assert len(output) < 40_000, len(output)
     if done.code:
         assert done.err.strip(), "nothing is said"
 
@@ -84,7 +84,7 @@ def test_a_surface_with_other_bytes(data: Any, tmp_path: Path) -> None:
 @FEWER
 @given(drawn=spoilt_tables(CASES), command=st.sampled_from(["run", "run", "accuracy"]))
 def test_a_run_of_a_case_with_other_values(drawn: Any, command: str, tmp_path: Path) -> None:
-    """What the check lets through does not break what comes after it."""
+    """Values that pass the check do not break what comes after it."""
     place, level = place_of(tmp_path), drawn[1]
     lay_out(place, *drawn)
     words = {

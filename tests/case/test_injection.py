@@ -37,7 +37,7 @@ def given(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 def is_refused(given: Given, place: Path_, *, key: bool) -> bool:
-    """Whether the case is, with the word at ``place`` (or its key) replaced by an evil one."""
+    """Return whether the case is refused, with the word at ``place`` (or its key) replaced by an evil one."""
     folder, table = given[0], copy.deepcopy(given[1])
     holder = at(table, place[:-1])
     if key:

@@ -46,7 +46,7 @@ def test_check(tmp_path: Path) -> None:
 
 
 def test_all_warnings_of_the_words_are_there(tmp_path: Path) -> None:
-    """With an interval that is too long to be stable, and to be accurate."""
+    """The interval is too long to be stable, and to be accurate."""
     words = ["check", str(case_folder(tmp_path)), "--set", "coupling.sync_interval_s=2e-4"]
     words += ["--set", "panel.solver=strip", "--set", "frames.solver=two-mass"]
     words += ["--set", "coupling.scheme=particles-first"]
@@ -59,7 +59,7 @@ def test_all_warnings_of_the_words_are_there(tmp_path: Path) -> None:
 
 
 def test_a_thick_bed_takes_longer_than_a_thin_one(tmp_path: Path) -> None:
-    """It stays longer on the deck, so that more particles move."""
+    """A thick bed stays longer on the deck, so that more particles move."""
     words = ["check", str(case_folder(tmp_path, CASE + FED)), *SETS, "--set", "duration_s=4"]
     times_s = printed(*words)["predicted_processor_s"]
     assert 0.0 < times_s["thin_bed"] < times_s["thick_bed"]

@@ -60,9 +60,9 @@ def test_a_level_that_takes_the_particles_away_must_say_so(tmp_path: Path) -> No
 
 
 def test_what_a_run_leaves_out_and_what_physics_changed_is_known(tmp_path: Path) -> None:
-    found = loaded(tmp_path, ["exchange.particle_load=false", "screen.panels.deck.width_m=0.1"])
-    assert set(found.left_out) == {"grain-shape", "particle-load"}
-    assert found.changed == ("screen.panels.deck.width_m",)
+    judged = loaded(tmp_path, ["exchange.particle_load=false", "screen.panels.deck.width_m=0.1"])
+    assert set(judged.left_out) == {"grain-shape", "particle-load"}
+    assert judged.changed == ("screen.panels.deck.width_m",)
 
 
 def test_set_reaches_tables_and_elements_of_lists(tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_set_reaches_tables_and_elements_of_lists(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "said"),
+    ("override", "text"),
     [
         ("panel.solver", "is not key=value"),
         ("=3", "is not key=value"),
@@ -89,19 +89,19 @@ def test_set_reaches_tables_and_elements_of_lists(tmp_path: Path) -> None:
         ("duration_s.x=1", "duration_s: {'x': 1} is wrong"),
     ],
 )
-def test_a_wrong_set_is_a_mistake_of_the_user(tmp_path: Path, override: str, said: str) -> None:
+def test_a_wrong_set_is_a_mistake_of_the_user(tmp_path: Path, override: str, text: str) -> None:
     message = only_complaint(tmp_path, override)
     assert message.startswith("--set")
-    assert said in message
+    assert text in message
 
 
 @pytest.mark.smoke
 def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp_path: Path) -> None:
     case = CASE.replace("thickness_m", "thicknes_m").replace("sieve_size_m = 0.02", "sieve_size_m = -1")
     folder = case_folder(tmp_path, case, draft=LEVEL.replace("strip", "stripe"))
-    said = refused(folder, None, "coupling.sync_interval_s=fast").splitlines()
-    assert said[0] == "4 problems in the case:"
-    assert sorted(said[1:]) == [
+    lines = refused(folder, None, "coupling.sync_interval_s=fast").splitlines()
+    assert lines[0] == "4 problems in the case:"
+    assert sorted(lines[1:]) == [
         "  --set coupling.sync_interval_s: 'fast' is wrong, a valid number is wanted",
         "  case.toml bed.particles.ball.sieve_size_m: -1 is wrong, greater than 0 is wanted",
         "  case.toml screen.panels.deck.thicknes_m: unknown key (its value: 0.004); "
@@ -112,7 +112,7 @@ def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp
 
 
 @pytest.mark.parametrize(
-    ("override", "said"),
+    ("override", "message"),
     [
         ("duration_s=true", "duration_s: true is wrong, a valid number is wanted"),
         ("duration_s=nan", "finite"),
@@ -124,8 +124,8 @@ def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp
         ("panel.cells=[1.5, 2]", "panel.cells.0: 1.5 is wrong, a valid integer is wanted"),
     ],
 )
-def test_wrong_types_are_said_in_plain_words(tmp_path: Path, override: str, said: str) -> None:
-    assert any(said in complaint for complaint in complaints(tmp_path, override))
+def test_wrong_types_are_said_in_plain_words(tmp_path: Path, override: str, message: str) -> None:
+    assert any(message in complaint for complaint in complaints(tmp_path, override))
 
 
 def test_particles_need_something_to_touch(tmp_path: Path) -> None:

@@ -39,18 +39,18 @@ def test_a_constant_loss_factor_needs_three_branches() -> None:
     fit = fit_of(np.full(12, 0.12))
     assert len(fit.branches) == 3
     between = np.geomspace(10.0, 300.0, 200)
-    found = moduli(fit.branches, 2 * np.pi * between)[1]
-    assert found == pytest.approx(0.12, rel=0.03)
+    loss_factor = moduli(fit.branches, 2 * np.pi * between)[1]
+    assert loss_factor == pytest.approx(0.12, rel=0.03)
 
 
 @pytest.mark.parametrize("with_storage", [False, True])
 def test_the_curve_of_known_branches_is_met(with_storage: bool) -> None:
-    """Within 3 %, by at most as many branches as it was made of."""
+    """The fit is within 3 %, with at most as many branches as the curve was made of."""
     storage, loss = moduli(KNOWN, 2 * np.pi * FREQUENCIES_HZ)
     fit = fit_of(loss, storage if with_storage else None)
     assert len(fit.branches) <= len(KNOWN)
-    again, found = moduli(fit.branches, 2 * np.pi * FREQUENCIES_HZ)
-    assert found == pytest.approx(loss, rel=0.03)
+    again, loss_factor = moduli(fit.branches, 2 * np.pi * FREQUENCIES_HZ)
+    assert loss_factor == pytest.approx(loss, rel=0.03)
     if with_storage:
         assert again == pytest.approx(storage, rel=0.03)
 
@@ -68,17 +68,17 @@ def test_a_peak_sharper_than_any_branchs_cannot_be_met(tmp_path: Path) -> None:
     assert "smooth the curve" in message
 
 
-@pytest.mark.parametrize(("measured_Hz", "told"), [((150, 300), True), ((20, 40), False)])
+@pytest.mark.parametrize(("measured_Hz", "warns"), [((150, 300), True), ((20, 40), False)])
 def test_a_curve_measured_far_from_the_machines_speed_is_said(
-    tmp_path: Path, measured_Hz: tuple[int, int], told: bool
+    tmp_path: Path, measured_Hz: tuple[int, int], warns: bool
 ) -> None:
     """The machine turns at 12.5 Hz."""
     rows = ", ".join(f"{{frequency_Hz={f}, loss_factor=0.12}}" for f in measured_Hz)
-    found = warnings(loaded(tmp_path, [f"materials.PU.hyperelastic.loss_curve=[{rows}]"]))
-    said = (
+    lines = warnings(loaded(tmp_path, [f"materials.PU.hyperelastic.loss_curve=[{rows}]"]))
+    warning = (
         "material PU of panels works at a frequency of 12.5 Hz, and its curve was measured from 150 to 300 Hz"
     )
-    assert any(line.startswith(said) for line in found) == told
+    assert any(line.startswith(warning) for line in lines) == warns
 
 
 def test_frequencies_rise(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_given_branches_are_not_fitted_again(tmp_path: Path) -> None:
 
 
 def test_branches_that_do_not_meet_the_curve_are_refused(tmp_path: Path) -> None:
-    """As those of an earlier fit beside a new curve in a resolved case."""
+    """The branches are those of an earlier fit beside a new curve in a resolved case."""
     assert kinds(
         tmp_path, CONSTANT, "materials.PU.hyperelastic.maxwell=[{ratio=0.3, relaxation_s=0.004}]"
     ) == ["materials.PU.hyperelastic.loss_curve: conflict"]

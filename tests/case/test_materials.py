@@ -45,9 +45,9 @@ def works(given: Case) -> set[float]:
 
 def problems(folder: Path, text: str, *overrides: str) -> list[str]:
     try:
-        return [str(one) for one in find_problems(load_case(folder, text, overrides))]
+        return [str(problem) for problem in find_problems(load_case(folder, text, overrides))]
     except CaseError as error:
-        return [str(one) for one in error.problems]
+        return [str(problem) for problem in error.problems]
 
 
 def test_every_number_is_within_its_range_and_every_source_is_used() -> None:
@@ -181,7 +181,7 @@ def test_two_kinds_of_grains_have_the_means_of_their_own_contacts(tmp_path: Path
 
 
 def test_the_shape_of_grains_gives_the_rolling_friction_of_contacts_that_give_none(tmp_path: Path) -> None:
-    """By the case's own shape before the library's; a contact's own number counts before both."""
+    """The case's own shape counts before the library's; a contact's own number counts before both."""
     own = """
 [materials.limestone]
 shape = "rounded"
@@ -221,28 +221,32 @@ def test_a_material_of_the_users_own_may_have_a_shape(tmp_path: Path) -> None:
 def test_a_shape_that_no_contact_takes_is_said(tmp_path: Path) -> None:
     """All contacts of the test case's coal give a rolling friction of their own, which counts."""
     shaped = load_case(tmp_path, CASE, ["materials.coal.shape=angular"])
-    (said,) = [line for line in warnings(shaped) if "materials.coal.shape = angular changes nothing" in line]
-    assert "(0)" in said
-    one = load_case(tmp_path, NAMED, ["materials.limestone.shape=flaky"])
-    assert not [line for line in warnings(one) if "changes nothing" in line]
+    (warning,) = [
+        line for line in warnings(shaped) if "materials.coal.shape = angular changes nothing" in line
+    ]
+    assert "(0)" in warning
+    flaky = load_case(tmp_path, NAMED, ["materials.limestone.shape=flaky"])
+    assert not [line for line in warnings(flaky) if "changes nothing" in line]
 
 
 @pytest.mark.parametrize("shape", ['"angluar"', '["angular"]', "3", '""'])
 def test_a_shape_that_does_not_exist_is_one_problem(tmp_path: Path, shape: str) -> None:
-    (said,) = problems(tmp_path, f"{NAMED}\n[materials.limestone]\nshape = {shape}\n")
-    assert "materials.limestone.shape" in said
-    assert "angular" in said
+    (message,) = problems(tmp_path, f"{NAMED}\n[materials.limestone]\nshape = {shape}\n")
+    assert "materials.limestone.shape" in message
+    assert "angular" in message
 
 
 def test_only_grains_have_a_shape(tmp_path: Path) -> None:
-    (said,) = problems(tmp_path, NAMED + PLATE, "materials.steel.shape=round")
-    assert "materials.steel.shape: a surface is made of it, and only grains have a shape" in said
+    (message,) = problems(tmp_path, NAMED + PLATE, "materials.steel.shape=round")
+    assert "materials.steel.shape: a surface is made of it, and only grains have a shape" in message
 
 
 def test_a_complete_material_has_nothing_to_do_with_the_library(tmp_path: Path) -> None:
     """The test case's own coal is complete, and a pair of it that is not given is not the library's."""
     without = CASE.replace('between = ["coal", "coal"]', 'between = ["PU", "PU"]')
-    assert any("coal and coal can meet but have no contact" in said for said in problems(tmp_path, without))
+    assert any(
+        "coal and coal can meet but have no contact" in message for message in problems(tmp_path, without)
+    )
     assert len(case(tmp_path, CASE).contacts) == 2
 
 
@@ -257,7 +261,7 @@ def test_the_resolved_case_has_all_numbers(tmp_path: Path, monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "text"),
     [
         ("limestne", 'no material "limestne"; did you mean "limestone"?'),
         ("polyurethane", 'give its hardness, for example "polyurethane 85 Shore A"'),
@@ -271,14 +275,16 @@ def test_the_resolved_case_has_all_numbers(tmp_path: Path, monkeypatch: pytest.M
         ),
     ],
 )
-def test_unknown_names_are_refused_with_the_nearest(tmp_path: Path, name: str, said: str) -> None:
+def test_unknown_names_are_refused_with_the_nearest(tmp_path: Path, name: str, text: str) -> None:
     complaint = next(
-        one for one in problems(tmp_path, NAMED.replace('"limestone"', f'"{name}"')) if "no material" in one
+        line
+        for line in problems(tmp_path, NAMED.replace('"limestone"', f'"{name}"'))
+        if "no material" in line
     )
     assert complaint.startswith("case.toml bed.particles.ball.material: ")
-    assert said in complaint
+    assert text in complaint
     like = problems(tmp_path, NAMED, f'materials.limestone.like="{name}"')
-    assert any("materials.limestone.like" in one and said.rpartition("; ")[2] in one for one in like)
+    assert any("materials.limestone.like" in line and text.rpartition("; ")[2] in line for line in like)
 
 
 def test_a_material_has_other_names() -> None:
@@ -289,8 +295,8 @@ def test_a_material_has_other_names() -> None:
 
 
 def test_an_unknown_material_asks_for_no_contacts(tmp_path: Path) -> None:
-    (said,) = problems(tmp_path, NAMED.replace('"limestone"', '"limston"'))
-    assert 'no material "limston"; did you mean "limestone"?' in said
+    (message,) = problems(tmp_path, NAMED.replace('"limestone"', '"limston"'))
+    assert 'no material "limston"; did you mean "limestone"?' in message
 
 
 def test_a_material_that_all_panels_of_a_deck_lack_is_said_once(tmp_path: Path) -> None:
@@ -309,8 +315,8 @@ tension_m = 0.002
 pitch_m = 0.25
 """
     text = head + deck + rest[rest.index("[bed.particles.ball]") : rest.index("[probes")]
-    (said,) = problems(tmp_path, text)
-    assert said == (
+    (message,) = problems(tmp_path, text)
+    assert message == (
         'case.toml screen.decks.deck.material: deck-1: no material "polyurethane" (2 more); '
         'give its hardness, for example "polyurethane 85 Shore A"'
     )
@@ -318,8 +324,10 @@ pitch_m = 0.25
 
 def test_particles_of_a_material_that_is_no_grain_are_told_so(tmp_path: Path) -> None:
     """The library has no contacts of polyurethane with itself; a case may give them."""
-    (said,) = problems(tmp_path, NAMED.replace('"limestone"', '"polyurethane 85 Shore A"'))
-    assert "can meet but have no contact; polyurethane is no grain of the library; give [[contacts]]" in said
+    (message,) = problems(tmp_path, NAMED.replace('"limestone"', '"polyurethane 85 Shore A"'))
+    assert (
+        "can meet but have no contact; polyurethane is no grain of the library; give [[contacts]]" in message
+    )
 
 
 def test_nonsense_in_place_of_names_is_left_to_the_check_of_the_tables(tmp_path: Path) -> None:

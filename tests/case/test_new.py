@@ -53,13 +53,16 @@ def complaints(judged: JudgedCase) -> list[str]:
 @pytest.mark.parametrize("level", ["draft", "study"])
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_a_new_case_is_right_at_once(template: str, level: str, tmp_path: Path) -> None:
-    """But for crushed stone as spheres on 20 degrees in a thin bed, which is told as a doubt."""
-    found = complaints(load_judged(write(template, tmp_path), level))
-    steep = [said for said in found if said.startswith("lone spheres may never reach a steady speed")]
-    assert found == steep
+    """The only exception is crushed stone as spheres on 20 degrees in a thin bed, which is told as a
+    doubt."""
+    complaints_found = complaints(load_judged(write(template, tmp_path), level))
+    steep = [
+        line for line in complaints_found if line.startswith("lone spheres may never reach a steady speed")
+    ]
+    assert complaints_found == steep
     assert len(steep) == (template in ("flip-flow", "crank-link"))
-    assert [f"doubtful: {said}" for said in steep] == [
-        said for said in proposed(template).remarks if said.startswith("doubtful")
+    assert [f"doubtful: {line}" for line in steep] == [
+        line for line in proposed(template).remarks if line.startswith("doubtful")
     ]
 
 
@@ -96,7 +99,7 @@ def test_the_case_itself_meets_the_closed_form_of_two_masses(template: str, tmp_
 
 @pytest.mark.solver
 def test_another_machine_has_its_own_stroke_and_a_draft_that_says_what_it_leaves_out(tmp_path: Path) -> None:
-    """So many fine particles come here that the draft feeds only a part of them."""
+    """The feed has so many fine particles that the draft feeds only a part of them."""
     answers = {"stroke": "4 mm", "speed": "850 rpm", "width": "1.2 m", "panels": "15"}
     answers |= {"opening": "3 mm", "throughput": "100 t/h", "material": "iron ore"}
     proposal = propose(read_wishes("flip-flow", answers), "mine")
@@ -153,13 +156,13 @@ IMPOSSIBLE: dict[str, tuple[str, dict[str, str], list[str]]] = {
 }
 
 
-@pytest.mark.parametrize(("template", "answers", "said"), IMPOSSIBLE.values(), ids=IMPOSSIBLE)
+@pytest.mark.parametrize(("template", "answers", "reasons"), IMPOSSIBLE.values(), ids=IMPOSSIBLE)
 def test_the_impossible_is_refused_with_all_reasons(
-    template: str, answers: dict[str, str], said: list[str]
+    template: str, answers: dict[str, str], reasons: list[str]
 ) -> None:
     with pytest.raises(ImpossibleWishes) as error:
         propose(read_wishes(template, answers), "mine")
-    for words in said:
+    for words in reasons:
         assert words in str(error.value)
 
 
@@ -178,9 +181,9 @@ def test_the_limit_that_a_refusal_offers_is_accepted(
     option: str, given: str, others: dict[str, str], offered: str
 ) -> None:
     (refusal,) = find_refusals("flip-flow", others | {option: given})
-    found = re.search(offered, str(refusal))
-    assert found is not None, refusal
-    assert find_refusals("flip-flow", others | {option: " ".join(found.groups())}) == []
+    limit = re.search(offered, str(refusal))
+    assert limit is not None, refusal
+    assert find_refusals("flip-flow", others | {option: " ".join(limit.groups())}) == []
 
 
 def test_an_answer_of_blanks_is_left_to_the_template() -> None:
@@ -224,13 +227,14 @@ def test_feed_cut_and_moisture_reach_the_case(tmp_path: Path) -> None:
         assert feed.smallest_fed_m is not None
         assert feed.smallest_fed_m < 0.012
     assert (tmp_path / "mine" / "feed.csv").read_text(encoding="utf-8") == ANALYSIS
-    (said,) = (line for line in proposal.remarks if line.startswith("feed: "))
-    assert "as its sieve analysis says; 36% of it is finer than the cut of 6 mm" in said
+    (remark,) = (line for line in proposal.remarks if line.startswith("feed: "))
+    assert "as its sieve analysis says; 36% of it is finer than the cut of 6 mm" in remark
 
 
 @pytest.mark.solver
 def test_a_curve_of_twelve_sieves_is_sampled_in_both_levels(tmp_path: Path) -> None:
-    """From a quarter of the openings up, in a draft that takes minutes and leaves out no throughput.
+    """The particles are sampled from a quarter of the openings up, in a draft that takes minutes and leaves
+    out no throughput.
 
     Of each 20 % in size of the sample, a hundred grains come in the time over which a draft is balanced.
     """
@@ -259,7 +263,7 @@ def test_a_curve_of_twelve_sieves_is_sampled_in_both_levels(tmp_path: Path) -> N
 
 def test_a_wrong_feed_cut_or_moisture_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("sieve / mm,passing\n16,1\n8,0.2\n4,0.3\n")
-    for answers, said in (
+    for answers, text in (
         ({"feed": str(tmp_path / "bad.csv")}, "the curve falls: 20 % pass 8"),
         ({"feed": str(tmp_path / "none.csv")}, "cannot be read: No such file"),
         ({"feed": "30 mm"}, "is no range of sizes; give two"),
@@ -275,7 +279,7 @@ def test_a_wrong_feed_cut_or_moisture_is_refused(tmp_path: Path) -> None:
             "--moisture: wet contradicts --material 'moist coal'",
         ),
     ):
-        assert any(said in str(refusal) for refusal in find_refusals("flip-flow", answers)), said
+        assert any(text in str(refusal) for refusal in find_refusals("flip-flow", answers)), text
 
 
 def test_the_feed_of_short_openings_can_pass_them() -> None:
@@ -299,7 +303,7 @@ def test_the_inertia_of_long_and_wide_frames_is_that_of_a_body(length: str, widt
 def test_a_machine_near_resonance_is_called_doubtful(
     panels: str, length: str, near: str, tmp_path: Path
 ) -> None:
-    """On a short deck the bushings stand close together, and the frames pitch at the working speed."""
+    """The bushings of a short deck stand close together, and the frames pitch at the working speed."""
     answers = {"panels": panels, "length": length, "throughput": "20 t/h"}
     proposal = propose(read_wishes("flip-flow", answers), "mine")
     new.write_files(proposal.files, tmp_path / "mine")
@@ -319,7 +323,7 @@ def test_a_deck_of_long_panels_is_meshed_and_called_doubtful() -> None:
 
 
 @pytest.mark.parametrize(
-    ("answers", "said"),
+    ("answers", "doubt"),
     [
         ({"stroke": "0.5 mm"}, "hardly throw"),
         ({"slope": "2 deg"}, "5 to 35 degrees are usual"),
@@ -328,9 +332,9 @@ def test_a_deck_of_long_panels_is_meshed_and_called_doubtful() -> None:
     ],
 )
 @pytest.mark.solver
-def test_an_unusual_machine_is_called_doubtful(answers: dict[str, str], said: str) -> None:
+def test_an_unusual_machine_is_called_doubtful(answers: dict[str, str], doubt: str) -> None:
     proposal = propose(read_wishes("flip-flow", answers), "mine")
-    assert any(said in remark for remark in proposal.remarks if remark.startswith("doubtful"))
+    assert any(doubt in remark for remark in proposal.remarks if remark.startswith("doubtful"))
 
 
 def test_panels_are_not_stretched_to_any_length_by_a_large_stroke() -> None:
@@ -378,13 +382,13 @@ def test_nothing_is_written_or_overwritten_where_wishes_are_wrong(tmp_path: Path
     there.mkdir()
     done = CALL.invoke(app, ["new", str(there), "--panels", "none", "--material", "limstone"])
     assert done.exit_code == 2
-    for said in (
+    for text in (
         "3 problems in the wishes",
         "exists already",
         "--panels: 'none' is no number",
         '"limestone"',
     ):
-        assert said in done.stderr
+        assert text in done.stderr
     done = CALL.invoke(app, ["new", str(there), "--stroke", "40 mm"])
     assert done.exit_code == 2
     assert "exists already" in done.stderr
@@ -500,13 +504,13 @@ def test_a_new_case_runs_and_loses_nothing(tmp_path: Path) -> None:
     """Half a second: the machine has its speed, and the first particles are fed and fall onto the deck."""
     words = ["--set", "duration_s=0.48", "--set", "output.pictures=false", "--out", str(tmp_path / "run")]
     assert flipflow("run", str(write("flip-flow", tmp_path)), *words).returncode == 0
-    told = summary(tmp_path / "run")
-    material = told["material"]
+    results = summary(tmp_path / "run")
+    material = results["material"]
     through = sum(row["number"] for row in material["exits"].values())
     assert material["fed"]["number"] > 20
     assert material["lost"]["number"] == material["escaped"]["number"] == 0
     assert material["fed"]["number"] == through + material["on_deck"]["number"]
-    stroke_m = told["results"]["motion"]["relative"]["driven-driving"]["along_m"]["value"]
+    stroke_m = results["results"]["motion"]["relative"]["driven-driving"]["along_m"]["value"]
     assert stroke_m == pytest.approx(0.006, rel=0.15)  # a few turns after the run-up
 
 
@@ -515,21 +519,23 @@ def test_a_new_case_runs_and_loses_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("template", ["test-rig", "crank-link", "banana"])
 def test_each_template_runs(template: str, tmp_path: Path) -> None:
-    """Without a doubt, until the first particles fall onto the deck; none is lost."""
+    """The run has no doubt until the first particles fall onto the deck; none is lost."""
     words = ["--set", "duration_s=0.48", "--set", "output.pictures=false"]
     done = flipflow("run", str(write(template, tmp_path)), *words, "--out", str(tmp_path / "run"))
     assert done.returncode == 0, done.stderr
-    told = summary(tmp_path / "run")
-    assert told["status"] == "done"
+    results = summary(tmp_path / "run")
+    assert results["status"] == "done"
     if template != "test-rig":
-        assert told["material"]["fed"]["number"] > 5
-        assert told["material"]["lost"]["number"] == told["material"]["escaped"]["number"] == 0
+        assert results["material"]["fed"]["number"] > 5
+        assert results["material"]["lost"]["number"] == results["material"]["escaped"]["number"] == 0
 
 
 @pytest.mark.solver
 def test_the_shape_of_grains_is_that_of_the_material_or_as_it_is_asked_for(tmp_path: Path) -> None:
     """Crushed limestone is angular, and the answer says so; pebbles of it are rounded."""
-    assert any(said.startswith("grains: angular (broken or crushed") for said in proposed("banana").remarks)
+    assert any(
+        remark.startswith("grains: angular (broken or crushed") for remark in proposed("banana").remarks
+    )
     usual = load_judged(write("banana", tmp_path), "draft").case
     assert {row.rolling_friction for row in usual.contacts} == {0.25}
     asked = propose(read_wishes("banana", {"shape": "Rounded", "material": "moist limestone"}), "mine")

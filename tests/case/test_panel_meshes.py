@@ -16,12 +16,12 @@ SHEET = 'panel.solver="sheet"'
 
 
 def test_a_sheet_of_a_million_cells_is_refused_before_anything_is_made(tmp_path: Path) -> None:
-    """It took all memory of a machine of 23 GiB, and the system ended it without a word."""
+    """The sheet would take all memory of a machine of 23 GiB, and the system would end it without a word."""
     case = loaded(tmp_path, (SHEET, "panel.cells=[1000, 1000]"))
-    found = find_problems(case)
-    assert [one.key for one in found] == [("panel", "cells")]
-    assert "1000 x 1000 cells" in found[0].what
-    assert "at most 64 GiB are allowed" in found[0].what
+    problems = find_problems(case)
+    assert [problem.key for problem in problems] == [("panel", "cells")]
+    assert "1000 x 1000 cells" in problems[0].what
+    assert "at most 64 GiB are allowed" in problems[0].what
     assert not find_problems(loaded(tmp_path / "fine", (SHEET, "panel.cells=[100, 100]")))
 
 

@@ -149,7 +149,7 @@ def test_an_exit_is_the_box_that_the_case_gives(tmp_path: Path) -> None:
 
 
 def test_a_feed_without_its_fines_feeds_the_rest_of_its_rate(tmp_path: Path) -> None:
-    """Of 2 kg/s, the 0.3 that are finer than 4 mm are not fed."""
+    """The 0.3 of 2 kg/s that are finer than 4 mm are not fed."""
     feed = (
         'bed.feeds.coal={material="coal", rate_kg_per_s=2, box_m=[[0, 0, 0.2], [0.1, 0.2, 0.3]], '
         "velocity_m_per_s=[0, 0, -1], smallest_fed_m=0.004, sizes=["
@@ -167,9 +167,9 @@ def test_feeds_are_handed_over_as_one(tmp_path: Path) -> None:
         'bed.feeds.NAME={material="coal", rate_kg_per_s=1, box_m=[[X, 0, 0.2], [Y, 0.2, 0.3]], '
         "velocity_m_per_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
     )
-    one = feed.replace("NAME", "one").replace("X", "0").replace("Y", "0.1")
-    two = feed.replace("NAME", "two").replace("X", "0.2").replace("Y", "0.3")
-    plan = particles(tmp_path, one, two)
+    first = feed.replace("NAME", "one").replace("X", "0").replace("Y", "0.1")
+    second = feed.replace("NAME", "two").replace("X", "0.2").replace("Y", "0.3")
+    plan = particles(tmp_path, first, second)
     assert plan.feed is not None
     assert plan.largest_radius_m == 0.01
     offered = plan.feed.due(Interval(1000, 1e-4))  # 0.1 s: 0.2 kg

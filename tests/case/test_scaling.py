@@ -38,14 +38,14 @@ def test_one_rank_takes_the_processor_time_of_the_run(slice_case) -> None:
 def test_what_is_divided_among_ranks_and_what_is_not(slice_case) -> None:
     """Eight panels: four each on two ranks, one each on eight, and no less on sixteen.  The particles' own
     work is halved by two ranks, but for the steps' own time, the borders and uneven parts."""
-    one, two, eight, sixteen = (rank_time(slice_case, PARTICLES, ranks) for ranks in (1, 2, 8, 16))
-    assert two.panels_s == pytest.approx(one.panels_s / 2)
-    assert eight.panels_s == pytest.approx(one.panels_s / 8)
+    alone, two, eight, sixteen = (rank_time(slice_case, PARTICLES, ranks) for ranks in (1, 2, 8, 16))
+    assert two.panels_s == pytest.approx(alone.panels_s / 2)
+    assert eight.panels_s == pytest.approx(alone.panels_s / 8)
     assert sixteen.panels_s == eight.panels_s
-    assert 0.5 < two.particles_s / one.particles_s < 0.75
+    assert 0.5 < two.particles_s / alone.particles_s < 0.75
     assert sixteen.particles_s < eight.particles_s < two.particles_s
     # only openings of panels on this rank are not counted by the others
-    assert 0.9 * one.undivided_s < sixteen.undivided_s <= one.undivided_s
+    assert 0.9 * alone.undivided_s < sixteen.undivided_s <= alone.undivided_s
 
 
 def test_a_case_without_panels_has_ranks_too(slice_case) -> None:
@@ -56,8 +56,8 @@ def test_a_case_without_panels_has_ranks_too(slice_case) -> None:
     assert shared.panels_s == shared.particles_s == 0.0
     screen = slice_case.screen.model_copy(update={"panels": {}, "decks": {}})
     chute = slice_case.model_copy(update={"screen": screen, "slice": None})
-    one, two = (rank_time(chute, PARTICLES, ranks) for ranks in (1, 2))
-    assert 0.5 < two.particles_s / one.particles_s < 0.75
+    single, two = (rank_time(chute, PARTICLES, ranks) for ranks in (1, 2))
+    assert 0.5 < two.particles_s / single.particles_s < 0.75
 
 
 def test_where_more_ranks_no_longer_pay(slice_case) -> None:
@@ -72,7 +72,7 @@ def test_where_more_ranks_no_longer_pay(slice_case) -> None:
 
 
 def test_lines_name_the_limit_and_its_cause(slice_case) -> None:
-    """Of few particles the undivided parts; of very small steps, those that every rank makes."""
+    """The limit of few particles is the undivided parts; of very small steps, those that every rank makes."""
     lines = list(scaling_lines(slice_case, 1000, 8))
     assert [line.split()[0] for line in lines[2:-1]] == ["1", "2", "4", "8"]
     assert "ranks do not pay" in lines[-1]

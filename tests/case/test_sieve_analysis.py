@@ -56,9 +56,9 @@ def test_the_openings_are_those_of_astm_e11() -> None:
 
 def test_an_open_lower_end_is_spread_evenly_below_the_finest_sieve() -> None:
     """4 % pass 63 µm: the curve goes on to half of that, and ends at the first sieve that all pass."""
-    found = points("sieve / mm;passing / %\n31,5;100\n63 µm;4\n16;100\n4;50\n")
+    curve = points("sieve / mm;passing / %\n31,5;100\n63 µm;4\n16;100\n4;50\n")
     expected = [(0.063 * OPEN_END, 0.0), (0.063, 0.04), (4.0, 0.5), (16.0, 1.0)]
-    assert found == [pytest.approx(point) for point in expected]
+    assert curve == [pytest.approx(point) for point in expected]
 
 
 def test_what_the_pan_holds_is_below_the_finest_sieve() -> None:
@@ -68,7 +68,7 @@ def test_what_the_pan_holds_is_below_the_finest_sieve() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         (
             "sieve / mm,passing / %\n16,100\n8,40\n4,45\n",
@@ -100,8 +100,8 @@ def test_what_the_pan_holds_is_below_the_finest_sieve() -> None:
         ("sieve / mm,retained / g\n16,0\n8,60\n4,30\n", "add a row such as pan"),
     ],
 )
-def test_a_wrong_table_is_refused(text: str, said: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(said)):
+def test_a_wrong_table_is_refused(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
         curve_of(text)
 
 
@@ -139,8 +139,8 @@ def test_a_level_and_a_base_name_files_in_their_own_folder(tmp_path: Path) -> No
 def test_a_wrong_file_is_named_with_its_key(tmp_path: Path) -> None:
     (tmp_path / "lab.csv").write_text(WHOLE.replace("4,40", "4,90"))
     given = f'bed.feeds.more={{{FEED}, curve={{file="lab.csv"}}}}'
-    said = only_complaint(tmp_path, given)
-    assert "lab.csv bed.feeds.more.curve.file: the curve falls: 70 % pass 8" in said
+    complaint = only_complaint(tmp_path, given)
+    assert "lab.csv bed.feeds.more.curve.file: the curve falls: 70 % pass 8" in complaint
     assert "No such file" in only_complaint(tmp_path, given.replace("lab", "none"))
     assert "outside of the case's folder" in only_complaint(tmp_path, given.replace("lab", "../lab"))
     assert any("a list is wanted" in line for line in complaints(tmp_path, given.replace("file=", "fiel=")))

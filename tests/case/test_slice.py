@@ -27,9 +27,9 @@ def test_extensive_quantities_take_their_share(tmp_path: Path) -> None:
     case = loaded(tmp_path, SLICE).case
     assert share(case.whole_machine) == pytest.approx(0.5)
     assert share(whole) == 1.0
-    one, all_ = case.screen.frames["driving"], whole.screen.frames["driving"]
-    assert one.mass_kg == pytest.approx(0.5 * all_.mass_kg)
-    np.testing.assert_allclose(one.inertia_kg_m2, 0.5 * np.array(all_.inertia_kg_m2))
+    part, full = case.screen.frames["driving"], whole.screen.frames["driving"]
+    assert part.mass_kg == pytest.approx(0.5 * full.mass_kg)
+    np.testing.assert_allclose(part.inertia_kg_m2, 0.5 * np.array(full.inertia_kg_m2))
     spring, springs = case.screen.bushings["isolation"], whole.screen.bushings["isolation"]
     np.testing.assert_allclose(spring.stiffness_N_per_m, 0.5 * np.array(springs.stiffness_N_per_m))
     assert spring.positions_m == springs.positions_m
@@ -159,8 +159,8 @@ def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
     from tests.cases import CASE, case_folder
 
     narrow = 'without = ["full-width"]\n[slice]\nwidth_m = 0.1\n'
-    found = load_judged(case_folder(tmp_path, CASE, narrow=narrow), "narrow")
-    assert found.left_out.keys() == {"full-width", "grain-shape"}
+    judged = load_judged(case_folder(tmp_path, CASE, narrow=narrow), "narrow")
+    assert judged.left_out.keys() == {"full-width", "grain-shape"}
 
 
 OPENINGS = (
@@ -204,22 +204,22 @@ def test_a_slice_that_makes_no_sense_is_refused(tmp_path: Path, overrides: list[
 
 
 def test_a_narrow_slice_and_open_sides_are_warned_of(tmp_path: Path) -> None:
-    found = warnings(loaded(tmp_path, ["slice.width_m=0.08"]))
-    assert any("4 of the largest diameters" in line for line in found)
-    found = warnings(loaded(tmp_path, ['slice={width_m=0.15, sides="walls"}']))
-    assert any("particles can fall off" in line for line in found)
+    lines = warnings(loaded(tmp_path, ["slice.width_m=0.08"]))
+    assert any("4 of the largest diameters" in line for line in lines)
+    lines = warnings(loaded(tmp_path, ['slice={width_m=0.15, sides="walls"}']))
+    assert any("particles can fall off" in line for line in lines)
 
 
 def test_a_slice_with_more_openings_than_its_part_of_the_width_is_warned_of() -> None:
     """Margins of 30 mm on both sides of 800 mm: 740 mm have what 800 mm have in the slice."""
     case = load_judged(ROOT / "cases/ffs0827-slice", "draft")
-    said = [line for line in warnings(case) if "openings" in line]
-    assert len(said) == 1
-    assert "8.1 % more openings" in said[0]
+    lines = [line for line in warnings(case) if "openings" in line]
+    assert len(lines) == 1
+    assert "8.1 % more openings" in lines[0]
 
 
 @pytest.mark.parametrize(
-    ("widths_over_lengths", "sets", "said"),
+    ("widths_over_lengths", "sets", "expected"),
     [
         (4, ["panel.solver=sheet"], "up to 8 % stiffer"),  # 4/3 over 1.236
         (4, ["panel.solver=sheet", 'slice={width_m=0.02, sides="walls"}'], "up to 19 % softer"),
@@ -229,7 +229,7 @@ def test_a_slice_with_more_openings_than_its_part_of_the_width_is_warned_of() ->
     ],
 )
 def test_what_a_slice_does_to_the_stiffness_of_sheets_is_told(
-    tmp_path: Path, widths_over_lengths: float, sets: list[str], said: str
+    tmp_path: Path, widths_over_lengths: float, sets: list[str], expected: str
 ) -> None:
     length_m = loaded(tmp_path).case.screen.panels["deck"].length_m
     width_m = widths_over_lengths * length_m
@@ -238,4 +238,4 @@ def test_what_a_slice_does_to_the_stiffness_of_sheets_is_told(
         f"bed.particles.ball.position_m=[0.15, {width_m / 2}, 0.1]",
     ]
     text = left_out(loaded(tmp_path, ["slice.width_m=0.02", *wide, *sets]).case)
-    assert (said in text) if said else text.endswith("middle of the width")
+    assert (expected in text) if expected else text.endswith("middle of the width")

@@ -43,11 +43,11 @@ SECOND = (
 )
 
 
-def said(folder: Path, *sets: str, case: str = BODY) -> tuple[list[str], list[str]]:
+def problems_and_warnings(folder: Path, *sets: str, case: str = BODY) -> tuple[list[str], list[str]]:
     """The problems of a case and, without any, its warnings but for those of its mats (tests/mats)."""
-    found = load_case(folder, case, sets)
-    problems = [str(problem) for problem in find_problems(found)]
-    return problems, [] if problems else [line for line in warnings(found) if not line.startswith("mat ")]
+    judged = load_case(folder, case, sets)
+    problems = [str(problem) for problem in find_problems(judged)]
+    return problems, [] if problems else [line for line in warnings(judged) if not line.startswith("mat ")]
 
 
 def test_the_motion_is_that_of_a_mass_on_a_damped_spring(tmp_path: Path) -> None:
@@ -62,11 +62,11 @@ def test_the_motion_is_that_of_a_mass_on_a_damped_spring(tmp_path: Path) -> None
         "driving: stroke 5.08 mm (amplitude), nearly a circle, 3.31 g, throw 3.31 g, "
         "at 80 rad/s = 763.9 rpm = 12.7 Hz"
     )
-    assert said(tmp_path) == ([], [])
+    assert problems_and_warnings(tmp_path) == ([], [])
 
 
 def test_a_drive_that_turns_its_frame_moves_the_centre_of_mass(tmp_path: Path) -> None:
-    """By the angle times the arm."""
+    """The centre moves by the angle times the arm."""
     turned = f"{DRIVE}={{speed_rad_per_s=80, rotation_rad=[0, 0.01, 0], center_m=[0, 0, 0], run_up_s=0.1}}"
     sets = (turned, "frames.solver=prescribed", "screen.frames.driving.center_of_mass_m=[0.4, 0, 0]")
     (motion,) = frame_motions(scene(load_case(tmp_path, BODY, sets).case))
@@ -97,29 +97,31 @@ def test_frames_that_the_solver_does_not_move_stand_still(tmp_path: Path) -> Non
     ],
 )
 def test_a_motion_beyond_all_screens_is_refused(tmp_path: Path, override: str, wanted: str) -> None:
-    (problem,), _ = said(tmp_path, override)
+    (problem,), _ = problems_and_warnings(tmp_path, override)
     assert wanted in problem
 
 
 def test_a_drive_beyond_all_screens_is_refused(tmp_path: Path) -> None:
     drive = f"{DRIVE}={{speed_rad_per_s=80, amplitude_m=[0, 0, 0.1], run_up_s=0.1}}"
-    (problem,), _ = said(tmp_path, drive, "frames.solver=prescribed")
+    (problem,), _ = problems_and_warnings(tmp_path, drive, "frames.solver=prescribed")
     assert f"{DRIVE}: the driving frame moves with 65.3 g and a stroke of 100 mm (amplitude)" in problem
 
 
 @pytest.mark.parametrize(("limit_m_per_s2", "problems"), [(3000.0, 0), (2000.0, 1)])
 def test_a_key_says_that_it_is_meant(tmp_path: Path, limit_m_per_s2: float, problems: int) -> None:
-    """And it is still said."""
+    """The unusual value is still told."""
     sets = (f"{SHAFT}.speed_rad_per_s=750", f"screen.largest_acceleration_m_per_s2={limit_m_per_s2}")
-    refused, warned = said(tmp_path, *sets)
+    refused, warned = problems_and_warnings(tmp_path, *sets)
     assert len(refused) == problems
     assert len(warned) == 1 - problems
 
 
 def test_a_resonance_alone_is_not_refused(tmp_path: Path) -> None:
-    """Without damping the linear estimate has no bound at a mode; the mode is warned of."""
+    """The linear estimate without damping has no bound at a mode; the mode is warned of."""
     near = f"screen.bushings.isolation.stiffness_N_per_m={[100.0 * 80.0**2] * 3}"
-    problems, warned = said(tmp_path, near, "screen.bushings.isolation.damping_N_s_per_m=[0, 0, 0]")
+    problems, warned = problems_and_warnings(
+        tmp_path, near, "screen.bushings.isolation.damping_N_s_per_m=[0, 0, 0]"
+    )
     assert problems == []
     assert [line for line in warned if "within 15%" in line]
     (line,) = motion_lines(scene(load_case(tmp_path, BODY, [near]).case))
@@ -154,7 +156,7 @@ def test_a_resonance_alone_is_not_refused(tmp_path: Path) -> None:
     ],
 )
 def test_one_slip_is_one_line_that_names_its_key(tmp_path: Path, override: str, wanted: str) -> None:
-    problems, warned = said(tmp_path, override)
+    problems, warned = problems_and_warnings(tmp_path, override)
     assert problems == []
     named = [line for line in warned if wanted in line]
     assert len(named) == 1, warned
@@ -171,12 +173,12 @@ def test_one_slip_is_one_line_that_names_its_key(tmp_path: Path, override: str, 
     ],
 )
 def test_what_screens_do_is_not_warned_of(tmp_path: Path, override: str) -> None:
-    assert said(tmp_path, override) == ([], [])
+    assert problems_and_warnings(tmp_path, override) == ([], [])
 
 
 def test_a_given_unit_is_not_doubted(tmp_path: Path) -> None:
-    """What the number is stays said."""
-    problems, (line,) = said(tmp_path, f'{SHAFT}.speed_rad_per_s="12.5 rad/s"')
+    """The number stays told with its unit."""
+    problems, (line,) = problems_and_warnings(tmp_path, f'{SHAFT}.speed_rad_per_s="12.5 rad/s"')
     assert problems == []
     assert "is 12.5 rad/s" in line
     assert "would be" not in line
@@ -185,7 +187,7 @@ def test_a_given_unit_is_not_doubted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("cut_m", "wanted"), [(0.4, "above all sizes, 6 to 20 mm: all that comes is fine"),
                                                (0.001, "below all sizes"), (0.01, "")])  # fmt: skip
 def test_a_cut_beside_all_sizes_is_said(tmp_path: Path, cut_m: float, wanted: str) -> None:
-    problems, warned = said(tmp_path, f"output.cut_size_m={cut_m}", case=MACHINE)
+    problems, warned = problems_and_warnings(tmp_path, f"output.cut_size_m={cut_m}", case=MACHINE)
     assert problems == []
     assert len(warned) == bool(wanted)
     assert all(f"output.cut_size_m: is {wanted}" in line for line in warned)
@@ -193,13 +195,13 @@ def test_a_cut_beside_all_sizes_is_said(tmp_path: Path, cut_m: float, wanted: st
 
 def test_a_stroke_across_the_panels_is_said(tmp_path: Path) -> None:
     shaken = "screen.frames.moving.drive.amplitude_m=[0.0, 0.01, 0.0]"
-    found = load_judged(CASES / "panel-cycle", "draft", [shaken])
-    assert [line for line in warnings(found) if "is across panel" in line]
+    judged = load_judged(CASES / "panel-cycle", "draft", [shaken])
+    assert [line for line in warnings(judged) if "is across panel" in line]
 
 
 def test_shipped_cases_have_no_slip() -> None:
-    """At all levels."""
-    found = {}
+    """Cases are right at all their levels."""
+    problems_by_case = {}
     for file in sorted([*CASES.glob("*/case.toml"), *CASES.glob("hard/*/case.toml")]):
         for level in (None, *level_names(file.parent)):
             loaded = load_judged(file.parent, level)
@@ -211,8 +213,8 @@ def test_shipped_cases_have_no_slip() -> None:
                 *slips.angles_in_other_units(loaded.layers.merged),
                 *slips.cut_beside_all_sizes(loaded.case),
             ]
-            found[file.parent.name, level] = [str(problem) for problem in problems]
-    assert not {where: lines for where, lines in found.items() if lines}
+            problems_by_case[file.parent.name, level] = [str(problem) for problem in problems]
+    assert not {where: lines for where, lines in problems_by_case.items() if lines}
 
 
 MOTOR = "{rated_power_W=5e3, synchronous_speed_rad_per_s=82.0, rated_slip=0.02, moment_of_inertia_kg_m2=1.0}"
@@ -246,12 +248,12 @@ def test_check_prints_one_line_for_each_frame() -> None:
 
 
 def test_a_frame_that_tips_over_on_its_one_bushing_is_refused() -> None:
-    """Under the centre of mass it holds the weight, and nothing keeps the frames from turning."""
-    one = "screen.bushings.isolation.positions_m=[[0.319, 0.10, 0.0]]"
+    """The bushing under the centre of mass holds the weight, and nothing keeps the frames from turning."""
+    bushing = "screen.bushings.isolation.positions_m=[[0.319, 0.10, 0.0]]"
     case = CASES / "empty-machine"
-    problems = [str(problem) for problem in find_problems(load_judged(case, "default", [one]))]
+    problems = [str(problem) for problem in find_problems(load_judged(case, "default", [bushing]))]
     assert len(problems) == 2
     assert all("no bushing holds its weight, or keeps it from tipping over" in line for line in problems)
-    assert find_problems(load_judged(case, "draft", [one])) == [], "frames that cannot turn"
-    loose = [one, "screen.drawn_at_rest=false"]
+    assert find_problems(load_judged(case, "draft", [bushing])) == [], "frames that cannot turn"
+    loose = [bushing, "screen.drawn_at_rest=false"]
     assert find_problems(load_judged(case, "default", loose)) == []

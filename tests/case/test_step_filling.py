@@ -1,4 +1,4 @@
-"""How steps fill a sync interval, and that what is proposed fills it."""
+"""The steps in a sync interval: they fill it, and what is proposed fills it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SHORT = "particles.rayleigh_fraction=0.15"
 
 
 def test_quickstart_fills_its_interval_with_one_step() -> None:
-    """By default, which allows 3.27e-5 s for one of 3.125e-5 s."""
+    """The default allows 3.27e-5 s for a step of 3.125e-5 s."""
     filling, lines = filled()
     assert filling.steps == 1
     assert filling.share == pytest.approx(1.0)

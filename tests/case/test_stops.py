@@ -41,7 +41,7 @@ def test_a_named_frame_carries_all(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "said"),
+    ("key", "value", "message"),
     [
         ("to_m", "0.4", "beyond the free length of 0.3 m"),
         ("from_m", "0.05", "is not before to_m"),
@@ -49,11 +49,11 @@ def test_a_named_frame_carries_all(tmp_path: Path) -> None:
         ("frame", "drivng", "driving"),
     ],
 )
-def test_what_is_refused(tmp_path: Path, key: str, value: str, said: str) -> None:
+def test_what_is_refused(tmp_path: Path, key: str, value: str, message: str) -> None:
     place = f"screen.panels.deck.stops.flange.{key}"
     complaint = only_complaint(tmp_path, FLANGE, f"{place}={value}")
     assert place in complaint
-    assert said in complaint
+    assert message in complaint
 
 
 def test_a_right_one_is_not(tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def test_a_cube_with_normals_outwards_is_right() -> None:
 
 
 @pytest.mark.parametrize(
-    ("triangles", "said"),
+    ("triangles", "fault"),
     [
         (OUTWARD[:, ::-1], "normals point inwards"),
         (np.vstack([OUTWARD[:1, ::-1], OUTWARD[1:]]), "oriented against each other"),
@@ -47,8 +47,8 @@ def test_a_cube_with_normals_outwards_is_right() -> None:
         (np.vstack([OUTWARD, [(0, 1, 1)]]), "1 triangles without area, the first is number 12"),
     ],
 )
-def test_faults_of_a_triangulation(triangles: np.ndarray, said: str) -> None:
-    assert [said in what for what, _ in faults(facets(triangles))] == [True]
+def test_faults_of_a_triangulation(triangles: np.ndarray, fault: str) -> None:
+    assert [fault in what for what, _ in faults(facets(triangles))] == [True]
 
 
 def test_normals_that_contradict_the_corners() -> None:
@@ -61,7 +61,7 @@ def test_normals_that_contradict_the_corners() -> None:
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     file = tmp_path / "wall.stl"
-    for content, said in (
+    for content, reason in (
         (None, "no such file"),
         (b"", "is cut off, or no STL file"),
         (b"solid empty\nendsolid\n", "has no triangles"),
@@ -77,13 +77,13 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     ):
         if content is not None:
             file.write_bytes(content)
-        with pytest.raises(UnreadableStl, match=said):
+        with pytest.raises(UnreadableStl, match=reason):
             read(tmp_path, file.name)
 
 
 @pytest.mark.parametrize("binary", [False, True])
 def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
-    """Also where a triangle ends, which would leave a wall with a hole."""
+    """A cut where a triangle ends is found, too, which would leave a wall with a hole."""
     mesh = meshio.Mesh(CUBE_M, [("triangle", OUTWARD)])
     meshio.stl.write(tmp_path / "wall.stl", mesh, binary=binary)
     whole = (tmp_path / "wall.stl").read_bytes()
@@ -98,13 +98,13 @@ def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
 def test_a_file_is_read_as_it_was_written(tmp_path: Path, binary: bool) -> None:
     """Positions to the digits of the file, each corner once, and the normals that it states."""
     meshio.stl.write(tmp_path / "wall.stl", meshio.Mesh(CUBE_M, [("triangle", OUTWARD)]), binary=binary)
-    found, by_meshio = read(tmp_path, "wall.stl"), meshio.stl.read(tmp_path / "wall.stl")
-    assert found.position_m == pytest.approx(by_meshio.points, abs=0)
-    assert (found.triangles == by_meshio.cells_dict["triangle"]).all()
+    surface, by_meshio = read(tmp_path, "wall.stl"), meshio.stl.read(tmp_path / "wall.stl")
+    assert surface.position_m == pytest.approx(by_meshio.points, abs=0)
+    assert (surface.triangles == by_meshio.cells_dict["triangle"]).all()
     corners = CUBE_M[OUTWARD]
     outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert found.normal == pytest.approx(100 * outward, abs=1e-6)
-    assert list(faults(found)) == []
+    assert surface.normal == pytest.approx(100 * outward, abs=1e-6)
+    assert list(faults(surface)) == []
 
 
 def test_a_text_of_two_solids_in_capitals(tmp_path: Path) -> None:
@@ -162,11 +162,12 @@ def test_the_quickstarts_walls_are_those_of_the_generator(tmp_path: Path) -> Non
 
 
 def test_a_particle_inside_a_closed_body_is_refused(tmp_path: Path) -> None:
-    """Also one that touches none of its faces; beside the body, and in one that is open, nothing is said."""
+    """A particle that touches none of the body's faces is refused, too; beside the body, and in one that is
+    open, there is no problem."""
     write(tmp_path)
     trapped = "bed.particles.ball.position_m=[0.05, 0.05, 0.05]"
-    said = only_complaint(tmp_path, WALL, trapped)
-    assert '"ball" at [0.05, 0.05, 0.05] is inside surface wall, a closed body' in said
+    complaint = only_complaint(tmp_path, WALL, trapped)
+    assert '"ball" at [0.05, 0.05, 0.05] is inside surface wall, a closed body' in complaint
     assert not complaints(tmp_path, WALL, "bed.particles.ball.position_m=[0.15, 0.05, 0.05]")
     write(tmp_path, triangles=OUTWARD[2:])
     assert not complaints(tmp_path, WALL, trapped)

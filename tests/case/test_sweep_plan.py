@@ -45,7 +45,8 @@ def test_random_settings_are_repeatable_and_can_be_continued() -> None:
 
 
 def test_a_random_plan_has_as_many_different_settings_as_were_asked_for() -> None:
-    """Of a short list nearly each is drawn twice; all settings there are can be asked for, and no more."""
+    """A short list would have nearly each setting drawn twice; all settings there are can be asked for, and
+    no more."""
     wanted = (f"{SLOPE}=10,15,20", "panel.solver=rigid,strip")
     every = plan_sweep(wanted, Arrangement.RANDOM, 6, 1).settings
     assert len(set(every)) == 6
@@ -92,10 +93,10 @@ def test_one_varied_key_gives_back_its_unit() -> None:
 
 def test_a_dry_sweep_lists_and_predicts_its_runs_and_writes_nothing(tmp_path: Path) -> None:
     study = CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path / "out")
-    said = [*sweep.command(study, [f"{SPEED}=700:750:50 rpm"], dry=True)]
-    assert said[0].startswith(f"{SPEED} = 700 rpm: ")
-    assert said[1].startswith(f"{SPEED} = 750 rpm: ")
-    assert said[2].startswith("2 of 2 runs are to be made, ")
+    lines = [*sweep.command(study, [f"{SPEED}=700:750:50 rpm"], dry=True)]
+    assert lines[0].startswith(f"{SPEED} = 700 rpm: ")
+    assert lines[1].startswith(f"{SPEED} = 750 rpm: ")
+    assert lines[2].startswith("2 of 2 runs are to be made, ")
     assert not (tmp_path / "out").exists()
 
 
@@ -146,7 +147,7 @@ def test_the_folder_of_a_sweep_over_other_keys_is_refused(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("vary", "how", "said"),
+    ("vary", "how", "message"),
     [
         ((f"{SPEED}=1,2", f"{SPEED}=3,4"), "grid", "is varied twice"),
         ((f"{SPEED}=1,2", f"{SLOPE}=3"), "list", f"{SPEED} has 2, {SLOPE} has 1"),
@@ -157,8 +158,8 @@ def test_the_folder_of_a_sweep_over_other_keys_is_refused(tmp_path: Path) -> Non
         (("x", "y="), "grid", "2 problems"),
     ],
 )
-def test_a_wrong_plan_is_refused(vary: tuple[str, ...], how: str, said: str) -> None:
-    with pytest.raises(CaseError, match=said):
+def test_a_wrong_plan_is_refused(vary: tuple[str, ...], how: str, message: str) -> None:
+    with pytest.raises(CaseError, match=message):
         plan_sweep(vary, Arrangement(how), 3, 1)
 
 

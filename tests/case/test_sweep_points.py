@@ -1,4 +1,4 @@
-"""Which finished runs a study takes for its own; nothing is run here."""
+"""The finished runs that a study takes for its own; nothing is run here."""
 
 from __future__ import annotations
 

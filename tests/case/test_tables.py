@@ -93,12 +93,12 @@ def marks(kind: Any) -> Iterator[Any]:
 
 
 def test_every_float_has_a_largest_value() -> None:
-    """By its type or by its plausible range: nothing absurd gets as far as a solver."""
+    """The type or the plausible range bounds each float: nothing absurd gets as far as a solver."""
     bounded = {
         key
         for table in tables()
         for key, field in table.model_fields.items()
-        if any(isinstance(one, Le | Lt) for one in [*field.metadata, *marks(field.annotation)])
+        if any(isinstance(mark, Le | Lt) for mark in [*field.metadata, *marks(field.annotation)])
     }
     assert FLOATS - bounded - set(RANGES) == {"mass_fraction"}  # they must add up to 1
 
@@ -117,7 +117,7 @@ def test_every_table_and_key_is_described(table: type[BaseModel]) -> None:
     ("page", "words"), [("case-format.md", ()), ("study-format.md", ("study",))], ids=["case", "study"]
 )
 def test_the_page_on_a_format_is_the_tables(page: str, words: tuple[str, ...]) -> None:
-    """It is written where no test has brought a solver of its own."""
+    """The page is written where no test has brought a solver of its own."""
     docs = Path(__file__).parents[2] / "docs"
     command = ["-m", "tools.case_reference", *words]
     own = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}

@@ -169,8 +169,8 @@ def test_wrong_units_are_refused_with_file_and_key(tmp_path: Path, override: str
 
 def test_a_unit_is_not_guessed_at_where_one_was_given(tmp_path: Path) -> None:
     """A number without a unit, in a later layer, is guessed at again."""
-    key, said = "screen.panels.deck.thickness_m", "0.5 is out of the range 0.0002 to 0.05"
-    assert only_complaint(tmp_path, f"{key}=500 mm").endswith(f"{key}: {said}")
+    key, problem = "screen.panels.deck.thickness_m", "0.5 is out of the range 0.0002 to 0.05"
+    assert only_complaint(tmp_path, f"{key}=500 mm").endswith(f"{key}: {problem}")
     assert kinds(tmp_path, f"{key}=0.5") == ["screen.panels.deck.thickness_m: out-of-range"]
     assert kinds(tmp_path, f"{key}=500 mm", f"{key}=0.5") == ["screen.panels.deck.thickness_m: out-of-range"]
     in_list = only_complaint(tmp_path, 'gravity_m_per_s2=["0 m/s2", 0, "-98100 cm/s2"]')
@@ -178,7 +178,10 @@ def test_a_unit_is_not_guessed_at_where_one_was_given(tmp_path: Path) -> None:
 
 
 def test_units_of_keys_that_no_table_has_are_named(tmp_path: Path) -> None:
-    assert any("unknown key (its value: '12 Hz'" in one for one in complaints(tmp_path, "duration_h=12 Hz"))
+    assert any(
+        "unknown key (its value: '12 Hz'" in complaint
+        for complaint in complaints(tmp_path, "duration_h=12 Hz")
+    )
 
 
 def test_all_wrong_units_come_in_one_message(tmp_path: Path) -> None:
@@ -237,7 +240,7 @@ def test_random_sweeps_take_units(ends: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("screen.panels.deck.thickness_m=4 mm:6 cm:1 mm", "has several units"),
         ("screen.panels.deck.thickness_m=4,5 mm,0.6 cm", "has several units, and a number without one"),
@@ -245,8 +248,8 @@ def test_random_sweeps_take_units(ends: str) -> None:
         ("title=a b,a_b", "has two values whose folders would have the same name"),
     ],
 )
-def test_sweeps_with_wrong_units(text: str, said: str) -> None:
-    with pytest.raises(CaseError, match=said):
+def test_sweeps_with_wrong_units(text: str, message: str) -> None:
+    with pytest.raises(CaseError, match=message):
         parse_vary(text)
 
 

@@ -112,15 +112,15 @@ ELSEWHERE = 'screen.exits.{}={{product="{}", box_m=[[2, 0, 1], [2.1, 0.1, 1.1]]}
 UNDAMPED = tuple(f"screen.bushings.{name}.damping_N_s_per_m=[0, 0, 0]" for name in ("isolation", "shear"))
 
 
-def said(folder: Path, *overrides: str, case: str = MACHINE) -> list[str]:
+def warnings_of(folder: Path, *overrides: str, case: str = MACHINE) -> list[str]:
     """Return the warnings about the machine with some keys changed, but for its mats (tests/mats)."""
-    found = load_case(folder, case, overrides)
-    assert find_problems(found) == []
-    return [line for line in warnings(found) if not line.startswith("mat ")]
+    judged = load_case(folder, case, overrides)
+    assert find_problems(judged) == []
+    return [line for line in warnings(judged) if not line.startswith("mat ")]
 
 
 def test_a_good_machine_has_no_warning(tmp_path: Path) -> None:
-    assert said(tmp_path) == []
+    assert warnings_of(tmp_path) == []
 
 
 @pytest.mark.parametrize(
@@ -174,9 +174,9 @@ def test_a_good_machine_has_no_warning(tmp_path: Path) -> None:
 def test_one_mistake_gives_its_own_warning(
     tmp_path: Path, overrides: tuple[str, ...], wanted: str, lines: int
 ) -> None:
-    found = said(tmp_path, *overrides)
-    assert wanted in found[0]
-    assert len(found) == lines  # one for each side where both sides have the mistake
+    texts = warnings_of(tmp_path, *overrides)
+    assert wanted in texts[0]
+    assert len(texts) == lines  # one for each side where both sides have the mistake
 
 
 @pytest.mark.parametrize(
@@ -195,8 +195,8 @@ def test_a_bed_that_is_taken_over_is_material_on_the_deck(tmp_path: Path, overri
     (tmp_path / "bed.csv").write_text("\n".join(rows))
     head, _, feed = MACHINE.partition("[bed.feeds.gravel]")
     carried = head + feed[feed.index("[panel]") :]
-    assert said(tmp_path, "bed.table=bed.csv", case=carried) == []
-    assert wanted in said(tmp_path, "bed.table=bed.csv", override, case=carried)[0]
+    assert warnings_of(tmp_path, "bed.table=bed.csv", case=carried) == []
+    assert wanted in warnings_of(tmp_path, "bed.table=bed.csv", override, case=carried)[0]
 
 
 SECOND = """
@@ -226,63 +226,66 @@ def test_two_speeds_that_beat_are_said(
     """Speeds of 78.5 and 78.6 rad/s are in step once in 2 pi / 0.1 = 62.8 s."""
     head, _, rest = MACHINE.partition("[screen.decks.deck]")
     second = SECOND.format(speed_rad_per_s=speed_rad_per_s) + more
-    found = said(tmp_path, case=f"{head}{second}\n[screen.decks.deck]{rest}")
-    lines = [line for line in found if "they fall out of step and into step again every 62.8 s" in line]
+    texts = warnings_of(tmp_path, case=f"{head}{second}\n[screen.decks.deck]{rest}")
+    lines = [line for line in texts if "they fall out of step and into step again every 62.8 s" in line]
     assert len(lines) == beats
 
 
 def test_a_drive_that_holds_its_frame_does_not_beat(tmp_path: Path) -> None:
     drive = "[screen.frames.driven.drive]\nspeed_rad_per_s = 78.6\namplitude_m = [0.0, 0.0, 0.0]\n"
     head, _, rest = MACHINE.partition("[screen.decks.deck]")
-    found = said(tmp_path, case=f"{head}{drive}[screen.decks.deck]{rest}")
-    assert not [line for line in found if "they fall out of step" in line]
+    lines = warnings_of(tmp_path, case=f"{head}{drive}[screen.decks.deck]{rest}")
+    assert not [line for line in lines if "they fall out of step" in line]
 
 
 def test_gaps_between_panels_are_said(tmp_path: Path) -> None:
     case = MACHINE.replace('cross_beams = { material = "PU" }\n', "").replace(
         "pitch_m = 0.338", "pitch_m = 0.36"
     )
-    (found,) = [line for line in said(tmp_path, case=case) if "between panels" in line]
-    assert "a gap of 24 mm between panels deck-1 and deck-2 (and at 1 more joints): all particles" in found
+    (warning,) = [line for line in warnings_of(tmp_path, case=case) if "between panels" in line]
+    assert "a gap of 24 mm between panels deck-1 and deck-2 (and at 1 more joints): all particles" in warning
     # Cross beams of panels with a longer pitch cover their longer gaps.
     covered = MACHINE.replace("pitch_m = 0.338", "pitch_m = 0.36")
-    assert [line for line in said(tmp_path, case=covered) if "between panels" in line] == []
+    assert [line for line in warnings_of(tmp_path, case=covered) if "between panels" in line] == []
 
 
 @pytest.mark.parametrize(("corner_m", "lines"), [(-0.26, 0), (-0.34, 1)])
 def test_a_panel_that_reaches_over_the_next_leaves_no_gap(
     corner_m: float, lines: int, tmp_path: Path
 ) -> None:
-    """It is 0.3 m long and 50 mm higher, and ends 40 mm behind or before the edge of the deck."""
+    """The panel is 0.3 m long and 50 mm higher, and ends 40 mm behind or before the edge of the deck."""
     over = (
         f'screen.panels.over={{material="PU", frames=["driving", "driving"], corner_m=[{corner_m}, 0, 0.05], '
         "length_m=0.3, span_m=0.3, width_m=0.4, thickness_m=0.004}"
     )
-    assert len([line for line in said(tmp_path, over) if "between panels over and deck-1" in line]) == lines
+    assert (
+        len([line for line in warnings_of(tmp_path, over) if "between panels over and deck-1" in line])
+        == lines
+    )
 
 
 def test_periodic_sides_are_closed(tmp_path: Path) -> None:
     gap, periodic = f"{PLATES}.gap_m=0.008", "slice.width_m=0.12"
-    assert said(tmp_path, gap, periodic) == []
-    assert len(said(tmp_path, gap, WALLS)) == 2
+    assert warnings_of(tmp_path, gap, periodic) == []
+    assert len(warnings_of(tmp_path, gap, WALLS)) == 2
 
 
 def test_an_exit_that_a_panel_swings_into_is_said(tmp_path: Path) -> None:
     """Mounted without tension, the panels sag by 2/pi sqrt(L stroke), some 30 mm."""
     box = "screen.exits.below.box_m=[[-0.5, -0.5, -0.6], [1.05, 0.9, {}]]"
-    assert said(tmp_path, box.format(-0.08)) == []
-    (found,) = said(tmp_path, box.format(-0.005))
-    assert 'and 2 more swings into exit "below", by up to ' in found
+    assert warnings_of(tmp_path, box.format(-0.08)) == []
+    (warning,) = warnings_of(tmp_path, box.format(-0.005))
+    assert 'and 2 more swings into exit "below", by up to ' in warning
 
 
 @pytest.mark.parametrize(("low_m", "reaches"), [(-0.5, True), (0.25, True), (0.26, False), (0.3, False)])
 def test_an_exit_beside_periodic_sides_is_said(tmp_path: Path, low_m: float, reaches: bool) -> None:
-    """Nothing could leave there, and the flights, which know no sides, end in it."""
+    """No particle could leave there, and the flights, which know no sides, end in it."""
     exit_ = f"screen.exits.behind.box_m=[[1.1, {low_m}, -1.0], [2.5, 0.9, -0.3]]"
-    found = said(tmp_path, "slice.width_m=0.12", exit_)
+    lines = warnings_of(tmp_path, "slice.width_m=0.12", exit_)
     wanted = 'no particle gets to exit "behind": box_m does not reach into the slice from y = 0.14 to 0.26 m'
-    assert found == ([] if reaches else [wanted])
-    assert not any("no particle gets" in line for line in said(tmp_path, WALLS, exit_))
+    assert lines == ([] if reaches else [wanted])
+    assert not any("no particle gets" in line for line in warnings_of(tmp_path, WALLS, exit_))
 
 
 @pytest.mark.parametrize(
@@ -301,16 +304,16 @@ def test_panels_out_of_line_are_said(
         f'screen.panels.second={{material="PU", frames={frames}, corner_m={corner_m}, length_m=0.3, '
         "width_m=0.2, thickness_m=0.004, clamp_m=0.019, tension_m=0.002}"
     )
-    found = [line for line in warnings(loaded(tmp_path, [second])) if "panels deck and second" in line]
-    assert len(found) == (wanted is not None)
-    assert all(wanted in line for line in found if wanted)
+    lines = [line for line in warnings(loaded(tmp_path, [second])) if "panels deck and second" in line]
+    assert len(lines) == (wanted is not None)
+    assert all(wanted in line for line in lines if wanted)
 
 
 def test_a_kink_in_the_deck_is_said(tmp_path: Path) -> None:
     def kinks(slopes_deg: str) -> list[str]:
         low = "screen.exits.{}.box_m=[[{}, -0.5, -0.9], [{}, 0.9, -0.6]]"
         exits = low.format("below", -0.5, 1.05), low.format("behind", 1.05, 2.5)
-        bent = said(tmp_path, f"{DECK}.slopes_deg={slopes_deg}", *exits)
+        bent = warnings_of(tmp_path, f"{DECK}.slopes_deg={slopes_deg}", *exits)
         return [line for line in bent if "out of line" in line]
 
     assert kinks("[25.0, 15.0, 5.0]") == []
@@ -331,9 +334,9 @@ def test_strokes_normal_to_panels_are_said(
 ) -> None:
     drive = f"screen.frames.driving.drive={{amplitude_m={stroke_m}, speed_rad_per_s=78.5, run_up_s=0.1}}"
     sets = ["frames.solver=prescribed", drive, f"screen.panels.deck.frames={ends}", POURED]
-    found = [line for line in warnings(loaded(tmp_path, sets)) if "is normal to" in line]
-    assert len(found) == (wanted is not None)
-    assert all(wanted in line for line in found if wanted)
+    lines = [line for line in warnings(loaded(tmp_path, sets)) if "is normal to" in line]
+    assert len(lines) == (wanted is not None)
+    assert all(wanted in line for line in lines if wanted)
 
 
 def test_a_mode_near_the_excitation_is_named_by_its_shape(tmp_path: Path) -> None:
@@ -341,8 +344,8 @@ def test_a_mode_near_the_excitation_is_named_by_its_shape(tmp_path: Path) -> Non
     pitch_Hz = math.sqrt((2 * 4e4 * 0.4**2) / 6.0) / (2 * math.pi)
     speed = f"{SHAFT}.speed_rad_per_s={2 * math.pi * pitch_Hz}"
     free = 'screen.panels.deck.frames=["ground", "ground"]'
-    (found,) = [line for line in warnings(loaded(tmp_path, [speed, free])) if "within 15%" in line]
-    assert f"pitch of the driving frame, {pitch_Hz:.3g} Hz" in found
+    (warning,) = [line for line in warnings(loaded(tmp_path, [speed, free])) if "within 15%" in line]
+    assert f"pitch of the driving frame, {pitch_Hz:.3g} Hz" in warning
 
 
 def test_defaults_that_decide_about_the_physics_are_named(tmp_path: Path) -> None:
@@ -358,8 +361,8 @@ def test_defaults_that_decide_about_the_physics_are_named(tmp_path: Path) -> Non
 def test_a_deck_along_y_is_warned_of(tmp_path: Path) -> None:
     """Its strokes along the deck would be 0, since they are those along x."""
     sets = ["screen.panels.deck.along=[0.0, 1.0, 0.0]", "screen.panels.deck.across=[-1.0, 0.0, 0.0]"]
-    (said,) = [what for what in warnings(load_case(tmp_path / "y", CASE, sets)) if "along x" in what]
-    assert said.startswith("not along x: panel deck;")
+    (warning,) = [what for what in warnings(load_case(tmp_path / "y", CASE, sets)) if "along x" in what]
+    assert warning.startswith("not along x: panel deck;")
     back = ["screen.panels.deck.along=[-1.0, 0.0, 0.0]", "screen.panels.deck.across=[0.0, -1.0, 0.0]"]
     for number, others in enumerate(([], back)):
         assert not [

@@ -28,9 +28,9 @@ def test_without_a_rate_nothing_is_planned(tmp_path: Path) -> None:
 
 
 def test_rates_by_pair_of_materials(tmp_path: Path) -> None:
-    found = plan(loaded(tmp_path, [WEARS]).case).wear_m3_per_N_m
-    assert found is not None
-    np.testing.assert_array_equal(found, [[0.0, 2e-12], [2e-12, 0.0]])  # PU, coal
+    rates = plan(loaded(tmp_path, [WEARS]).case).wear_m3_per_N_m
+    assert rates is not None
+    np.testing.assert_array_equal(rates, [[0.0, 2e-12], [2e-12, 0.0]])  # PU, coal
 
 
 def test_a_level_can_leave_it_out(tmp_path: Path) -> None:
@@ -42,9 +42,9 @@ def test_a_level_can_leave_it_out(tmp_path: Path) -> None:
 
 
 def test_particles_do_not_wear_each_other(tmp_path: Path) -> None:
-    said = only_complaint(tmp_path, "contacts.1.specific_wear_m3_per_N_m=1e-12")
-    assert "contacts.1.specific_wear_m3_per_N_m" in said
-    assert "panel" in said
+    complaint = only_complaint(tmp_path, "contacts.1.specific_wear_m3_per_N_m=1e-12")
+    assert "contacts.1.specific_wear_m3_per_N_m" in complaint
+    assert "panel" in complaint
 
 
 def test_the_unit_is_guessed(tmp_path: Path) -> None:

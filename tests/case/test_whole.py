@@ -1,4 +1,4 @@
-"""What a file may take the place of."""
+"""The things that a file may take the place of."""
 
 from __future__ import annotations
 

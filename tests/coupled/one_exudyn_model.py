@@ -30,8 +30,8 @@ ELEMENTS = 16
 
 @dataclass(frozen=True)
 class Histories:
-    """At the times (n,): displacements along x and z, (n, 2) each, of the frames' centres by name
-    and of the panels' middles."""
+    """Displacements along x and z at the times (n,): (n, 2) each, of the frames' centres by name and of the
+    panels' middles."""
 
     time_s: Array
     frames_m: dict[str, Array]
@@ -39,7 +39,7 @@ class Histories:
 
 
 def solved(case: Case, duration_s: float, step_s: float) -> Histories:
-    """From rest with the panels' weight on the machine."""
+    """Solve from rest with the panels' weight on the machine."""
     model = Model(case)
     for bushing in case.screen.bushings.values():
         model.add_bushing(bushing)
@@ -74,7 +74,7 @@ class Model:
         for place_m in bushing.positions_m:
             self.system.AddObject(
                 items.ObjectConnectorCartesianSpringDamper(
-                    markerNumbers=[self._marker(one, place_m) for one in bushing.between],
+                    markerNumbers=[self._marker(name, place_m) for name in bushing.between],
                     stiffness=[stiffness[0], stiffness[2], 0.0],
                     damping=[damping[0], damping[2], 0.0],
                 )
@@ -180,5 +180,5 @@ def _run(system: Any, nodes: list[int], duration_s: float, step_s: float) -> tup
     settings.timeIntegration.numberOfSteps = round(duration_s / step_s)
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
     system.SolveDynamic(settings)
-    found = [np.array(system.GetSensorStoredData(sensor)) for sensor in sensors]
-    return found[0][:, 0], [one[:, 1:3] - one[0, 1:3] for one in found]
+    series = [np.array(system.GetSensorStoredData(sensor)) for sensor in sensors]
+    return series[0][:, 0], [each[:, 1:3] - each[0, 1:3] for each in series]

@@ -49,7 +49,7 @@ FRICTION = 0.3 / 3.5
 
 
 def case(shaking: Shaking, friction: float = 0.0, work_J_per_m2: float = 0.0) -> str:
-    """With one sphere that touches the plate in the middle."""
+    """Return a case with one sphere that touches the plate in the middle."""
     sticky = f"work_of_adhesion_J_per_m2 = {work_J_per_m2}" if work_J_per_m2 else ""
     return (
         f"""
@@ -106,7 +106,7 @@ sync_interval_s = {shaking.period_s / 128!r}
 
 @dataclass(frozen=True)
 class Ridden:
-    """Where the sphere is along x, and how deep in the plate, at a time."""
+    """Place of the sphere along x, and its depth in the plate, at a time."""
 
     along_m: float
     overlap_m: float
@@ -129,9 +129,9 @@ def ridden(
     inertia_kg_m2 = 0.4 * MASS_KG * RADIUS_M**2
     step_s = shaking.period_s / 20_000
     x, z, u, v, spin, shear_m, neck_m = 0.0, RADIUS_M, 0.0, 0.0, 0.0, 0.0, 0.0
-    found: list[Ridden] = []
+    rows: list[Ridden] = []
     step = 0
-    while len(found) < len(times_s):
+    while len(rows) < len(times_s):
         x, z, step = x + step_s * u, z + step_s * v, step + 1
         _, plate_m, plate_x_m_per_s, plate_z_m_per_s = shaking.at(step * step_s)
         overlap_m = plate_m + RADIUS_M - z
@@ -154,9 +154,9 @@ def ridden(
         u += step_s * tangential_N / MASS_KG
         v += step_s * (normal_N / MASS_KG - GRAVITY_M_PER_S2)
         spin -= step_s * lever_m * tangential_N / inertia_kg_m2
-        if step * step_s >= times_s[len(found)] - step_s / 2:
-            found.append(Ridden(x, overlap_m))
-    return found
+        if step * step_s >= times_s[len(rows)] - step_s / 2:
+            rows.append(Ridden(x, overlap_m))
+    return rows
 
 
 def neck_at_m(overlap_m: float, work_J_per_m2: float, before_m: float) -> float:

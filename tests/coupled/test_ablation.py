@@ -26,13 +26,13 @@ def end(folder: Path, case: str, *settings: str) -> State:
         return run.advance(INTERVALS)
 
 
-def farthest_m(one: Motion, other: Motion) -> float:
-    return float(np.abs(one.position_m - other.position_m).max())
+def farthest_m(first: Motion, second: Motion) -> float:
+    return float(np.abs(first.position_m - second.position_m).max())
 
 
 @pytest.fixture(scope="module")
 def full(tmp_path_factory: pytest.TempPathFactory) -> State:
-    """With every hand-over on."""
+    """Return a case with every hand-over on."""
     return end(tmp_path_factory.mktemp("full"), CASE)
 
 
@@ -44,16 +44,16 @@ def test_without_particle_load_the_machine_moves_as_if_empty(
     on = f"coupling.scheme={scheme}"
     off = end(tmp_path, CASE, on, "exchange.particle_load=false")
     empty = end(tmp_path, EMPTY, on)
-    for found, wanted in ((off.panel.surface, empty.panel.surface), (off.clamps, empty.clamps)):
-        np.testing.assert_array_equal(found.position_m, wanted.position_m)
-        np.testing.assert_array_equal(found.velocity_m_per_s, wanted.velocity_m_per_s)
+    for actual, wanted in ((off.panel.surface, empty.panel.surface), (off.clamps, empty.clamps)):
+        np.testing.assert_array_equal(actual.position_m, wanted.position_m)
+        np.testing.assert_array_equal(actual.velocity_m_per_s, wanted.velocity_m_per_s)
     np.testing.assert_array_equal(off.panel.reaction.force_N, empty.panel.reaction.force_N)
     assert off.load.force_N.any()
     assert farthest_m(full.panel.surface, empty.panel.surface) > 1e-4
 
 
 def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full: State) -> None:
-    """As the same frames by themselves, to rounding (the two masses, whose solver is tested
+    """The frames move as the same frames by themselves, to rounding (the two masses, whose solver is tested
     against closed forms); panels and particles still move with them."""
     settings = ("frames.solver=two-mass", "exchange.panel_reaction=false")
     loaded = load_case(tmp_path, CASE, settings)
@@ -72,7 +72,8 @@ def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full:
 
 
 def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
-    """Exactly; the frames still move, the panels only as their resting shape is exact (1e-7)."""
+    """The clamps stand still exactly; the frames still move, the panels only as their resting shape is
+    exact (1e-7)."""
     with opened(load_case(tmp_path, EMPTY, ["exchange.frame_motion=false"])) as run:
         start = run.state
         still = run.advance(INTERVALS)
@@ -87,13 +88,13 @@ def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
 
 
 def test_without_panel_motion_particles_see_a_still_surface(tmp_path: Path) -> None:
-    """As LIGGGHTS by itself on the surface of t = 0, bit for bit; the panels still move, and
-    feel the particles."""
+    """The particles move as in LIGGGHTS by itself on the surface of t = 0, bit for bit; the panels still
+    move, and feel the particles."""
     loaded = load_case(tmp_path, CASE, ["exchange.panel_motion=false"])
     with opened(loaded) as run:
         surface = run.machine.surface
         off = run.advance(INTERVALS)
-        found = run.particles()
+        particles = run.particles()
         interval_s = run.interval_s
     plan = particles_plan(loaded.case, surface)
     assert plan is not None
@@ -103,8 +104,8 @@ def test_without_panel_motion_particles_see_a_still_surface(tmp_path: Path) -> N
         load = alone.advance(Interval(index, interval_s), HermitePath(here, here, interval_s))
     wanted = alone.snapshot()
     alone.close()
-    np.testing.assert_array_equal(found.position_m, wanted.position_m)
-    np.testing.assert_array_equal(found.velocity_m_per_s, wanted.velocity_m_per_s)
+    np.testing.assert_array_equal(particles.position_m, wanted.position_m)
+    np.testing.assert_array_equal(particles.velocity_m_per_s, wanted.velocity_m_per_s)
     np.testing.assert_array_equal(off.load.force_N, load.force_N)
     assert farthest_m(off.panel.surface, here) > 1e-3
     assert farthest_m(off.panel.surface, end(tmp_path, EMPTY).panel.surface) > 1e-5

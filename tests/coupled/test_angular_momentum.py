@@ -27,7 +27,7 @@ ROLLING = [f"contacts.{pair}.rolling_friction=0.1" for pair in (0, 1)]
 
 
 def residual(folder: Path, solver: str, law: str, sync_interval_s: float) -> dict[str, float]:
-    """After 20 ms on rigid panels, inclined by 15 degrees, on frames that move freely."""
+    """Return the residual after 20 ms on rigid panels, inclined by 15 degrees, on frames that move freely."""
     settings = [
         "panel.solver=rigid",
         "frames.solver=planar",
@@ -43,10 +43,10 @@ def residual(folder: Path, solver: str, law: str, sync_interval_s: float) -> dic
 @pytest.mark.parametrize("solver", ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
 @pytest.mark.parametrize("law", ["epsd2", "cdt"])
 def test_spinning_balls_on_free_frames(tmp_path: Path, solver: str, law: str) -> None:
-    found = residual(tmp_path, solver, law, 1e-4)
-    assert found["particles"] < 1e-12
-    assert 0.0 < found["particles-panel"] < 1e-8
-    assert found["panel-frames"] < 1e-8
+    residuals = residual(tmp_path, solver, law, 1e-4)
+    assert residuals["particles"] < 1e-12
+    assert 0.0 < residuals["particles-panel"] < 1e-8
+    assert residuals["panel-frames"] < 1e-8
 
 
 def test_without_the_couple_it_does_not_close(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -64,7 +64,7 @@ def test_coarse_particles_load_the_floor_as_the_full_bed_does(tmp_path: Path) ->
     few, coarse = statistics(tmp_path / "coarse", 1.5)
     assert (many, few) == (1200, 356)
     change = coarse.mean(axis=0) / full.mean(axis=0) - 1.0
-    scatter = [one.std(axis=0, ddof=1) / np.sqrt(PAIRS) for one in (full, coarse)]
+    scatter = [bed.std(axis=0, ddof=1) / np.sqrt(PAIRS) for bed in (full, coarse)]
     error = np.hypot(*scatter) / full.mean(axis=0)
     assert (np.abs(change[:4]) < TENTH).all()
     assert abs(change[4]) < 3 * error[4]

@@ -36,8 +36,8 @@ def run(folder: Path, frames: str, panel: str, particles: str, intervals: int) -
         case += BED
         settings.append(f"particles.solver={particles}")
     loaded = load_case(folder, case, settings)
-    found = [str(mistake) for mistake in find_problems(loaded)]
-    assert found == [], found
+    problems = [str(mistake) for mistake in find_problems(loaded)]
+    assert problems == [], problems
     with opened(loaded) as machine:
         machine.advance(intervals)
         residuals = machine.momentum_residual()
@@ -59,7 +59,7 @@ def test_explicit_solid_panels_run(tmp_path: Path) -> None:
 
 
 def test_robin_on_rigid_panels_is_particles_first(tmp_path: Path) -> None:
-    """To the last bit: of no mass behind the surface anything is known."""
+    """The runs are equal to the last bit: no mass behind the surface is known."""
     ends = []
     for scheme in ("robin", "particles-first"):
         settings = ["panel.solver=rigid", f"coupling.scheme={scheme}"]

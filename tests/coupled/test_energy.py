@@ -44,8 +44,8 @@ def order(sizes: Sequence[float], errors: Sequence[float]) -> float:
 def test_defects_fall_with_the_step(
     tmp_path: Path, member: str, solver: str, steps_s: Sequence[float], lowest_order: float, largest_J: float
 ) -> None:
-    """Of a member's own step, at a sync interval of 1e-4 s.  LIGGGHTS has no defect: what its
-    contacts lose is computed as what is missing."""
+    """The defect falls with a member's own step, at a sync interval of 1e-4 s. LIGGGHTS has no defect: what
+    its contacts lose is computed as what is missing."""
     common = ["coupling.sync_interval_s=1e-4", "particles.step_s=2.5e-5", solver]
     defects_J = [
         books_J(tmp_path, CASE, [*common, f"{member}.step_s={step_s}"], 0.02)[f"defect.{member}"]
@@ -78,9 +78,9 @@ def test_defect_of_spheres_falls_with_the_interval(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("scheme", "expected"), [("particles-first", 2), ("serial-staggered", 1)])
 def test_order_of_the_energy_that_the_coupling_creates(tmp_path: Path, scheme: str, expected: int) -> None:
-    """Under an exciter, with friction and dampers.  Measured, as created between particles and
-    panels at 1e-4, 5e-5 and 2.5e-5 s: -1.3e-3, -2.8e-4 and -5.9e-5 J (particles-first, order 2.2);
-    1.9e-2, 7.3e-3 and 3.2e-3 J (serial-staggered, 1.3)."""
+    """The machine has an exciter, friction and dampers. Measured, as created between particles and panels
+    at 1e-4, 5e-5 and 2.5e-5 s: -1.3e-3, -2.8e-4 and -5.9e-5 J (particles-first, order 2.2); 1.9e-2, 7.3e-3
+    and 3.2e-3 J (serial-staggered, 1.3)."""
     lengths_s = (1e-4, 5e-5, 2.5e-5)
     common = [f"coupling.scheme={scheme}", "particles.step_s=2.5e-5"]
     created_J = [

@@ -48,12 +48,12 @@ class Amplitudes:
 
     @property
     def stroke_m(self) -> complex:
-        """Along the deck."""
+        """Stroke along the deck."""
         return complex((self.frames_m["driven"] - self.frames_m["driving"])[0])
 
 
 def amplitude(time_s: Array, moved_m: Array) -> Array:
-    """By least squares over the last four cycles."""
+    """Return the amplitude by least squares over the last four cycles."""
     last = time_s > time_s[-1] - 4 * 2 * np.pi / SPEED_rad_per_s
     turned = SPEED_rad_per_s * time_s[last]
     harmonic = np.column_stack([np.cos(turned), np.sin(turned), np.ones(len(turned))])
@@ -69,9 +69,9 @@ def amplitudes(time_s: Array, frames_m: dict[str, Array], middles_m: list[Array]
 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[Amplitudes, Amplitudes]:
-    """Of the coupled run, and of the one system."""
+    """Amplitudes of the coupled run, and of the one system."""
     loaded = load_case(tmp_path_factory.mktemp("one"), EMPTY, SETTINGS)
-    one = solved(loaded.case, COUNT * INTERVAL_s, INTERVAL_s)
+    model = solved(loaded.case, COUNT * INTERVAL_s, INTERVAL_s)
     with opened(loaded) as run:
         middles = [panel.centre_line[len(panel.centre_line) // 2] for panel in run.machine.panels]
         states, poses = [], []
@@ -86,33 +86,33 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[Amplitudes, Amplitud
         {name: frames_m[:, number] for number, name in enumerate(run.machine.frames)},
         [surface_m[:, point] for point in middles],
     )
-    return coupled, amplitudes(one.time_s, one.frames_m, one.middles_m)
+    return coupled, amplitudes(model.time_s, model.frames_m, model.middles_m)
 
 
-def off(found: Array | complex, expected: Array | complex) -> float:
-    return float(np.linalg.norm(np.subtract(found, expected)) / np.linalg.norm(expected))
+def off(actual: Array | complex, expected: Array | complex) -> float:
+    return float(np.linalg.norm(np.subtract(actual, expected)) / np.linalg.norm(expected))
 
 
 def test_frames_move_alike(both: tuple[Amplitudes, Amplitudes]) -> None:
-    """In size and phase within 1 %: the panels' law is 1 % softer (1 - strain of the neo-Hookean
-    bar, twice for its tangent) and they are half of what is between the frames."""
-    coupled, one = both
-    for name, moved_m in one.frames_m.items():
+    """Size and phase agree within 1 %: the panels' law is 1 % softer (1 - strain of the neo-Hookean bar,
+    twice for its tangent) and they are half of what is between the frames."""
+    coupled, model = both
+    for name, moved_m in model.frames_m.items():
         assert off(coupled.frames_m[name], moved_m) < 0.01
 
 
 def test_the_stroke_is_the_same(both: tuple[Amplitudes, Amplitudes]) -> None:
     """2 %: panels are 0.8 of the stiffness between the frames, 1 % softer, and the excitation is
     at 0.6 of the frames' relative frequency, which enlarges that by 1 / (1 - 0.6^2)."""
-    coupled, one = both
-    assert abs(one.stroke_m) > 4e-4
-    assert off(coupled.stroke_m, one.stroke_m) < 0.02
+    coupled, model = both
+    assert abs(model.stroke_m) > 4e-4
+    assert off(coupled.stroke_m, model.stroke_m) < 0.02
 
 
 def test_panels_bend_alike(both: tuple[Amplitudes, Amplitudes]) -> None:
     """The middle's own deflection, 0.2 mm, within 3 %: 1.6 % of the strip's cells (6.6 % with 20
     of them, whose bending layer at the clamps is coarser) and the softer law."""
-    coupled, one = both
-    for found_m, expected_m in zip(coupled.middles_m, one.middles_m, strict=True):
+    coupled, model = both
+    for found_m, expected_m in zip(coupled.middles_m, model.middles_m, strict=True):
         assert abs(expected_m[1]) > 2e-4
         assert off(found_m[1], expected_m[1]) < 0.03

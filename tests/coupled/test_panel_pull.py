@@ -1,4 +1,4 @@
-"""How strongly a slack panel ties two frames together: the first harmonic of its pull."""
+"""The first harmonic of the pull by which a slack panel ties two frames together."""
 
 from __future__ import annotations
 

@@ -67,19 +67,19 @@ def test_a_heavy_bed_at_rest(tmp_path: Path) -> None:
     limit_s = 3.5e-5  # not less than the longest stable interval: the bed spins up
     assert outcome(tmp_path, BED, "particles-first", limit_s, 0.12).spin_rad_per_s > SPINS_RAD_S
     reference = outcome(tmp_path, BED, "particles-first", 2.5e-5, 0.12, 0.02)
-    found = outcome(tmp_path, BED, "robin", 5.0 * limit_s, 0.12, 0.02)
+    result = outcome(tmp_path, BED, "robin", 5.0 * limit_s, 0.12, 0.02)
     # what is left is the balls' rocking with the panel's swing, which dies out in both alike
-    assert found.spin_rad_per_s < min(1.5 * reference.spin_rad_per_s, 0.1 * SPINS_RAD_S)
-    assert found.sag_m == pytest.approx(reference.sag_m, rel=3e-3)
-    assert abs(found.created_J) < 1e-5
-    assert found.momentum_residual < 1e-12
+    assert result.spin_rad_per_s < min(1.5 * reference.spin_rad_per_s, 0.1 * SPINS_RAD_S)
+    assert result.sag_m == pytest.approx(reference.sag_m, rel=3e-3)
+    assert abs(result.created_J) < 1e-5
+    assert result.momentum_residual < 1e-12
 
 
 def test_a_heavy_bed_that_falls(tmp_path: Path) -> None:
-    """At 0.5 m/s, with 44 mJ; the contacts' shortest impact is 6e-4 s.  Sag against 3.876 mm of
-    particles-first at 1e-5 s, and energy created: robin at 1.5e-4 s -0.3 % and +1.6 mJ, where
-    particles-first takes 31 mJ and at its own limit, 3e-5 s, has -0.08 % and -2 uJ; robin at 6e-5 s
-    -0.1 % and -0.04 mJ."""
+    """The bed falls at 0.5 m/s, with 44 mJ; the contacts' shortest impact is 6e-4 s. Sag against 3.876 mm
+    of particles-first at 1e-5 s, and energy created: robin at 1.5e-4 s -0.3 % and +1.6 mJ, where
+    particles-first takes 31 mJ and at its own limit, 3e-5 s, has -0.08 % and -2 uJ; robin at 6e-5 s -0.1 %
+    and -0.04 mJ."""
     reference = outcome(tmp_path, DROPPED, "particles-first", 1e-5, 0.02)
     long, short = (outcome(tmp_path, DROPPED, "robin", h, 0.02) for h in (1.5e-4, 6e-5))
     assert long.deepest_m == pytest.approx(reference.deepest_m, rel=5e-3)

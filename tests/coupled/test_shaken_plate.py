@@ -62,19 +62,19 @@ def overlap_m(run: Coupled, shaking: Shaking) -> float:
 def test_overlap_of_a_sticky_sphere_on_a_plate_that_slows_down(
     tmp_path: Path, solver: str, scheme: str
 ) -> None:
-    """At the plate's middle, top (where 0.66 of the pull-off force is asked of the contact), middle
-    and bottom.  Measured 0.6 % at the top, below 0.04 % elsewhere."""
+    """The overlap is compared at the plate's middle, top (where 0.66 of the pull-off force is asked of the
+    contact), middle and bottom. Measured 0.6 % at the top, below 0.04 % elsewhere."""
     shaking = Shaking(PERIOD_S, 0.0, 4e-3, 0.0, PERIOD_S)
     periods = (1.0, 1.25, 1.5, 1.75)
-    found = []
+    overlaps_m = []
     with opened(
         load_case(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), solved_by(solver, scheme, 1e-4))
     ) as run:
         for n in periods:
             run.advance(round(n * INTERVALS) - run.done)
-            found.append(overlap_m(run, shaking))
-    wanted = [one.overlap_m for one in reference(shaking, periods, 0.0, WORK_J_PER_M2)]
-    assert found == pytest.approx(wanted, rel=0.01)
+            overlaps_m.append(overlap_m(run, shaking))
+    wanted = [row.overlap_m for row in reference(shaking, periods, 0.0, WORK_J_PER_M2)]
+    assert overlaps_m == pytest.approx(wanted, rel=0.01)
 
 
 @pytest.mark.solver

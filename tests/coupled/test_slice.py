@@ -96,8 +96,8 @@ def bed(twins: bool) -> list[str]:
 def run(folder: Path, settings: Sequence[str]) -> tuple[Array, Array, ParticleSnapshot]:
     """Frames' places, the load of each interval on the panels, and the particles at the end."""
     loaded = load_case(folder, EMPTY, [*settings, *LAWS, "particles.solver=liggghts"])
-    found = [str(mistake) for mistake in find_problems(loaded)]
-    assert found == [], found
+    problems = [str(mistake) for mistake in find_problems(loaded)]
+    assert problems == [], problems
     loads = []
     with opened(loaded) as machine:
         for _ in range(400):

@@ -85,7 +85,8 @@ INTERVALS_S = (2e-6, 4e-6, 8e-6, 16e-6)  # an eightieth to a tenth of the contac
 
 @pytest.mark.parametrize(("scheme", "order"), [("particles-first", 2), ("serial-staggered", 1)])
 def test_order_in_the_sync_interval(tmp_path: Path, scheme: str, order: int) -> None:
-    """Of the rebound's error against the finest run, and of the energy that the coupling makes.
+    """The orders are those of the rebound's error against the finest run, and of the energy that the
+    coupling makes.
 
     Between a Hertz contact, which starts smoothly, and many degrees of freedom that answer it,
     particles-first is of second order; measured 2.12 and 2.08, serial-staggered 1.05 and 1.08.
@@ -96,9 +97,9 @@ def test_order_in_the_sync_interval(tmp_path: Path, scheme: str, order: int) -> 
         return run(tmp_path, [*COARSE, *settings], 1.76e-4)
 
     exact = outcome("particles-first", 5e-7).impact.rebound_mm_per_s
-    found = [outcome(scheme, interval_s) for interval_s in INTERVALS_S]
-    errors = [abs(o.impact.rebound_mm_per_s - exact) for o in found]
-    created = [abs(o.energy_J["created.particles-panel"]) for o in found]
+    outcomes = [outcome(scheme, interval_s) for interval_s in INTERVALS_S]
+    errors = [abs(o.impact.rebound_mm_per_s - exact) for o in outcomes]
+    created = [abs(o.energy_J["created.particles-panel"]) for o in outcomes]
     assert slope(errors) == pytest.approx(order, abs=0.3)
     assert slope(created) == pytest.approx(order, abs=0.3)
 
@@ -113,13 +114,14 @@ def test_robin_in_the_sync_interval(tmp_path: Path) -> None:
         return run(tmp_path, [*COARSE, *settings], 1.76e-4)
 
     exact = outcome("particles-first", 5e-7).impact.rebound_mm_per_s
-    found = [outcome("robin", interval_s) for interval_s in INTERVALS_S]
-    assert [o.impact.rebound_mm_per_s for o in found] == pytest.approx([exact] * 4, rel=2e-3)
-    created = [abs(o.energy_J["created.particles-panel"]) for o in found]
+    outcomes = [outcome("robin", interval_s) for interval_s in INTERVALS_S]
+    assert [o.impact.rebound_mm_per_s for o in outcomes] == pytest.approx([exact] * 4, rel=2e-3)
+    created = [abs(o.energy_J["created.particles-panel"]) for o in outcomes]
     assert slope(created) > 3.5
     assert created[-1] < 2e-3 * 1.67e-6
 
 
 def slope(errors: list[float]) -> float:
-    """Of the straight line through the errors at ``INTERVALS_S`` in a doubly logarithmic plot."""
+    """Return the slope of the straight line through the errors at ``INTERVALS_S`` in a doubly logarithmic
+    plot."""
     return float(np.polyfit(np.log(INTERVALS_S), np.log(errors), 1)[0])

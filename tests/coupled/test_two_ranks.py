@@ -52,13 +52,13 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
     """
     case_folder(tmp_path / "case", CASE)
     with (
-        ran(tmp_path / "case", tmp_path / "one", scheme, 1) as one,
-        ran(tmp_path / "case", tmp_path / "two", scheme, 2) as two,
+        ran(tmp_path / "case", tmp_path / "one", scheme, 1) as single,
+        ran(tmp_path / "case", tmp_path / "two", scheme, 2) as double,
     ):
         assert "2 by 1 by 1 MPI processor grid" in (tmp_path / "two/log.liggghts").read_text()
-        x_m = one["probes/crosser/position_m"][:, 0]
+        x_m = single["probes/crosser/position_m"][:, 0]
         assert x_m[0] < 0.25 < x_m[-1]
-        compare(one, two)
+        compare(single, double)
 
 
 @pytest.mark.solver
@@ -69,17 +69,17 @@ def test_two_ranks_know_what_is_driven_as_one_does(tmp_path: Path) -> None:
     case_folder(tmp_path / "case", MACHINE + BED)
     driven = (ROCKING, "duration_s=5e-3", "panel.solver=rigid")
     with (
-        ran(tmp_path / "case", tmp_path / "one", "particles-first", 1, *driven) as one,
-        ran(tmp_path / "case", tmp_path / "two", "particles-first", 2, *driven) as two,
+        ran(tmp_path / "case", tmp_path / "one", "particles-first", 1, *driven) as single,
+        ran(tmp_path / "case", tmp_path / "two", "particles-first", 2, *driven) as double,
     ):
-        compare(one, two)
+        compare(single, double)
 
 
-def compare(one: h5py.File, two: h5py.File) -> None:
+def compare(single: h5py.File, double: h5py.File) -> None:
     """Every series, relative to its largest value."""
-    names = datasets(one)
-    assert names == datasets(two)
+    names = datasets(single)
+    assert names == datasets(double)
     for name in names:
-        wanted, found = one[name][:], two[name][:]
+        wanted, actual = single[name][:], double[name][:]
         scale = float(np.abs(wanted).max(initial=1e-4))  # in J: defects are small differences
-        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * scale, err_msg=name)
+        np.testing.assert_allclose(actual, wanted, rtol=0, atol=1e-10 * scale, err_msg=name)

@@ -93,7 +93,7 @@ BALL_KG = 4 / 3 * np.pi * RADIUS_M**3 * DENSITY_KG_PER_M3
 
 @dataclass(frozen=True)
 class Impact:
-    """What is compared: largest force, end of the contact, largest deflection of the middle and
+    """Quantities that are compared: largest force, end of the contact, largest deflection of the middle and
     when, the ball's speed upwards in the end, in units in which they are about one."""
 
     force_N: float
@@ -104,7 +104,7 @@ class Impact:
 
     @staticmethod
     def of(time_s: Array, force_N: Array, deflection_m: Array, ball_m_per_s: Array) -> Impact:
-        """From time series (n,)."""
+        """Return the impact of time series (n,)."""
         return Impact(
             float(force_N.max()),
             1e6 * float(time_s[np.flatnonzero(force_N > 0)[-1]]),
@@ -140,7 +140,7 @@ def exact() -> Impact:
 
 
 def narrower(times: float) -> list[str]:
-    """What makes the beam narrower and leaves it the same for the ball."""
+    """Return the settings that make the beam narrower and leave it the same for the ball."""
     return [
         f"materials.beam.density_kg_per_m3={times * DENSITY_KG_PER_M3}",
         f"materials.beam.hyperelastic.c10_Pa={times * YOUNGS_PA / 6}",

@@ -135,7 +135,7 @@ class Sphere:
         restore_attributes(self, saved, "x", "v", "seen")
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
-        """By the implicit midpoint rule, of the contact that there is now."""
+        """Return the tangent by the implicit midpoint rule, of the contact that there is now."""
         overlap = self.seen - self.x
         touching = float(overlap > 0.0 or self.stays)
         impedance = self.stiffness_N_per_m * length_s / 2 + self.damping_N_s_per_m

@@ -64,7 +64,7 @@ def saved(solvers: Solvers) -> Saved:
 @pytest.mark.parametrize("name", SCHEMES)
 @pytest.mark.parametrize("without", WITHOUT)
 def test_every_scheme_runs_without_it(without: Callable[[Solvers], Solvers], name: str) -> None:
-    """Somewhere else than with it; the sphere has touched the plate."""
+    """The scheme ends elsewhere than with the effect; the sphere has touched the plate."""
     ends = []
     for solvers in (machine(), without(machine())):
         ends.append(advanced(solvers, name, initial_state(solvers), range(5)))

@@ -1,4 +1,4 @@
-"""What schemes tell of an interval's end: clamps by their drives, or by their last acceleration."""
+"""Forecasts of schemes for an interval's end: clamps by their drives, or by their last acceleration."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ every_scheme = pytest.mark.parametrize("name", EXTRAPOLATING)
 class Told(HungPlate):
     """Keeps what it was told of its clamp last."""
 
-    told: list[Motion] = field(default_factory=list)
+    received: list[Motion] = field(default_factory=list)
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        self.told.append(clamps)
+        self.received.append(clamps)
         return super().advance(interval, clamps, load)
 
 
@@ -75,7 +75,7 @@ class DrivenPlate(Told):
         return PanelState(at(0.0), push(0.0))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        self.told.append(clamps)
+        self.received.append(clamps)
         return PanelState(clamps, load)
 
 
@@ -101,9 +101,9 @@ def run(name: str, solvers: Solvers, intervals: int) -> list[State]:
 
 def test_extrapolated_clamps_are_exact_at_constant_acceleration() -> None:
     """x = 2 + 3 t - 5 t^2 / 2."""
-    found = extrapolate(point(2.0, 3.0), np.array([[-5.0, 0.0, 0.0]]), 0.2)
-    assert found.position_m[0] == pytest.approx([2.0 + 0.6 - 0.1, 0.0, 0.0], rel=1e-14)
-    assert found.velocity_m_per_s[0] == pytest.approx([2.0, 0.0, 0.0], rel=1e-14)
+    end = extrapolate(point(2.0, 3.0), np.array([[-5.0, 0.0, 0.0]]), 0.2)
+    assert end.position_m[0] == pytest.approx([2.0 + 0.6 - 0.1, 0.0, 0.0], rel=1e-14)
+    assert end.velocity_m_per_s[0] == pytest.approx([2.0, 0.0, 0.0], rel=1e-14)
 
 
 @every_scheme
@@ -112,19 +112,19 @@ def test_a_panel_on_a_frame_that_speeds_up_evenly_is_told_where_it_will_be(name:
     an acceleration has been seen."""
     panel = Told(1.0, 0.0)
     states = run(name, Solvers(PushedFrame(2.0, force_N=3.0), panel, None), 4)
-    for told, state in zip(panel.told[1:], states[2:], strict=True):
-        assert told.position_m == pytest.approx(state.clamps.position_m, rel=1e-13)
-        assert told.velocity_m_per_s == pytest.approx(state.clamps.velocity_m_per_s, rel=1e-13)
+    for motion, state in zip(panel.received[1:], states[2:], strict=True):
+        assert motion.position_m == pytest.approx(state.clamps.position_m, rel=1e-13)
+        assert motion.velocity_m_per_s == pytest.approx(state.clamps.velocity_m_per_s, rel=1e-13)
     first = extrapolate(states[0].clamps, np.zeros((1, 3)), LENGTH_S)
-    assert panel.told[0].position_m == pytest.approx(first.position_m, abs=1e-15)
+    assert panel.received[0].position_m == pytest.approx(first.position_m, abs=1e-15)
 
 
 @every_scheme
 def test_a_panel_on_a_driven_frame_is_told_where_the_drive_has_it(name: str) -> None:
-    """Of the first interval on, bit for bit; the plate itself is free to swing."""
+    """The forecast holds from the first interval on, bit for bit; the plate itself is free to swing."""
     panel, sphere = Told(1.0, 4.0), Sphere(1.0, 5.0, -0.01, 0.0)
     states = run(name, Solvers(DrivenFrame(1.0), panel, sphere), 4)
-    last_told = panel.told[-1]
+    last_told = panel.received[-1]
     assert (last_told.position_m == states[-1].clamps.position_m).all()
     assert (last_told.velocity_m_per_s == at(4 * LENGTH_S).velocity_m_per_s).all()
 
@@ -146,12 +146,12 @@ def test_particles_see_the_true_path_of_what_is_driven(name: str) -> None:
 
 
 def test_what_is_not_driven_is_not_known() -> None:
-    """Nor is the surface of a panel that says nothing of it."""
+    """The surface of a panel that says nothing of it is not known, either."""
     free = Solvers(FreeFrame(1.0, v=0.5), HungPlate(1.0, 0.0), None)
-    found = forecast(free, Interval(0, LENGTH_S), initial_state(free))
-    assert found.surface is None
-    assert not found.is_settled
-    assert found.clamps.position_m[0, 0] == pytest.approx(0.05)
+    known = forecast(free, Interval(0, LENGTH_S), initial_state(free))
+    assert known.surface is None
+    assert not known.is_settled
+    assert known.clamps.position_m[0, 0] == pytest.approx(0.05)
     driven = Solvers(DrivenFrame(1.0), HungPlate(1.0, 0.0), None)
     assert forecast(driven, Interval(0, LENGTH_S), initial_state(driven)).surface is None
 
@@ -207,8 +207,8 @@ def test_where_frames_go_that_feel_nothing_is_known_ahead(name: str) -> None:
     for index in range(4):
         frame.force_N += 1.0
         state = way.advance(solvers, Interval(index, LENGTH_S), state)
-        assert (panel.told[-1].position_m == state.clamps.position_m).all()
-        assert (panel.told[-1].velocity_m_per_s == state.clamps.velocity_m_per_s).all()
+        assert (panel.received[-1].position_m == state.clamps.position_m).all()
+        assert (panel.received[-1].velocity_m_per_s == state.clamps.velocity_m_per_s).all()
     assert frame.v == pytest.approx(0.3 + (1 + 2 + 3 + 4) * LENGTH_S / 2)
 
 
@@ -229,10 +229,10 @@ def test_what_stands_around_panels_passes_on_what_is_known(which: int) -> None:
     interval, panels = Interval(3, LENGTH_S), panels_around(DrivenPlate(1.0, 0.0))
     clamps = len(panels[which].mount.frame)
     end = Motion(np.full((clamps, 3), 7.0), np.full((clamps, 3), 8.0))
-    found = surface_ahead(panels[which])(interval, Known(end, np.ones(clamps, dtype=np.bool_)))
-    assert found.which.all()
-    assert found.motion.position_m.tolist() == np.full((len(found.which), 3), 7.0).tolist()
-    assert found.motion.velocity_m_per_s.tolist() == np.full((len(found.which), 3), 8.0).tolist()
+    ahead = surface_ahead(panels[which])(interval, Known(end, np.ones(clamps, dtype=np.bool_)))
+    assert ahead.which.all()
+    assert ahead.motion.position_m.tolist() == np.full((len(ahead.which), 3), 7.0).tolist()
+    assert ahead.motion.velocity_m_per_s.tolist() == np.full((len(ahead.which), 3), 8.0).tolist()
     silent = panels_around(HungPlate(1.0, 0.0))[which]
     assert not surface_ahead(silent)(interval, Known(end, np.ones(clamps, dtype=np.bool_))).which.any()
 
@@ -240,7 +240,7 @@ def test_what_stands_around_panels_passes_on_what_is_known(which: int) -> None:
 def test_a_panel_whose_clamps_are_held_is_known_to_stand_still() -> None:
     panel = PanelBetweenStillClamps(DrivenPlate(1.0, 0.0))
     end = Known(point(7.0, 8.0), np.array([False]))
-    found = panel.ahead(Interval(3, LENGTH_S), end)
-    assert found.which.all()
-    assert not found.motion.position_m.any()
-    assert not found.motion.velocity_m_per_s.any()
+    ahead = panel.ahead(Interval(3, LENGTH_S), end)
+    assert ahead.which.all()
+    assert not ahead.motion.position_m.any()
+    assert not ahead.motion.velocity_m_per_s.any()

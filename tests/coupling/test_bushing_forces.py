@@ -26,7 +26,7 @@ def forces(*bodies: str) -> BushingForces:
 
 
 def moved(turn: Rotation, shift_m: Array, spin_rad_per_s: Array, speed_m_per_s: Array) -> Pose:
-    """Both frames, as one rigid body about the origin."""
+    """Return the pose of both frames, moved as one rigid body about the origin."""
     position_m, spin = turn.apply(CENTRE_M) + shift_m, np.tile(spin_rad_per_s, (2, 1))
     velocity_m_per_s = np.cross(spin, position_m - shift_m) + speed_m_per_s
     return Pose(position_m, np.tile(turn.as_matrix(), (2, 1, 1)), velocity_m_per_s, spin)
@@ -65,7 +65,8 @@ def test_the_ground_stands_still(bodies: tuple[str, str], sign: int) -> None:
 
 
 def test_a_point_of_a_turning_frame_moves_with_its_lever_arm() -> None:
-    """Against a ground that does not: the bushing's place, turned and moved."""
+    """The other side of the bushing is a ground that does not turn: the bushing's place is turned and
+    moved."""
     deformation_m, _ = forces("ground", "driving").at(moved(TURN, SHIFT_M, SPIN, SPEED))
     expected_m = TURN.apply(PLACE_M) + SHIFT_M - PLACE_M
     assert deformation_m[0] == pytest.approx(AXES @ expected_m, abs=1e-14)
@@ -75,12 +76,12 @@ def test_several_moments_at_once_change_no_bit() -> None:
     """The series are computed in blocks, and a resumed run has other blocks than one that never stopped."""
     turns = [Rotation.from_rotvec(0.01 * (number + 1) * np.array([1.0, -2.0, 0.5])) for number in range(7)]
     every = [moved(turn, SHIFT_M, SPIN, SPEED) for turn in turns]
-    together = Pose(*(np.stack([getattr(one, f.name) for one in every]) for f in fields(Pose)))
+    together = Pose(*(np.stack([getattr(pose, f.name) for pose in every]) for f in fields(Pose)))
     bushing, element_N = forces("driving", "driven"), np.arange(21.0).reshape(7, 1, 3)
-    for number, one in enumerate(every):
-        for found, alone in (
-            (bushing.at(together, element_N), bushing.at(one, element_N[number])),
-            ([rotations_rad(together)], [rotations_rad(one)]),
+    for number, pose in enumerate(every):
+        for stacked, alone in (
+            (bushing.at(together, element_N), bushing.at(pose, element_N[number])),
+            ([rotations_rad(together)], [rotations_rad(pose)]),
         ):
-            for values, single in zip(found, alone, strict=True):
+            for values, single in zip(stacked, alone, strict=True):
                 assert np.array_equal(values[number], single)

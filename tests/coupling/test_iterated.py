@@ -36,8 +36,8 @@ def impact(way: Scheme, plate_kg: float, intervals: int) -> tuple[float, float]:
 @pytest.mark.parametrize("plate_kg", [4.0, 0.1, 1e-2, 1e-4])
 @pytest.mark.parametrize("intervals", [1, 2, 3, 10])
 def test_an_elastic_impact_keeps_its_energy(name: str, plate_kg: float, intervals: int) -> None:
-    """Even in one interval; measured 6e-4, and below 1e-4 from two on.  particles-first makes
-    0.88 to 1.4 of it in one interval.  Five tries are enough."""
+    """The energy is kept even in one interval; measured 6e-4, and below 1e-4 from two on. particles-first
+    makes 0.88 to 1.4 of it in one interval. Five tries are enough."""
     way = create_scheme(name)
     restitution, momentum_defect = impact(way, plate_kg, intervals)
     assert restitution == pytest.approx(1.0, abs=1e-3 if intervals == 1 else 1.5e-4)
@@ -69,7 +69,7 @@ def damped(name: str, intervals: int) -> float:
 
 @pytest.fixture(scope="module")
 def rebound() -> float:
-    """With a thousand intervals."""
+    """Return the rebound with a thousand intervals."""
     return damped("particles-first", 1000)
 
 
@@ -113,10 +113,10 @@ def test_a_scheme_goes_on_as_it_was_saved(name: str) -> None:
     other.memory.restore(way.memory.save())
     before = solvers.panel.save(), solvers.particles.save()  # type: ignore[attr-defined, union-attr]
     ends = []
-    for one in (way, other):
+    for each in (way, other):
         solvers.panel.restore(before[0])  # type: ignore[attr-defined]
         solvers.particles.restore(before[1])  # type: ignore[union-attr]
-        ends.append(one.advance(solvers, Interval(4, 0.1), state).load.force_N)
+        ends.append(each.advance(solvers, Interval(4, 0.1), state).load.force_N)
     assert (ends[0] == ends[1]).all()
     assert way.figures() == other.figures()
 
@@ -133,7 +133,7 @@ def solved(relaxation: Acceleration, matrix: Array, tries: int) -> Array:
 @pytest.mark.parametrize("relaxation", [Aitken(), LeastSquares()])
 @pytest.mark.parametrize("stiffness", [0.1, 10.0, 1e4])
 def test_one_contact_takes_two_tries(relaxation: Acceleration, stiffness: float) -> None:
-    """However stiff: a straight line is known from two of its points."""
+    """Two tries suffice however stiff the contact is: a straight line is known from two of its points."""
     tried = solved(relaxation, np.array([[stiffness]]), 2)
     assert tried[0] == pytest.approx(1 / (1 + stiffness), rel=1e-9)
 

@@ -58,7 +58,7 @@ def offsets() -> tuple[Array, Array, Array, _kernel.NormalOffsets]:
 
 
 def test_an_offset_goes_along_the_normal_and_turns_with_it() -> None:
-    """Against NumPy, and the rate against a difference quotient of the places (1e-6)."""
+    """The offset agrees with NumPy, and its rate with a difference quotient of the places (1e-6)."""
     along, across, offset_m, compiled = offsets()
     own_m, own_m_per_s = field(), field()
 
@@ -77,7 +77,8 @@ def test_an_offset_goes_along_the_normal_and_turns_with_it() -> None:
 
 
 def test_the_couples_of_loads_beside_a_surface_do_their_work() -> None:
-    """On any motion of the own points; forces at points without an offset have no couple."""
+    """The couples do their work on any motion of the own points; forces at points without an offset have no
+    couple."""
     _, _, offset_m, compiled = offsets()
     own_m, own_m_per_s, force_N = field(), field(), GENERATOR.normal(size=(30, 3))
     _, rate_m_per_s = both = np.zeros((2, 30, 3))
@@ -94,12 +95,12 @@ def test_the_couples_of_loads_beside_a_surface_do_their_work() -> None:
 
 
 def test_offsets_of_another_number_of_points_are_refused() -> None:
-    one = _kernel.PointMatrix(np.array([0, 2]), np.array([0, 3]), np.ones(2), 4)
-    two = _kernel.PointMatrix(np.array([0, 1, 2]), np.array([0, 3]), np.ones(2), 4)
-    for matrices, points in (((one, two), 1), ((one, one), 2)):
+    single = _kernel.PointMatrix(np.array([0, 2]), np.array([0, 3]), np.ones(2), 4)
+    double = _kernel.PointMatrix(np.array([0, 1, 2]), np.array([0, 3]), np.ones(2), 4)
+    for matrices, points in (((single, double), 1), ((single, single), 2)):
         with pytest.raises(ValueError, match="along, across, offset_m: of different numbers of points"):
             _kernel.NormalOffsets(*matrices, np.ones(points))
-    good = _kernel.NormalOffsets(one, one, np.ones(1))
+    good = _kernel.NormalOffsets(single, single, np.ones(1))
     with pytest.raises(ValueError, match=r"position_m: shape \(1, 3\) wanted"):
         good.add_motion(np.ones((4, 3)), np.ones((4, 3)), np.ones((2, 3)), np.ones((1, 3)))
     with pytest.raises(ValueError, match=r"own_force_N: shape \(4, 3\) wanted"):

@@ -20,7 +20,7 @@ def along_x(size: float) -> Array:
 
 @dataclass
 class Member:
-    """What the ledger reads of a metered member."""
+    """Part of a metered member that the ledger reads."""
 
     momentum: float = 0.0
     outside: float = 0.0
@@ -102,7 +102,7 @@ def test_the_impulse_from_outside_belongs_to_its_member() -> None:
 
 
 def test_momenta_that_cancel_each_other_are_sizes_of_the_balance() -> None:
-    """Of two balls that met head-on, with 3 N s each, only rounding is left in the sums."""
+    """The sums of two balls that met head-on, with 3 N s each, hold only rounding."""
     frames, panel, particles = members()
     particles.momentum = particles.outside = 0.0
     particles.moved_N_s = 2.0

@@ -21,9 +21,9 @@ def rectangle(clamp_m: float) -> Rectangle:
     return Rectangle(np.array([0.1, 0.2, 0.3]), along, across, 0.3, 0.31, 0.2, clamp_m)
 
 
-def corners(found: TriangleGrid) -> np.ndarray:
+def corners(mesh: TriangleGrid) -> np.ndarray:
     """(triangles, 3, 2) material coordinates."""
-    return np.asarray(found.coordinates_m[found.triangles])
+    return np.asarray(mesh.coordinates_m[mesh.triangles])
 
 
 @pytest.mark.parametrize("cells", [(1, 1), (4, 3), (5, 2)])
@@ -32,30 +32,31 @@ def test_every_triangle_faces_the_bed(cells: tuple[int, int], clamp_m: float) ->
     """Its corners go round with the panel's normal, on which the bed lies: a positive area in
     material coordinates, and the rectangle's normal in the world.  Together they are the panel."""
     panel = rectangle(clamp_m)
-    found = grid(panel, cells)
-    a, b, c = corners(found).transpose(1, 0, 2)
-    one, two = b - a, c - a
-    area_m2 = (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
+    mesh = grid(panel, cells)
+    a, b, c = corners(mesh).transpose(1, 0, 2)
+    along, across = b - a, c - a
+    area_m2 = (along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]) / 2
     assert (area_m2 > 0).all()
     assert area_m2.sum() == pytest.approx((0.3 + 2 * clamp_m) * 0.2, rel=1e-12)
-    a, b, c = panel.mounted(found.coordinates_m)[found.triangles].transpose(1, 0, 2)
+    a, b, c = panel.mounted(mesh.coordinates_m)[mesh.triangles].transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     assert normals == pytest.approx(np.tile(panel.normal, (len(normals), 1)), abs=1e-12)
 
 
 def test_neighbours_share_an_edge_in_opposite_directions() -> None:
-    """As they must where all face the same side; an edge of one triangle alone is on the rim."""
-    found = grid(rectangle(0.02), (4, 3))
-    directed = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in found.triangles for k in range(3))
+    """The directions are opposite since all triangles face the same side; an edge of one triangle alone is
+    on the rim."""
+    mesh = grid(rectangle(0.02), (4, 3))
+    directed = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in mesh.triangles for k in range(3))
     assert set(directed.values()) == {1}
     alone = [edge for edge in directed if edge[::-1] not in directed]
     assert len(alone) == 2 * (4 + 2) + 2 * 3
 
 
 def test_the_centre_line_runs_along_the_middle() -> None:
-    found = grid(rectangle(0.02), (4, 2))
-    line = found.coordinates_m[found.centre_line]
+    mesh = grid(rectangle(0.02), (4, 2))
+    line = mesh.coordinates_m[mesh.centre_line]
     assert line[:, 1] == pytest.approx(np.full(7, 0.1))
     assert (np.diff(line[:, 0]) > 0).all()
 
@@ -89,8 +90,8 @@ CORNERS_M = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 def test_a_point_over_a_turning_plane_goes_round_with_it() -> None:
-    """At 0.2 m over a plane that turns at 3 rad/s about y: there, and with the velocity that a rigid body
-    has; a push of 5 N along x turns the plane's corners about y with 1 N m."""
+    """The point is 0.2 m over a plane that turns at 3 rad/s about y: there, and with the velocity that a
+    rigid body has; a push of 5 N along x turns the plane's corners about y with 1 N m."""
     turn = np.array([0.0, 3.0, 0.0])
     panel = StillPanel(Motion(CORNERS_M, np.cross(turn, CORNERS_M)))
     surface = mapped(panel, above_a_line(0.2)).initial().surface
@@ -105,8 +106,8 @@ def test_a_point_over_a_turning_plane_goes_round_with_it() -> None:
 
 
 def test_a_load_acts_where_its_points_are_in_the_middle_of_the_interval() -> None:
-    """On a plane that turns by 0.2 rad in an interval of 0.1 s, as its velocity says: the moment about the
-    first corner is that of the force at the point after half of it."""
+    """The plane turns by 0.2 rad in an interval of 0.1 s, as its velocity says: the moment about the first
+    corner is that of the force at the point after half of it."""
     turn = np.array([0.0, 2.0, 0.0])
     panel = StillPanel(Motion(CORNERS_M, np.cross(turn, CORNERS_M)))
     seen = mapped(panel, above_a_line(0.2))
@@ -120,7 +121,7 @@ def test_a_load_acts_where_its_points_are_in_the_middle_of_the_interval() -> Non
 
 
 def test_points_without_an_offset_cost_no_more_than_a_matrix() -> None:
-    """What sees a panel without offsets is the plain matrix, and saves nothing of its own."""
+    """The view of a panel without offsets is the plain matrix, and saves nothing of its own."""
     panel = StillPanel(Motion(CORNERS_M, np.zeros((3, 3))))
     plain, beside = mapped(panel, above_a_line(0.0)), mapped(panel, above_a_line(1e-3))
     assert type(plain) is MappedPanel

@@ -114,7 +114,7 @@ def moved(communicator: Any) -> tuple[PanelState, list[int]]:
     ("size", "together"), [(2, [[3], [2, 1]]), (4, [[1], [2], [1], [1, 1]]), (8, [[], [1], [1], [1]] * 2)]
 )
 def test_ranks_join_their_panels_and_know_the_states_of_all(size: int, together: list[list[int]]) -> None:
-    """To the last bit, on ranks with several panels, one or none."""
+    """The states agree to the last bit, on ranks with several panels, one or none."""
     alone, joined = moved(None)
     assert joined == [STRIPS, 1]
     for (state, groups), expected in zip(Ranks(size).run(moved), together, strict=True):

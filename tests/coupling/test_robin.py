@@ -24,8 +24,8 @@ def test_conjugate_gradients_solve_to_the_share_wanted() -> None:
         products += 1
         return stiffness @ u
 
-    found = conjugate_gradients(product, right_side, diagonal)
-    left = np.linalg.norm(right_side - stiffness @ found)
+    solution = conjugate_gradients(product, right_side, diagonal)
+    left = np.linalg.norm(right_side - stiffness @ solution)
     assert 0.0 < left <= 1.01 * SOLVED * np.linalg.norm(right_side)
     assert products < 30
     assert not conjugate_gradients(product, 0.0 * right_side, diagonal).any()

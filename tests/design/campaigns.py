@@ -70,7 +70,7 @@ def belt_truth(x: Mapping[str, float]) -> dict[str, float]:
 class NoisyFunction:
     """An evaluator whose runs are a function with noise.
 
-    ``store`` keeps what was run, as folders of runs do; ``made`` lists it in order.  ``told`` has
+    ``store`` keeps what was run, as folders of runs do; ``made`` lists it in order.  ``deviations`` has
     what runs say of their noise where that is not so.  ``failing`` says of a setting why its run is no data.
     The run with the number ``killed_in`` is never ended.
     """
@@ -78,7 +78,7 @@ class NoisyFunction:
     study: Study
     truth: Callable[[Mapping[str, float]], dict[str, float]] = belt_truth
     noise: Mapping[str, float] = field(default_factory=lambda: {"speed": 0.01, "share": 0.5})
-    told: Mapping[str, float | None] = field(default_factory=dict)
+    deviations: Mapping[str, float | None] = field(default_factory=dict)
     failing: Callable[[Mapping[str, float]], str] = lambda x: ""
     wall_s: Callable[[Trial], float] = lambda trial: 60.0
     store: dict[str, Outcome] = field(default_factory=dict)
@@ -105,7 +105,7 @@ class NoisyFunction:
             rng = np.random.default_rng([trial.seed, zlib.crc32(name.encode())])
             deviation = self.noise.get(name, 0.0)
             noisy = value + deviation * float(rng.standard_normal())
-            measured[name] = Measured(noisy, self.told.get(name, deviation or None))
+            measured[name] = Measured(noisy, self.deviations.get(name, deviation or None))
         return Outcome(trial, "done", "", measured, wall_s=self.wall_s(trial), particle_steps=1000)
 
 

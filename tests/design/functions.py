@@ -94,7 +94,7 @@ def percent(logit: Array) -> Array:
 
 
 def screen_noise(truth: Array) -> Array:
-    """What the noise of a run is, of the velocity and of the logit of the efficiency."""
+    """Return the noise of a run, of the velocity and of the logit of the efficiency."""
     share = percent(truth[1])
     deviation = 0.25 + 1.08 * np.sqrt(share * (100.0 - share)) / 50.0
     return np.array([0.010 + 0.008 * truth[0], deviation * 100.0 / (share * (100.0 - share))])

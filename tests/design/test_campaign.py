@@ -118,8 +118,8 @@ def same_but_for_the_fit(some: bytes, other: bytes) -> bool:
     number = re.compile(r"(-?\d+\.?\d*(?:e[-+]?\d+)?)")
     parts = zip(number.split(some.decode()), number.split(other.decode()), strict=True)
     return all(
-        float(one) == pytest.approx(float(two), rel=FIT, abs=1e-6) if k % 2 else one == two
-        for k, (one, two) in enumerate(parts)
+        float(first) == pytest.approx(float(second), rel=FIT, abs=1e-6) if k % 2 else first == second
+        for k, (first, second) in enumerate(parts)
     )
 
 
@@ -130,11 +130,11 @@ def assert_same_trials(some: Campaign, other: Campaign) -> None:
         return [replace(each, trial=replace(each.trial, predicted={})) for each in whole.outcomes]
 
     assert without_predictions(some) == without_predictions(other)
-    for one, two in zip(some.outcomes, other.outcomes, strict=True):
-        assert list(one.trial.predicted) == list(two.trial.predicted)
-        for name, predicted in one.trial.predicted.items():
-            assert predicted[:2] == pytest.approx(two.trial.predicted[name][:2], rel=FIT, abs=1e-6)
-            assert predicted[2:] == two.trial.predicted[name][2:]
+    for first, second in zip(some.outcomes, other.outcomes, strict=True):
+        assert list(first.trial.predicted) == list(second.trial.predicted)
+        for name, predicted in first.trial.predicted.items():
+            assert predicted[:2] == pytest.approx(second.trial.predicted[name][:2], rel=FIT, abs=1e-6)
+            assert predicted[2:] == second.trial.predicted[name][2:]
 
 
 SURROGATES = ["quadratic", pytest.param("gaussian-process", marks=pytest.mark.slow)]
@@ -163,9 +163,9 @@ def test_a_study_that_is_ended_at_any_moment_goes_on_to_the_same_tables(
         again = run_all(study, folder, store=store)
         assert_same_trials(again, undisturbed)
         if number < 2:
-            found = tables(again, folder)
-            assert set(found) == set(wanted)
-            assert all(same_but_for_the_fit(found[name], wanted[name]) for name in wanted)
+            written = tables(again, folder)
+            assert set(written) == set(wanted)
+            assert all(same_but_for_the_fit(written[name], wanted[name]) for name in wanted)
         assert isinstance(again.evaluator, NoisyFunction)
         assert len(again.evaluator.made) + moment <= len(undisturbed.outcomes) + 1
 
@@ -277,9 +277,9 @@ def test_planned_runs_that_do_not_fit_into_the_hours_are_told(
     assert design._time_left(search=False) == ""
     again = design.campaign = campaign(study, tmp_path)
     assert not any(" left" in design._line(outcome, search=False) for outcome in again.run(search=False))
-    said = next(doubts(Findings(whole)))
-    assert said.startswith(f"{9 - made} of 9 planned runs are not made: flipflow study design makes them as")
-    assert said.endswith("; all need more hours.")
+    doubt = next(doubts(Findings(whole)))
+    assert doubt.startswith(f"{9 - made} of 9 planned runs are not made: flipflow study design makes them as")
+    assert doubt.endswith("; all need more hours.")
 
 
 def steep(x: Mapping[str, float]) -> str:
@@ -321,9 +321,9 @@ def test_a_study_half_of_whose_runs_failed_states_no_optimum(tmp_path: Path) -> 
     whole = run_all(study, tmp_path, failing=lambda x: "jams" if x["slope"] < 22 else "")
     assert whole.candidates() == {}
     assert "confirm" not in stages(whole)
-    said = the_answer(whole)
-    assert "support no optimum" in said
-    assert "runs gave no data" in said
+    answer = the_answer(whole)
+    assert "support no optimum" in answer
+    assert "runs gave no data" in answer
     assert not Findings(whole).is_confirmed()
 
 
@@ -331,16 +331,16 @@ def test_noise_has_no_optimum_and_it_is_said_what_it_would_take(tmp_path: Path) 
     study = belt(tmp_path, **{"plan/runs": 16, "search/surrogate": "gaussian-process"})
     noise = {"speed": 1.0, "share": 0.5}
     whole = run_all(study, tmp_path, truth=lambda x: belt_truth(x) | {"speed": 5.0}, noise=noise)
-    said = the_answer(whole)
+    answer = the_answer(whole)
     assert "confirm" not in stages(whole)
-    assert "of the variance of speed, and 50 % is needed" in said
-    assert "times as many runs" in said
+    assert "of the variance of speed, and 50 % is needed" in answer
+    assert "times as many runs" in answer
     assert np.isfinite(whole.data().y).all()
 
 
 @pytest.mark.parametrize("deviation", [None, 0.1], ids=["noise unknown", "noise known"])
 def test_a_goal_that_nothing_changes_has_no_optimum(deviation: float | None, tmp_path: Path) -> None:
-    constant = {"noise": {"speed": 0.0, "share": 0.5}, "told": {"speed": deviation}}
+    constant = {"noise": {"speed": 0.0, "share": 0.5}, "deviations": {"speed": deviation}}
     whole = run_all(belt(tmp_path), tmp_path, truth=lambda x: belt_truth(x) | {"speed": 5.0}, **constant)
     assert "confirm" not in stages(whole)
     assert "support no optimum" in the_answer(whole)
@@ -360,10 +360,10 @@ def test_a_run_that_keeps_a_limit_by_luck_is_no_proof(tmp_path: Path) -> None:
 def test_a_limit_that_is_kept_nowhere_is_named_with_the_nearest_run(tmp_path: Path) -> None:
     whole = run_all(belt(tmp_path, limits=["share >= 99"]), tmp_path)
     assert "confirm" not in stages(whole)
-    said = the_answer(whole)
-    assert "no setting is expected to keep all limits" in said
+    answer = the_answer(whole)
+    assert "no setting is expected to keep all limits" in answer
     data = whole.data()
-    assert f"{data.y[:, 1].max():.4g}" in said
+    assert f"{data.y[:, 1].max():.4g}" in answer
 
 
 def test_no_longer_runs_are_advised_where_noise_is_not_why_nothing_is_explained(tmp_path: Path) -> None:
@@ -372,8 +372,8 @@ def test_no_longer_runs_are_advised_where_noise_is_not_why_nothing_is_explained(
     def truth(x: Mapping[str, float]) -> dict[str, float]:
         return {"speed": float(np.sin(9.0 * x["slope"])), "share": 70.0}
 
-    said = the_answer(run_all(belt(tmp_path), tmp_path, truth=truth))
-    assert "noise is not why, so longer runs do not help" in said
+    answer = the_answer(run_all(belt(tmp_path), tmp_path, truth=truth))
+    assert "noise is not why, so longer runs do not help" in answer
 
 
 def test_nothing_is_explained_of_a_response_that_is_constant_but_for_rounding() -> None:
@@ -425,9 +425,9 @@ def test_a_goal_that_is_turned_round_is_not_answered_by_old_measurements(tmp_pat
     fitted.outcomes = list(store.values())
     assert "not yet measured" in the_answer(fitted)
     whole = run_all(slow, tmp_path, store=store)
-    said = the_answer(whole)
-    assert "For the smallest speed" in said
-    assert "as predicted" in said
+    answer = the_answer(whole)
+    assert "For the smallest speed" in answer
+    assert "as predicted" in answer
     assert belt_truth(slow.actual(Findings(whole).best[""]))["speed"] < 0.6
 
 

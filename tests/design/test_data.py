@@ -82,8 +82,8 @@ def test_two_replicates_that_agree_by_luck_do_not_make_runs_exact() -> None:
 
 def test_a_run_that_tells_no_noise_has_the_median_noise_of_the_others() -> None:
     x, y = replicates(1.0)
-    told = np.array([1.0, 2.0, np.nan, 1.0, 1.0, 5.0, 7.0])
-    variance, _ = completed_variance(x, y, told)
+    stated = np.array([1.0, 2.0, np.nan, 1.0, 1.0, 5.0, 7.0])
+    variance, _ = completed_variance(x, y, stated)
     assert variance.tolist() == [1.0, 2.0, 1.5, 1.0, 1.0, 5.0, 7.0]
 
 

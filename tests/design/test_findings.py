@@ -1,4 +1,4 @@
-"""What a study finds: whether its best setting was measured as predicted, and what it gains."""
+"""The findings of a study: whether its best setting was measured as predicted, and what it gains."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_best_setting_that_is_slower_than_predicted_is_not_confirmed(whole: Ca
 
 @pytest.mark.parametrize("confidence", [0.5, 0.9, 0.99])
 def test_a_best_setting_that_breaks_its_limit_is_not_confirmed(confidence: float, tmp_path: Path) -> None:
-    """However surely the limit was to be kept."""
+    """The setting is not confirmed however surely the limit was to be kept."""
     whole = run_all(belt(tmp_path, confidence=confidence), tmp_path)
     findings = with_confirming_runs(whole, lambda each: {**each.responses, "share": Measured(59.8, 0.5)})
     assert not findings.is_confirmed()
@@ -148,15 +148,15 @@ def test_a_prediction_of_another_result_or_on_another_scale_is_left_out(
 
 def test_a_prediction_of_an_earlier_version_which_tells_no_scale_is_left_out(whole: Campaign) -> None:
     for trial in whole.journal.read():
-        told = {name: each[:2] for name, each in trial.predicted.items()}
-        whole.journal.write(replace(trial, predicted=told))  # type: ignore[arg-type]
+        stated = {name: each[:2] for name, each in trial.predicted.items()}
+        whole.journal.write(replace(trial, predicted=stated))  # type: ignore[arg-type]
     assert not any(trial.predicted for trial in whole.read_trials())
 
 
 def test_of_two_goals_the_answer_is_the_best_in_the_first_alone_and_says_so(tmp_path: Path) -> None:
     goals = {"goals": ["maximise speed", "minimise share"], "limits": []}
-    said = next(answers(Findings(run_all(belt(tmp_path, **goals), tmp_path))))
-    assert said.startswith("For the largest speed alone (front.csv trades it for the smallest share) take")
+    answer = next(answers(Findings(run_all(belt(tmp_path, **goals), tmp_path))))
+    assert answer.startswith("For the largest speed alone (front.csv trades it for the smallest share) take")
 
 
 def test_the_front_has_no_setting_twice_and_none_beyond_another_limit(tmp_path: Path) -> None:
@@ -188,7 +188,7 @@ def test_runs_beyond_another_limit_are_open_but_not_those_that_lack_it(
 
     whole = run_all(study, tmp_path, truth=truth)
     fast = [each for each in whole.outcomes if each.responses["pace"].value > 1.5]
-    lacking = {name: one for name, one in fast[0].responses.items() if name != "pace"}
+    lacking = {name: value for name, value in fast[0].responses.items() if name != "pace"}
     whole.outcomes[whole.outcomes.index(fast[0])] = replace(fast[0], responses=lacking)
     pictures.draw_all(Findings(whole), tmp_path)
     shown = {each.get_label(): len(each.lines[0].get_xdata()) for each in drawn[0].axes[0].containers}
@@ -222,20 +222,20 @@ def test_an_ordered_factor_does_not_show_the_effects_of_its_chain(tmp_path: Path
     assert strongest_pair(findings)[0] == 0  # type: ignore[index]
 
 
-@pytest.mark.parametrize(("limit", "said"), [(60.0, False), (94.3, True)])
+@pytest.mark.parametrize(("limit", "warns"), [(60.0, False), (94.3, True)])
 def test_a_best_setting_that_is_less_sure_than_was_asked_for_is_told(
-    limit: float, said: bool, tmp_path: Path
+    limit: float, warns: bool, tmp_path: Path
 ) -> None:
     """The share is 94 % at best, and the runs make it some tenths more."""
     study = belt(tmp_path, limits=[f"share >= {limit}"], confidence=0.999)
     lines = list(borders(Findings(run_all(study, tmp_path))))
-    assert any("as surely as was asked for (99.9 %)" in line for line in lines) is said
+    assert any("as surely as was asked for (99.9 %)" in line for line in lines) is warns
 
 
 def test_a_setting_that_misses_its_limit_by_a_rounding_is_not_called_unsure(tmp_path: Path) -> None:
-    """Without noise no error is left of a quadratic, and SLSQP ends some 1e-9 before or behind the limit."""
+    """A quadratic without noise has no error, and SLSQP ends some 1e-9 before or behind the limit."""
     study = belt(tmp_path, **{"search/optimiser": "gradient"})
-    whole = run_all(study, tmp_path, noise={}, told={"speed": None, "share": None})
+    whole = run_all(study, tmp_path, noise={}, deviations={"speed": None, "share": None})
     assert not any("as surely as was asked for" in line for line in borders(Findings(whole)))
 
 
@@ -252,7 +252,7 @@ def test_the_ends_of_ranges_and_limits_that_do_not_bind_are_told(
 
 
 def test_a_response_that_is_neither_goal_nor_limit_refuses_nothing(whole: Campaign, tmp_path: Path) -> None:
-    """What runs cost was predicted far too surely, but nobody asked for it."""
+    """The cost of runs was predicted far too surely, but it is neither goal nor limit."""
     more = [
         replace(
             each,
@@ -289,23 +289,23 @@ def test_noise_that_was_widened_is_told(whole: Campaign) -> None:
     assert any("times as much as the runs' own intervals say" in line for line in noise_in_words(findings))
 
 
-@pytest.mark.parametrize(("centres", "said"), [(1, 1), (2, 0)])
+@pytest.mark.parametrize(("centres", "count"), [(1, 1), (2, 0)])
 def test_noise_of_which_nothing_tells_is_said_to_be_taken_from_a_surface(
-    centres: int, said: int, tmp_path: Path
+    centres: int, count: int, tmp_path: Path
 ) -> None:
     study = belt(tmp_path, **{"plan/centres": centres, "plan/runs": 12, "search/runs": 0, "goals": []})
-    findings = Findings(run_all(study, tmp_path, told={"speed": None}))
-    assert sum("Nothing tells of the noise" in line for line in noise_in_words(findings)) == said
-    assert all("Nothing tells of the noise of speed" in line for line in [*noise_in_words(findings)][:said])
+    findings = Findings(run_all(study, tmp_path, deviations={"speed": None}))
+    assert sum("Nothing tells of the noise" in line for line in noise_in_words(findings)) == count
+    assert all("Nothing tells of the noise of speed" in line for line in [*noise_in_words(findings)][:count])
 
 
 def test_equal_runs_of_one_setting_are_said_to_tell_nothing_of_the_noise(tmp_path: Path) -> None:
     study = belt(tmp_path, **{"plan/runs": 8, "search/runs": 0, "goals": []})
     exact: dict[str, float] = {}
-    for noise, said in (({"speed": 0.01, "share": 0.5}, False), (exact, True)):
-        whole = run_all(study, tmp_path, noise=noise, told={"speed": None, "share": None})
+    for noise, warns in (({"speed": 0.01, "share": 0.5}, False), (exact, True)):
+        whole = run_all(study, tmp_path, noise=noise, deviations={"speed": None, "share": None})
         lines = list(noise_in_words(Findings(whole)))
-        assert any(line.startswith("All runs of one setting have one speed") for line in lines) is said
+        assert any(line.startswith("All runs of one setting have one speed") for line in lines) is warns
 
 
 def test_a_run_that_stands_out_is_named_and_kept(tmp_path: Path) -> None:

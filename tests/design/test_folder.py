@@ -1,4 +1,4 @@
-"""What a study of a table writes, held to docs/run-folder.md."""
+"""The files that a study of a table writes, held to docs/run-folder.md."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ def gains_of(problem: Problem, settings: Array) -> Array:
 
 
 def test_limits_hold_on_their_side() -> None:
-    """At least 2 of the first response, and at most 5 of the second."""
+    """The limits are at least 2 of the first response, and at most 5 of the second."""
     aim = Aim((Goal(0, 1.0),), (Limit(0, 1.0, 2.0), Limit(1, -1.0, 5.0)))
     y = np.array([[1.9, 2.0, 3.0, 3.0], [4.0, 5.0, 5.1, 4.9]])
     assert aim.kept(y).tolist() == [False, True, False, True]

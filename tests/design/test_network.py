@@ -84,7 +84,8 @@ def test_one_setting_alone_has_a_covariance_too() -> None:
 
 
 def test_what_members_explain_is_told_one_by_one() -> None:
-    """Nearly all of what can be learnt, and less than nothing of noise; each has points of its own."""
+    """The members explain nearly all of what can be learnt, and less than nothing of noise; each has points
+    of its own."""
     shares = fit(whole_numbers(), Network()).explained_by_members()
     assert shares.shape == (20, 1)
     assert np.median(shares) > 0.9

@@ -1,4 +1,4 @@
-"""What the design chain needs of an optimiser, tested of each of them; and known best settings.
+"""The contract of an optimiser of the design chain, tested of each of them; and known best settings.
 
 The best settings of the surfaces of Table 5 were computed with SLSQP from sixty starts.
 """
@@ -247,7 +247,8 @@ def test_with_two_goals_the_expected_gain_is_that_of_the_area() -> None:
 
 
 def test_while_no_setting_keeps_the_limits_proposals_come_nearer_to_them() -> None:
-    """Also where that is so improbable that no draw shows it; and no setting is proposed twice."""
+    """The proposals come nearer also where this is so improbable that no draw shows it; and no setting is
+    proposed twice."""
     problem, rng = SCREEN_WITH_BAND, np.random.default_rng(1)
     inefficient = problem.space.sample(64, 1)
     inefficient = inefficient[problem.truth(inefficient)[1] < 0.5][:14]

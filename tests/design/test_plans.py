@@ -48,8 +48,8 @@ def test_a_box_behnken_design_moves_each_pair_of_factors(factors: int, runs: int
 def test_a_box_behnken_design_of_more_factors_moves_triples(
     factors: int, runs: int, moved_together: set[tuple[int, int]]
 ) -> None:
-    """As printed by Box and Behnken, Technometrics 2 (1960) 455: 48 runs where three pairs of factors meet
-    twice, and 56 where each pair meets once; moving pairs would take 60 and 84."""
+    """The numbers are those of Box and Behnken, Technometrics 2 (1960) 455: 48 runs where three pairs of
+    factors meet twice, and 56 where each pair meets once; moving pairs would take 60 and 84."""
     x = box_behnken(factors, centres=0)
     assert x.shape == (runs, factors)
     assert len({tuple(row) for row in x}) == runs

@@ -122,7 +122,7 @@ def test_the_coefficients_and_the_anova_of_table_5_are_known(response: str) -> N
 
 @EACH
 def test_the_standard_errors_of_table_5_follow_from_its_design(response: str) -> None:
-    """Of linear terms s/4, of products s/2, since 16 and 4 runs carry them."""
+    """The errors of linear terms are s/4, of products s/2, since 16 and 4 runs carry them."""
     errors = {row["term"]: row["standard_error"] for row in surface(response).anova()}
     s = QUALITY[response]["standard_error"]
     for term, error in errors.items():
@@ -215,8 +215,8 @@ def test_all_runs_of_a_setting_are_left_out_together() -> None:
     x = np.repeat(rng.uniform(-1, 1, (9, 2)), [1, 1, 1, 1, 1, 1, 1, 2, 4], axis=0)
     fitted = Surface.fit(x, rng.standard_normal(len(x)), terms)
     mean, _ = fitted.left_out()
-    for i, one in enumerate(x):
-        others = (x != one).any(axis=1)
+    for i, row in enumerate(x):
+        others = (x != row).any(axis=1)
         without = Surface.fit(x[others], fitted.y[others], terms)
         assert mean[i] == pytest.approx(without.predict(x[[i]])[0][0], rel=1e-9)
 
@@ -237,8 +237,8 @@ def test_coefficients_in_units_of_any_size_are_those_of_the_fit() -> None:
     rng, terms = np.random.default_rng(6), quadratic_terms(2)
     actual = rng.uniform([1e6, 2e-3], [2e6, 6e-3], (20, 2))
     truth = np.array([3.0, 2e-7, 150.0, 1e-5, 1e-13, 8e3])
-    found = least_squares(model_matrix(actual, terms), model_matrix(actual, terms) @ truth)
-    np.testing.assert_allclose(found, truth, rtol=1e-6)
+    coefficients = least_squares(model_matrix(actual, terms), model_matrix(actual, terms) @ truth)
+    np.testing.assert_allclose(coefficients, truth, rtol=1e-6)
 
 
 def test_repeated_runs_without_scatter_do_not_tell_of_a_lack_of_fit() -> None:
@@ -296,7 +296,7 @@ def test_a_constant_response_has_a_surface_that_explains_nothing() -> None:
 
 
 def test_a_single_centre_of_a_box_behnken_design_is_not_judged_by_the_others() -> None:
-    """Without it nothing tells the squares from the constant; the other points are predicted as by a fit
+    """The centre alone tells the squares from the constant; the other points are predicted as by a fit
     without each."""
     x = np.vstack([box_behnken(3, centres=0), np.zeros((1, 3))])
     y = 1.0 + x @ [1.0, 2.0, 3.0] + 0.1 * np.random.default_rng(2).standard_normal(len(x))
@@ -308,6 +308,6 @@ def test_a_single_centre_of_a_box_behnken_design_is_not_judged_by_the_others() -
     matrix = model_matrix(x, quadratic_terms(3))
     without = np.linalg.lstsq(matrix[others], y[others], rcond=None)[0]
     assert mean[0] == pytest.approx(matrix[0] @ without, rel=1e-9)
-    told = ((y - y.mean())[:-1] ** 2).sum()
-    expected = 1.0 - ((y - mean)[:-1] ** 2).sum() / told
+    total = ((y - y.mean())[:-1] ** 2).sum()
+    expected = 1.0 - ((y - mean)[:-1] ** 2).sum() / total
     assert fitted.quality()["r2_predicted"] == pytest.approx(expected, rel=1e-12)

@@ -50,7 +50,7 @@ def assert_same(mine: dict[str, bytes], wanted: dict[str, bytes]) -> None:
     assert {**mine, **dict.fromkeys(FITTED)} == {**wanted, **dict.fromkeys(FITTED)}
     for name in FITTED:
         assert NUMBER.sub(b"", mine[name]) == NUMBER.sub(b"", wanted[name])
-        numbers = [[float(each) for each in NUMBER.findall(found[name])] for found in (mine, wanted)]
+        numbers = [[float(each) for each in NUMBER.findall(table[name])] for table in (mine, wanted)]
         assert numbers[0] == pytest.approx(numbers[1], rel=1e-5, abs=1e-12)
 
 

@@ -1,4 +1,4 @@
-"""What a study takes from the run of a trial, and what it does not take."""
+"""The data that a study takes from the run of a trial, and those that it does not take."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_a_run_with_a_value_off_its_scale_is_no_data(
 
 
 @pytest.mark.parametrize(
-    ("told", "deviation"),
+    ("stated", "deviation"),
     [
         (
             {"half_width": 12.7, "standard_error": 1.0, "counting": 3.0},
@@ -111,9 +111,9 @@ def test_a_run_with_a_value_off_its_scale_is_no_data(
     ],
 )
 def test_the_noise_of_a_run_is_its_standard_error(
-    told: dict[str, float], deviation: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    stated: dict[str, float], deviation: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    summary = {"probes": {"plate": {"peak_speed_m_per_s": {"value": 0.5, **told}}}}
+    summary = {"probes": {"plate": {"peak_speed_m_per_s": {"value": 0.5, **stated}}}}
     outcome = outcome_of(tmp_path, monkeypatch, 'unit = "m/s"', summary)
     assert outcome.responses["speed"].deviation == deviation
 
@@ -122,7 +122,7 @@ def test_the_noise_of_a_run_is_its_standard_error(
 def test_a_run_of_another_duration_is_data_where_only_steady_runs_are(
     is_steady: bool, tmp_path: Path
 ) -> None:
-    """It has another duration, and nothing else that differs."""
+    """The run has another duration, and no other difference."""
     text = 'unit = "{}"' + "\nsteady = true" * is_steady
     changes = [(f'unit = "{unit}"\n', text.format(unit) + "\n") for unit in ("m/s", "m")]
     study = read_study(write_plates(tmp_path, *changes, ("duration_s=0.3", "duration_s=0.9")))

@@ -27,13 +27,13 @@ SCREENS = {"plain": functions.SCREEN, "band": functions.SCREEN_WITH_BAND}
 def regrets(problem: Problem, best: float, start: int, total: int, seeds: Iterable[int]) -> Array:
     """Return how far what is recommended stays behind the best, for each seed."""
     goal = problem.aim.goals[0]
-    found = []
+    values = []
     for seed in seeds:
         setting = study(problem, GaussianProcess(), ExpectedImprovement(), start, total, seed)[2]
-        found.append(
+        values.append(
             goal.sign * (best - problem.truth(problem.space.actual(setting[None]))[goal.response, 0])
         )
-    return np.array(found)
+    return np.array(values)
 
 
 def short_of_limits(problem: Problem, setting: Array) -> float:

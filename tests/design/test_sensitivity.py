@@ -31,7 +31,7 @@ class Known:
         return mean, np.zeros((len(mean), len(x), len(x)))
 
     def left_out(self) -> tuple[Array, Array]:
-        """There are no data."""
+        """Refuse to leave points out: there are no data."""
         raise NotImplementedError
 
 

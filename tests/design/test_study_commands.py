@@ -80,13 +80,13 @@ def test_a_fit_before_any_run_says_so(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("surrogate", "said"),
+    ("surrogate", "text"),
     [("gaussian-process", "take slope = 30"), ("quadratic", "support no optimum: every setting is needed")],
 )
 def test_three_settings_that_were_run_three_times_have_a_page(
-    surrogate: str, said: str, tmp_path: Path
+    surrogate: str, text: str, tmp_path: Path
 ) -> None:
-    """Without one of them, the other two tell no quadratic."""
+    """The settings are the fewest: any two of them tell no quadratic."""
     rows = [f"{slope},{slope / 10 + off}" for slope in (10, 20, 30) for off in (-0.1, 0.0, 0.1)]
     (tmp_path / "belt.csv").write_text("\n".join(["slope,speed", *rows]), encoding="utf-8")
     keys = ("case", "set", "plan", "factors/stroke", "responses/share", "responses/speed/result")
@@ -94,7 +94,7 @@ def test_three_settings_that_were_run_three_times_have_a_page(
     write_study(tmp_path, **dict.fromkeys(keys), **changes)
     done = study("fit", "--out", "there")
     assert done.exit_code == 0, done.output
-    assert said in done.output
+    assert text in done.output
     assert "quadratic surface of speed" in done.output
     assert "design.html" in contents(tmp_path / "there")
 
@@ -205,7 +205,7 @@ def test_what_only_later_stages_need_is_checked_first(added: str, words: list[st
 
 
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
-    """By the file system, whatever the user may do."""
+    """The file system refuses the folder, whatever the user may do."""
     (tmp_path / "belt.csv").write_text("slope,stroke,speed,share\n10,2,0.5,80\n30,2,1.9,45\n")
     own: dict[str, Any] = {"case": None, "set": {}, "responses/speed/result": None}
     write_study(tmp_path, table="belt.csv", **own, **{"responses/share/result": None})

@@ -1,4 +1,4 @@
-"""What is wrong with a study is told at once: file, key, value and the nearest right key."""
+"""Mistakes of a study are told at once: file, key, value and the nearest right key."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the design chain needs of a surrogate, tested of each of them."""
+"""The contract of a surrogate of the design chain, tested of each of them."""
 
 from __future__ import annotations
 

@@ -127,8 +127,8 @@ def test_the_data_of_a_table_are_not_run(tmp_path: Path) -> None:
 def test_six_rows_are_too_few_for_a_quadratic_of_two_factors(tmp_path: Path) -> None:
     design = DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
     design.load_finished()
-    said = [str(line) for line in design.write()]
-    assert any("support no optimum" in line and "6 points" in line for line in said)
+    lines = [str(line) for line in design.write()]
+    assert any("support no optimum" in line and "6 points" in line for line in lines)
     assert "6 points" in (tmp_path / "out" / "design.html").read_text(encoding="utf-8")
 
 
@@ -136,8 +136,8 @@ def test_the_best_setting_of_a_table_is_predicted(tmp_path: Path) -> None:
     rows = "20,2,1.1,79\n20,6,1.5,61\n10,4,0.7,85\n30,4,2.0,49\n"
     design = DesignStudy(study_of(tmp_path, HEAD + ROWS + rows), Crew(), tmp_path / "out")
     design.load_finished()
-    said = [str(line) for line in design.write()]
-    assert any("not yet measured" in line for line in said)
+    lines = [str(line) for line in design.write()]
+    assert any("not yet measured" in line for line in lines)
     assert not (tmp_path / "out" / "recommended.toml").exists()
 
 
@@ -209,7 +209,7 @@ def test_two_responses_may_share_a_column(tmp_path: Path) -> None:
 
 
 def test_a_pipe_is_no_table(tmp_path: Path) -> None:
-    """It would be waited for."""
+    """A pipe would be waited for."""
     study = study_of(tmp_path, HEAD + ROWS)
     (tmp_path / "belt.csv").unlink()
     os.mkfifo(tmp_path / "belt.csv")
@@ -217,6 +217,6 @@ def test_a_pipe_is_no_table(tmp_path: Path) -> None:
 
 
 def test_a_simpler_design_without_a_value_is_refused_with_the_file(tmp_path: Path) -> None:
-    """Of a table as of a case, at a corner of the ranges: slope is 10 there."""
+    """The design is refused for a table as for a case, at a corner of the ranges: slope is 10 there."""
     with pytest.raises(CaseError, match=r"simpler: slope = 10, stroke = 2: .* has no value"):
         study_of(tmp_path, HEAD + ROWS, simpler={"stroke": "4 + 0 / (slope - 10)"})

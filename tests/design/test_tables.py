@@ -98,9 +98,9 @@ def test_runs_that_did_not_become_steady_are_counted_on_the_page_and_named(tmp_p
     assert not list(doubts(Findings(whole)))
     whole.outcomes[3:5] = [replace(each, not_steady="the deck fills") for each in whole.outcomes[3:5]]
     folder = write(whole, tmp_path / "out")
-    said = "2 of the 9 runs that are data did not become steady (0004, 0005;"
-    assert said in (folder / "design.html").read_text(encoding="utf-8")
-    assert next(doubts(Findings(whole))).startswith(said)
+    text = "2 of the 9 runs that are data did not become steady (0004, 0005;"
+    assert text in (folder / "design.html").read_text(encoding="utf-8")
+    assert next(doubts(Findings(whole))).startswith(text)
     named = [row["trial"] for row in rows_of(folder / "points.csv") if row["not_steady"] == "the deck fills"]
     assert named == ["4", "5"]
 
@@ -138,7 +138,7 @@ def test_the_fit_says_how_far_each_surrogate_is_to_be_trusted(written: Path) -> 
 
 
 def test_the_resolved_study_can_be_read_again(written: Path, whole: Campaign) -> None:
-    """From its new place, it names the same case."""
+    """The resolved study in its new place names the same case."""
     again = read_study(written / "study.toml")
     assert again.path(again.file.case) == whole.study.path(whole.study.file.case)
     assert again.file.model_copy(update={"case": "."}) == whole.study.file

@@ -93,13 +93,13 @@ def test_check_explain_and_run_know_it(package: Path, tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_a_study_of_accuracy_compares_it_with_the_other_models(package: Path, tmp_path: Path) -> None:
-    """Nothing is changed for it but the case's key: it stands among the models of the panel, below the
-    strip that the case has."""
+    """The case's key is all that changes: the model stands among the models of the panel, below the strip
+    that the case has."""
     case = ["cases/empty-machine", "--set", "panel.solver=strip", "--set", "panel.cells=[8, 1]"]
     words = ["study", "accuracy", *case, "--parameters", "panel-mesh,panel-model=springs", "--quick"]
     flipflow(package, *words, "--duration", "0.05", "--out", str(tmp_path / "study"))
     stored = json.loads((tmp_path / "study/accuracy.json").read_text())
-    (springs,) = (one for one in stored["models"] if one["variant"] == "springs")
+    (springs,) = (model for model in stored["models"] if model["variant"] == "springs")
     assert springs["reference"].startswith("strip, ")
     assert springs["error"]["deflection_m"] > 0
     assert "panel: springs" in (tmp_path / "study/accuracy.html").read_text()

@@ -33,8 +33,8 @@ def done_by(words: list[str]) -> str:
 def test_it_is_weighed_and_explained(tmp_path: Path) -> None:
     before = installed(tmp_path, "how-to/add-an-effect.md", "air_drag")
     done_by([sys.executable, "-c", before + WEIGH])
-    said = done_by(command("explain", *CASE, before=before))
-    assert re.search(r"air-drag +no +drag / weight +\S+ +0\.1 \(of the weight\).*may be left out", said)
+    output = done_by(command("explain", *CASE, before=before))
+    assert re.search(r"air-drag +no +drag / weight +\S+ +0\.1 \(of the weight\).*may be left out", output)
 
 
 @pytest.mark.process

@@ -30,9 +30,9 @@ def spectral_radius(*coefficients: float) -> float:
 
 def jkr(overlap_m: float) -> float:
     """Force over pull-off force at an overlap, with w = E* = R* = 1."""
-    one = np.zeros(1, dtype=int)
+    index = np.zeros(1, dtype=int)
     law = NormalLaw(np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)), 10.0)
-    pair = SimpleNamespace(materials=(one, one), reduced_radius_m=np.ones(1))
+    pair = SimpleNamespace(materials=(index, index), reduced_radius_m=np.ones(1))
     at = law.at(pair, np.array([overlap_m]))
     return float(at.force_N[0]) / PULL_OFF_N
 
@@ -49,7 +49,7 @@ def test_jkr_by_the_table_of_adhesion() -> None:
 
 
 def test_the_hermite_path_is_off_by_384ths() -> None:
-    """Of t^4: its fourth derivative is 24."""
+    """The path of t^4 is off by its fourth derivative, 24, over 384."""
     zero = np.zeros((1, 3))
     path = HermitePath(Motion(zero, zero), Motion(zero + 1, zero + 4), 1.0)
     t = np.linspace(0, 1, 2001)
@@ -69,7 +69,7 @@ def test_a_light_point_leaves_the_unit_circle_at_its_limit(stiffness: float, dam
 
 @pytest.mark.parametrize("damped", [0.05, 0.3, 1.0])
 def test_a_late_contact_is_stable_by_jury_s_criterion(damped: float) -> None:
-    """And the bound lies on its safe side."""
+    """The bound lies on the safe side of the criterion."""
     limit = (damped - damped**2 / 2) / (1 - damped / 6)
 
     def radius(stiff: float) -> float:

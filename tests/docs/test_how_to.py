@@ -18,7 +18,7 @@ WITH_CODE = [name for name, page in PAGES.items() if BLOCK.search(page.read_text
 @pytest.mark.process
 @pytest.mark.parametrize("name", WITH_CODE)
 def test_the_example_runs(name: str, tmp_path: Path) -> None:
-    """In a process of its own, so that what an example adds to the program is gone afterwards."""
+    """The example runs in a process of its own, so that what it adds to the program is gone afterwards."""
     program = tmp_path / "example.py"
     program.write_text("\n".join(BLOCK.findall(PAGES[name].read_text(encoding="utf-8"))), encoding="utf-8")
     done = subprocess.run([sys.executable, program], capture_output=True, text=True, cwd=ROOT)

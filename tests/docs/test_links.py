@@ -21,8 +21,8 @@ FENCED = re.compile(r"^```.*?^```", re.M | re.S)
 def written(*patterns: str) -> list[Path]:
     """The files of the project that match, without what is installed, built or computed."""
     places = [ROOT, *(ROOT / folder for folder in FOLDERS.split("|"))]
-    found = [file for place in places[1:] for pattern in patterns for file in place.rglob(pattern)]
-    return sorted([*found, *(file for pattern in patterns for file in ROOT.glob(pattern))])
+    files = [file for place in places[1:] for pattern in patterns for file in place.rglob(pattern)]
+    return sorted([*files, *(file for pattern in patterns for file in ROOT.glob(pattern))])
 
 
 PAGES = [page for page in written("*.md") if page.parent.name != "cli"]  # parts of docs/case-format.md
@@ -31,12 +31,12 @@ PAGES = [page for page in written("*.md") if page.parent.name != "cli"]  # parts
 @cache
 def anchors(page: Path) -> set[str]:
     """The anchors that GitHub gives to the headings of a page."""
-    found = set()
+    names = set()
     for line in FENCED.sub("", page.read_text(encoding="utf-8")).splitlines():
         if line.startswith("#"):
             title = re.sub(r"[`*$]", "", line.lstrip("#").strip()).lower()
-            found.add(re.sub(r"[^\w\- ]", "", title).replace(" ", "-"))
-    return found
+            names.add(re.sub(r"[^\w\- ]", "", title).replace(" ", "-"))
+    return names
 
 
 def links(page: Path) -> Iterator[str]:
@@ -66,7 +66,7 @@ def test_files_that_are_named_are_there(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
 def test_sources_that_are_named_without_their_folder_are_there(page: Path) -> None:
-    """As ``shaking.py``, or ``exudyn/shaft.py``."""
+    """The sources are named as ``shaking.py``, or ``exudyn/shaft.py``."""
     if page.parent.name == "how-to":
         return  # the files of an example are the reader's
     files = [f"/{file.relative_to(ROOT)}" for file in written("*.py", "*.cpp", "*.h")]

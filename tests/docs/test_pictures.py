@@ -33,12 +33,12 @@ def test_every_picture_is_stored_and_shown(drawn: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(file.name for file in STORED.iterdir()))
 def test_the_stored_picture_is_the_drawn_one(drawn: Path, name: str) -> None:
-    """Up to the last digits of numbers, which differ from processor to processor."""
+    """The pictures agree up to the last digits of numbers, which differ from processor to processor."""
     before, after = (HASH.sub("", (at / name).read_text(encoding="utf-8")) for at in (STORED, drawn))
     again = f"python docs/pictures/draw.py {Path(name).stem}"
     assert NUMBER.sub("#", before) == NUMBER.sub("#", after), again
     pairs = zip(NUMBER.findall(before), NUMBER.findall(after), strict=True)
-    assert all(abs(float(one) - float(other)) < 0.01 for one, other in pairs), again
+    assert all(abs(float(number) - float(other)) < 0.01 for number, other in pairs), again
 
 
 def test_every_theory_page_has_a_picture_and_sources() -> None:

@@ -68,38 +68,38 @@ def has(case: JudgedCase) -> set[str]:
 
 
 def test_the_full_case_has_these_effects_that_can_be_left_out(tmp_path: Path) -> None:
-    found = load_case(tmp_path, FULL, MORE)
-    assert find_problems(found) == []
-    assert set(CAN_GO) <= {name for name in has(found) if EFFECTS[name].overlay(found.case)}
+    judged = load_case(tmp_path, FULL, MORE)
+    assert find_problems(judged) == []
+    assert set(CAN_GO) <= {name for name in has(judged) if EFFECTS[name].overlay(judged.case)}
 
 
 @pytest.mark.parametrize("name", CAN_GO)
 def test_what_is_not_named_is_left_out_and_nothing_else(tmp_path: Path, name: str) -> None:
-    """With what needs it."""
+    """An effect that is left out takes along the effects that need it."""
     before = has(load_case(tmp_path, FULL, MORE))
     with_it = before & set(with_dependents([name], ""))
-    found = full(tmp_path, *(before - with_it))
-    assert find_problems(found) == []
-    assert has(found) == before - with_it
-    assert set(found.left_out) == with_it | OF_SPHERES
+    judged = full(tmp_path, *(before - with_it))
+    assert find_problems(judged) == []
+    assert has(judged) == before - with_it
+    assert set(judged.left_out) == with_it | OF_SPHERES
 
 
 def test_naming_all_changes_nothing(tmp_path: Path) -> None:
     plain = load_case(tmp_path, FULL, MORE)
-    found = full(tmp_path, *has(plain))
-    assert found.case == plain.case
-    assert set(found.left_out) == OF_SPHERES
+    judged = full(tmp_path, *has(plain))
+    assert judged.case == plain.case
+    assert set(judged.left_out) == OF_SPHERES
 
 
 def test_an_empty_list_leaves_out_all_that_can_be(tmp_path: Path) -> None:
-    found = full(tmp_path)
-    assert not has(found) & set(CAN_GO)
-    solvers = found.case.frames.solver, found.case.panel.solver
+    judged = full(tmp_path)
+    assert not has(judged) & set(CAN_GO)
+    solvers = judged.case.frames.solver, judged.case.panel.solver
     assert solvers == ("prescribed", "rigid")
 
 
 @pytest.mark.parametrize(
-    ("names", "said"),
+    ("names", "expected"),
     [
         ('["adhesoin"]', "no effect 'adhesoin'; did you mean \"adhesion\"?"),
         ('["sjkrr"]', 'did you mean "sjkr"?'),
@@ -110,10 +110,10 @@ def test_an_empty_list_leaves_out_all_that_can_be(tmp_path: Path) -> None:
         ("[1]", '"auto" or a list of names is wanted'),
     ],
 )
-def test_names_that_cannot_be(tmp_path: Path, names: str, said: str) -> None:
+def test_names_that_cannot_be(tmp_path: Path, names: str, expected: str) -> None:
     message = only_complaint(tmp_path, f"effects={names}")
     assert message.startswith("--set effects: ")
-    assert said in message
+    assert expected in message
 
 
 def test_what_is_named_and_not_described_is_a_mistake(tmp_path: Path) -> None:
@@ -132,48 +132,50 @@ def test_a_level_may_leave_out_what_is_named_if_it_says_so(tmp_path: Path) -> No
     assert "variation-across" in load_judged(folder, "draft").left_out
     assert "variation-across" in load_judged(folder, "draft", ["effects=auto"]).left_out
     bare = case_folder(tmp_path / "bare", named + CASE)
-    found = find_problems(load_judged(bare, None, ["panel.solver=strip"]))
-    assert [str(one).split(":")[0] for one in found] == ["case.toml effects"]
+    problems = find_problems(load_judged(bare, None, ["panel.solver=strip"]))
+    assert [str(problem).split(":")[0] for problem in problems] == ["case.toml effects"]
 
 
 def test_all_mistakes_are_in_one_message(tmp_path: Path) -> None:
-    found = complaints(tmp_path, 'effects=["wind"]', "duration_s=fast", "panel.solver=stripe")
-    assert len(found) == 3
-    found = complaints(tmp_path, 'effects=["wind"]', "duration_s=2e4")
-    assert len(found) == 2
+    messages = complaints(tmp_path, 'effects=["wind"]', "duration_s=fast", "panel.solver=stripe")
+    assert len(messages) == 3
+    messages = complaints(tmp_path, 'effects=["wind"]', "duration_s=2e4")
+    assert len(messages) == 2
 
 
 def test_a_law_is_chosen_by_its_name(tmp_path: Path) -> None:
     assert full(tmp_path, "sjkr").case.particles.adhesion == "sjkr"
     assert full(tmp_path, "cdt").case.particles.rolling == "cdt"
     given = [*MORE, 'effects=["sjkr"]', "particles.adhesion=jkr"]
-    found = find_problems(load_case(tmp_path, FULL, given))
-    assert "\"sjkr\" is named, and particles.adhesion is 'jkr'" in str(found[0])
+    problems = find_problems(load_case(tmp_path, FULL, given))
+    assert "\"sjkr\" is named, and particles.adhesion is 'jkr'" in str(problems[0])
 
 
 def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None:
     """A level frame on bushings does not turn: its exciter is at its centre of mass."""
     centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
-    found = load_case(tmp_path, overrides=["effects=auto", centre])
-    assert found.case.frames.solver == "two-mass"
+    judged = load_case(tmp_path, overrides=["effects=auto", centre])
+    assert judged.case.frames.solver == "two-mass"
     (line,) = (
-        one for one in lines_at_start(account(found.described, found.left_out)) if "frame-rotation: " in one
+        text
+        for text in lines_at_start(account(judged.described, judged.left_out))
+        if "frame-rotation: " in text
     )
     assert line == (
         "left out: frame-rotation: frames.solver two-mass: frames translate only; "
         'effects = "auto"; may be left out: rotation x lever / translation 0, threshold 0.1'
     )
-    assert found.case.panel.solver == "sheet"
+    assert judged.case.panel.solver == "sheet"
 
 
 def test_auto_warns_of_what_is_lacking_and_invents_nothing(tmp_path: Path) -> None:
     tilted = ["effects=auto", "screen.inclination_deg=20", "panel.solver=rigid"]
-    found = load_case(tmp_path, overrides=tilted)
-    said = [line for line in warnings(found) if "matters, and the case does not have it" in line]
-    lacking = {line.split()[0] for line in said}
+    judged = load_case(tmp_path, overrides=tilted)
+    lines = [line for line in warnings(judged) if "matters, and the case does not have it" in line]
+    lacking = {line.split()[0] for line in lines}
     of_panels = {"panel-deformation", "large-deflection", "panel-inertia", "particle-load"}
     assert lacking == of_panels | OF_SPHERES | {"run-up", "rolling-friction"}
-    assert found.case.panel.solver == "rigid"
+    assert judged.case.panel.solver == "rigid"
 
 
 def test_auto_keeps_a_feed_that_is_all_there_is(tmp_path: Path) -> None:
@@ -189,10 +191,10 @@ def test_frames_that_no_force_moves_are_prescribed(tmp_path: Path) -> None:
     folder = case_folder(tmp_path, DRIVEN_CASE)
     assert load_judged(folder).case.frames.solver == "exudyn"
     for effects in ("auto", '["panel-deformation"]'):
-        found = load_judged(folder, None, [f"effects={effects}"])
-        assert found.case.frames.solver == "prescribed"
-        assert "frame-dynamics" not in found.left_out, "there is none to be left out"
-        assert find_problems(found) == []
+        judged = load_judged(folder, None, [f"effects={effects}"])
+        assert judged.case.frames.solver == "prescribed"
+        assert "frame-dynamics" not in judged.left_out, "there is none to be left out"
+        assert find_problems(judged) == []
 
 
 def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:
@@ -201,11 +203,11 @@ def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("effects", ["auto", '["panel-deformation", "frame-dynamics"]'])
 def test_the_resolved_case_is_the_same_without_the_key(tmp_path: Path, effects: str) -> None:
-    found = load_case(tmp_path / "a", FULL, [*MORE, f"effects={effects}"])
-    table = resolved_case(found)
+    judged = load_case(tmp_path / "a", FULL, [*MORE, f"effects={effects}"])
+    table = resolved_case(judged)
     assert "effects" not in table
     again = load_judged(case_folder(tmp_path / "b", tomli_w.dumps(table)))
-    assert again.case == found.case.model_copy(update={"default_level": ""})
+    assert again.case == judged.case.model_copy(update={"default_level": ""})
 
 
 def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
@@ -230,6 +232,6 @@ def test_explain_judges_what_the_case_describes_and_says_what_is_here(tmp_path: 
 def test_what_a_case_leaves_out_already_does_not_come_back(tmp_path: Path, effects: str) -> None:
     """Flat panels do not become strips, and translating frames do not turn."""
     folder = case_folder(tmp_path, CASE, coarse=COARSE)
-    found = load_judged(folder, "coarse", [f"effects={effects}"])
-    assert found.case.panel.solver == "rigid"
-    assert found.case.frames.solver in ("two-mass", "prescribed")
+    judged = load_judged(folder, "coarse", [f"effects={effects}"])
+    assert judged.case.panel.solver == "rigid"
+    assert judged.case.frames.solver in ("two-mass", "prescribed")

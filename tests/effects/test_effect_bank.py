@@ -82,12 +82,12 @@ def turned_over(monkeypatch: pytest.MonkeyPatch) -> None:
     """Makes all effects say the opposite of what they say."""
     weighed = confusion.weigh_effects
 
-    def opposite(one: Judged) -> Judged:
-        matters = None if one.verdict.matters is None else not one.verdict.matters
-        return replace(one, verdict=replace(one.verdict, matters=matters, limit=None))
+    def opposite(judged: Judged) -> Judged:
+        matters = None if judged.verdict.matters is None else not judged.verdict.matters
+        return replace(judged, verdict=replace(judged.verdict, matters=matters, limit=None))
 
     def all_opposite(case: Case, asked: Sequence[str]) -> dict[str, Judged]:
-        return {name: opposite(one) for name, one in weighed(case, asked=asked).items()}
+        return {name: opposite(judged) for name, judged in weighed(case, asked=asked).items()}
 
     monkeypatch.setattr(confusion, "weigh_effects", all_opposite)
 
@@ -120,37 +120,37 @@ def test_two_scenes_are_run_once_and_a_verdict_turned_over_is_found(
 def test_dry_says_what_would_be_run_and_runs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "python", lambda *words, **more: pytest.fail("it was run"))
     out = tmp_path / "out"
-    said = study(tiny_bank(tmp_path), "--dry", "--out", out, "--scene", "high")
-    assert said.exit_code == 0, said.output
-    assert "high: a panel high above a beam" in said.output
-    assert "slack" not in said.output
-    assert "without beam-contact: 1 to be run, about" in said.output
-    assert "in all 2 runs, about" in said.output
+    result = study(tiny_bank(tmp_path), "--dry", "--out", out, "--scene", "high")
+    assert result.exit_code == 0, result.output
+    assert "high: a panel high above a beam" in result.output
+    assert "slack" not in result.output
+    assert "without beam-contact: 1 to be run, about" in result.output
+    assert "in all 2 runs, about" in result.output
     assert not out.exists()
 
 
 @pytest.mark.parametrize(
-    ("instead", "words", "said"),
+    ("instead", "words", "message"),
     [
         ('["midle_half_range"]', (), 'no result "midle_half_range"; did you mean "middle_half_range"'),
         ('["middle_half_range"]', ("--scene", "hihg"), 'no scene "hihg"; did you mean "high"'),
     ],
 )
 def test_a_bank_with_mistakes_is_refused(
-    tmp_path: Path, instead: str, words: tuple[str, ...], said: str
+    tmp_path: Path, instead: str, words: tuple[str, ...], message: str
 ) -> None:
     bank = tiny_bank(tmp_path, TINY.replace('["middle_half_range"]', instead))
-    found = study(bank, *words, "--dry")
-    assert found.exit_code == 2
-    assert said in found.output
+    result = study(bank, *words, "--dry")
+    assert result.exit_code == 2
+    assert message in result.output
 
 
 def test_mistakes_of_all_scenes_are_said_with_their_names(tmp_path: Path) -> None:
     bank = tiny_bank(tmp_path, TINY.replace("cells=[4, 1]", "cells=[4.5, 1]"))
-    found = study(bank, "--dry")
-    assert found.exit_code == 2
-    assert "scene slack, --set" in found.output
-    assert "scene high, --set" in found.output
+    result = study(bank, "--dry")
+    assert result.exit_code == 2
+    assert "scene slack, --set" in result.output
+    assert "scene high, --set" in result.output
     missing = study(tmp_path / "none.toml", "--dry")
     assert missing.exit_code == 2
     assert "there is no bank of scenes" in missing.output
@@ -169,8 +169,8 @@ def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
 
     scene = banks.read(tiny_bank(tmp_path))["high"]
     scene = scene.model_copy(update={"effects": ()})
-    found = try_scene("high", scene, tmp_path, tmp_path / "out")
-    kinds = {trial.without: trial.runs[0].loaded.case for trial in found.trials}
+    tried = try_scene("high", scene, tmp_path, tmp_path / "out")
+    kinds = {trial.without: trial.runs[0].loaded.case for trial in tried.trials}
     assert kinds[""].panel.solver == "strip"
     assert kinds[""].materials["PU"].hyperelastic.maxwell
     assert kinds["panel-deformation"].panel.solver == "rigid"
@@ -185,9 +185,9 @@ def summary(value: float | None, half_width: float | None = None) -> dict[str, A
 
 
 def test_the_interval_of_a_run_counts_where_chance_is_at_work() -> None:
-    one, two = [summary(1.0, 0.3)], [summary(1.2, 0.4)]
-    assert change("velocity", one, two, by_chance=True) == Change(1.0, 1.2, pytest.approx(0.2), 0.5)
-    assert change("velocity", one, two, by_chance=False).uncertain is None
+    first, second = [summary(1.0, 0.3)], [summary(1.2, 0.4)]
+    assert change("velocity", first, second, by_chance=True) == Change(1.0, 1.2, pytest.approx(0.2), 0.5)
+    assert change("velocity", first, second, by_chance=False).uncertain is None
 
 
 @pytest.mark.parametrize(
@@ -206,10 +206,10 @@ def test_change_of_means_and_its_interval(
     with_it: list[float | None], without: list[float | None], relative: float | None, half_width: float | None
 ) -> None:
     sides = ([summary(value) for value in side] for side in (with_it, without))
-    found = change("velocity", *sides, by_chance=True)
-    assert found.relative == (relative if relative is None else pytest.approx(relative))
+    result = change("velocity", *sides, by_chance=True)
+    assert result.relative == (relative if relative is None else pytest.approx(relative))
     expected = half_width if half_width is None else pytest.approx(half_width, rel=1e-4)
-    assert found.uncertain == expected
+    assert result.uncertain == expected
 
 
 def test_one_changed_result_is_enough_and_chance_is_no_change() -> None:
@@ -222,30 +222,30 @@ def test_one_changed_result_is_enough_and_chance_is_no_change() -> None:
     assert outcome({"b": nothing}) == NOT_COMPARED
 
 
-def row(matters: bool | None, found: str) -> Row:
-    return Row("scene", "wear", Verdict("number", 1.0, "2", matters, "why"), {}, found)
+def row(matters: bool | None, change_found: str) -> Row:
+    return Row("scene", "wear", Verdict("number", 1.0, "2", matters, "why"), {}, change_found)
 
 
 def test_false_alarms_are_a_share_of_what_was_decided() -> None:
     rows = [row(True, CHANGED)] * 9 + [row(True, UNCHANGED)] * 2 + [row(True, BY_CHANCE)] * 3
-    found = Confusion([*rows, row(False, UNCHANGED), row(None, CHANGED)])
-    assert found.false_alarms == pytest.approx(2 / 11)
-    assert found.is_good
-    assert found.count(CANNOT_SAY, CHANGED) == 1
+    table = Confusion([*rows, row(False, UNCHANGED), row(None, CHANGED)])
+    assert table.false_alarms == pytest.approx(2 / 11)
+    assert table.is_good
+    assert table.count(CANNOT_SAY, CHANGED) == 1
     assert not Confusion([*rows, row(False, CHANGED)]).is_good
     assert not Confusion([*rows, row(True, UNCHANGED)]).is_good  # 3 of 12
     assert not Confusion([*rows, row(False, NOT_RUN)]).is_good
-    shown = tables.markdown(found)
+    shown = tables.markdown(table)
     assert "| matters | 9 | 2 | 3 | 0 | 0 |" in shown
 
 
 def test_time_left_is_scaled_by_what_the_runs_took() -> None:
-    said: list[str] = []
+    lines: list[str] = []
     clock = iter([0.0, 30.0, 60.0])
-    countdown = Countdown({"a": 10.0, "b": 10.0, "c": 20.0}, said.append, lambda: next(clock))
+    countdown = Countdown({"a": 10.0, "b": 10.0, "c": 20.0}, lines.append, lambda: next(clock))
     for line in ("old: done before", "a: done", "b: done"):
         countdown(line)
-    assert said == ["old: done before", "a: done; 2 to go, about 90 s", "b: done; 1 to go, about 60 s"]
+    assert lines == ["old: done before", "a: done; 2 to go, about 90 s", "b: done; 1 to go, about 60 s"]
 
 
 def test_json_of_runs_is_read_where_they_came_to_an_end(tmp_path: Path) -> None:

@@ -37,23 +37,23 @@ CALL = CliRunner()
 def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
     loaded = load_judged(CASES / case, level)
     verdicts = judge_effects(loaded.case).values()
-    names = [one.effect for one in verdicts]
+    names = [row.effect for row in verdicts]
     assert len(names) == len(set(names))
-    present = {one.effect: one.present for one in verdicts}
+    present = {row.effect: row.present for row in verdicts}
     assert not any(present.get(name, False) for name in loaded.left_out)
     assert set(loaded.left_out) <= set(names)
-    assert all(one.verdict.why and one.verdict.number and one.verdict.threshold for one in verdicts)
+    assert all(row.verdict.why and row.verdict.number and row.verdict.threshold for row in verdicts)
 
 
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 @pytest.mark.parametrize("effects", ["auto", "[]"])
 def test_every_case_can_do_without_what_may_be_left_out(case: str, level: str, effects: str) -> None:
-    """And is then a case without mistakes in its tables, which has none of these effects."""
-    found = load_judged(CASES / case, level, [f"effects={effects}"])
-    assert find_table_problems(found) == []
-    asked = weigh_effects(found.case, None, (*SHORT_NAMES,))
-    here = [one for one in asked.values() if one.present]
-    spare = find_dispensable(here) if effects == "auto" else [one.effect for one in here if one.can_go]
+    """The case is then without mistakes in its tables, and has none of these effects."""
+    judged = load_judged(CASES / case, level, [f"effects={effects}"])
+    assert find_table_problems(judged) == []
+    asked = weigh_effects(judged.case, None, (*SHORT_NAMES,))
+    here = [row for row in asked.values() if row.present]
+    spare = find_dispensable(here) if effects == "auto" else [row.effect for row in here if row.can_go]
     assert spare == []
 
 
@@ -101,10 +101,10 @@ def test_parts_that_are_not_there_are_said_to_be_absent() -> None:
 
 def test_a_scene_that_nothing_shakes_is_explained(tmp_path: Path) -> None:
     judged = judge_effects(load_case(tmp_path, STILL_CASE).case)
-    found = {name: one for name, one in judged.items() if one.part == "frames"}
-    assert found["panel-reaction"].verdict.why == "nothing shakes the frames"
-    assert found["bushing-damping"].verdict.value is None
-    assert set(found) == {"frame-dynamics", "frame-motion", "panel-reaction", "bushing-damping"}
+    frames = {name: row for name, row in judged.items() if row.part == "frames"}
+    assert frames["panel-reaction"].verdict.why == "nothing shakes the frames"
+    assert frames["bushing-damping"].verdict.value is None
+    assert set(frames) == {"frame-dynamics", "frame-motion", "panel-reaction", "bushing-damping"}
 
 
 def test_particles_on_a_plate_without_panels_are_explained(tmp_path: Path) -> None:
@@ -129,9 +129,9 @@ def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
     assert len(effects_table(judged, COLUMNS).columns) == 8
     console = Console(width=100, record=True, file=StringIO())
     console.print(effects_table(judged, COLUMNS[:-1]))
-    said = console.export_text()
-    assert "frame-rotation" in said
-    assert "frames.solver" not in said
+    text = console.export_text()
+    assert "frame-rotation" in text
+    assert "frames.solver" not in text
 
 
 def test_a_case_with_mistakes_is_refused(tmp_path: Path) -> None:
@@ -146,7 +146,7 @@ def test_a_case_with_mistakes_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_nothing_of_the_solvers_is_imported() -> None:
-    """In a process of its own: of a solver only its adapter's door, and no MPI."""
+    """A process of its own has only the adapter's door of a solver, and no MPI."""
     say = (
         "import sys\n"
         "from orchestrator.cli.main import app\n"

@@ -16,15 +16,15 @@ from tests.effects.verdicts import by_name, of_driven, verdict
 def test_panels_against_bushings_by_hand(tmp_path: Path) -> None:
     """Two bushings of 20 kN/m along the deck; the panel has 56 kN/m while taut, and at least half
     of that in the first harmonic."""
-    found = verdict(tmp_path, "panel-reaction")
-    assert 28 / 40 <= found.verdict.value <= 56 / 40
-    assert (found.present, found.verdict.matters) == (True, True)
+    judged = verdict(tmp_path, "panel-reaction")
+    assert 28 / 40 <= judged.verdict.value <= 56 / 40
+    assert (judged.present, judged.verdict.matters) == (True, True)
     assert verdict(tmp_path, "panel-reaction", "exchange.panel_reaction=false").is_lacking
 
 
 def test_a_panel_always_taut_pulls_with_all_its_stiffness(tmp_path: Path) -> None:
-    found = verdict(tmp_path, "panel-reaction", "screen.panels.deck.tension_m=0.025")
-    assert found.verdict.value == pytest.approx(56 / 40, rel=1e-9)
+    judged = verdict(tmp_path, "panel-reaction", "screen.panels.deck.tension_m=0.025")
+    assert judged.verdict.value == pytest.approx(56 / 40, rel=1e-9)
 
 
 def test_driven_frames_feel_no_panels(tmp_path: Path) -> None:
@@ -39,25 +39,25 @@ def test_damping_of_one_mass_by_hand(tmp_path: Path) -> None:
     |F| / |k - m w^2 + i c w|."""
     taut = "screen.panels.deck.tension_m=0.025"
     damped = "screen.bushings.isolation.damping_N_s_per_m=[900.0, 900.0, 900.0]"
-    found = verdict(tmp_path, "bushing-damping", taut, damped)
+    judged = verdict(tmp_path, "bushing-damping", taut, damped)
     dynamic = 96e3 - 76.138 * 78.5**2
     with_it = abs(dynamic + 1j * 78.5 * 1800)
-    assert found.verdict.value == pytest.approx(with_it / abs(dynamic) - 1, rel=1e-6)
-    assert (found.present, found.verdict.matters) == (True, None)
+    assert judged.verdict.value == pytest.approx(with_it / abs(dynamic) - 1, rel=1e-6)
+    assert (judged.present, judged.verdict.matters) == (True, None)
 
 
 def test_without_damping_rubbers_is_tried(tmp_path: Path) -> None:
     taut = "screen.panels.deck.tension_m=0.025"
-    found = verdict(tmp_path, "bushing-damping", taut)
+    judged = verdict(tmp_path, "bushing-damping", taut)
     dynamic = 96e3 - 76.138 * 78.5**2
-    assert found.verdict.value == pytest.approx(1 - abs(dynamic) / abs(dynamic + 4e3j), rel=1e-4)
-    assert not found.present
+    assert judged.verdict.value == pytest.approx(1 - abs(dynamic) / abs(dynamic + 4e3j), rel=1e-4)
+    assert not judged.present
 
 
 def test_rotation_of_a_body_on_its_own_by_hand(tmp_path: Path) -> None:
-    """On bushings next to nothing, an exciter 0.2 m above the centre of mass: theta = u h / I
-    (w cancels), translation sqrt(2) u / m of a force that turns: 0.2 * 76 / 6 / sqrt(2) per m of
-    lever.  It holds no panel, so that the lever is 0.7 m, to the bushing at x = 0.4."""
+    """The body stands on bushings next to nothing, with an exciter 0.2 m above the centre of mass: theta =
+    u h / I (w cancels), translation sqrt(2) u / m of a force that turns: 0.2 * 76 / 6 / sqrt(2) per m of
+    lever. It holds no panel, so that the lever is 0.7 m, to the bushing at x = 0.4."""
     soft = "screen.bushings.isolation.stiffness_N_per_m=[10.0, 10.0, 10.0]"
     above = "screen.exciters.shaft.position_m=[-0.3, 0.1, 0.2]"
     centre = "screen.frames.driving.center_of_mass_m=[-0.3, 0.1, 0.0]"
@@ -80,8 +80,8 @@ def test_two_mass_frames_lack_the_rotation(tmp_path: Path) -> None:
 
 def test_rotation_needs_moments_of_inertia(tmp_path: Path) -> None:
     without = CASE.replace("inertia_kg_m2 = [2.0, 6.0, 6.0]", "")
-    found = by_name(load_case(tmp_path, without, ["frames.solver=two-mass"]))
-    assert found["frame-rotation"].verdict.matters is None
+    by_effect = by_name(load_case(tmp_path, without, ["frames.solver=two-mass"]))
+    assert by_effect["frame-rotation"].verdict.matters is None
 
 
 @pytest.mark.parametrize(
@@ -89,9 +89,9 @@ def test_rotation_needs_moments_of_inertia(tmp_path: Path) -> None:
 )
 def test_cycles_of_the_run_up(tmp_path: Path, run_up_s: float, matters: bool | None, present: bool) -> None:
     given = f"screen.frames.driving.drive.run_up_s={run_up_s}"
-    found = of_driven(tmp_path, "run-up", given)
-    assert found.verdict.value == pytest.approx(run_up_s * 80 / (2 * math.pi))
-    assert (found.verdict.matters, found.present) == (matters, present)
+    judged = of_driven(tmp_path, "run-up", given)
+    assert judged.verdict.value == pytest.approx(run_up_s * 80 / (2 * math.pi))
+    assert (judged.verdict.matters, judged.present) == (matters, present)
 
 
 @pytest.mark.parametrize(("softest", "matters"), [(17e3, True), (19.5e3, False)])
@@ -104,6 +104,6 @@ def test_a_bushings_curve_matters_where_its_stiffness_changes(
         for a, k in ((1e-3, 20e3), (6e-3, softest))
     )
     curve = f"screen.bushings.isolation.curves=[{{points=[{points}]}}]"
-    found = verdict(tmp_path, "bushing-hysteresis", curve, 'frames.solver="exudyn"')
-    assert found.verdict.value == pytest.approx(20e3 / softest - 1)
-    assert (found.present, found.verdict.matters) == (True, matters)
+    judged = verdict(tmp_path, "bushing-hysteresis", curve, 'frames.solver="exudyn"')
+    assert judged.verdict.value == pytest.approx(20e3 / softest - 1)
+    assert (judged.present, judged.verdict.matters) == (True, matters)

@@ -31,8 +31,8 @@ def test_gravity_is_always_needed_here(tmp_path: Path) -> None:
 
 
 def test_a_slice_against_the_largest_particle(tmp_path: Path) -> None:
-    found = verdict(tmp_path, "full-width", "slice={width_m=0.15}")
-    assert found.verdict.value == pytest.approx(7.5)
-    assert found.verdict.matters is None
+    judged = verdict(tmp_path, "full-width", "slice={width_m=0.15}")
+    assert judged.verdict.value == pytest.approx(7.5)
+    assert judged.verdict.matters is None
     assert verdict(tmp_path, "full-width", "slice={width_m=0.08}").is_lacking
     assert "full-width" not in by_name(loaded(tmp_path))

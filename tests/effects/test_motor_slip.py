@@ -28,15 +28,15 @@ TURNING = "frames.solver=exudyn"
 def test_the_power_is_what_the_dampers_take(tmp_path: Path) -> None:
     """c w^2 |X|^2 / 2 of each damper, along each of its axes; slip in proportion to it."""
     case = loaded(tmp_path, [MOTOR, DAMPED, TURNING]).case
-    found = EFFECTS["motor-slip"].judge(scene(case))
-    assert found is not None
+    weighed = EFFECTS["motor-slip"].judge(scene(case))
+    assert weighed is not None
     (shaking,) = scene(case).shaken
     count = len(case.screen.bushings["isolation"].positions_m)
     speed = case.screen.exciters["shaft"].speed_rad_per_s
     moved_m = np.linalg.norm(shaking.amplitude_m["driving"])
     share = count * 300.0 * (speed * moved_m) ** 2 / 2 / 400.0
-    assert f"takes {share:.2g} of the rated power" in found.why
-    assert found.why.endswith(f"a slip of {0.04 * share:.2g}")
+    assert f"takes {share:.2g} of the rated power" in weighed.why
+    assert weighed.why.endswith(f"a slip of {0.04 * share:.2g}")
 
 
 def test_more_than_the_rated_power_matters(tmp_path: Path) -> None:
@@ -46,11 +46,11 @@ def test_more_than_the_rated_power_matters(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("solver", "knows"), [("exudyn", True), ("two-mass", False)])
 def test_who_has_it(tmp_path: Path, solver: str, knows: bool) -> None:
-    found = loaded(tmp_path, [MOTOR, f"frames.solver={solver}"])
-    assert has_effect(found.case, "motor-slip") is knows
-    assert ("motor-slip" in found.left_out) is not knows
+    judged = loaded(tmp_path, [MOTOR, f"frames.solver={solver}"])
+    assert has_effect(judged.case, "motor-slip") is knows
+    assert ("motor-slip" in judged.left_out) is not knows
     none = np.zeros((0, 3))
-    planned = frames_plan(found.case, none, (), none)
+    planned = frames_plan(judged.case, none, (), none)
     assert (planned.exciters[0].motor is not None) is knows
 
 
@@ -90,11 +90,12 @@ def test_a_shaft_that_runs_up_has_turned_half_as_far() -> None:
 def test_a_run_without_the_motor_says_whether_it_would_have_passed(
     tmp_path: Path, largest_N_m: float, matters: bool | None
 ) -> None:
-    """By the torque that the machine took on its way up, in place of the steady motion's there."""
+    """The verdict uses the torque that the machine took on its way up, in place of the steady motion's
+    there."""
     estimated = scene(loaded(tmp_path, [MOTOR, DAMPED, TURNING]).case)
     seen = replace(
         estimated, observed=Observed(exciter_load=ExciterLoad(power_W=0.01, largest_N_m=largest_N_m))
     )
-    found = EFFECTS["motor-slip"].judge(seen)
-    assert found is not None
-    assert found.matters is matters
+    weighed = EFFECTS["motor-slip"].judge(seen)
+    assert weighed is not None
+    assert weighed.matters is matters

@@ -58,7 +58,7 @@ def test_no_strain_no_difference() -> None:
 
 
 def test_loss_factor_of_one_branch() -> None:
-    """At w tau = 1 a branch of ratio g stores g/2 and loses g/2: g / (2 + g)."""
+    """A branch of ratio g at w tau = 1 stores g/2 and loses g/2: g / (2 + g)."""
     law = HyperelasticPlan(1150.0, 0.7e6, 2.8e6, 2e9, ((0.2, 0.01),))
     assert loss_factor(law, 100.0) == pytest.approx(0.2 / 2.2, rel=1e-12)
     assert loss_factor(LAW, 100.0) == 0.0
@@ -73,7 +73,7 @@ def test_loss_factor_is_that_of_the_complex_modulus() -> None:
 
 @pytest.mark.parametrize("ratio", [-0.5, 0.0, 0.3, 0.9])
 def test_one_sided_spring_against_its_first_harmonic(ratio: float) -> None:
-    """By quadrature over a cycle, force = max(0, ratio + sin)."""
+    """The harmonic is found by quadrature over a cycle, force = max(0, ratio + sin)."""
     angle = np.linspace(0.0, 2 * math.pi, 200_001)
     force = np.maximum(0.0, ratio + np.sin(angle))
     harmonic = trapezoid(force * np.sin(angle), angle) / math.pi
@@ -113,25 +113,25 @@ def test_taut_frequency_by_hand(tmp_path: Path) -> None:
 
 def test_stiffness_and_mass_by_hand(tmp_path: Path) -> None:
     """E W t / L = 21e6 * 0.2 * 0.004 / 0.3 = 56 kN/m; 1150 * 0.004 = 4.6 kg/m2."""
-    found = panel(tmp_path)
-    assert found.taut_stiffness_N_per_m == pytest.approx(56e3, rel=1e-9)
-    assert found.mass_kg_per_m2 == pytest.approx(4.6, rel=1e-9)
-    assert found.free_mass_kg == pytest.approx(0.276, rel=1e-9)
+    deck = panel(tmp_path)
+    assert deck.taut_stiffness_N_per_m == pytest.approx(56e3, rel=1e-9)
+    assert deck.mass_kg_per_m2 == pytest.approx(4.6, rel=1e-9)
+    assert deck.free_mass_kg == pytest.approx(0.276, rel=1e-9)
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.9, 1.0, 2.0])
 def test_what_loss_and_mass_change_of_a_taut_panels_middle(ratio: float) -> None:
-    """Against the forced motion of one damped oscillator, m x'' + k (1 + i eta) x = m w^2, and,
-    for the loss factor at resonance, the textbook's 1/eta."""
+    """The change is that of the forced motion of one damped oscillator, m x'' + k (1 + i eta) x = m w^2,
+    and, for the loss factor at resonance, the textbook's 1/eta."""
     eta, mass = 0.2, 1.5
     stiffness = 1 / ratio**2  # m = w = 1
     of_base = 4 / math.pi / (stiffness * (1 + 1j * eta) - 1)
     undamped = math.inf if ratio == 1.0 else 4 / math.pi / (stiffness - 1)
     damped = abs(1 + of_base)
-    found = change_of_response(ratio, eta, 0.0)
+    change = change_of_response(ratio, eta, 0.0)
     if ratio == 1.0:
         assert damped == pytest.approx(4 / math.pi / eta, rel=0.02)
-    assert found == pytest.approx(abs(abs(1 + undamped) / damped - 1), rel=1e-12)
+    assert change == pytest.approx(abs(abs(1 + undamped) / damped - 1), rel=1e-12)
     loaded_m = abs(1 + (1 + mass) * 4 / math.pi / (stiffness * (1 + 1j * eta) - (1 + mass)))
     expected = abs(abs(1 + undamped) / loaded_m - 1)
     assert change_of_response(ratio, eta, mass) == pytest.approx(expected, rel=1e-12)

@@ -26,7 +26,7 @@ SHORT = "duration_s=0.02"
 
 
 def summary(**values: float) -> dict[str, Any]:
-    """Of a run whose bed figures are ``values``."""
+    """Return the summary of a run whose bed figures are ``values``."""
     bed = {name: {"value": value, "half_width": None} for name, value in values.items()}
     return {"status": "done", "processor_s": 1.0, "results": {"bed": bed}}
 
@@ -39,10 +39,10 @@ def own_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_change_is_relative_to_the_value_with_the_effect() -> None:
     """1.5 instead of 11.8 mm is 87 % off; 32.5 instead of 3.43 mm is 848 % off."""
     for with_it, without, percent in ((11.8e-3, 1.5e-3, 87), (3.43e-3, 32.5e-3, 848)):
-        found = compute_change(Value(with_it), Value(without), 1e-6)
-        assert found.relative is not None
-        assert round(100 * found.relative) == percent
-        assert found.matters is True
+        change = compute_change(Value(with_it), Value(without), 1e-6)
+        assert change.relative is not None
+        assert round(100 * change.relative) == percent
+        assert change.matters is True
 
 
 def test_what_neither_run_resolves_is_no_change_and_what_one_run_lacks_is_all_of_it() -> None:
@@ -64,16 +64,16 @@ def test_a_small_change_of_the_particles_clears_nothing_without_an_interval() ->
     0.4 m/s.  The motion of the frames has no chance, and neither have equal runs."""
 
     def motion(stroke_m: float, velocity_m_per_s: float) -> dict[str, Any]:
-        found = summary(velocity_m_per_s=velocity_m_per_s)
-        return found | {
-            "results": found["results"] | {"motion": {"relative": {"a-b": {"along_m": stroke_m}}}}
+        table = summary(velocity_m_per_s=velocity_m_per_s)
+        return table | {
+            "results": table["results"] | {"motion": {"relative": {"a-b": {"along_m": stroke_m}}}}
         }
 
     def verdict(stroke_m: float, velocity_m_per_s: float, *asked: str) -> tuple[bool | None, str]:
         sides = motion(0.006, 0.387), motion(stroke_m, velocity_m_per_s)
         tried = Pair("panel-damping", summary_with=sides[0], summary_without=sides[1])
-        found = measured_verdict(Verdict("", None, "", None, ""), tried, asked)
-        return found.matters, found.why
+        measured = measured_verdict(Verdict("", None, "", None, ""), tried, asked)
+        return measured.matters, measured.why
 
     unknown = "measured: velocity 0.387 with it, 0.4 without, chance unknown"
     assert verdict(0.006, 0.4, "velocity") == (None, unknown)
@@ -86,11 +86,11 @@ def test_a_small_change_of_the_particles_clears_nothing_without_an_interval() ->
 
 
 def test_results_have_one_table_of_names_and_paths_besides() -> None:
-    found = summary(velocity_m_per_s=0.4)
-    assert named("velocity").of(found) == Value(0.4)
-    assert named("results.bed.velocity_m_per_s").of(found) == Value(0.4)
-    assert named("efficiency").of(found) is None
-    assert all(one.words for one in SHORT_NAMES.values())
+    table = summary(velocity_m_per_s=0.4)
+    assert named("velocity").of(table) == Value(0.4)
+    assert named("results.bed.velocity_m_per_s").of(table) == Value(0.4)
+    assert named("efficiency").of(table) is None
+    assert all(quantity.words for quantity in SHORT_NAMES.values())
     with pytest.raises(KeyError, match='did you mean "efficiency"'):
         named("eficiency")
     with pytest.raises(KeyError, match='did you mean "cycle_peak_g"'):
@@ -98,11 +98,13 @@ def test_results_have_one_table_of_names_and_paths_besides() -> None:
 
 
 def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
-    one = {"results": {"motion": {"frames": {"a": {"amplitude_m": [0.003, 0, 0]}}}}}
-    assert named("stroke").of(one) == Value(0.003)
+    of_frame = {"results": {"motion": {"frames": {"a": {"amplitude_m": [0.003, 0, 0]}}}}}
+    assert named("stroke").of(of_frame) == Value(0.003)
     along = {"value": 0.006, "half_width": 0.001}
-    two = {"results": {"motion": one["results"]["motion"] | {"relative": {"a-b": {"along_m": along}}}}}
-    assert named("stroke").of(two) == Value(0.006, 0.001)
+    of_pair = {
+        "results": {"motion": of_frame["results"]["motion"] | {"relative": {"a-b": {"along_m": along}}}}
+    }
+    assert named("stroke").of(of_pair) == Value(0.006, 0.001)
 
 
 def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> None:
@@ -118,7 +120,7 @@ def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> 
 
 
 def test_the_run_with_everything_is_made_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of two effects three runs are made, and none when they are asked for again."""
+    """Two effects take three runs, and none when they are asked for again."""
     made: list[tuple[str, ...]] = []
 
     def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:
@@ -128,8 +130,8 @@ def test_the_run_with_everything_is_made_once(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(pairs, "_run", run)
     case = loaded(tmp_path, (SHORT,))
     for effect in ("sliding-friction", "particle-load"):
-        found = pairs.Pairs().of(case, effect)
-        assert found.refused == ""
+        tried = pairs.Pairs().of(case, effect)
+        assert tried.refused == ""
     assert len(made) == 4, "two engines share no runs"
     engine = pairs.Pairs(forget=True)
     made.clear()
@@ -142,9 +144,9 @@ def test_the_run_with_everything_is_made_once(tmp_path: Path, monkeypatch: pytes
 
 def test_a_pair_that_would_take_too_long_is_refused_and_says_why(tmp_path: Path) -> None:
     case = loaded(tmp_path, ("duration_s=4.0",))
-    found = pairs.Pairs(limit_s=0.01).of(case, "particle-load")
-    assert "a trial run takes about" in found.refused
-    assert found.change("velocity") is None
+    tried = pairs.Pairs(limit_s=0.01).of(case, "particle-load")
+    assert "a trial run takes about" in tried.refused
+    assert tried.change("velocity") is None
 
 
 def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
@@ -160,9 +162,9 @@ def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
     monkeypatch.setattr(pairs, "_processor_time_of_children_s", lambda: float(next(clock_s)))
     monkeypatch.setattr(pairs, "_run", lambda *_: summary(velocity_m_per_s=0.4))
     monkeypatch.setattr(pairs, "predicted_s", lambda *_: 6.0)
-    found = try_effects(case, names, pairs.Pairs(limit_s=30.0, budget_s=17.0))
-    assert (found.pairs[names[0]].refused, found.omitted) == ("", names[1:])
-    assert found.spent_s == 20.0
+    trials = try_effects(case, names, pairs.Pairs(limit_s=30.0, budget_s=17.0))
+    assert (trials.pairs[names[0]].refused, trials.omitted) == ("", names[1:])
+    assert trials.spent_s == 20.0
 
 
 def test_no_run_is_made_that_would_take_more_than_is_left(
@@ -170,25 +172,26 @@ def test_no_run_is_made_that_would_take_more_than_is_left(
 ) -> None:
     monkeypatch.setattr(pairs, "_run", lambda *_: pytest.fail("it was run"))
     monkeypatch.setattr(pairs, "predicted_s", lambda *_: 6.0)
-    found = try_effects(loaded(tmp_path), ("particle-load",), pairs.Pairs(limit_s=30.0, budget_s=5.0))
-    assert (found.pairs, found.omitted) == ({}, ("particle-load",))
+    trials = try_effects(loaded(tmp_path), ("particle-load",), pairs.Pairs(limit_s=30.0, budget_s=5.0))
+    assert (trials.pairs, trials.omitted) == ({}, ("particle-load",))
 
 
 @pytest.mark.process
 def test_a_run_is_ended_when_the_budget_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """However short it was predicted to be: 50 s of simulated time in a second of processor time."""
+    """The run is ended however short it was predicted to be: 50 s of simulated time in a second of
+    processor time."""
     case = loaded(tmp_path, ("duration_s=50.0",))
     monkeypatch.setattr(pairs, "predicted_s", lambda *_: 0.5)
-    found = try_effects(case, ("particle-load",), pairs.Pairs(limit_s=30.0, budget_s=1.0))
-    assert "took more than 1 s of processor time and was ended" in found.pairs["particle-load"].refused
-    assert found.spent_s < 3.0
+    trials = try_effects(case, ("particle-load",), pairs.Pairs(limit_s=30.0, budget_s=1.0))
+    assert "took more than 1 s of processor time and was ended" in trials.pairs["particle-load"].refused
+    assert trials.spent_s < 3.0
 
 
 @pytest.mark.parametrize(("words", "limit_s"), [((), 75.0), (("--budget", "5"), 1.25)])
 def test_a_run_gets_a_quarter_of_the_budget(
     words: tuple[str, ...], limit_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And no more, however little that is."""
+    """A run gets no more than that, however little it is."""
     asked: list[pairs.Pairs] = []
 
     def try_all(case: object, engine: pairs.Pairs) -> pairs.TriedEffects:
@@ -205,12 +208,12 @@ def test_a_run_gets_a_quarter_of_the_budget(
 
 
 def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> None:
-    found = pairs.Pairs().of(loaded(tmp_path, (SHORT,)), "adhesion")
-    assert "adhesion cannot be left out" in found.refused
+    tried = pairs.Pairs().of(loaded(tmp_path, (SHORT,)), "adhesion")
+    assert "adhesion cannot be left out" in tried.refused
 
 
 def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Else it would wait for the other ranks of the run that asks for it."""
+    """The trial would otherwise wait for the other ranks of the run that asks for it."""
     for name in [name for name in os.environ if name.startswith("OMPI")]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
@@ -220,7 +223,7 @@ def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.Monke
 
 
 def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What another rank has in its own memory does not count."""
+    """The memory of another rank does not count."""
     monkeypatch.setattr(pair, "_AGREED", {})
     read = load_case(tmp_path / "agreed", CASE).origin.read()
     mine, agreed = key_of(read, "wear"), key_of(read, "adhesion")
@@ -231,8 +234,8 @@ def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch
 
 
 def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of what an estimate surely leaves out the cheapest is tried; the rest is by two runs each, of
-    which the one with everything is made once; asked again, nothing is run."""
+    """The cheapest of the effects that an estimate surely leaves out is tried; the rest is by two runs
+    each, of which the one with everything is made once; asked again, nothing is run."""
     made: list[tuple[str, ...]] = []
 
     def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:

@@ -26,26 +26,26 @@ from tests.effects.verdicts import (
 
 def test_friction_against_the_slope(tmp_path: Path) -> None:
     """0.47 / tan 20 deg = 1.291."""
-    found = verdict(tmp_path, "sliding-friction", TILTED)
-    assert found.verdict.value == pytest.approx(0.47 / 0.363970, rel=1e-5)
-    assert (found.present, found.verdict.matters) == (True, True)
+    judged = verdict(tmp_path, "sliding-friction", TILTED)
+    assert judged.verdict.value == pytest.approx(0.47 / 0.363970, rel=1e-5)
+    assert (judged.present, judged.verdict.matters) == (True, True)
 
 
 @pytest.mark.parametrize("friction", [0.4, 0.09, 0.03])
 @pytest.mark.parametrize("case", [STILL_CASE, CASE])
 def test_rolling_friction_matters_on_a_slope(tmp_path: Path, friction: float, case: str) -> None:
-    """Where a lone sphere does not stop, with or without a throw; and where it does."""
+    """The effect matters where a lone sphere does not stop, with or without a throw; and where it does."""
     row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
-    found = by_name(load_case(tmp_path, case, [TILTED, row]))["rolling-friction"]
-    assert found.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
-    assert (found.present, found.verdict.matters, found.is_spare) == (True, True, False)
-    assert ("a lone sphere does not stop" in found.verdict.why) == (friction < 0.363970)
+    judged = by_name(load_case(tmp_path, case, [TILTED, row]))["rolling-friction"]
+    assert judged.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
+    assert (judged.present, judged.verdict.matters, judged.is_spare) == (True, True, False)
+    assert ("a lone sphere does not stop" in judged.verdict.why) == (friction < 0.363970)
 
 
 @pytest.mark.parametrize(("slope", "matters"), [("screen.inclination_deg=0", False), (TILTED, True)])
 def test_no_rolling_friction_is_lacking_on_a_slope_alone(tmp_path: Path, slope: str, matters: bool) -> None:
-    found = verdict(tmp_path, "rolling-friction", slope)
-    assert (found.verdict.value, found.verdict.matters, found.is_lacking) == (0.0, matters, matters)
+    judged = verdict(tmp_path, "rolling-friction", slope)
+    assert (judged.verdict.value, judged.verdict.matters, judged.is_lacking) == (0.0, matters, matters)
 
 
 def test_rolling_friction_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
@@ -58,23 +58,23 @@ def test_bond_number_by_hand(tmp_path: Path) -> None:
     """20 mm on the panel: 1.5 pi * 7.75 * 0.01 / (1430 * 4/3 pi * 1e-6 * 9.81) = 6.215 weights;
     nothing shakes."""
     row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_per_m2=7.75")
-    found = by_name(load_case(tmp_path, STILL_CASE, [row]))["adhesion"]
-    assert found.verdict.value == pytest.approx(6.215, rel=1e-3)
-    assert (found.present, found.verdict.matters) == (True, True)
+    judged = by_name(load_case(tmp_path, STILL_CASE, [row]))["adhesion"]
+    assert judged.verdict.value == pytest.approx(6.215, rel=1e-3)
+    assert (judged.present, judged.verdict.matters) == (True, True)
 
 
 def test_adhesion_is_measured_against_the_throw(tmp_path: Path) -> None:
     """The driven panel's middle is thrown with 80^2 * 11.03 mm / g = 7.19."""
     row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_per_m2=7.75")
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
-    found = of_driven(tmp_path, "adhesion", row)
-    assert found.verdict.value == pytest.approx(6.215 / (1 + 6400 * sag_m / 9.81), rel=1e-3)
+    judged = of_driven(tmp_path, "adhesion", row)
+    assert judged.verdict.value == pytest.approx(6.215 / (1 + 6400 * sag_m / 9.81), rel=1e-3)
     assert of_driven(tmp_path, "adhesion", row, "particles.adhesion=none").is_lacking
 
 
 def test_dry_material_needs_no_adhesion(tmp_path: Path) -> None:
-    found = verdict(tmp_path, "adhesion")
-    assert (found.present, found.verdict.matters, found.verdict.value) == (False, False, 0.0)
+    judged = verdict(tmp_path, "adhesion")
+    assert (judged.present, judged.verdict.matters, judged.verdict.value) == (False, False, 0.0)
 
 
 def test_coarse_particles_do_not_change_the_bond_number(tmp_path: Path) -> None:
@@ -92,9 +92,9 @@ def test_layers_of_coarse_particles_by_hand(tmp_path: Path) -> None:
     """0.1 kg of feed on 0.0604 m2 is 1.656 kg/m2, less than one layer of 40 mm (29.95 kg/m2),
     as which it counts: one layer."""
     given = [FEED, "particles.coarse_graining=2"]
-    found = by_name(load_case(tmp_path, BARE, given))["single-particles"]
-    assert found.verdict.value == pytest.approx(1.0, rel=1e-9)
-    assert found.is_lacking
+    judged = by_name(load_case(tmp_path, BARE, given))["single-particles"]
+    assert judged.verdict.value == pytest.approx(1.0, rel=1e-9)
+    assert judged.is_lacking
     long = by_name(load_case(tmp_path, BARE, [*given, "duration_s=20"]))
     assert long["single-particles"].verdict.value == pytest.approx(20 / 0.0604 / 29.95, rel=1e-3)
     assert long["single-particles"].verdict.matters is False
@@ -123,20 +123,20 @@ def test_overlap_with_the_duration_of_the_contact() -> None:
 def test_overlap_over_radius_by_hand(tmp_path: Path) -> None:
     """Coal of 1e7 Pa on PU (21 MPa, nu 0.4983) at 80 * 11.03 mm = 0.88, so 1 m/s: 1 / E* =
     0.91 / 1e7 + 0.7517 / 20.96e6, 15/16 * 4/3 pi * 1430 / E* to the power 0.4 = 0.0568."""
-    found = of_driven(tmp_path, "contact-stiffness")
+    judged = of_driven(tmp_path, "contact-stiffness")
     reduced_Pa = 1 / (0.91 / 1e7 + (1 - 0.49825**2) / 20.963e6)
     on_panel = (15 / 16 * 4 / 3 * math.pi * 1430 / reduced_Pa) ** 0.4
     half = 1e7 / 1.82
     pair = (15 / 16 * 2 / 3 * math.pi * 1430 / math.sqrt(0.5) / half) ** 0.4
-    assert found.verdict.value == pytest.approx(max(on_panel, pair), rel=1e-3)
-    assert (found.present, found.verdict.matters) == (True, False)
+    assert judged.verdict.value == pytest.approx(max(on_panel, pair), rel=1e-3)
+    assert (judged.present, judged.verdict.matters) == (True, False)
 
 
 def test_softened_too_much(tmp_path: Path) -> None:
     """Overlaps go with E^-0.4: a hundredth of the stiffness, 6.3 times the overlap."""
-    found = of_driven(tmp_path, "contact-stiffness", "particles.largest_youngs_modulus_Pa=1e5")
-    assert found.verdict.value > 0.3
-    assert found.is_lacking
+    judged = of_driven(tmp_path, "contact-stiffness", "particles.largest_youngs_modulus_Pa=1e5")
+    assert judged.verdict.value > 0.3
+    assert judged.is_lacking
 
 
 def test_stiffness_at_openings_is_the_mass_that_passes_by_overlap(tmp_path: Path) -> None:
@@ -164,16 +164,16 @@ def test_stiffness_at_openings_is_the_mass_that_passes_by_overlap(tmp_path: Path
     ],
 )
 def test_size_ratio(tmp_path: Path, overrides: tuple[str, ...], ratio: float, matters: bool | None) -> None:
-    found = verdict(tmp_path, "size-distribution", *overrides)
-    assert found.verdict.value == pytest.approx(ratio)
-    assert found.verdict.matters is matters
+    judged = verdict(tmp_path, "size-distribution", *overrides)
+    assert judged.verdict.value == pytest.approx(ratio)
+    assert judged.verdict.matters is matters
 
 
 def test_wear_without_a_rate_is_unknown(tmp_path: Path) -> None:
-    found = verdict(tmp_path, "wear")
-    assert found.verdict.matters is None
-    assert found.verdict.value is None
-    assert "no contact has specific wear" in found.verdict.why
+    judged = verdict(tmp_path, "wear")
+    assert judged.verdict.matters is None
+    assert judged.verdict.value is None
+    assert "no contact has specific wear" in judged.verdict.why
 
 
 @pytest.mark.parametrize(("rate", "matters"), [(1e-11, True), (1e-14, False)])
@@ -181,17 +181,17 @@ def test_wear_by_hand(tmp_path: Path, rate: float, matters: bool) -> None:
     """One ball of 20 mm: pi/6 rho d of weight per area, on 4 mm of panel, 1000 hours at 0.34 m/s
     and 2/pi of the driven frame's 80 rad/s times 3 mm."""
     row = f"contacts.0.specific_wear_m3_per_N_m={rate}"
-    found = of_driven(tmp_path, "wear", row)
+    judged = of_driven(tmp_path, "wear", row)
     pressure_Pa = math.pi / 6 * 1430.0 * 0.02 * 9.81
     way_m = (0.34 + 2 / math.pi * 80.0 * 0.003) * 3.6e6
-    assert found.verdict.value == pytest.approx(rate * pressure_Pa * way_m / 0.004, rel=1e-3)
-    assert found.verdict.matters is matters
-    assert found.present
+    assert judged.verdict.value == pytest.approx(rate * pressure_Pa * way_m / 0.004, rel=1e-3)
+    assert judged.verdict.matters is matters
+    assert judged.present
 
 
 def test_wear_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
-    found = of_driven(tmp_path, "wear", "contacts.0.specific_wear_m3_per_N_m=1e-11", "particles.wear=none")
-    assert found.is_lacking
+    judged = of_driven(tmp_path, "wear", "contacts.0.specific_wear_m3_per_N_m=1e-11", "particles.wear=none")
+    assert judged.is_lacking
 
 
 @pytest.mark.parametrize("friction", [0.09, 0.36, 0.37, 0.5])
@@ -201,15 +201,15 @@ def test_a_lone_sphere_below_the_tangent_of_the_slope_runs_ever_faster(
     """tan 20 deg = 0.363970; a ball of 20 mm is one layer.  The run has spheres, whatever they stand for."""
     row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
     case = load_case(tmp_path, STILL_CASE, [TILTED, row])
-    found = by_name(case)["grain-shape"]
-    assert found.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
-    assert found.verdict.matters is (True if friction < 0.363970 else None)
-    assert found.is_lacking == (friction < 0.363970)
-    assert not found.present
+    judged = by_name(case)["grain-shape"]
+    assert judged.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
+    assert judged.verdict.matters is (True if friction < 0.363970 else None)
+    assert judged.is_lacking == (friction < 0.363970)
+    assert not judged.present
     assert "particles are spheres" in case.left_out["grain-shape"]
-    said = [line for line in warnings(case) if "may never reach a steady speed" in line]
-    assert len(said) == (friction < 0.363970)
-    assert all("give materials.coal a shape" in line for line in said)
+    lines = [line for line in warnings(case) if "may never reach a steady speed" in line]
+    assert len(lines) == (friction < 0.363970)
+    assert all("give materials.coal a shape" in line for line in lines)
 
 
 def test_spheres_on_the_level_and_in_a_thick_bed_hold_each_other(tmp_path: Path) -> None:

@@ -25,8 +25,8 @@ def driven(folder: Path, *overrides: str) -> Scene:
 
 def test_a_driven_panel_by_hand(tmp_path: Path) -> None:
     """2 mm taut, 3 mm to and fro: 1 mm slack at most, 5 mm taut; sag 2/pi sqrt(0.3e-3)."""
-    found = driven(tmp_path)
-    (panel,) = found.panels
+    driven_scene = driven(tmp_path)
+    (panel,) = driven_scene.panels
     assert panel.stroke_m == pytest.approx(0.003, rel=1e-9)
     assert panel.sag_m == pytest.approx(2 / math.pi * math.sqrt(0.3e-3), rel=1e-9)
     assert panel.travel_m == panel.sag_m
@@ -42,18 +42,18 @@ def test_a_panel_that_stays_slack_travels_less_than_it_sags(tmp_path: Path) -> N
 
 def test_throw_by_hand(tmp_path: Path) -> None:
     """Frames 80^2 * 0.002 / 9.81, panels 80^2 * sag / 9.81."""
-    found = driven(tmp_path)
-    assert found.frames_throw == pytest.approx(6400 * 0.002 / 9.81, rel=1e-9)
+    driven_scene = driven(tmp_path)
+    assert driven_scene.frames_throw == pytest.approx(6400 * 0.002 / 9.81, rel=1e-9)
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
-    assert found.panels_throw == pytest.approx(6400 * sag_m / 9.81, rel=1e-9)
-    assert found.throw == found.panels_throw
-    assert found.impact_m_per_s == pytest.approx(max(1.0, 80 * sag_m), rel=1e-9)
+    assert driven_scene.panels_throw == pytest.approx(6400 * sag_m / 9.81, rel=1e-9)
+    assert driven_scene.throw == driven_scene.panels_throw
+    assert driven_scene.impact_m_per_s == pytest.approx(max(1.0, 80 * sag_m), rel=1e-9)
 
 
 def test_the_throw_of_frames_is_normal_to_an_inclined_deck(tmp_path: Path) -> None:
-    found = driven(tmp_path, "screen.inclination_deg=25")
-    assert found.frames_throw == pytest.approx(6400 * 0.002 / 9.81, rel=1e-9)
-    assert found.slope == pytest.approx(math.tan(math.radians(25)), rel=1e-9)
+    driven_scene = driven(tmp_path, "screen.inclination_deg=25")
+    assert driven_scene.frames_throw == pytest.approx(6400 * 0.002 / 9.81, rel=1e-9)
+    assert driven_scene.slope == pytest.approx(math.tan(math.radians(25)), rel=1e-9)
 
 
 def test_mass_of_the_bed_by_hand(tmp_path: Path) -> None:
@@ -82,8 +82,8 @@ def test_one_ball_weighs_on_the_place_where_it_lies(tmp_path: Path) -> None:
 def test_the_published_machine_is_estimated_within_a_fifth() -> None:
     """Xu et al. 2024: relative amplitude 5.9 mm; the panels of cases/ffs0827-empty sag by about
     25 mm under it.  The sine arch over 5.9 mm alone gives 26.8."""
-    found = scene(load_judged(CASES / "ffs0827-empty", "study").case)
-    for panel in found.panels:
+    estimate = scene(load_judged(CASES / "ffs0827-empty", "study").case)
+    for panel in estimate.panels:
         assert panel.stroke_m == pytest.approx(5.9e-3, rel=0.2)
         assert panel.sag_m == pytest.approx(25e-3, rel=0.2)
 
@@ -97,21 +97,21 @@ def test_the_empty_machine_is_estimated_within_a_tenth() -> None:
 def test_the_published_machine_pitches_as_its_points_say() -> None:
     """Six freedoms with panels as springs against the coupled run at level draft (its README):
     amplitudes normal to the deck at both ends of both frames, within 4 %."""
-    found = scene(load_judged(CASES / "ffs0827-empty", "draft").case)
-    (motion,) = solve_shakings(found.plan, found.springs, None, 6)
+    machine = scene(load_judged(CASES / "ffs0827-empty", "draft").case)
+    (motion,) = solve_shakings(machine.plan, machine.springs, None, 6)
     run_mm = {"point-1": 3.89, "point-3": 4.33, "point-4": 4.70, "point-6": 5.36}
     for name, wanted_mm in run_mm.items():
-        probe = found.case.probes[name]
-        assert 1e3 * _normal_m(found, motion, probe) == pytest.approx(wanted_mm, rel=0.04)
+        probe = machine.case.probes[name]
+        assert 1e3 * _normal_m(machine, motion, probe) == pytest.approx(wanted_mm, rel=0.04)
 
 
-def _normal_m(found: Scene, motion: Shaking, probe: Probe) -> float:
+def _normal_m(machine: Scene, motion: Shaking, probe: Probe) -> float:
     assert probe.frame is not None
     assert probe.point_m is not None
-    body = next(one for one in found.plan.bodies if one.name == probe.frame)
-    arm_m = to_world(found.case, probe.point_m) - body.center_of_mass_m
+    body = next(each for each in machine.plan.bodies if each.name == probe.frame)
+    arm_m = to_world(machine.case, probe.point_m) - body.center_of_mass_m
     moved = motion.amplitude_m[probe.frame] + np.cross(motion.angle_rad[probe.frame], arm_m)
-    return float(abs(moved @ axes(found.case)[:, 2]))
+    return float(abs(moved @ axes(machine.case)[:, 2]))
 
 
 def test_a_slice_moves_as_the_whole_machine_but_for_the_panels_margins() -> None:

@@ -20,33 +20,33 @@ PAIR = ("driving", "driven")
 @pytest.mark.parametrize("speed", [40.0, 78.5, 105.0])
 def test_two_masses_move_as_the_closed_form_says(speed: float) -> None:
     plan = two_bodies((exciter(speed),))
-    (found,) = solve_shakings(plan)
+    (motion,) = solve_shakings(plan)
     wanted = steady_amplitudes_m(plan, speed)
     for row, name in zip(wanted, PAIR, strict=True):
-        assert found.amplitude_m[name] == pytest.approx(row, rel=1e-10, abs=1e-15)
+        assert motion.amplitude_m[name] == pytest.approx(row, rel=1e-10, abs=1e-15)
 
 
 def test_a_panel_is_a_spring_along_itself_and_half_its_mass_at_each_end() -> None:
     plan = two_bodies((exciter(),))
     spring = PanelSpring(PAIR, ENDS_M, ALONG, 0.9e6, 10.0)
-    (found,) = solve_shakings(plan, [spring])
-    heavier = tuple(replace(one, mass_kg=one.mass_kg + 5.0) for one in plan.bodies)
+    (motion,) = solve_shakings(plan, [spring])
+    heavier = tuple(replace(body, mass_kg=body.mass_kg + 5.0) for body in plan.bodies)
     stiffer = (*plan.bushings, bushing(PAIR, np.zeros(3), (0.9e6, 0.0, 0.0), 0.0))
     wanted = steady_amplitudes_m(replace(plan, bodies=heavier, bushings=stiffer), 78.5)
-    assert found.amplitude_m["driven"] == pytest.approx(wanted[1], rel=1e-10, abs=1e-15)
+    assert motion.amplitude_m["driven"] == pytest.approx(wanted[1], rel=1e-10, abs=1e-15)
 
 
 def test_without_damping_the_masses_have_their_textbook_amplitudes() -> None:
     """a2 / a1 = ks / (ks - M2 w^2) and (M1 - Kg / w^2) a1 + M2 a2 = -u (docs/theory/machine.md)."""
-    (found,) = solve_shakings(two_bodies((exciter(),), loss_factor=0.3), loss_factor=0.0)
-    one, two = (1j * found.amplitude_m[name][0] for name in PAIR)  # real: force is -i u w^2 along x
+    (motion,) = solve_shakings(two_bodies((exciter(),), loss_factor=0.3), loss_factor=0.0)
+    driving, driven = (1j * motion.amplitude_m[name][0] for name in PAIR)  # real: force is -i u w^2 along x
     stiffness = 2.37e6 + 4.0
-    assert two / one == pytest.approx(stiffness / (stiffness - 287 * 78.5**2), rel=1e-9)
-    assert (764 - 0.9e6 / 78.5**2) * one + 287 * two == pytest.approx(-3.5, rel=1e-9)
+    assert driven / driving == pytest.approx(stiffness / (stiffness - 287 * 78.5**2), rel=1e-9)
+    assert (764 - 0.9e6 / 78.5**2) * driving + 287 * driven == pytest.approx(-3.5, rel=1e-9)
 
 
 def test_a_loss_factor_takes_the_place_of_the_bushings_damping() -> None:
-    """At 78.5 rad/s the machine's own damping is that of a loss factor of 0.1."""
+    """The machine's own damping at 78.5 rad/s is that of a loss factor of 0.1."""
     plan = two_bodies((exciter(),), loss_factor=0.1)
     own, other = solve_shakings(plan)[0], solve_shakings(plan, loss_factor=0.1)[0]
     assert own.amplitude_m["driven"] == pytest.approx(other.amplitude_m["driven"], rel=1e-9)
@@ -61,12 +61,12 @@ def test_rotations_solve_the_adapters_linearised_machine() -> None:
     load[:6] = linear_frames.displacement(plan.bodies[0], plan.exciters[0].position_m).T @ force_N
     dynamic = machine.stiffness + 78.5j * machine.damping - 78.5**2 * machine.mass
     wanted = np.linalg.solve(dynamic, load)
-    (found,) = solve_shakings(plan, freedoms=6)
+    (motion,) = solve_shakings(plan, freedoms=6)
     for number, name in enumerate(PAIR):
         start = 6 * number
-        assert found.amplitude_m[name] == pytest.approx(wanted[start : start + 3], rel=1e-9)
-        assert found.angle_rad[name] == pytest.approx(wanted[start + 3 : start + 6], rel=1e-9)
-    assert abs(found.angle_rad["driving"]).max() > 1e-4
+        assert motion.amplitude_m[name] == pytest.approx(wanted[start : start + 3], rel=1e-9)
+        assert motion.angle_rad[name] == pytest.approx(wanted[start + 3 : start + 6], rel=1e-9)
+    assert abs(motion.angle_rad["driving"]).max() > 1e-4
 
 
 def test_a_driven_frame_moves_a_free_one_through_its_bushings() -> None:
@@ -75,12 +75,12 @@ def test_a_driven_frame_moves_a_free_one_through_its_bushings() -> None:
     plan = two_bodies(loss_factor=0.0)
     still, size_m = np.zeros(3), np.array([2e-3, 0.0, 0.0])
     drive = DrivePlan("driving", still, 60.0, size_m, np.full(3, 0.4), still, still, 0.0)
-    (found,) = solve_shakings(replace(plan, drives=(drive,)))
+    (motion,) = solve_shakings(replace(plan, drives=(drive,)))
     base_m = 2e-3 * np.exp(1j * (0.4 - np.pi / 2))
     stiffness = 2.37e6 + 4.0
     wanted = base_m * stiffness / (stiffness - 287 * 60.0**2)
-    assert found.amplitude_m["driving"][0] == pytest.approx(base_m, rel=1e-12)
-    assert found.amplitude_m["driven"][0] == pytest.approx(wanted, rel=1e-9)
+    assert motion.amplitude_m["driving"][0] == pytest.approx(base_m, rel=1e-12)
+    assert motion.amplitude_m["driven"][0] == pytest.approx(wanted, rel=1e-9)
 
 
 def test_nothing_shakes_without_exciters_and_drives() -> None:
@@ -92,7 +92,7 @@ def test_an_undamped_machine_at_its_own_frequency_moves_far() -> None:
     whole = two_bodies((exciter(10.0),))
     body = replace(whole.bodies[0], mass_kg=1.0)
     spring = replace(bushing(("ground", body.name), np.zeros(3), (100.0,) * 3), damping_N_s_per_m=np.zeros(3))
-    (found,) = solve_shakings(
+    (motion,) = solve_shakings(
         replace(
             whole,
             bodies=(body,),
@@ -102,4 +102,4 @@ def test_an_undamped_machine_at_its_own_frequency_moves_far() -> None:
             reaction_N=np.zeros((0, 3)),
         )
     )
-    assert 1e6 < np.abs(found.amplitude_m[body.name]).max() < np.inf
+    assert 1e6 < np.abs(motion.amplitude_m[body.name]).max() < np.inf

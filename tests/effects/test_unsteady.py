@@ -141,8 +141,8 @@ def test_the_verdict_is_cannot_say_and_auto_keeps_the_effect(of: Unsteady, tmp_p
 
 
 def test_a_run_up_is_of_no_account_where_no_peak_is_asked(tmp_path: Path) -> None:
-    found = weigh_effects(TOUCHED.load(tmp_path).described, None, ("stroke",))["beam-contact"]
-    assert found.verdict.matters is False
+    row = weigh_effects(TOUCHED.load(tmp_path).described, None, ("stroke",))["beam-contact"]
+    assert row.verdict.matters is False
 
 
 @pytest.mark.slow
@@ -153,17 +153,17 @@ def test_brute_force(of: Unsteady, tmp_path: Path) -> None:
     every = [name for name in EFFECTS if has_effect(described.described, name)]
     for effects, wanted in ((every, of.with_it), ([n for n in every if n != of.effect], of.without)):
         sets = (*of.sets, f"effects={json.dumps(effects)}", "output.pictures=false")
-        found = value_at(run_in_scratch(described.folder, described.level, sets), of.result)
-        assert found is not None
-        assert found.value == pytest.approx(wanted, rel=0.03)
+        result = value_at(run_in_scratch(described.folder, described.level, sets), of.result)
+        assert result is not None
+        assert result.value == pytest.approx(wanted, rel=0.03)
 
 
 def test_one_shaft_with_a_motor_is_not_ungeared(tmp_path: Path) -> None:
-    one = frame(20e3, 200.0) + shaft("left", -0.3, 0.2, 0.15, 1, 0.0) + MOTOR.format(name="left")
-    geared = one.replace(MOTOR.format(name="left"), "") + shaft("right", 0.3, 0.2, 0.15, -1, 1.5)
-    for case in (one, geared):
-        found = scene(load_judged(case_folder(tmp_path, case)).described)
-        assert doubt_of_steady_motion(found) == ""
+    single = frame(20e3, 200.0) + shaft("left", -0.3, 0.2, 0.15, 1, 0.0) + MOTOR.format(name="left")
+    geared = single.replace(MOTOR.format(name="left"), "") + shaft("right", 0.3, 0.2, 0.15, -1, 1.5)
+    for case in (single, geared):
+        seen = scene(load_judged(case_folder(tmp_path, case)).described)
+        assert doubt_of_steady_motion(seen) == ""
 
 
 def along_the_deck(shaken: Scene) -> FrameMode:
@@ -186,8 +186,8 @@ def test_panels_that_pull_for_half_of_each_cycle_may_excite_half_the_speed(
     along = along_the_deck(scene(loaded(tmp_path, sets).case))
     assert along.panels_share > 0.9
     twice = f"screen.exciters.shaft.speed_rad_per_s={4 * math.pi * along.frequency_Hz}"
-    found = doubt_of_steady_motion(scene(loaded(tmp_path, [*sets, twice]).case))
-    assert ("stiffness varies in each cycle" in found) == (doubted and not damped)
+    doubt = doubt_of_steady_motion(scene(loaded(tmp_path, [*sets, twice]).case))
+    assert ("stiffness varies in each cycle" in doubt) == (doubted and not damped)
 
 
 def test_the_way_up_passes_each_mode(tmp_path: Path) -> None:

@@ -50,16 +50,16 @@ ONE_MAT = (  # 0.3 m, mounted taut by 3 mm, its frame shaken normal to it
 
 
 def of(case: str, *sets: str, level: str | None = "draft") -> dict[str, Judged]:
-    """What is said of a shipped case, by effect."""
+    """Return the verdicts of a shipped case, by effect."""
     described = load_judged(CASES / case, level, sets).described
     return weigh_effects(described)
 
 
 def test_taut_mats_that_hold_the_frames_together_are_not_left_out() -> None:
     """Brute force: a relative amplitude of 32.5 mm without panel-deformation instead of 3.43."""
-    found = of("ffs0827-empty", *TAUT)["panel-deformation"]
-    assert found.verdict.matters is True
-    assert found.verdict.value == pytest.approx(31.8 / 3.58 - 1, rel=0.01)
+    judged = of("ffs0827-empty", *TAUT)["panel-deformation"]
+    assert judged.verdict.matters is True
+    assert judged.verdict.value == pytest.approx(31.8 / 3.58 - 1, rel=0.01)
     auto = load_judged(CASES / "ffs0827-empty", "draft", [*TAUT, "effects=auto"])
     assert auto.case.panel.solver == "strip"
     assert "panel-deformation" not in auto.left_out
@@ -67,9 +67,9 @@ def test_taut_mats_that_hold_the_frames_together_are_not_left_out() -> None:
 
 def test_openings_that_soften_the_mats_are_not_left_out() -> None:
     """Brute force: 3.61 mm without the slots across the pull instead of 7.88."""
-    found = of("ffs0827-empty", ACROSS)["apertures"]
-    assert found.verdict.matters is True
-    assert "change of the stroke" in found.verdict.number
+    judged = of("ffs0827-empty", ACROSS)["apertures"]
+    assert judged.verdict.matters is True
+    assert "change of the stroke" in judged.verdict.number
     auto = load_judged(CASES / "ffs0827-empty", "draft", [ACROSS, "effects=auto"])
     assert "apertures" not in auto.left_out
 
@@ -107,9 +107,9 @@ def test_a_motor_that_a_resonance_may_catch_is_not_left_out() -> None:
 
 def test_removal_and_feed_stay_where_material_may_reach_the_exits() -> None:
     """Measured: 1.1 to 1.9 m/s, where 0.34 was assumed."""
-    found = of("ffs0827-slice", "duration_s=0.7", level=None)
-    assert found["removal"].verdict.matters is None
-    assert found["feed"].verdict.matters is True
+    judged = of("ffs0827-slice", "duration_s=0.7", level=None)
+    assert judged["removal"].verdict.matters is None
+    assert judged["feed"].verdict.matters is True
     auto = load_judged(CASES / "ffs0827-slice", None, ["duration_s=0.7", "effects=auto"])
     assert not {"feed", "removal"} & set(auto.left_out)
 
@@ -131,10 +131,10 @@ def test_what_passes_the_openings_leaves_in_the_shortest_run(tmp_path: Path) -> 
 @pytest.mark.parametrize("case", ["ffs0827-slice", "quickstart", "banana", "motor-start"])
 def test_softened_contacts_of_shipped_cases_are_no_false_alarms(case: str) -> None:
     """Runs from 1e6 to 1e8 Pa differ by 0.3 %; a radius deep, particles fall through."""
-    found = of(case, level=None)
-    assert found["contact-stiffness"].verdict.matters is False
-    if "stiffness-at-openings" in found:
-        assert found["stiffness-at-openings"].verdict.matters is False
+    judged = of(case, level=None)
+    assert judged["contact-stiffness"].verdict.matters is False
+    if "stiffness-at-openings" in judged:
+        assert judged["stiffness-at-openings"].verdict.matters is False
     soft = of(case, "particles.largest_youngs_modulus_Pa=1e4", level=None)["contact-stiffness"]
     assert soft.verdict.matters is True
 
@@ -155,16 +155,16 @@ CONSISTENT = [
 def test_nothing_is_left_out_that_something_needs(
     case: str, level: str | None, sets: tuple[str, ...]
 ) -> None:
-    found = of(case, *sets, level=level)
-    for one in found.values():
-        along = find_also_lost(load_judged(CASES / case, level, sets).described, one.effect)
+    judged = of(case, *sets, level=level)
+    for row in judged.values():
+        along = find_also_lost(load_judged(CASES / case, level, sets).described, row.effect)
         others = [
             other
-            for other in found.values()
-            if one.effect in all_needs(other.effect) or other.effect in along
+            for other in judged.values()
+            if row.effect in all_needs(other.effect) or other.effect in along
         ]
-        if one.verdict.matters is False and one.present:
-            assert all(o.verdict.matters is False for o in others if o.present), one
+        if row.verdict.matters is False and row.present:
+            assert all(o.verdict.matters is False for o in others if o.present), row
 
 
 def test_an_estimate_near_its_threshold_does_not_decide() -> None:
@@ -241,10 +241,10 @@ def test_two_runs_take_the_place_of_an_estimate() -> None:
 
     pair = Pair("frame-rotation", summary_with=run(0.006), summary_without=run(0.00606))
     described = load_judged(CASES / "ffs0827-empty", "draft").described
-    found = weigh_effects(described, {"frame-rotation": pair}, ("stroke",))["frame-rotation"]
-    assert found.verdict.measured
-    assert found.verdict.value == pytest.approx(0.01)
-    assert found.verdict.matters is False
+    judged = weigh_effects(described, {"frame-rotation": pair}, ("stroke",))["frame-rotation"]
+    assert judged.verdict.measured
+    assert judged.verdict.value == pytest.approx(0.01)
+    assert judged.verdict.matters is False
     nothing = weigh_effects(described, {"frame-rotation": pair}, ("efficiency",))
     assert not nothing["frame-rotation"].verdict.measured
 
@@ -256,9 +256,9 @@ def test_a_surface_that_carries_particles_slowly_is_not_left_out() -> None:
         "screen.frames.lift={drive={amplitude_m=[0.0, 0.0, 0.001], speed_rad_per_s=12.0}}",
         "screen.panels.deck.frames=['lift', 'lift']",
     )
-    found = of("ball-on-panel", *lift)["panel-motion"]
-    assert found.verdict.value == pytest.approx(12.0**2 * 0.001 / 9.81, rel=1e-3)
-    assert found.verdict.matters is None
+    judged = of("ball-on-panel", *lift)["panel-motion"]
+    assert judged.verdict.value == pytest.approx(12.0**2 * 0.001 / 9.81, rel=1e-3)
+    assert judged.verdict.matters is None
 
 
 @pytest.mark.slow
@@ -281,18 +281,18 @@ def test_brute_force_of_the_stroke(
     """Run the same case with and without the effect for 0.8 s."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     short = (*sets, "duration_s=0.8", "output.interval_s=0.1", "coupling.sync_interval_s=8e-4")
-    found = Pairs(limit_s=600.0).of(load_judged(CASES / case, "draft", short), effect)
-    assert found.refused == ""
-    change = found.change("stroke")
+    pair = Pairs(limit_s=600.0).of(load_judged(CASES / case, "draft", short), effect)
+    assert pair.refused == ""
+    change = pair.change("stroke")
     assert change is not None
     assert change.with_it == pytest.approx(with_it, rel=0.05)
     assert change.without == pytest.approx(without, rel=0.05)
 
 
 def asked_of(names: Sequence[str], case: str, *sets: str) -> dict[str, Judged]:
-    """What is said of a shipped case at level draft, by effect, for some results."""
+    """Return the verdicts of a shipped case at level draft, by effect, for some results."""
     described = load_judged(CASES / case, "draft", sets).described
-    return {name: with_doubt(one) for name, one in weigh_effects(described, asked=names).items()}
+    return {name: with_doubt(judged) for name, judged in weigh_effects(described, asked=names).items()}
 
 
 def test_an_estimate_cries_wolf_over_its_own_results_only() -> None:
@@ -337,9 +337,9 @@ def test_taut_panels_far_below_resonance_move_as_their_clamps() -> None:
         "screen.frames.moving.drive.amplitude_m=[0.0, 0.0, 0.002]",
         "screen.frames.moving.drive.speed_rad_per_s=40.0",
     )
-    found = asked_of(["middle_half_range"], "panel-cycle", *stiff)["panel-damping"].verdict
-    assert found.matters is None
-    assert "taut panels' middles" in found.why
+    verdict = asked_of(["middle_half_range"], "panel-cycle", *stiff)["panel-damping"].verdict
+    assert verdict.matters is None
+    assert "taut panels' middles" in verdict.why
 
 
 def test_panels_that_answer_their_clamps_are_about_panels() -> None:

@@ -1,4 +1,4 @@
-"""What every adapter of the frames port must do; ``CASES`` lists the adapters.
+"""The contract of the adapters of the frames port; ``CASES`` lists the adapters.
 
 Each case builds the real solver on a small machine.  A package that is missing makes the case
 fail with SolverMissing: nothing is skipped.
@@ -57,7 +57,8 @@ def one_driven(step_s: float, size: float = 1.0) -> FramesPlan:
 
 
 def both_driven(step_s: float, size: float = 1.0) -> FramesPlan:
-    """With bushings between them and to the ground, which the drives have to move."""
+    """Return two driven frames with bushings between them and to the ground, which the drives have to
+    move."""
     slower = replace(drive("driving", size), speed_rad_per_s=40.0)
     plan = two_bodies(interval_s=INTERVAL_S, step_s=step_s)
     return replace(plan, drives=(drive("driven", size), slower))
@@ -107,13 +108,13 @@ def defect_J(start: Account, end: Account) -> float:
     return total(end) - total(start)
 
 
-def compared(one: Frames, other: Frames, reactions: Array, interval_s: float) -> None:
+def compared(first: Frames, second: Frames, reactions: Array, interval_s: float) -> None:
     """Motions to 1e-14 m and 1e-12 m/s in every interval, books to 1e-12 of their size."""
     for index, force_N in enumerate(reactions):
         interval = Interval(index, interval_s)
-        found, expected = (one.advance(interval, Load(force_N)), other.advance(interval, Load(force_N)))
-        assert found.position_m == pytest.approx(expected.position_m, abs=1e-14)
-        assert found.velocity_m_per_s == pytest.approx(expected.velocity_m_per_s, abs=1e-12)
-    mine, its = one.account(), other.account()
+        actual, expected = (first.advance(interval, Load(force_N)), second.advance(interval, Load(force_N)))
+        assert actual.position_m == pytest.approx(expected.position_m, abs=1e-14)
+        assert actual.velocity_m_per_s == pytest.approx(expected.velocity_m_per_s, abs=1e-12)
+    mine, its = first.account(), second.account()
     assert mine.supplied_J["drive"] == pytest.approx(its.supplied_J["drive"], rel=1e-11)
     assert mine.outside_impulse_N_s == pytest.approx(its.outside_impulse_N_s, rel=1e-11)

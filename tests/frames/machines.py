@@ -47,8 +47,8 @@ def two_bodies(
     step_s: float = 0.0,
     loss_factor: float = 0.1,
 ) -> FramesPlan:
-    """Both centres of mass coincide and the bushings lie symmetrically about them, so that a
-    centred exciter makes no pitch: the two-mass closed form holds for six freedoms too."""
+    """Return two bodies whose centres of mass coincide and whose bushings lie symmetrically about them, so
+    that a centred exciter makes no pitch: the two-mass closed form holds for six freedoms too."""
     ground = (225e3, 225e3, 225e3)
     shear = (1.185e6, 3e6, 2.9e6)
     places = [np.array([x, y, 0.0]) for x in (-0.9, 0.9) for y in (-0.4, 0.4)]

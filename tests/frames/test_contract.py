@@ -76,7 +76,7 @@ def test_a_body_without_bushings_floats_in_zero_gravity(solver: str) -> None:
 @pytest.mark.smoke
 @every_adapter
 def test_momentum_balances_in_every_interval(case: Case) -> None:
-    """To rounding: 1e-12 of the largest impulse that goes through."""
+    """The balance holds to rounding: 1e-12 of the largest impulse that goes through."""
     reactions = loads(400)
     books = accounts(case.open(case.moving(0.0)), reactions)
     size = max(np.abs(book.outside_impulse_N_s).max() for book in books)
@@ -132,7 +132,8 @@ def test_velocity_is_the_rate_of_position(case: Case) -> None:
 
 @every_adapter
 def test_carried_points_move_as_the_pose_says(case: Case) -> None:
-    """To rounding, with places of a metre and speeds of a metre per second.  A rotation keeps lengths."""
+    """The points agree to rounding, with places of a metre and speeds of a metre per second. A rotation
+    keeps lengths."""
     plan = case.moving(0.0)
     frames, carrier = case.open(plan), linear_frames.numbers(plan, plan.carrier)
     drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
@@ -161,7 +162,7 @@ def test_a_restored_solver_goes_on_bit_for_bit(case: Case) -> None:
     assert differences(as_arrays(whole.account()), as_arrays(second.account())) == []
     for index in range(70, 120):
         motions = [
-            one.advance(Interval(index, INTERVAL_S), Load(reactions[index])) for one in (whole, second)
+            solver.advance(Interval(index, INTERVAL_S), Load(reactions[index])) for solver in (whole, second)
         ]
         assert differences(as_arrays(motions[0]), as_arrays(motions[1])) == []
     assert differences(whole.save(), second.save()) == []
@@ -183,8 +184,8 @@ def test_closing_twice_is_harmless(case: Case) -> None:
 
 @every_adapter
 def test_what_drives_move_is_known_ahead(case: Case) -> None:
-    """Of driven bodies and the ground, to rounding; without a drive nothing is.  Asking changes
-    nothing."""
+    """The motion of driven bodies and the ground is known to rounding; without a drive nothing is. Asking
+    changes nothing."""
     plan = case.moving(0.0)
     plan = replace(plan, carrier=(*plan.carrier[:3], "ground"))
     frames, unasked = case.open(plan), case.open(plan)
@@ -219,8 +220,8 @@ def test_matrices_are_those_of_the_present_interval(case: Case) -> None:
     opened.restore(used.save())
     for index, length_s in ((1, 3 * INTERVAL_S), (4, 1.5 * INTERVAL_S), (10, 0.75 * INTERVAL_S)):
         interval = Interval(index, length_s)
-        found, wanted = (one.advance(interval, Load(force_N[3])) for one in (used, opened))
-        assert found.position_m == pytest.approx(wanted.position_m, abs=1e-13)
-        assert found.velocity_m_per_s == pytest.approx(wanted.velocity_m_per_s, abs=1e-10)
+        actual, wanted = (solver.advance(interval, Load(force_N[3])) for solver in (used, opened))
+        assert actual.position_m == pytest.approx(wanted.position_m, abs=1e-13)
+        assert actual.velocity_m_per_s == pytest.approx(wanted.velocity_m_per_s, abs=1e-10)
         opened = case.open(case.moving(0.0))
         opened.restore(used.save())

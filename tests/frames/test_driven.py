@@ -96,7 +96,7 @@ def test_with_every_body_driven_it_does_what_prescribed_does() -> None:
 
 
 def test_nothing_turns_a_driven_body_from_its_path() -> None:
-    """Neither bushings nor 50 kN on its points: places and velocities are the drive's own."""
+    """Bushings do not, nor 50 kN on its points: places and velocities are the drive's own."""
     plan = one_driven(0.0)
     frames = exudyn.build(plan)
     for index, force_N in enumerate(100 * loads(300)):
@@ -130,9 +130,9 @@ def test_a_drive_gives_its_body_momentum_and_energy() -> None:
 
 
 def test_the_drive_feeds_what_the_bushing_loses() -> None:
-    """In the steady state a cycle's work is  pi c w |X - Y|^2  (the loop of a viscous damper).
-    At 256 steps a cycle the mass oscillates as at  w (1 + 5e-5), which changes  m w^2  by 1e-4,
-    X - Y = m w^2 / (k + i w c - m w^2)  by 2.0e-4 and its square by 3.9e-4."""
+    """A cycle's work in the steady state is pi c w |X - Y|^2 (the loop of a viscous damper). At 256 steps a
+    cycle the mass oscillates as at w (1 + 5e-5), which changes m w^2 by 1e-4, X - Y = m w^2 / (k + i w c -
+    m w^2) by 2.0e-4 and its square by 3.9e-4."""
     step_s = 2 * np.pi / SPEED_rad_per_s / 256
     base = shaken(np.array([0.0, 0.0, 2e-3]))
     frames = exudyn.build(on_a_base(base, isotropic(NONE), step_s))

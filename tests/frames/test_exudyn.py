@@ -49,9 +49,9 @@ def shaken_along(speed_rad_per_s: float, run_up_s: float = 0.0, **changed: float
 
 @pytest.mark.parametrize("speed", [40.0, 78.5, 90.0, 120.0])
 def test_amplitude_and_phase_follow_the_two_mass_closed_form(speed: float) -> None:
-    """After 1.2 s (transient e^-12).  The trapezoidal rule sees the frequency
-    (2/h) tan(w h/2) = w (1 + (w h)^2 / 12): at h = 5e-4 s, 3e-4 at 120 rad/s, times up to
-    three where a resonance is near; 0.1 % of the larger amplitude."""
+    """The motion is compared after 1.2 s (transient e^-12). The trapezoidal rule sees the frequency (2/h)
+    tan(w h/2) = w (1 + (w h)^2 / 12): at h = 5e-4 s, 3e-4 at 120 rad/s, times up to three where a resonance
+    is near; 0.1 % of the larger amplitude."""
     plan = shaken_along(speed, loss_factor=2.0, interval_s=5e-4, step_s=5e-4)
     moved = end_of(plan, 1.2)[[0, 2]]
     amplitude = steady_amplitudes_m(plan, speed)
@@ -60,8 +60,8 @@ def test_amplitude_and_phase_follow_the_two_mass_closed_form(speed: float) -> No
 
 
 def test_second_order_in_the_step() -> None:
-    """Against two_mass, which is exact where nothing rotates: halving quarters the error.  Its
-    size: phase  w t (w h)^2 / 12  at the resonance of 108 rad/s, 8e-3, times some 10 mm."""
+    """The reference is two_mass, which is exact where nothing rotates: halving quarters the error. Its
+    size: phase w t (w h)^2 / 12 at the resonance of 108 rad/s, 8e-3, times some 10 mm."""
     errors = []
     for step_s in (1e-3, 5e-4):
         plan = shaken_along(95.0, run_up_s=0.1, interval_s=1e-3, step_s=step_s)

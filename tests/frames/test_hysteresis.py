@@ -63,8 +63,8 @@ def moved(path_m: Array, elements: Hysteresis, step_s: float) -> tuple[Array, fl
 
 
 def test_the_backbone_and_masings_rule() -> None:
-    """From rest each friction element is a spring up to its slip: sum k min(x, s).  Back from a turning point
-    the path is the backbone at twice the scale (Masing)."""
+    """Each friction element is, from rest, a spring up to its slip: sum k min(x, s). Back from a turning
+    point the path is the backbone at twice the scale (Masing)."""
     path_m = np.concatenate([np.linspace(0, 4e-3, 401), np.linspace(4e-3, -4e-3, 801)[1:]])
     force_N, _, _ = moved(path_m, Hysteresis(plate(maxwell=())), 1e-3)
 

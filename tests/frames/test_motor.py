@@ -63,7 +63,7 @@ def surplus_N_m(motor: MotorPlan, speed: Array | float) -> Array:
 
 
 def steady_speeds(motor: MotorPlan) -> list[float]:
-    """Where the surplus changes its sign, from low to high."""
+    """Return the speeds where the surplus changes its sign, from low to high."""
     tried = np.linspace(1.0, motor.synchronous_rad_per_s, 4000)
     signs = np.sign(surplus_N_m(motor, tried))
     crossings = np.flatnonzero(np.diff(signs))
@@ -134,7 +134,7 @@ def test_a_shaft_about_any_axis() -> None:
 
 
 def test_what_the_motor_gives_the_dampers_and_bearings_take(build: Build) -> None:
-    """In the steady state, to the rest of the start's swinging."""
+    """The balance holds in the steady state, to the rest of the start's swinging."""
     plan = one_body(MOTOR)
     frames = build(plan)
     run(frames, plan, 600)
@@ -165,7 +165,7 @@ def test_spatial_frames_come_to_planar_ones_with_the_square_of_the_step() -> Non
         run(frames, plan, 400)
         defects_J.append(abs(defect_J(before, frames.account())))
         places_m.append(frames.advance(Interval(400, INTERVAL_S), Load.zero(4)).position_m)
-    coarse_m, fine_m = (np.abs(one - places_m[0]).max() for one in places_m[1:])
+    coarse_m, fine_m = (np.abs(place_m - places_m[0]).max() for place_m in places_m[1:])
     assert coarse_m / fine_m == pytest.approx(4.0, rel=0.05)
     assert fine_m < 2e-8
     assert defects_J[1] / defects_J[2] == pytest.approx(4.0, rel=0.05)
@@ -187,7 +187,7 @@ def test_a_restored_shaft_goes_on_bit_for_bit(build: Build) -> None:
             frames.advance(Interval(index, INTERVAL_S), Load.zero(4))
     second.restore(first.save())
     for index in range(200, 300):
-        motions = [one.advance(Interval(index, INTERVAL_S), Load.zero(4)) for one in (whole, second)]
+        motions = [solver.advance(Interval(index, INTERVAL_S), Load.zero(4)) for solver in (whole, second)]
         assert np.array_equal(motions[0].position_m, motions[1].position_m)
 
 

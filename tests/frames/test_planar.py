@@ -131,7 +131,7 @@ def test_rocking_on_springs_at_sqrt_of_k_x2_over_I() -> None:
     ],
 )
 def test_a_rocking_body_carries_a_free_one_along(bodies: tuple[str, str], stiffness_N_per_m: Array) -> None:
-    """By 0.4 rad, against an independent Runge-Kutta solution (1e-9 m)."""
+    """The body rocks by 0.4 rad, against an independent Runge-Kutta solution (1e-9 m)."""
     plan = rocked(1e-3, np.array([0.0, 0.4, 0.0]), bodies, stiffness_N_per_m)
     found_m = plan.points_m[0] + end_of(planar.build(plan), 200, 1e-3)[0]
     assert found_m == pytest.approx(carried_along_m(plan, 0.2), abs=1e-8)

@@ -78,15 +78,16 @@ def integrated_m(stop_s: float, run_down_s: float, until_s: float) -> Array:
         return [v_m_per_s, (push_N - pull_N) / MASS_KG, speed]
 
     at_s = INTERVAL_S * np.arange(1, round(until_s / INTERVAL_S) + 1)
-    found = solve_ivp(
+    solution = solve_ivp(
         rates, (0.0, until_s), [0.0, 0.0, 0.0], t_eval=at_s, rtol=1e-9, atol=1e-12, max_step=5e-3
     )
-    return np.asarray(found.y[0])
+    return np.asarray(solution.y[0])
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_peak_while_passing_a_resonance(solver: str) -> None:
-    """Within 0.5 %: the trapezoidal rule of exudyn has an error of phase w t (w h)^2 / 12 of 1e-3."""
+    """The peak is met within 0.5 %: the trapezoidal rule of exudyn has an error of phase w t (w h)^2 / 12
+    of 1e-3."""
     stop_s, run_down_s, until_s = 0.9, 2.0, 3.4
     found_m, expected_m = (
         moved_m(solver, single(stop_s, run_down_s), until_s),

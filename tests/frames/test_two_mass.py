@@ -38,8 +38,8 @@ def test_amplitude_and_phase_follow_the_closed_form(speed: float) -> None:
         # 1e-12 m: the transient has decayed by exp(-40)
         assert at_end == pytest.approx((amplitude * turned).real, abs=1e-12)
         assert v == pytest.approx((1j * speed * amplitude * turned).real, abs=1e-10)
-    found = steady_amplitudes_m(plan, speed)[:, 0]
-    assert found == pytest.approx(np.array(expected), rel=1e-12)
+    amplitude_m = steady_amplitudes_m(plan, speed)[:, 0]
+    assert amplitude_m == pytest.approx(np.array(expected), rel=1e-12)
 
 
 def test_driving_frame_stands_still_at_its_antiresonance() -> None:
@@ -55,9 +55,9 @@ def test_driving_frame_stands_still_at_its_antiresonance() -> None:
 def test_screen_amplitudes_are_those_of_table_4() -> None:
     """Xu et al. 2024, Table 4 (simulation): driving frame 2.0 mm, driven 7.9 mm along the deck;
     within 0.1 mm, their resolution, plus 2 % for M1, M2, ks rounded to the plan's values."""
-    found = 1e3 * abs(steady_amplitudes_m(two_bodies((exciter(),), loss_factor=0.05), 78.5)[:, 0])
-    assert found[0] == pytest.approx(2.0, abs=0.14)
-    assert found[1] == pytest.approx(7.9, abs=0.26)
+    amplitude_mm = 1e3 * abs(steady_amplitudes_m(two_bodies((exciter(),), loss_factor=0.05), 78.5)[:, 0])
+    assert amplitude_mm[0] == pytest.approx(2.0, abs=0.14)
+    assert amplitude_mm[1] == pytest.approx(7.9, abs=0.26)
 
 
 def reference(plan: FramesPlan, reaction_N: Array, time_s: float) -> tuple[Array, Array]:
@@ -108,7 +108,7 @@ def test_run_up_does_not_depend_on_the_step() -> None:
 
 @pytest.mark.parametrize("run_up_s", [0.0, 0.1])
 def test_an_exciter_that_starts_later_does_the_same_later(run_up_s: float) -> None:
-    """Nothing moves before 0.1 s, and from then on all is as if it had started at once."""
+    """The machine rests before 0.1 s, and from then on moves as if the exciter had started at once."""
     late = build(two_bodies((exciter(run_up_s=run_up_s, start_s=0.1, phase_rad=0.7),)))
     soon = build(two_bodies((exciter(run_up_s=run_up_s, phase_rad=0.7),)))
     for index in range(5):

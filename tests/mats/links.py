@@ -112,10 +112,10 @@ def flip(mats: list[Mat], turns: int, left_out: int) -> list[Turns]:
     band = butter(4, 500.0, fs=1 / ROW_S, output="sos")
     size_g = np.linalg.norm(sosfiltfilt(band, np.gradient(velocity_m_per_s, ROW_S, axis=0), axis=0), axis=2)
     number = np.floor(time_s / turn_s).astype(int)
-    found = []
+    turns_of_chains = []
     for mat in range(count):
         parts = [number == turn for turn in range(left_out, turns)]
         far = [height_m[part, mat][np.abs(height_m[part, mat]).argmax()] for part in parts]
         peak = [size_g[part, mat].max() / 9.81 for part in parts]
-        found.append(Turns(np.array(far), np.array(peak)))
-    return found
+        turns_of_chains.append(Turns(np.array(far), np.array(peak)))
+    return turns_of_chains

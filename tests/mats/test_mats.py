@@ -1,4 +1,4 @@
-"""What ``flipflow check`` says of a machine's mats."""
+"""The lines of ``flipflow check`` about a machine's mats."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ DAMPED = "materials.PU.hyperelastic.maxwell=[{ratio=0.2, relaxation_s=2e-3}, {ra
 
 def test_a_mat_that_arches_up_is_a_warning_with_its_turns_and_what_helps(tmp_path: Path) -> None:
     loaded = load_case(tmp_path, DRIVEN, [DAMPED])
-    (said,) = [line for line in warnings(loaded) if line.startswith("mat ")]
-    assert said.startswith("mat deck-1 and 1 more, empty: arches up in")
-    assert "a shorter stroke, clamps that point into the sag (clamp_angle_deg)" in said
+    (warning,) = [line for line in warnings(loaded) if line.startswith("mat ")]
+    assert warning.startswith("mat deck-1 and 1 more, empty: arches up in")
+    assert "a shorter stroke, clamps that point into the sag (clamp_angle_deg)" in warning
     assert any(line.strip().startswith("mat deck-1 and 1 more, empty") for line in overview(loaded))
 
 
@@ -63,7 +63,8 @@ def test_a_mat_that_hangs_is_none(tmp_path: Path) -> None:
 
 
 def test_neighbours_on_two_frames_are_two_kinds_of_mats(tmp_path: Path) -> None:
-    """With stroke and lift a quarter of a turn apart, as of an unbalance; without a lift they are alike."""
+    """The stroke and the lift are a quarter of a turn apart, as of an unbalance; without a lift the
+    neighbours are alike."""
     drive = "screen.frames.driving.drive."
     lifted = (f"{drive}amplitude_m=[0.006, 0, 0.005]", f"{drive}phase_rad=[0, 0, 1.5707963267948966]")
     both = load_case(tmp_path / "both", DRIVEN, [DAMPED, *lifted])
@@ -107,9 +108,9 @@ def test_mats_that_nothing_moves_or_whose_trial_is_long_are_not_tried(tmp_path: 
 def test_a_trial_that_fails_stops_no_command(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception, why: str
 ) -> None:
-    """What goes wrong in its solver is said where the regime would stand, and is no warning."""
+    """The failure of the solver is told where the regime would stand, and is no warning."""
 
-    def fail(found: object) -> None:
+    def fail(shaken: object) -> None:
         raise error
 
     monkeypatch.setattr(mats, "find_mats", fail)
@@ -122,7 +123,7 @@ def test_a_trial_that_fails_stops_no_command(
 def test_a_mistake_of_the_program_is_not_taken_for_a_trial_that_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(found: object) -> None:
+    def fail(shaken: object) -> None:
         raise TypeError("a mistake")
 
     monkeypatch.setattr(mats, "find_mats", fail)
@@ -134,8 +135,8 @@ def test_the_picture_has_the_figures_of_check_at_the_case_s_own_place(tmp_path: 
     """The chart's trials are coarser: 75 of them, and the fine one in the middle of the middle part."""
     described = scene(load_case(tmp_path, DRIVEN, list(HANGING)).case)
     ((_, fig),) = draw_mats(described)
-    (found,) = find_mats(described)
-    own = f"{found.empty.mean_peak_g:.0f}\n{found.empty.mean_quoted_peak_g:.0f}"
+    (mat,) = find_mats(described)
+    own = f"{mat.empty.mean_peak_g:.0f}\n{mat.empty.mean_quoted_peak_g:.0f}"
     middle = [text.get_text() for axes in fig.axes for text in axes.texts if text.get_position() == (2, 2)]
     assert len(middle) == 3
     assert middle[1] == own

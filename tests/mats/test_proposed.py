@@ -34,9 +34,9 @@ def proposed() -> Proposal:
 
 def own_trials() -> list[Trial]:
     """The mats that open while they are lifted, and their neighbours."""
-    found = [trial for _, trial in trials_of(proposed().scene)]
-    assert len(found) == 2
-    return found
+    trials = [trial for _, trial in trials_of(proposed().scene)]
+    assert len(trials) == 2
+    return trials
 
 
 def written(folder: Path) -> Path:
@@ -71,8 +71,8 @@ def test_the_default_hangs_at_30_to_50_g_with_room_to_either_side() -> None:
     for regime in chosen.regimes:
         assert regime.side == "down"
         assert 30.0 <= regime.mean_peak_g <= 50.0
-    (said,) = [remark for remark in proposed().remarks if remark.startswith("mats: ")]
-    assert "hangs down in all of" in said
+    (mats_remark,) = [remark for remark in proposed().remarks if remark.startswith("mats: ")]
+    assert "hangs down in all of" in mats_remark
 
 
 @pytest.mark.parametrize("neighbour", [0, 1])
@@ -137,7 +137,8 @@ def flat(peak_g: float, side: float) -> Regime:
 def test_a_stroke_at_which_no_mat_hangs_is_refused_with_one_at_which_some_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """As if all mats arched up above a stroke of 4.5 mm: the largest share that is tried below is 0.7."""
+    """All mats are taken to arch up above a stroke of 4.5 mm: the largest share that is tried below is
+    0.7."""
 
     def regimes_of(trials: Sequence[Trial], cells: int, turns: int) -> tuple[Regime, ...]:
         return tuple(flat(40.0, 1.0 if trial.stroke_m > 0.0045 else -1.0) for trial in trials)

@@ -80,13 +80,13 @@ def both() -> dict[str, tuple[Regime, Turns]]:
     """The regime of each mounting, and the turns of the independent chain."""
     trials = [trial(*mounting) for mounting in MOUNTINGS.values()]
     settling = MOST_RUN_UP_TURNS + SETTLING_TURNS
-    chains = flip([links(one) for one in trials], settling + WATCHED_TURNS, settling)
+    chains = flip([links(each) for each in trials], settling + WATCHED_TURNS, settling)
     return dict(zip(MOUNTINGS, zip(regimes(trials), chains, strict=True), strict=True))
 
 
 @pytest.mark.parametrize("mounting", [name for name in MOUNTINGS if name != "flat"])
 def test_a_mat_that_repeats_itself_flips_as_an_independent_chain_does(mounting: str) -> None:
-    """On the same side in every turn, as far within 5 %, with the same mean peak within 15 %."""
+    """The mat is on the same side in every turn, as far within 5 %, with the same mean peak within 15 %."""
     regime, chain = both()[mounting]
     up = mounting.endswith("up in every turn")
     assert regime.side == ("up" if up else "down")
@@ -96,8 +96,8 @@ def test_a_mat_that_repeats_itself_flips_as_an_independent_chain_does(mounting: 
 
 
 def test_a_thin_flat_mat_changes_sides_in_both() -> None:
-    """Between a third and two thirds of its turns are up.  Its peaks, which depend on how it came to a turn,
-    are alike within 30 %."""
+    """The turns that are up are between a third and two thirds of all. Its peaks, which depend on how it
+    came to a turn, are alike within 30 %."""
     regime, chain = both()["flat"]
     for farthest_m in (regime.farthest_m, chain.farthest_m):
         assert 1 / 3 <= np.mean(farthest_m > 0) <= 2 / 3
@@ -106,19 +106,20 @@ def test_a_thin_flat_mat_changes_sides_in_both() -> None:
 
 
 def test_a_mat_turned_round_flips_as_before_and_one_that_is_lifted_the_other_way_does_not() -> None:
-    """To rounding, and not alike: of two neighbours on two frames, one opens while it is lifted."""
+    """The mats agree to rounding, and are not alike: of two neighbours on two frames, one opens while it is
+    lifted."""
     moved_m = np.array([[0.001, 0.0, 0.003j], [0.006, 0.0, 0.004j]])
     mirrored_m, lowered_m = moved_m[::-1] * [-1.0, 1.0, 1.0], moved_m * [1.0, 1.0, -1.0]
     given = trial(0.005, 20.0, 0.002, 0.005)
     ways = (moved_m, mirrored_m, lowered_m)
-    one, turned, other = (
+    plain, turned, other = (
         replace(given, amplitude_m=way_m, transient_m=growing_m(way_m, 4)) for way_m in ways
     )
-    assert one.moves_as(turned)
-    assert not one.moves_as(other)
-    found = regimes([one, turned, other], watched_turns=4)
-    assert found[0].height_m == pytest.approx(found[1].height_m, abs=1e-6)
-    assert np.ptp(found[0].height_m - found[2].height_m) > 1e-3
+    assert plain.moves_as(turned)
+    assert not plain.moves_as(other)
+    results = regimes([plain, turned, other], watched_turns=4)
+    assert results[0].height_m == pytest.approx(results[1].height_m, abs=1e-6)
+    assert np.ptp(results[0].height_m - results[2].height_m) > 1e-3
 
 
 def turning(*heights_m: float) -> Regime:
@@ -142,12 +143,12 @@ def test_sides_and_turns_after_which_a_motion_repeats_itself() -> None:
 
 
 def test_a_load_that_moves_with_a_mat_is_as_a_denser_mat() -> None:
-    """To rounding: only its mass counts."""
+    """The mats agree to rounding: only the load's mass counts."""
     light = trial(0.005, 15.0, 0.002, 0.005)
     own_kg_per_m2 = 1150.0 * 0.005
     material = replace(light.plan.material, density_kg_per_m3=2 * 1150.0)
     denser = replace(light, plan=replace(light.plan, material=material))
     loaded = replace(light, added_kg_per_m2=own_kg_per_m2)
-    one, two = regimes([loaded, denser], watched_turns=4)
-    assert one.height_m == pytest.approx(two.height_m, abs=1e-9)
-    assert one.mean_peak_g != pytest.approx(regimes([light], watched_turns=4)[0].mean_peak_g, rel=0.01)
+    first, second = regimes([loaded, denser], watched_turns=4)
+    assert first.height_m == pytest.approx(second.height_m, abs=1e-9)
+    assert first.mean_peak_g != pytest.approx(regimes([light], watched_turns=4)[0].mean_peak_g, rel=0.01)

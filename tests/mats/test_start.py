@@ -30,7 +30,7 @@ def machine() -> Scene:
 
 
 def test_frames_start_as_the_solver_of_a_run_moves_them() -> None:
-    """With panels as springs, every place within a thousandth of the largest displacement."""
+    """Every place agrees within a thousandth of the largest displacement, with panels as springs."""
     described = machine()
     (shaking,) = described.shaken
     names = [body.name for body in described.plan.bodies]

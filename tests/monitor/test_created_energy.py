@@ -29,7 +29,7 @@ ALL = slice(None)
 
 
 def energy_J(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> float:
-    """Of the three, when the sphere has let go."""
+    """Return the energy of the three, when the sphere has let go."""
     hanger_m = plate.x - plate.clamp.position_m[0, 0]
     return 0.5 * (
         sphere.mass_kg * sphere.v**2
@@ -97,11 +97,11 @@ def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
             interval = interface_data(run.machine.members, run.interval_s)
             contacts.add([interval])
             clamps.add([interval])
-        said = run.energy_J("created")
+        terms_J = run.energy_J("created")
     # off by 9e-5, 9e-5, 3e-7 and 1e-8 of what went through contacts, and by 5e-7 at most at clamps
     for work, interface, off in ((contacts, "particles-panel", 2e-4), (clamps, "panel-frames", 1e-6)):
         balance = work.balance
-        ledger_J = said[f"created.{interface}"]
+        ledger_J = terms_J[f"created.{interface}"]
         assert balance.created_J == pytest.approx(ledger_J, rel=0, abs=off * balance.through_J)
 
 
@@ -146,7 +146,7 @@ def test_a_share_of_what_went_through() -> None:
 
 
 def test_what_went_through_is_the_range_of_the_work() -> None:
-    """Given for good, or to and fro; nothing but the floor where nothing moves."""
+    """The work is given for good, or to and fro; only the floor is left where nothing moves."""
     size_N = 3.0 + 4.0
     given, back, rest = ExchangedEnergy(), ExchangedEnergy(), ExchangedEnergy()
     for _ in range(100):

@@ -1,4 +1,4 @@
-"""What alternates and grows is found, what only moves, rings or rattles is not."""
+"""Modes that alternate and grow are found; those that only move, ring or rattle are not."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ TURN = 78.5 * 5e-5  # of the machine, in a sync interval
 
 def worst(velocities_m_per_s: Iterable[Array]) -> float:
     steps = iter(velocities_m_per_s)
-    watched, found = Alternation(next(steps), LOUD), 0.0
+    watched, largest = Alternation(next(steps), LOUD), 0.0
     for velocity_m_per_s in steps:
         watched.add([velocity_m_per_s])
-        found = max(found, watched.share())
-    return found
+        largest = max(largest, watched.share())
+    return largest
 
 
 def shaken(intervals: int) -> list[Array]:
@@ -37,18 +37,18 @@ def shaken(intervals: int) -> list[Array]:
 
 @pytest.mark.parametrize("root", [-1.02, -1.2, -3.0])
 def test_one_point_that_grows_among_others_that_move(root: float) -> None:
-    one = np.zeros((POINTS, 3))
-    one[17] = [0.0, 0.0, 1e-6]
+    shape = np.zeros((POINTS, 3))
+    shape[17] = [0.0, 0.0, 1e-6]
     until = round(np.log(1e9) / np.log(-root))  # to 1000 m/s
-    assert worst(v + root**n * one for n, v in enumerate(shaken(until))) > LOUD
+    assert worst(v + root**n * shape for n, v in enumerate(shaken(until))) > LOUD
 
 
 @pytest.mark.parametrize("root", [-0.9, 0.9, 1.02, -1.0, 1j, -0.7 + 0.7j, 0.9j])
 def test_what_rings_or_grows_slowly_is_none(root: complex) -> None:
     """Modes that an interval samples at any phase, and what alternates but does not grow."""
-    one = np.zeros((POINTS, 3))
-    one[17] = [0.0, 0.0, 1.0]
-    assert worst(v + (root**n).real * one for n, v in enumerate(shaken(300))) == 0.0
+    shape = np.zeros((POINTS, 3))
+    shape[17] = [0.0, 0.0, 1.0]
+    assert worst(v + (root**n).real * shape for n, v in enumerate(shaken(300))) == 0.0
 
 
 @pytest.mark.parametrize("ringing", [0.0, -0.5, 1.0])
@@ -62,8 +62,8 @@ def test_a_rattling_bed_is_none(ringing: float) -> None:
 
 
 def test_rounding_that_grows_at_rest_is_too_slow_to_count() -> None:
-    one = 1e-12 * np.ones((POINTS, 3))
-    assert worst((-1.2) ** n * one for n in range(60)) < LOUD
+    shape = 1e-12 * np.ones((POINTS, 3))
+    assert worst((-1.2) ** n * shape for n in range(60)) < LOUD
 
 
 def test_it_begins_anew_with_intervals_of_another_length() -> None:
@@ -84,8 +84,8 @@ def test_it_is_restored() -> None:
         watched.add([np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]])])
     other.restore(watched.save())
     for n in range(7, 12):
-        for one in (watched, other):
-            one.add([np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]])])
+        for each in (watched, other):
+            each.add([np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]])])
         assert watched.share() == other.share()
     assert watched.share() > LOUD
 
@@ -114,9 +114,12 @@ def held_down(damping_N_s_per_m: float, v: float) -> tuple[Sphere, HungPlate, Fr
 
 
 @pytest.mark.parametrize("damping_N_s_per_m", [0.0, 0.3, 3.0])
-@pytest.mark.parametrize(("of_the_limit", "found"), [(1.1, True), (0.9, False)])
-def test_the_real_limit_of_a_light_point(damping_N_s_per_m: float, of_the_limit: float, found: bool) -> None:
-    """Found by bisection of the real loop: beyond it the watch sees the mode, below it does not."""
+@pytest.mark.parametrize(("of_the_limit", "is_found"), [(1.1, True), (0.9, False)])
+def test_the_real_limit_of_a_light_point(
+    damping_N_s_per_m: float, of_the_limit: float, is_found: bool
+) -> None:
+    """The limit is found by bisection of the real loop: beyond it the watch sees the mode, below it does
+    not."""
     predicted_s = light_point_s(1.0, damping_N_s_per_m, 1.0, 0.0)
     line = Line(*held_down(damping_N_s_per_m, 0.0))
     limit = limit_s(lambda h: line.radius("particles-first", h, CONTACT), predicted_s)
@@ -129,4 +132,4 @@ def test_the_real_limit_of_a_light_point(damping_N_s_per_m: float, of_the_limit:
         state = advance(solvers, interval, state)
         watched.add([state.panel.surface.velocity_m_per_s])
         share = max(share, watched.share())
-    assert (share > LOUD) is found
+    assert (share > LOUD) is is_found

@@ -1,4 +1,4 @@
-"""What the watch does about what it sees, on the members on a line."""
+"""The actions of the watch about what it sees, on the members on a line."""
 
 from __future__ import annotations
 
@@ -58,18 +58,18 @@ def test_what_would_grow_without_end_is_shortened_and_ends_as_a_fine_run(tmp_pat
     fine, machine = pressed()
     monitored(tmp_path / "c", machine, LONG_s / 16, 16 * INTERVALS)
     assert abs(watched.x - fine.x) < 1e-3 * 1e-4
-    said = monitor.figures(INTERVALS)
-    assert said["shortest_interval_s"] <= LONG_s / 2
-    assert said["figures"][then]["times"] >= 1
-    assert said["shortened_share"] == said["shortened_intervals"] / INTERVALS > 0.5
+    figures = monitor.figures(INTERVALS)
+    assert figures["shortest_interval_s"] <= LONG_s / 2
+    assert figures["figures"][then]["times"] >= 1
+    assert figures["shortened_share"] == figures["shortened_intervals"] / INTERVALS > 0.5
 
 
 def test_a_quiet_run_is_left_alone(tmp_path: Path) -> None:
     _, machine = pressed()
     monitor = monitored(tmp_path, machine, LONG_s / 8, INTERVALS)
-    said = monitor.figures(INTERVALS)
-    assert said["shortened_intervals"] == 0
-    assert {one["times"] for one in said["figures"].values()} == {0}
+    figures = monitor.figures(INTERVALS)
+    assert figures["shortened_intervals"] == 0
+    assert {figure["times"] for figure in figures["figures"].values()} == {0}
 
 
 def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
@@ -79,9 +79,9 @@ def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> No
         monitor = monitored(tmp_path, machine, LONG_s, INTERVALS, sets)
     assert caplog.text.count("a mode of the interface grows") == 1
     assert caplog.text.count("in the last intervals") == 1
-    said = monitor.figures(INTERVALS)
-    assert said["shortened_intervals"] == 0
-    assert said["figures"]["growing_modes"]["times"] > 10
+    figures = monitor.figures(INTERVALS)
+    assert figures["shortened_intervals"] == 0
+    assert figures["figures"]["growing_modes"]["times"] > 10
 
 
 def test_stop_stops_before_it_is_too_late(tmp_path: Path) -> None:
@@ -105,7 +105,7 @@ def test_what_cannot_be_shortened_further_is_said_once(
 
 
 def test_loads_are_recorded_as_means_of_the_whole_interval(tmp_path: Path) -> None:
-    """What the frame gains in momentum is what was recorded of the reaction."""
+    """The frame gains the momentum that was recorded of the reaction."""
     _, machine = pressed()
     recorded: list[float] = []
     monitored(
@@ -120,7 +120,7 @@ def test_loads_are_recorded_as_means_of_the_whole_interval(tmp_path: Path) -> No
 
 
 def test_calm_again_it_goes_on_in_whole_intervals(tmp_path: Path) -> None:
-    """What was amiss is over when the sphere lets go."""
+    """The alarm is over when the sphere lets go."""
     _, machine = pressed()
     sphere = machine.members.particles
     assert sphere is not None
@@ -148,18 +148,18 @@ def test_it_goes_on_bit_for_bit_from_a_save(tmp_path: Path) -> None:
 
 
 def flat(saved: dict, within: str = "") -> dict:
-    found = {}
+    flat_table = {}
     for name, value in saved.items():
         key = f"{within}/{name}"
-        found |= flat(value, key) if isinstance(value, dict) else {key: value}
-    return found
+        flat_table |= flat(value, key) if isinstance(value, dict) else {key: value}
+    return flat_table
 
 
 @pytest.mark.parametrize("scheme", ["particles-first", "robin", "aitken", "quasi-newton"])
 def test_the_scheme_is_charged_for_what_it_repeats(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scheme: str
 ) -> None:
-    """By a clock that only the members move: a run of the plate takes 1 s, of the sphere 10, of the scheme
+    """The clock moves with the members only: a run of the plate takes 1 s, of the sphere 10, of the scheme
     itself 100."""
     now_s, runs, intervals = 0.0, {HungPlate: 0, Sphere: 0}, 5
 
@@ -206,11 +206,11 @@ def test_the_scheme_is_charged_for_what_it_repeats(
     }
 
 
-@pytest.mark.parametrize(("speed_m_per_s", "said"), [(170.0, False), (180.0, True)])
-def test_a_point_is_as_fast_as_its_velocity_is_long(speed_m_per_s: float, said: bool) -> None:
-    """Along a diagonal of space, 174 m/s along each axis are more than 300 m/s."""
+@pytest.mark.parametrize(("speed_m_per_s", "stops"), [(170.0, False), (180.0, True)])
+def test_a_point_is_as_fast_as_its_velocity_is_long(speed_m_per_s: float, stops: bool) -> None:
+    """A velocity of 174 m/s along each axis of a diagonal of space is more than 300 m/s."""
     moved = Motion(np.zeros((1, 3)), np.full((1, 3), speed_m_per_s))
     still = Load(np.zeros((1, 3)))
     state = State(moved, np.zeros((1, 3)), PanelState(moved, still), still)
-    with pytest.raises(SolverFailed, match="became unstable") if said else nullcontext():
+    with pytest.raises(SolverFailed, match="became unstable") if stops else nullcontext():
         check_speeds(state, 0.0, str)

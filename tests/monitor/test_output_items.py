@@ -54,14 +54,14 @@ def alarms(now: State, balls: ParticleSnapshot, overlap: float, monkeypatch: pyt
     machine = SimpleNamespace(panels=[PANEL], penetrations=UNTOUCHED)
     subject = Subject(cast(Case, None), cast(Machine, machine), now, {})
     books = Books(now, {}, BedSnapshot(balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
-    said = []
+    raised = []
     for name in ITEMS:
         kind = all_items()[name]
         item, limit = kind(subject), item_limit(MonitorSettings(), kind)
         assert limit is not None
         observed = [*item.observe_surface(now), *item.observe_books(books)]
-        said += LimitedItem(item, limit).judge(observed, 0.5)
-    return [alarm.what for alarm in said]
+        raised += LimitedItem(item, limit).judge(observed, 0.5)
+    return [alarm.what for alarm in raised]
 
 
 def test_five_edges_of_two_triangles() -> None:
@@ -80,7 +80,7 @@ def test_stretch_is_the_largest_over_the_stress_free_lengths() -> None:
 
 
 @pytest.mark.parametrize(
-    ("position_m", "speed_m_per_s", "fastest_m_per_s", "overlap", "said"),
+    ("position_m", "speed_m_per_s", "fastest_m_per_s", "overlap", "message"),
     [
         (FLAT_m, 1.0, 2.0, 0.01, None),
         (1.29 * FLAT_m, 1.0, 2.0, 0.19, None),
@@ -95,19 +95,19 @@ def test_each_is_found_alone(
     speed_m_per_s: float,
     fastest_m_per_s: float,
     overlap: float,
-    said: str | None,
+    message: str | None,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A step of 0.01 ms; the smaller ball has a radius of 2 mm, a tenth of which is 20 m/s."""
     velocity_m_per_s = np.array([[0, 0, -1.0], [fastest_m_per_s, 0, 0]])
-    found = alarms(
+    messages = alarms(
         state(position_m, speed_m_per_s),
         replace(BALLS, velocity_m_per_s=velocity_m_per_s),
         overlap,
         monkeypatch,
     )
-    assert len(found) == (said is not None)
-    assert all(f"t = 0.5 s: {said}" in what for what in found)
+    assert len(messages) == (message is not None)
+    assert all(f"t = 0.5 s: {message}" in what for what in messages)
 
 
 def test_no_particles_is_no_trouble(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,7 @@ def test_parts_fill_the_interval_exactly(index: int, digits: int, ten: int, halv
     parts = whole.divided(2**halvings)
     assert parts[0].start_s == whole.start_s
     assert parts[-1].end_s == whole.end_s
-    assert all(one.end_s == after.start_s for one, after in pairwise(parts))
+    assert all(before.end_s == after.start_s for before, after in pairwise(parts))
 
 
 @pytest.mark.parametrize(("steps", "parts", "each"), [(20, 2, 10), (20, 8, 3), (59, 4, 15)])
@@ -66,9 +66,9 @@ def test_in_parts_it_is_the_finer_run(name: str) -> None:
     fine, fine_recorded, _ = run(name, 0.05, [1] * 8)
     np.testing.assert_array_equal(in_parts.panel.surface.position_m, fine.panel.surface.position_m)
     np.testing.assert_array_equal(in_parts.load.force_N, fine.load.force_N)
-    mean_N = np.mean([one.load.force_N for one in fine_recorded[4:]], axis=0)
+    mean_N = np.mean([record.load.force_N for record in fine_recorded[4:]], axis=0)
     np.testing.assert_allclose(recorded[1].load.force_N, mean_N, rtol=1e-15)
-    mean_N = np.mean([one.panel.reaction.force_N for one in fine_recorded[4:]], axis=0)
+    mean_N = np.mean([record.panel.reaction.force_N for record in fine_recorded[4:]], axis=0)
     np.testing.assert_allclose(recorded[1].panel.reaction.force_N, mean_N, rtol=1e-15)
 
 

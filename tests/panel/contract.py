@@ -1,4 +1,4 @@
-"""What every adapter of the panel port must do; ``CASES`` lists the adapters.
+"""The contract of the adapters of the panel port; ``CASES`` lists the adapters.
 
 Each case builds the real solver on a small panel.  A package that is missing makes the case fail
 with SolverMissing: nothing is skipped.
@@ -78,13 +78,13 @@ class RimmedPanel(OffsetPanel):
         self._meshed = panel
 
     def interpolation(self, coordinates_m: Array) -> Interpolation:
-        """Of all its surface points it needs the panel's own ones."""
-        found, points = self._meshed.interpolation(coordinates_m), len(self._seen)
-        matrices = (found.values, found.along, found.across)
+        """Return the interpolation from all the surface points, of which the panel's own ones are needed."""
+        meshed, points = self._meshed.interpolation(coordinates_m), len(self._seen)
+        matrices = (meshed.values, meshed.along, meshed.across)
         values, along, across = (
             csr_array((m.data, m.indices, m.indptr), shape=(m.shape[0], points)) for m in matrices
         )
-        return Interpolation(values, along, across, found.offset_m)
+        return Interpolation(values, along, across, meshed.offset_m)
 
 
 OPENINGS = AperturePattern("rectangle", 0.016, 0.008, 0.024, 0.014, 0.0, 0.02, 0.0)
@@ -131,8 +131,8 @@ def small(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
 
 
 def hinged(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
-    """With clamps that have no depth and so let its ends turn; twice as thick, because only its
-    bending damps its swinging and that is less where the ends turn."""
+    """Return a panel with clamps that have no depth and so let its ends turn; it is twice as thick, because
+    only its bending damps its swinging and that is less where the ends turn."""
     given = small(integrator, cells)
     rectangle = replace(given.rectangle, clamp_m=0.0)
     return replace(given, rectangle=rectangle, thickness_m=2 * given.thickness_m)
@@ -208,7 +208,7 @@ def swung(panel: Panel, time_s: float) -> Motion:
 
 
 def loads(points: int, time_s: float) -> Load:
-    """Some newton on each point, reproducible and smooth in time."""
+    """Return some newton on each point, reproducible and smooth in time."""
     size_N = np.random.default_rng(6).normal(size=(points, 3))
     return Load(size_N * (10.0 / points) * np.sin(90 * time_s))
 

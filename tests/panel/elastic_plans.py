@@ -102,7 +102,7 @@ def difference(value: Array, reference: Array) -> float:
 
 
 def defect_J(panel: Panel, stored_at_start_J: float) -> float:
-    """What a panel's energy account fails to explain."""
+    """Return the energy that a panel's account fails to explain, in J."""
     account = panel.account()
     return (
         sum(account.stored_J.values())

@@ -1,4 +1,4 @@
-"""What a bending matrix must be whatever processor assembles it."""
+"""Properties of a bending matrix, whatever processor assembles it."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def test_a_translation_has_no_force_to_the_last_bit():
     exact = np.diag(springs.sum(axis=1)) - springs
     largest = np.abs(exact).max()
     assembled = exact + 2e-16 * largest * random.standard_normal(exact.shape)
-    found = balanced(csr_matrix(assembled)).toarray()
+    matrix = balanced(csr_matrix(assembled)).toarray()
     assert np.abs(assembled.sum(axis=0)).max() > 1e-16 * largest  # what it is for
-    assert np.all(found.sum(axis=0) == 0.0)
-    assert np.all(found == found.T)
-    assert found == pytest.approx(exact, abs=2e-14 * largest)
+    assert np.all(matrix.sum(axis=0) == 0.0)
+    assert np.all(matrix == matrix.T)
+    assert matrix == pytest.approx(exact, abs=2e-14 * largest)

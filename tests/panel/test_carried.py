@@ -54,7 +54,7 @@ def test_a_restored_wall_goes_on_as_the_saved_one() -> None:
     load = Load(np.arange(9.0).reshape(3, 3))
     wall.advance(Interval(0, INTERVAL_S), Motion(LIFTED_M, np.ones((3, 3))), load)
     other.restore(wall.save())
-    for one in (wall, other):
-        one.advance(Interval(1, INTERVAL_S), Motion(2 * LIFTED_M, np.ones((3, 3))), load)
+    for part in (wall, other):
+        part.advance(Interval(1, INTERVAL_S), Motion(2 * LIFTED_M, np.ones((3, 3))), load)
     assert differences(wall.save(), other.save()) == []
     assert wall.account().received_J["load"] == pytest.approx(1.5 + 18.5)

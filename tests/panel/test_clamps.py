@@ -1,4 +1,4 @@
-"""What a clamp does to the panel's end is the same for every solver that bends.
+"""A clamp does the same to the panel's end with every solver that bends.
 
 ``clamp_m = 0`` is a hinge: the end cannot move, but it can turn.  A clamp with depth, however
 short, is built in: the end can do neither.

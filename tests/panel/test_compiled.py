@@ -49,9 +49,9 @@ def started(cache: Path, program: str = PROGRAM) -> subprocess.Popen[str]:
 
 
 def compiled(program: subprocess.Popen[str]) -> None:
-    said, errors = program.communicate(timeout=TOGETHER_S)
+    output, errors = program.communicate(timeout=TOGETHER_S)
     assert program.returncode == 0, errors
-    assert float(said) == pytest.approx(1 / 6, rel=1e-12)
+    assert float(output) == pytest.approx(1 / 6, rel=1e-12)
 
 
 def files(cache: Path, pattern: str) -> list[Path]:
@@ -59,7 +59,8 @@ def files(cache: Path, pattern: str) -> list[Path]:
 
 
 def all_ready(cache: Path) -> bool:
-    """At least the elements and two forms; UFL may name one form differently in two processes."""
+    """Return whether at least the elements and two forms are ready; UFL may name one form differently in
+    two processes."""
     sources, ready = files(cache, "*.c"), files(cache, "*.c.cached")
     return len(sources) >= 3 and [f.stem for f in ready] == [f.name for f in sources]
 
@@ -79,7 +80,7 @@ def test_two_processes_compile_into_a_cold_cache(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("moment", ["libffcx_forms_*.c", "libffcx_forms_*.o"])
 def test_one_that_is_killed_while_it_compiles(tmp_path: Path, moment: str) -> None:
-    """Killed when its C file appears, empty, and when the compiler has written its object."""
+    """The process is killed when its C file appears, empty, and when the compiler has written its object."""
     killed = started(tmp_path)
     wait_for(tmp_path, moment)
     os.killpg(killed.pid, signal.SIGKILL)
@@ -121,8 +122,8 @@ def test_what_is_in_the_cache_waits_for_nobody(tmp_path: Path) -> None:
     try:
         begun_s = time.monotonic()
         program = started(tmp_path, in_cache)
-        said, errors = program.communicate(timeout=TOGETHER_S)
-        assert float(said) == pytest.approx(1 / 6, rel=1e-12)
+        output, errors = program.communicate(timeout=TOGETHER_S)
+        assert float(output) == pytest.approx(1 / 6, rel=1e-12)
         assert "waiting" not in errors
         assert time.monotonic() - begun_s < 30
     finally:

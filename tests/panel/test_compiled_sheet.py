@@ -90,11 +90,11 @@ def test_a_shaken_and_loaded_panel(pattern, branches, joined):
             assert difference(reached, python.surface.position_m - rest_m) < 1e-9
             assert difference(compiled.surface.velocity_m_per_s, python.surface.velocity_m_per_s) < 1e-9
             assert difference(compiled.reaction.force_N, python.reaction.force_N) < 1e-9
-    expected, found = (panel.account() for panel in panels)
-    assert found.momentum_kg_m_per_s == pytest.approx(expected.momentum_kg_m_per_s, rel=1e-9, abs=1e-12)
+    expected, actual = (panel.account() for panel in panels)
+    assert actual.momentum_kg_m_per_s == pytest.approx(expected.momentum_kg_m_per_s, rel=1e-9, abs=1e-12)
     for books in ("stored_J", "lost_J", "received_J"):
-        assert getattr(found, books) == pytest.approx(getattr(expected, books), rel=1e-9)
-    assert bool(found.lost_J["panel_damping"]) == bool(branches)
+        assert getattr(actual, books) == pytest.approx(getattr(expected, books), rel=1e-9)
+    assert bool(actual.lost_J["panel_damping"]) == bool(branches)
     for panel in panels:
         panel.close()
 
@@ -111,7 +111,7 @@ def test_a_blow_up_is_reported_also_when_nothing_is_a_number():
 
 
 def test_sheets_of_a_set_advance_together_as_they_do_alone(monkeypatch):
-    """To the last bit, and in one call; a surface of another kind stands beside them."""
+    """The sheets agree to the last bit, and take one call; a surface of another kind stands beside them."""
     from adapters.panel import sheet
     from adapters.panel.common import carried, compiled_panel
 
@@ -134,13 +134,13 @@ def test_sheets_of_a_set_advance_together_as_they_do_alone(monkeypatch):
     for k in range(3):
         clamps = shaken(members, (k + 1) * 1e-4)
         called.clear()
-        found = members.advance(Interval(k, 1e-4), clamps, load)
+        of_set = members.advance(Interval(k, 1e-4), clamps, load)
         assert called == [2, 1]
         for panel, points, held in zip(alone, members.surface, members.clamps, strict=True):
             state = panel.advance(Interval(k, 1e-4), clamps.part(held), load.part(points))
-            assert np.array_equal(found.surface.position_m[points], state.surface.position_m)
-            assert np.array_equal(found.surface.velocity_m_per_s[points], state.surface.velocity_m_per_s)
-            assert np.array_equal(found.reaction.force_N[held], state.reaction.force_N)
+            assert np.array_equal(of_set.surface.position_m[points], state.surface.position_m)
+            assert np.array_equal(of_set.surface.velocity_m_per_s[points], state.surface.velocity_m_per_s)
+            assert np.array_equal(of_set.reaction.force_N[held], state.reaction.force_N)
     accounts = [panel.account() for panel in alone]
     assert members.account().received_J["load"] == sum(own.received_J["load"] for own in accounts)
     members._own[1]._solver._body.memory["strain_stress"][0, 0, 0, 0, 0] = np.nan
@@ -152,7 +152,7 @@ def test_sheets_of_a_set_advance_together_as_they_do_alone(monkeypatch):
 
 
 def test_arrays_of_a_wrong_size_or_type_are_refused():
-    """They are never converted: what is written to a copy would be lost."""
+    """Arrays are never converted: what is written to a copy would be lost."""
     from adapters.panel import sheet
 
     panel = sheet.build(given(None))
@@ -215,10 +215,10 @@ ALIKE = ("position_m", "velocity_m_per_s", "internal_N", "elastic_N")
 
 @pytest.mark.parametrize("pair", list(combinations(ALIKE, 2)), ids="-".join)
 def test_arrays_of_equal_size_cannot_be_exchanged_unnoticed(pair):
-    """Which array is which is a matter of names alone: with two exchanged they hold something else."""
-    one, other = pair
-    expected, found = advanced(bound({})), advanced(bound({one: other, other: one}))
-    assert not all(np.allclose(found[name], expected[name], rtol=1e-6, atol=1e-9) for name in pair)
+    """Names alone tell the arrays apart: with two exchanged they hold something else."""
+    first, second = pair
+    expected, actual = advanced(bound({})), advanced(bound({first: second, second: first}))
+    assert not all(np.allclose(actual[name], expected[name], rtol=1e-6, atol=1e-9) for name in pair)
 
 
 @pytest.mark.parametrize(

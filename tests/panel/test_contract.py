@@ -38,7 +38,7 @@ GRAVITY_M_PER_S2 = np.array([0.0, 0.0, -9.81])
 
 
 def mass_kg(case: Case) -> float:
-    """From the plan: the whole panel with the parts under its clamps, less its openings."""
+    """Return the mass by the plan: the whole panel with the parts under its clamps, less its openings."""
     plan = case.plan
     area_m2 = (plan.rectangle.length_m + 2 * plan.rectangle.clamp_m) * plan.rectangle.width_m
     if plan.apertures:
@@ -109,12 +109,12 @@ def beside_m(case: Case) -> Array:
 
 
 def places_m(points: Interpolation, own_m: Array) -> Array:
-    """Where the points are if the surface's own points rest at ``own_m``."""
+    """Return the places of the points, where the surface's own points rest at ``own_m``."""
     return mapped(StillPanel(Motion(own_m, np.zeros_like(own_m))), points).initial().surface.position_m
 
 
 def unbent(case: Case) -> Case:
-    """Neither stretched nor sagging, between clamps that are not turned."""
+    """Return the case neither stretched nor sagging, between clamps that are not turned."""
     rectangle = replace(case.plan.rectangle, span_m=case.plan.rectangle.length_m, clamp_angle_deg=0.0)
     plan = replace(case.plan, rectangle=rectangle, gravity_m_per_s2=np.zeros(3), moulded_sag_m=0.0)
     return replace(case, plan=plan)
@@ -126,8 +126,8 @@ TURNED = Rotation.from_rotvec([0.8, -0.7, 0.5]).as_matrix()
 
 @every_adapter
 def test_points_beside_the_panel_go_with_its_normal(case: Case) -> None:
-    """On a flat panel by hand, on one that is turned and moved as a whole by turning the places; to
-    rounding.  A point without an offset is on the surface, as if nothing was said of offsets."""
+    """The points agree on a flat panel by hand, on one that is turned and moved as a whole by turning the
+    places; to rounding. A point without an offset is on the surface, as if nothing was said of offsets."""
     panel, coordinates_m = unbent(case).open(), beside_m(case)
     points, own_m = panel.interpolation(coordinates_m), panel.initial().surface.position_m
     feet = panel.interpolation(coordinates_m[:, :2])
@@ -144,7 +144,8 @@ def test_points_beside_the_panel_go_with_its_normal(case: Case) -> None:
 
 @every_adapter
 def test_a_load_beside_a_bent_panel_keeps_its_force_its_moment_and_its_power(case: Case) -> None:
-    """Of any motion, on a surface that is bent by some tens of degrees and twisted; to rounding."""
+    """The power is that of any motion, on a surface that is bent by some tens of degrees and twisted; to
+    rounding."""
     panel, rng = case.open(), np.random.default_rng(9)
     own_m, rectangle = panel.initial().surface.position_m.copy(), case.plan.rectangle
     s, y = ((own_m - rectangle.corner_m) @ axis for axis in (rectangle.along, rectangle.across))
@@ -250,14 +251,14 @@ def test_a_restored_panel_goes_on_bit_for_bit(case: Case) -> None:
     second.restore(saved)
     assert differences(saved, second.save()) == []
     runs = [driven(panel, 40, first=40) for panel in (whole, second)]
-    for one, other in zip(*([*run.states, *run.accounts] for run in runs), strict=True):
-        assert differences(as_arrays(one), as_arrays(other)) == []
+    for expected, actual in zip(*([*run.states, *run.accounts] for run in runs), strict=True):
+        assert differences(as_arrays(expected), as_arrays(actual)) == []
     assert differences(whole.save(), second.save()) == []
 
 
 @every_adapter
 def test_a_panel_steps_back_bit_for_bit(case: Case) -> None:
-    """In each of 40 intervals, after another load has moved it."""
+    """The panel steps back in each of 40 intervals, after another load has moved it."""
     straight, hesitant = case.open(), case.open()
     points = len(straight.initial().surface)
     for index in range(40):
@@ -290,9 +291,8 @@ def test_closing_twice_is_harmless(case: Case) -> None:
 
 @every_adapter
 def test_what_clamps_alone_move_is_known_ahead(case: Case) -> None:
-    """Whatever loads it: where the clamps are known, all of a rigid panel and the held
-    points of any other; where one clamp is, what does not hang on the other.  Asking changes
-    nothing."""
+    """The load does not matter: where the clamps are known, all of a rigid panel and the held points of any
+    other are known; where one clamp is, what does not hang on the other. Asking changes nothing."""
     panel, unasked = case.open(), case.open()
     first = np.array([frame == "driving" for frame in panel.mount.frame])
     every = np.ones(len(first), dtype=np.bool_)
@@ -304,10 +304,10 @@ def test_what_clamps_alone_move_is_known_ahead(case: Case) -> None:
         load = loads(len(known.which), (index + 0.5) * INTERVAL_S)
         surface = panel.advance(interval, end, load).surface
         unasked.advance(interval, end, load)
-        for found in (known, half):
-            which = found.which
-            off_m = found.motion.position_m[which] - surface.position_m[which]
-            off_m_per_s = found.motion.velocity_m_per_s[which] - surface.velocity_m_per_s[which]
+        for forecast in (known, half):
+            which = forecast.which
+            off_m = forecast.motion.position_m[which] - surface.position_m[which]
+            off_m_per_s = forecast.motion.velocity_m_per_s[which] - surface.velocity_m_per_s[which]
             assert np.abs(off_m).max() < 1e-14
             assert np.abs(off_m_per_s).max() < 1e-11
         assert not nothing.which.any()
@@ -318,7 +318,7 @@ def test_what_clamps_alone_move_is_known_ahead(case: Case) -> None:
 
 
 def test_points_between_clamps_are_known_ahead_where_both_are() -> None:
-    """Those of a rigid panel, seen through other points."""
+    """The points are those of a rigid panel, seen through other points."""
     own = CASES["rigid"].open()
     sides_m = (CASES["rigid"].plan.rectangle.length_m, CASES["rigid"].plan.rectangle.width_m)
     panel = mapped(own, own.interpolation(np.array([(0.0, 0.5), (0.3, 0.2), (1.0, 0.5)]) * sides_m))

@@ -9,7 +9,7 @@ from adapters.panel.common.grid import ElementGrid
 
 
 def test_points_on_nodes_move_with_the_node_alone() -> None:
-    """Whatever rounding did to their coordinates; a point between two nodes of a line has three."""
+    """Rounding of their coordinates does not matter; a point between two nodes of a line has three."""
     grid = ElementGrid(np.linspace(0.0, 0.33, 8), np.linspace(0.0, 0.05, 4))
     nodes_m = grid.nodes_m()
     inside = (nodes_m > 0.0).all(axis=1) & (nodes_m < [0.33, 0.05]).all(axis=1)

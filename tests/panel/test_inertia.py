@@ -43,9 +43,9 @@ def test_an_impulse_gives_the_velocity_of_the_masses(name: str, through: bool) -
     inertia = surface_inertia(panel)
     masses_N = inertia.yielding(inertia.shapes.T @ load_N)
     expected = inertia.shapes @ (masses_N / inertia.mass_kg[:, None])
-    found = (pushed_m_per_s - idle_m_per_s) / SHORT_S
+    acceleration_m_per_s2 = (pushed_m_per_s - idle_m_per_s) / SHORT_S
     assert np.abs(expected).max() > 0
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-3 * np.abs(expected).max())
+    np.testing.assert_allclose(acceleration_m_per_s2, expected, rtol=0, atol=1e-3 * np.abs(expected).max())
 
 
 def test_of_some_panels_nothing_is_known() -> None:

@@ -52,7 +52,7 @@ def moved_m(model: str, tension: float, branches: tuple[tuple[float, float], ...
     strike = Load(np.outer(shape, [1.0, 0.0, 0.0]))
     still = Load.zero(len(start))
     states = [panel.advance(Interval(k, STEP_s), clamps, still if k else strike) for k in range(intervals)]
-    return np.array([(one.surface.position_m - start.position_m)[:, 0] @ shape for one in states])
+    return np.array([(state.surface.position_m - start.position_m)[:, 0] @ shape for state in states])
 
 
 def loss_factor(branches: tuple[tuple[float, float], ...], frequency_Hz: float) -> float:
@@ -78,7 +78,7 @@ def rate_1_s(values: Array, apart: int) -> complex:
     u(t + 3 T) + p u(t + 2 T) + q u(t + T) + r u(t) = 0  (Prony's method)."""
     *before, last = (values[k * apart : len(values) - (3 - k) * apart] for k in range(4))
     factors = np.linalg.lstsq(np.column_stack(before[::-1]), -last, rcond=None)[0]
-    root = max(np.roots([1.0, *factors]), key=lambda one: abs(one.imag))
+    root = max(np.roots([1.0, *factors]), key=lambda value: abs(value.imag))
     return complex(np.log(root) / (apart * STEP_s))
 
 
@@ -95,8 +95,8 @@ def test_a_free_vibration_has_the_loss_factor_asked_for(model: str, tension: flo
     s = rate_1_s(values[60:], 10)
     frequency_Hz = abs(s.imag) / (2 * np.pi)
     assert 150.0 < frequency_Hz < 350.0
-    found, wanted = -2 * s.real / abs(s.imag), loss_factor(fit.branches, frequency_Hz)
-    assert found == pytest.approx(wanted, rel=0.002 if model == "strip" else 0.04)
+    measured, wanted = -2 * s.real / abs(s.imag), loss_factor(fit.branches, frequency_Hz)
+    assert measured == pytest.approx(wanted, rel=0.002 if model == "strip" else 0.04)
     assert wanted == pytest.approx(WANTED, rel=0.075)
 
 

@@ -53,9 +53,10 @@ def heights_m(panel: MeshedPanel, *shares: float) -> Array:
 
 @SOLVERS
 def test_a_straight_beam_between_turned_clamps_is_a_parabola(solver: str) -> None:
-    """Without a load w'''' = 0, so that w = - a x (L - x) / L between ends of slope a (Timoshenko, Strength
-    of Materials, part I, 1955, ch. 5): a L / 4 in the middle and 3/16 a L at a quarter.  The ends are nearer
-    to each other by a^2 L / 6, so that nothing stretches.  Within 1 %, as in ``test_clamps``."""
+    """A beam without a load has w'''' = 0, so that w = - a x (L - x) / L between ends of slope a
+    (Timoshenko, Strength of Materials, part I, 1955, ch. 5): a L / 4 in the middle and 3/16 a L at a
+    quarter. The ends are nearer to each other by a^2 L / 6, so that nothing stretches. Within 1 %, as in
+    ``test_clamps``."""
     angle_rad = math.radians(0.5)
     span_m = LENGTH_M * (1 - angle_rad**2 / 6)
     given = narrow(solver, gravity_m_per_s2=0.0, clamp_angle_deg=0.5, span_m=span_m)
@@ -91,9 +92,9 @@ def elastica_m(given: PanelPlan, shares: Array) -> Array:
     sine, cosine = np.sin(wave_1_m * s_m), np.cos(wave_1_m * s_m)
     guess = np.stack([down * sine, down * wave_1_m * cosine, s_m, down / wave_1_m * (1 - cosine)])
     force_N = np.array([-40 * bending_N_m2 / LENGTH_M**2, -weight_N_per_m * LENGTH_M / 2])
-    found = solve_bvp(slopes, ends, s_m, guess, p=force_N, tol=1e-6, max_nodes=20000)
-    assert found.success
-    return np.asarray(found.sol(shares * LENGTH_M)[3])
+    solution = solve_bvp(slopes, ends, s_m, guess, p=force_N, tol=1e-6, max_nodes=20000)
+    assert solution.success
+    return np.asarray(solution.sol(shares * LENGTH_M)[3])
 
 
 @SOLVERS
@@ -140,7 +141,7 @@ def test_the_slope_s_amplitude_is_that_of_the_sag() -> None:
 
 
 def test_a_short_open_mat_on_steep_clamps_comes_to_rest() -> None:
-    """Near balance a step lowers the energy by less than its rounding, which must not end the search.
+    """Energy near balance falls by less than its rounding in a step, which must not end the search.
 
     A search that began within 0.3 mm and went on to a millionth of the weight did not end for this mat.
     The clamps carry the weight, to a millionth of it.

@@ -101,7 +101,8 @@ def test_the_normal_has_no_jump_between_the_clamps(model: Callable[[int], tuple[
 
 @every_model
 def test_a_clamp_holds_the_normal_as_it_holds_the_panel(model: Callable[[int], tuple[Array, At]]) -> None:
-    """On and under clamps it is that of the clamp, to rounding, and free points have no part in it."""
+    """The normal on and under clamps is that of the clamp, to rounding, and free points have no part in
+    it."""
     own_m, at = opened = model(12)
     ends_m = [-CLAMP_M, -0.007, 0.0, LENGTH_M, LENGTH_M + 0.007, LENGTH_M + CLAMP_M]
     coordinates_m = np.column_stack([ends_m, np.full(6, 0.013), np.full(6, -0.004)])
@@ -113,7 +114,7 @@ def test_a_clamp_holds_the_normal_as_it_holds_the_panel(model: Callable[[int], t
 
 
 def test_a_wall_on_a_rigid_panel_goes_with_its_flat_middle() -> None:
-    """Between clamps of which the second has dropped by a third of the span and turned, the panel is flat:
+    """The panel is flat between clamps of which the second has dropped by a third of the span and turned:
     all points between them stand on one plane's normal."""
     panel = rigid.build(given((1, 1)))
     own_m = panel.initial().surface.position_m.copy()
@@ -124,5 +125,5 @@ def test_a_wall_on_a_rigid_panel_goes_with_its_flat_middle() -> None:
     coordinates_m = np.column_stack([np.linspace(0.01, 0.29, 9), np.full(9, 0.02), np.full(9, 0.003)])
     seen = mapped(StillPanel(Motion(own_m, np.zeros_like(own_m))), panel.interpolation(coordinates_m))
     feet = panel.interpolation(coordinates_m[:, :2]).values @ own_m
-    found = (seen.initial().surface.position_m - feet) / 0.003
-    assert found == pytest.approx(np.tile(normal, (9, 1)), abs=1e-12)
+    direction = (seen.initial().surface.position_m - feet) / 0.003
+    assert direction == pytest.approx(np.tile(normal, (9, 1)), abs=1e-12)

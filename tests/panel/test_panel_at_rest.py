@@ -29,7 +29,7 @@ def test_panels_that_differ_in_their_place_alone_are_settled_once(monkeypatch: p
     moved_m = np.array([0.4, 0.0, -0.1])
     rectangle = replace(first.rectangle, corner_m=first.rectangle.corner_m + moved_m)
     second = replace(first, name="second", rectangle=rectangle, frames=("b", "a"), step_s=1e-9)
-    panels = [sheet.build(one) for one in (first, second)]
+    panels = [sheet.build(each) for each in (first, second)]
     assert len(settled) == 1
     step_s = sheet.largest_step_s(second)
     assert sheet.largest_step_s(first) == step_s

@@ -106,8 +106,8 @@ def test_branches_are_as_stiff_as_the_sheet_they_damp():
         voigt = np.array([green[0, 0], green[1, 1], 2 * green[0, 1]])
         solid, soft = (stiffness_N_per_m * voigt @ A @ voigt / 2 for A in (SOLID, holes.cell.membrane))
         wanted = solid + holes.share.x.array * (soft - solid)
-        found = (strain.eval(cells) ** 2).sum(axis=1) / 2
-        assert found == pytest.approx(wanted, rel=1e-10)
+        energy = (strain.eval(cells) ** 2).sum(axis=1) / 2
+        assert energy == pytest.approx(wanted, rel=1e-10)
 
 
 def test_strip_and_sheet_agree():

@@ -62,9 +62,9 @@ def test_stretched_by_1_and_5_percent(pattern, span_m):
 
 @both_patterns
 def test_bent_by_its_weight_and_vibrating_without_tension(pattern):
-    """What openings add to the sag within 3 % of the sag (measured: 1.3, 0.5 %): sheet and solid
-    each over itself without openings, because without them the two already differ by 5 %, most of
-    it by their meshes.  Six frequencies within 5 % (-3.0 ... +4.3 %)."""
+    """The openings add the same to the sag within 3 % of the sag (measured: 1.3, 0.5 %): sheet and solid
+    are each taken over themselves without openings, because without them the two already differ by 5 %,
+    most of it by their meshes. Six frequencies within 5 % (-3.0 ... +4.3 %)."""
     cell, openings = both(small(pattern))
     thin, thick = both(small(None))
     assert openings.nodes > thick.nodes > 2000
@@ -86,7 +86,7 @@ def test_sheet_and_solid_move_alike():
 
 @pytest.mark.parametrize("integrator", ["explicit", "implicit"])
 def test_momentum_is_exact_in_every_interval(integrator):
-    """As for the whole solid: 1e-12 of the impulse through the clamps."""
+    """The balance holds as for the whole solid: 1e-12 of the impulse through the clamps."""
     from adapters.panel import solid
 
     panel = solid.build(replace(pierced(), integrator=integrator))
@@ -105,7 +105,7 @@ def moved(given, intervals):
     """Height of the middle and pull, of sheet and solid, the second clamp shaken by 2 mm."""
     from adapters.panel import sheet, solid
 
-    found = []
+    moves = []
     for solver in (sheet, solid):
         panel = solver.build(given)
         middle = panel.interpolation(np.array([[0.06, 0.024]])).values
@@ -116,5 +116,5 @@ def moved(given, intervals):
             height_m = (middle @ state.surface.position_m)[0, 2] - 0.3
             rows.append([height_m, pull_N(panel, state)])
         panel.close()
-        found.append(np.array(rows))
-    return found
+        moves.append(np.array(rows))
+    return moves

@@ -42,7 +42,7 @@ def clamps_N(panel: object) -> np.ndarray:
 @pytest.mark.parametrize("share", [0.25, 0.29])
 @pytest.mark.parametrize("build", [strip.build, pytest.param(sheet.build, marks=pytest.mark.solver)])
 def test_the_clamps_carry_the_sensors_weight_by_the_lever(build, share: float) -> None:
-    """Of a taut panel; its sag and its bending at the clamps shift 5 % of the smaller part."""
+    """The panel is taut; its sag and its bending at the clamps shift 5 % of the smaller part."""
     bare = plan(cells=(8, 2), span_m=0.3382)
     added_N = clamps_N(build(equipped(bare, share))) - clamps_N(build(bare))
     weight_N = SENSOR_KG * GRAVITY_M_PER_S2
@@ -74,10 +74,10 @@ def test_sensors_that_have_no_place(tmp_path: Path) -> None:
     assert complaints(tmp_path, on_frame) == [
         "--set probes.p.sensor_kg: is for a probe on a panel; add its mass to the frame's"
     ]
-    said = complaints(
+    messages = complaints(
         tmp_path, 'probes.p={panel="deck", at=[0.5, 0.5], sensor_kg=0.02}', "slice.width_m=0.05"
     )
-    assert any("of which a slice of the width has no share" in line for line in said)
+    assert any("of which a slice of the width has no share" in line for line in messages)
 
 
 def test_a_panel_with_probes_is_drawn_at_four_instants(tmp_path: Path) -> None:

@@ -118,7 +118,7 @@ def test_position_and_energy_converge_with_order_two(integrator):
 
 
 def test_explicit_and_implicit_agree():
-    """Same panel, same law, implicit with 5e-5 s: 1e-3 in deflection, 1e-2 in clamp force."""
+    """The panel and the law are the same, implicit with 5e-5 s: 1e-3 in deflection, 1e-2 in clamp force."""
     heights, pulls = [], []
     for integrator, step_s in (("explicit", 0.0), ("implicit", 5e-5)):
         panel = opened(span_m=0.328, cells=(12, 2), integrator=integrator, step_s=step_s, branches=BRANCHES)
@@ -195,7 +195,7 @@ def test_refuses_a_step_above_the_limit():
 
 
 def test_the_limit_is_where_it_becomes_unstable():
-    """Just below the theoretical limit a disturbance stays bounded, just above it explodes."""
+    """A disturbance stays bounded just below the theoretical limit, and explodes just above it."""
     from adapters.panel import sheet
     from adapters.panel.finite_element.integrators import STABLE_SHARE
 

@@ -1,4 +1,4 @@
-"""What needs no solver: the grid's shape functions, and what a missing solver says."""
+"""Parts that need no solver: the grid's shape functions, and what a missing solver says."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ def test_a_taut_panel_with_joined_sides_is_in_pure_shear(stretch):
 
 
 def test_joined_sides_move_alike_and_take_no_momentum():
-    """Under a load on one side: both sides have the same velocity to the bit, and what weight, load and
+    """The load is on one side: both sides have the same velocity to the bit, and what weight, load and
     clamps give is the momentum to rounding, also along y."""
     given = plan(cells=(8, 2), joined_sides=True)
     panel = opened(cells=(8, 2), joined_sides=True)
@@ -139,8 +139,8 @@ def test_joined_sides_move_alike_and_take_no_momentum():
     for k in range(50):
         state = panel.advance(Interval(k, interval_s), shaken(panel, (k + 1) * interval_s), Load(force_N))
         given_N_s += interval_s * (weight_N + force_N.sum(axis=0) - state.reaction.force_N.sum(axis=0))
-    found = panel.account().momentum_kg_m_per_s
-    np.testing.assert_allclose(found, given_N_s, rtol=0, atol=1e-12 * np.abs(found).max())
+    momentum_N_s = panel.account().momentum_kg_m_per_s
+    np.testing.assert_allclose(momentum_N_s, given_N_s, rtol=0, atol=1e-12 * np.abs(momentum_N_s).max())
     rows = state.surface.velocity_m_per_s.reshape(-1, 5, 3)
     assert np.array_equal(rows[:, 0], rows[:, -1])
     assert np.abs(rows[:, 0] - rows[:, 2]).max() > 1e-3

@@ -54,8 +54,8 @@ def settled(structure, given):
 
 @pytest.mark.parametrize("stretch", [1.025, 1.10, 1.5])
 def test_uniaxial_stress(stretch):
-    """As for the sheet, P = 2 (l - 1/l^2)(C10 + C01/l); K = 2 GPa is 300 times the shear modulus,
-    so the volume gives way by  stress/(3 K)  and the force by 0.2 % at most."""
+    """The law is that of the sheet, P = 2 (l - 1/l^2)(C10 + C01/l); K = 2 GPa is 300 times the shear
+    modulus, so the volume gives way by stress/(3 K) and the force by 0.2 % at most."""
     given = plan(cells=(2, 1))
     structure = structure_of(given)
     end = structure.material_m[:, 0] > 0.3
@@ -152,7 +152,7 @@ def test_at_rest_as_the_sheet():
 
 @pytest.mark.parametrize("integrator", ["explicit", "implicit"])
 def test_momentum_is_exact_in_every_interval(integrator):
-    """As for the sheet: 1e-12 of the impulse through the clamps."""
+    """The balance holds as for the sheet: 1e-12 of the impulse through the clamps."""
     panel = opened(span_m=0.328, cells=(8, 1), integrator=integrator, branches=BRANCHES, thickness_m=0.008)
     before = panel.account()
     rng = np.random.default_rng(5)

@@ -56,7 +56,8 @@ def test_finer_cells_where_the_plan_asks_for_them():
 
 @pytest.mark.parametrize("pattern", [SLOTS, STAGGERED], ids=["rows", "staggered"])
 def test_values_on_material_and_across_openings(pattern):
-    """On material s^2 y^2 to rounding, on rims, too; in an opening linear between its rims."""
+    """The values on material are s^2 y^2 to rounding, on rims, too; in an opening they are linear between
+    its rims."""
     chosen = given(pattern)
     grid = solid_grid(chosen)
 
@@ -100,11 +101,11 @@ def test_openings_at_the_clamps_and_at_the_sides():
 
 def test_size_before_the_mesh_is_made():
     """The lightest node is the middle of the rim's corners between two cells of 10 x 1.5 mm."""
-    found, grid = size(given()), solid_grid(given())
-    assert found.cells == (grid.hole_of_cell() < 0).sum()
-    assert found.nodes == 3 * len(grid.nodes_m())
+    predicted, grid = size(given()), solid_grid(given())
+    assert predicted.cells == (grid.hole_of_cell() < 0).sum()
+    assert predicted.nodes == 3 * len(grid.nodes_m())
     lightest_kg = 2 / 3 * 1200 * 0.004 * grid.node_areas_m2().min()
-    assert found.lightest_kg == pytest.approx(lightest_kg)
+    assert predicted.lightest_kg == pytest.approx(lightest_kg)
 
 
 def test_round_ends_are_refused():

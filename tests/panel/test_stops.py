@@ -54,7 +54,7 @@ def mount(panel: StoppedPanel, shift_m: Array, velocity_m_per_s: Array, which: A
 
 
 def tops(panel: StoppedPanel) -> Array:
-    """Which points of the mount are the stop's: the last three."""
+    """Return which points of the mount are the stop's: the last three."""
     return np.arange(len(panel.mount.frame)) >= len(panel.mount.frame) - 3
 
 
@@ -94,7 +94,7 @@ def test_a_panel_pressed_on_a_stop_rests_on_its_layer(solver: str) -> None:
 
 
 def depths_m(solver: str, panel: StoppedPanel, state: PanelState, clamps: Motion) -> Array:
-    """Of the middles of cells half as large as the panel's, which is what the layer looks at."""
+    """Return the depths of the middles of cells half as large as the panel's, which the layer looks at."""
     along = ALONG[solver]
     s, y = np.meshgrid(0.03 + 0.06 * (np.arange(along) + 0.5) / along, [0.0125, 0.0375])
     places = panel.interpolation(np.column_stack([s.ravel(), y.ravel()])).values
@@ -224,8 +224,8 @@ def test_the_limit_of_stiffness(q: float, stays: bool) -> None:
 
 
 def test_force_and_torque_pass_to_a_turning_top() -> None:
-    """To rounding: the load on the panel and the reaction at the top's corners, where they are in
-    the middle of the interval, make up neither a force nor a couple."""
+    """The load on the panel and the reaction at the top's corners, where they are in the middle of the
+    interval, make up neither a force nor a couple, to rounding."""
     made = plan(length_m=0.12, gravity_m_per_s2=0.0)
     made = replace(made, stops=(stop(0.1, gap_m=1e-6),))
     plate = Plate(made, speed_m_per_s=0.5)

@@ -52,9 +52,9 @@ def middle_m(panel: strip.Strip) -> float:
 )
 def test_uniaxial_law(material: HyperelasticPlan, stretch: float, stress_MPa: str) -> None:
     """P = 2 (l - l^-2)(C10 + C01 / l), evaluated independently; to the digits given."""
-    found = stretch_law(material, 0.0).stress_Pa(np.array([stretch]))[0]
+    stress_Pa = stretch_law(material, 0.0).stress_Pa(np.array([stretch]))[0]
     digits = len(stress_MPa.split(".")[1])
-    assert found / 1e6 == pytest.approx(float(stress_MPa), abs=0.51 * 10**-digits)
+    assert stress_Pa / 1e6 == pytest.approx(float(stress_MPa), abs=0.51 * 10**-digits)
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_tangent_is_the_derivative_of_the_force(mounting: dict[str, float]) -> N
 
 @MOUNTINGS
 def test_compiled_force_is_the_chain_s(mounting: dict[str, float]) -> None:
-    """Of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
+    """The forces are those of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
     given = taut(6, branches=BRANCHES, **mounting)
     links = build_chain(given)
     rng = np.random.default_rng(11)
@@ -132,12 +132,12 @@ def test_the_compiled_strip_moves_as_the_python_one() -> None:
             clamps.velocity_m_per_s + 1e-4 * turn[0] * 40 * np.sin(80 * time_s),
         )
         expected = BodyPanel.advance(python, Interval(k, length_s), clamps, load)
-        found = compiled.advance(Interval(k, length_s), clamps, load)
+        actual = compiled.advance(Interval(k, length_s), clamps, load)
         if k % 50 == 49:
             moved_m = expected.surface.position_m - rest_m
-            assert difference(found.surface.position_m - rest_m, moved_m) < 1e-9
-            assert difference(found.surface.velocity_m_per_s, expected.surface.velocity_m_per_s) < 1e-9
-            assert difference(found.reaction.force_N, expected.reaction.force_N) < 1e-9
+            assert difference(actual.surface.position_m - rest_m, moved_m) < 1e-9
+            assert difference(actual.surface.velocity_m_per_s, expected.surface.velocity_m_per_s) < 1e-9
+            assert difference(actual.reaction.force_N, expected.reaction.force_N) < 1e-9
     accounts = BodyPanel.account(python), compiled.account()
     for books in ("stored_J", "lost_J", "received_J"):
         assert getattr(accounts[1], books) == pytest.approx(getattr(accounts[0], books), rel=1e-9)
@@ -145,7 +145,7 @@ def test_the_compiled_strip_moves_as_the_python_one() -> None:
 
 
 def test_strips_of_a_set_advance_together_as_they_do_alone() -> None:
-    """To the last bit; the one that blows up is named."""
+    """The strips agree to the last bit; the one that blows up is named."""
 
     def opened(number: int) -> Panel:
         return strip.build(replace(taut([6, 8, 6][number], branches=BRANCHES), name=f"panel {number}"))
@@ -156,12 +156,12 @@ def test_strips_of_a_set_advance_together_as_they_do_alone() -> None:
     for k in range(3):
         load = Load(rng.normal(scale=0.5, size=(len(members.initial().surface), 3)))
         clamps = shaken(members, (k + 1) * 1e-4)
-        found = members.advance(Interval(k, 1e-4), clamps, load)
+        of_set = members.advance(Interval(k, 1e-4), clamps, load)
         for panel, points, held_points in zip(alone, members.surface, members.clamps, strict=True):
             state = panel.advance(Interval(k, 1e-4), clamps.part(held_points), load.part(points))
-            assert np.array_equal(found.surface.position_m[points], state.surface.position_m)
-            assert np.array_equal(found.surface.velocity_m_per_s[points], state.surface.velocity_m_per_s)
-            assert np.array_equal(found.reaction.force_N[held_points], state.reaction.force_N)
+            assert np.array_equal(of_set.surface.position_m[points], state.surface.position_m)
+            assert np.array_equal(of_set.surface.velocity_m_per_s[points], state.surface.velocity_m_per_s)
+            assert np.array_equal(of_set.reaction.force_N[held_points], state.reaction.force_N)
     broken = members._own[1]
     assert isinstance(broken, CompiledPanel)
     broken._body.memory["position_m"][4, 0] = np.nan
@@ -227,8 +227,8 @@ def test_taut_strip_frequency() -> None:
     z = np.array(heights[10:])
     rising = np.flatnonzero((z[:-1] < 0) & (z[1:] >= 0))
     crossed = rising + z[rising] / (z[rising] - z[rising + 1])
-    found = (len(crossed) - 1) / (interval_s * (crossed[-1] - crossed[0]))
-    assert found == pytest.approx(33.68, rel=1.5e-3)
+    frequency_Hz = (len(crossed) - 1) / (interval_s * (crossed[-1] - crossed[0]))
+    assert frequency_Hz == pytest.approx(33.68, rel=1.5e-3)
 
 
 def elastica(slack: float) -> float:

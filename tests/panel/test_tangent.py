@@ -26,7 +26,7 @@ def opened(solver):
 
 @pytest.mark.parametrize("solver", ["sheet", "solid"])
 def test_each_factorisation_is_of_the_present_positions_and_factors(solver):
-    """What it solves for the change of the force along a random move of the free nodes is that move,
+    """The factorisation solves for a random move of the free nodes, given the change of the force along it,
     within a step with Maxwell branches, at three shapes one after the other."""
     from adapters.panel.finite_element.tangent import Tangent
 
@@ -85,8 +85,8 @@ def test_newton_s_iteration_stays_quick_when_steps_and_shapes_change(monkeypatch
 
 
 def test_newton_s_iteration_factorises_no_more_than_it_must(monkeypatch):
-    """Once for each length of a step of a panel that hardly moves, and again as soon as it bends: a tangent
-    that is kept for ever would need fewer, one that is never kept one for each iteration."""
+    """A panel that hardly moves is factorised once for each length of a step, and again as soon as it
+    bends: a tangent that is kept for ever would need fewer, one that is never kept one for each iteration."""
     from adapters.panel import sheet
     from adapters.panel.finite_element.tangent import Tangent
 

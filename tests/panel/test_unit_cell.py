@@ -26,7 +26,7 @@ def hexagonal(diameter: float) -> AperturePattern:
 
 
 def open_share(pattern: AperturePattern) -> float:
-    """Of the polygons that stand for round holes."""
+    """Return the open share, of the polygons that stand for round holes."""
     x, y = pattern.outline_m().T
     area = np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2
     return area / (pattern.pitch_along_m * pattern.pitch_across_m)
@@ -37,23 +37,22 @@ def test_few_round_holes_soften_by_three_times_their_share():
     1031-1051, doi 10.1016/0022-5096(92)90061-6), to second order in f."""
     pattern = hexagonal(0.12)
     f = open_share(pattern)
-    found = cell(pattern).membrane
+    membrane = cell(pattern).membrane
     for axis in (0, 1):
-        assert modulus(found, axis) == pytest.approx(1 - 3 * f, abs=9 * f**2)
+        assert modulus(membrane, axis) == pytest.approx(1 - 3 * f, abs=9 * f**2)
 
 
 @pytest.mark.parametrize("diameter", [0.3, 0.5, 0.7])
 def test_a_hexagonal_pattern_is_isotropic_and_within_the_bound(diameter: float):
-    """Alike in all directions (1 %: the holes are polygons), and below the upper bound
-    (1 - f) / (1 + 2 f) of Hashin and Shtrikman for Young's modulus of a sheet with holes (Z.
-    Hashin, J. Mech. Phys. Solids 13 (1965) 119-134), which this pattern almost reaches while
-    holes are not close."""
+    """The pattern is alike in all directions (1 %: the holes are polygons), and below the upper bound (1 -
+    f) / (1 + 2 f) of Hashin and Shtrikman for Young's modulus of a sheet with holes (Z. Hashin, J. Mech.
+    Phys. Solids 13 (1965) 119-134), which this pattern almost reaches while holes are not close."""
     pattern = hexagonal(diameter)
-    found, f = cell(pattern).membrane, open_share(pattern)
-    assert found[0, 0] == pytest.approx(found[1, 1], rel=0.01)
-    assert (found[0, 0] - found[0, 1]) / 2 == pytest.approx(found[2, 2], rel=0.01)
+    membrane, f = cell(pattern).membrane, open_share(pattern)
+    assert membrane[0, 0] == pytest.approx(membrane[1, 1], rel=0.01)
+    assert (membrane[0, 0] - membrane[0, 1]) / 2 == pytest.approx(membrane[2, 2], rel=0.01)
     bound = (1 - f) / (1 + 2 * f)
-    assert (1 - f**2) * bound < modulus(found, 0) < 1.002 * bound
+    assert (1 - f**2) * bound < modulus(membrane, 0) < 1.002 * bound
 
 
 @pytest.mark.parametrize("stagger", [0.0, 0.3, 0.5])
@@ -61,8 +60,8 @@ def test_slots_lie_between_bars_and_mixture(stagger: float):
     """Stretching: no softer than the straight bars that run through, no stiffer than the share of
     material (least complementary and least potential energy); bending likewise."""
     pattern = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, stagger)
-    found = cell(pattern)
-    for stiffness in (found.membrane, found.bending):
+    factors = cell(pattern)
+    for stiffness in (factors.membrane, factors.bending):
         assert (0.5 if stagger in (0.0,) else 0.0) < modulus(stiffness, 0) < 0.6
         assert 5 / 25 < modulus(stiffness, 1) < 0.6
 
@@ -94,12 +93,12 @@ def test_a_finer_mesh_changes_little(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_the_membrane_s_factors_would_not_do_for_bending():
-    """Along and across they are alike, but twisted lands are ten times as stiff as sheared ones:
-    why bending has a cell problem of its own."""
-    found = cell(AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006))
+    """The factors along and across are alike, but twisted lands are ten times as stiff as sheared ones:
+    bending needs a cell problem of its own."""
+    factors = cell(AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006))
     for axis in (0, 1):
-        assert modulus(found.bending, axis) == pytest.approx(modulus(found.membrane, axis), 0.02)
-    assert found.bending[2, 2] > 9 * found.membrane[2, 2]
+        assert modulus(factors.bending, axis) == pytest.approx(modulus(factors.membrane, axis), 0.02)
+    assert factors.bending[2, 2] > 9 * factors.membrane[2, 2]
 
 
 @pytest.mark.parametrize(

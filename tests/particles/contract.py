@@ -34,7 +34,7 @@ def solver_adapter(name: str) -> ParticlesAdapter:
     return cast("ParticlesAdapter", adapter)
 
 
-def one(value: float) -> Array:
+def table(value: float) -> Array:
     """The (1, 1) table of a single material."""
     return np.array([[value]])
 
@@ -81,9 +81,9 @@ def plan(surface: TriangleSurface, given: ParticleList, **changes: Any) -> Parti
     usual = ParticlesPlan(
         surface=surface,
         materials=(SOFT,),
-        restitution=one(0.5),
-        sliding_friction=one(0.3),
-        rolling_friction=one(0.0),
+        restitution=table(0.5),
+        sliding_friction=table(0.3),
+        rolling_friction=table(0.0),
         particles=given,
         shapes=(SPHERE,),
         largest_radius_m=float(np.max(given.grains.bounding_radius_m, initial=0.005)),

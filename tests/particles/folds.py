@@ -26,7 +26,7 @@ KINDS = pytest.mark.parametrize("kind", [RIDGE, VALLEY], ids=["ridge", "valley"]
 
 @dataclass(frozen=True)
 class Held:
-    """At n places: force on the sphere and all of that on the surface, (n, 3), and energy (n,)."""
+    """Force on the sphere and all of that on the surface, (n, 3), and energy (n,), at n places."""
 
     force_N: Array
     load_N: Array

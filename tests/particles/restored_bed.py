@@ -27,7 +27,7 @@ from tests.saved_states import differences
 
 
 def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> list[str]:
-    """What differs at the end between a run that never stops and one that another solver, freshly
+    """Return what differs at the end between a run that never stops and one that another solver, freshly
     opened, takes over at ``save_at``; loads in between included."""
     build = solver_adapter(solver).build
     whole, first, second = build(plan), build(plan), build(plan)
@@ -35,13 +35,13 @@ def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> l
     travel(first, wave, range(save_at))
     saved = first.save()
     second.restore(saved)
-    found = differences(saved, second.save(), "restored")
-    loads = [travel(one, wave, range(save_at, intervals)) for one in (whole, second)]
-    found += [f"load {n}" for n, (a, b) in enumerate(zip(*loads, strict=True)) if (a != b).any()]
-    found += differences(whole.save(), second.save(), "later")
-    for one in (whole, first, second):
-        one.close()
-    return found
+    differing = differences(saved, second.save(), "restored")
+    loads = [travel(particles, wave, range(save_at, intervals)) for particles in (whole, second)]
+    differing += [f"load {n}" for n, (a, b) in enumerate(zip(*loads, strict=True)) if (a != b).any()]
+    differing += differences(whole.save(), second.save(), "later")
+    for particles in (whole, first, second):
+        particles.close()
+    return differing
 
 
 OPEN_END = ExitPlan("end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1]))
@@ -55,7 +55,7 @@ INLET = Inlet(
 
 
 def fed(solver: str, plan: ParticlesPlan) -> MeteredParticles:
-    """With a feed that draws at random, and a meter."""
+    """Return particles with a feed that draws at random, and a meter."""
     feed = Feeds([INLET], 7, plan.particles)
     opened = solver_adapter(solver).build(replace(plan, feed=feed))
     return MeteredParticles(opened, feed, solver, Stopwatch())
@@ -70,37 +70,37 @@ def astray(interval: Interval) -> HermitePath:
 
 
 def hesitating(solver: str, plan: ParticlesPlan, intervals: int) -> list[str]:
-    """What differs between a run that goes straight on and one that goes astray in every interval
+    """Return what differs between a run that goes straight on and one that goes astray in every interval
     and steps back: loads, whole states, accounts, who was removed and how many were fed."""
     straight, hesitant = fed(solver, plan), fed(solver, plan)
-    found = []
+    differing = []
     for index in range(intervals):
         before = hesitant.save()
         hesitant.advance(Interval(index, INTERVAL_S), astray(Interval(index, INTERVAL_S)))
         hesitant.restore(before)
-        loads = [travel(one, wave, range(index, index + 1)) for one in (straight, hesitant)]
-        found += [f"load {index}"] if np.any(loads[0][0] != loads[1][0]) else []
-    found += differences(straight.save(), hesitant.save(), "state")
-    found += differences(as_arrays(straight.account()), as_arrays(hesitant.account()), "account")
-    removed = [as_arrays(one.removed()) for one in (straight, hesitant)]
-    found += differences(*removed, "removed")
-    for one in (straight, hesitant):
-        one.close()
-    return found
+        loads = [travel(particles, wave, range(index, index + 1)) for particles in (straight, hesitant)]
+        differing += [f"load {index}"] if np.any(loads[0][0] != loads[1][0]) else []
+    differing += differences(straight.save(), hesitant.save(), "state")
+    differing += differences(as_arrays(straight.account()), as_arrays(hesitant.account()), "account")
+    removed = [as_arrays(particles.removed()) for particles in (straight, hesitant)]
+    differing += differences(*removed, "removed")
+    for particles in (straight, hesitant):
+        particles.close()
+    return differing
 
 
 def main() -> None:
     from mpi4py import MPI
 
     world: Any = MPI.COMM_WORLD
-    found = resumed("liggghts", bed_plan(communicator=world), 60, 120)
-    found += hesitating("liggghts", bed_plan(communicator=world), 120)
+    differing = resumed("liggghts", bed_plan(communicator=world), 60, 120)
+    differing += hesitating("liggghts", bed_plan(communicator=world), 120)
     sticky = bed_plan(communicator=world, exits=(OPEN_END,), **PERIODIC, **WET, **counted())
-    found += hesitating("liggghts", sticky, 60)
+    differing += hesitating("liggghts", sticky, 60)
     cut_often()  # where the box is cut belongs to the state
-    found += resumed("liggghts", bed_plan(communicator=world), 50, 90)
-    found += hesitating("liggghts", sticky, 50)
-    everywhere = world.gather(found)
+    differing += resumed("liggghts", bed_plan(communicator=world), 50, 90)
+    differing += hesitating("liggghts", sticky, 50)
+    everywhere = world.gather(differing)
     if world.rank == 0:
         print(json.dumps(everywhere))
 

@@ -166,16 +166,16 @@ MASS_KG = DENSITY_KG_PER_M3 * 4 / 3 * math.pi * RADIUS_M**3
 
 @pytest.mark.parametrize("share", [0.97, 1.03])
 def test_the_critical_sticking_speed_of_a_pair(module: ParticlesAdapter, share: float) -> None:
-    """Without damping: below 4.84 mm/s two spheres stick, above they part.  The step, 2 us,
-    shifts where the neck forms and snaps by up to 2 % of the gap it bridges."""
+    """Two spheres without damping stick below 4.84 mm/s and part above. The step, 2 us, shifts where the
+    neck forms and snaps by up to 2 % of the gap it bridges."""
     sticks, _, _ = meeting(module, share * PAIR.sticking_m_per_s(MASS_KG / 2), step_s=2e-6)
     assert sticks == (share < 1.0)
 
 
 def test_a_bounce_loses_the_loop(module: ParticlesAdapter) -> None:
-    """At twice the sticking speed the pair parts with the area of the loop less; the ledger of
-    the spheres, which books necks as they form and snap, agrees to 1 % of it (the step: 1 us
-    at 10 mm/s is 2 % of the gap that the neck bridges, half of it at each end)."""
+    """The pair at twice the sticking speed parts with the area of the loop less; the ledger of the spheres,
+    which books necks as they form and snap, agrees to 1 % of it (the step: 1 us at 10 mm/s is 2 % of the
+    gap that the neck bridges, half of it at each end)."""
     sticks, lost_J, defect_J = meeting(module, 2 * PAIR.sticking_m_per_s(MASS_KG / 2), step_s=1e-6)
     assert not sticks
     assert lost_J == pytest.approx(PAIR.loop_J, rel=2e-2)
@@ -204,8 +204,8 @@ def test_softened_contacts(module: ParticlesAdapter, rule: str) -> None:
 
 @pytest.mark.parametrize("work_J_per_m2", [0.0, 0.05])
 def test_coarse_contacts_are_similar(module: ParticlesAdapter, work_J_per_m2: float) -> None:
-    """Twice the size with twice the work of adhesion: the same rebound speed, in twice the time
-    (particles.coarse_graining)."""
+    """Spheres of twice the size with twice the work of adhesion have the same rebound speed, in twice the
+    time (particles.coarse_graining)."""
     speeds_m_per_s = []
     for k in (1.0, 2.0):
         sphere = spheres([1e-5 * k, 0.0, 1.001e-3 * k], (0.0, 0.0, -0.05), 2e-3 * k)

@@ -1,4 +1,4 @@
-"""What particles and surface give each other of angular momentum: each solver closes it."""
+"""Angular momentum that particles and surface give each other: each solver closes it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from orchestrator.ports import Account, Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Jkr, ParticleList, ParticlesPlan
-from tests.particles.contract import Run, energy_defect_J, one, particles, plan, plate
+from tests.particles.contract import Run, energy_defect_J, particles, plan, plate, table
 
 Build = Callable[[ParticlesPlan], Run]
 SPIN_RAD_S = np.array([1.3, -2.1, 4.0])
@@ -68,7 +68,7 @@ def spinning(**changes: Any) -> ParticlesPlan:
     """Nine balls that spin on a plate, one more on their top."""
     place_m = [[x, y, 0.0049] for x in (-0.012, 0.0, 0.012) for y in (-0.011, 0.0, 0.011)]
     given = particles([*place_m, [0.001, 0.002, 0.0145]], [0.1, 0.05, -0.1], [40.0, -60.0, 25.0])
-    usual: dict[str, Any] = {"rolling_friction": one(0.1), "sliding_friction": one(0.4)}
+    usual: dict[str, Any] = {"rolling_friction": table(0.1), "sliding_friction": table(0.4)}
     surface = plate(0.02, 4)
     surface.position_m[:, 2] += 1e-4 * np.sin(900.0 * surface.position_m[:, 0])  # small folds
     return plan(surface, given, **usual | changes)
@@ -77,14 +77,14 @@ def spinning(**changes: Any) -> ParticlesPlan:
 LAWS: dict[str, dict[str, Any]] = {
     "epsd2": {"rolling": "epsd2"},
     "cdt": {"rolling": "cdt"},
-    "none": {"rolling_friction": one(0.0)},
-    "jkr": {"adhesion": Jkr(one(0.5), 0.5), "step_s": 5e-6},
+    "none": {"rolling_friction": table(0.0)},
+    "jkr": {"adhesion": Jkr(table(0.5), 0.5), "step_s": 5e-6},
 }
 
 
 @pytest.mark.parametrize("laws", LAWS)
 def test_angular_momentum_is_handed_over_to_rounding(build: Build, laws: str) -> None:
-    """With friction, with either law of rolling, and with necks."""
+    """The balance holds with friction, with either law of rolling, and with necks."""
     run = build(spinning(**LAWS[laws]))
     before = run.solver.account()
     advance(run, 8)
@@ -112,7 +112,7 @@ def test_resistance_to_rolling_sees_the_surface_turn(build: Build, law: str) -> 
     """A ball that spins with the plate it lies on, about an axis in the plate, feels nothing of it;
     one that does not is taken along."""
     omega, length_s, surface = np.array([0.0, 3.0, 0.0]), 2e-3, plate(0.02, 4)
-    rolls = {"rolling_friction": one(0.3), "rolling": law, "sliding_friction": one(0.0)}
+    rolls = {"rolling_friction": table(0.3), "rolling": law, "sliding_friction": table(0.0)}
     velocity_m_per_s = np.cross(omega, surface.position_m - [0.0, 0.0, 0.005])
     end_m = surface.position_m + length_s * velocity_m_per_s
     path = HermitePath(
@@ -130,9 +130,9 @@ def test_resistance_to_rolling_sees_the_surface_turn(build: Build, law: str) -> 
 
 
 def test_a_couple_works_on_a_surface_that_turns(build: Build) -> None:
-    """On a surface that turns, what resistance to rolling takes is the work of the relative
-    rotation, and the books of energy close."""
-    run = build(spinning(restitution=one(1.0), step_s=4e-6))
+    """The work of the relative rotation is what resistance to rolling takes on a surface that turns, and
+    the books of energy close."""
+    run = build(spinning(restitution=table(1.0), step_s=4e-6))
     before = run.solver.account()
     advance(run, 5)
     after = run.solver.account()

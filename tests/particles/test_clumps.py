@@ -67,7 +67,7 @@ OF_ANY_SHAPE = [
 
 @pytest.mark.parametrize("test", OF_ANY_SHAPE, ids=lambda test: test.__name__)
 def test_the_contract_holds_for_a_dumbbell(build: Build, test: Callable[[Build], None]) -> None:
-    """As light as a sphere of its sieve size, whose mass the contract expects."""
+    """The dumbbell is as light as a sphere of its sieve size, whose mass the contract expects."""
     hollow = replace(DUMBBELL, volume=pi / 6, inertia=tuple(np.array(DUMBBELL.inertia) / 2))
     test(lambda plan: build(dumbbells(hollow, plan)))
 
@@ -159,19 +159,19 @@ def test_books_close_while_dumbbells_come_hit_and_leave(build: Build) -> None:
     assert abs(run.given_N_s[2]) > MASS_KG  # there were impacts
     gained = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s - after.outside_impulse_N_s
     np.testing.assert_allclose(gained + run.given_N_s, 0.0, atol=1e-11 * MASS_KG)
-    one, other = before.angular, after.angular
-    assert one is not None
-    assert other is not None
-    turned = other.momentum_kg_m2_per_s - one.momentum_kg_m2_per_s - other.outside_impulse_N_m_s
-    turned = turned + one.outside_impulse_N_m_s
-    received = other.received_N_m_s["surface"] - one.received_N_m_s["surface"]
+    earlier, later = before.angular, after.angular
+    assert earlier is not None
+    assert later is not None
+    turned = later.momentum_kg_m2_per_s - earlier.momentum_kg_m2_per_s - later.outside_impulse_N_m_s
+    turned = turned + earlier.outside_impulse_N_m_s
+    received = later.received_N_m_s["surface"] - earlier.received_N_m_s["surface"]
     np.testing.assert_allclose(turned, received, atol=1e-12 * MASS_KG)
     moved_J = 5 * MASS_KG * 0.6**2
     assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-2 * moved_J)
 
 
 def test_a_feed_looks_at_each_sphere(build: Build) -> None:
-    """Beside an upright dumbbell there is room within the sphere that holds it, and above it none."""
+    """The feed has room beside an upright dumbbell within the sphere that holds it, and none above it."""
     feed = OnceAt(0, particles([[0.0105, 0, 0.1], [0, 0, 0.119], [0, 0.05, 0.1]]))
     present = particles([0, 0, 0.1])
     run = build(dumbbells(DUMBBELL, plan(plate(0.02, 1), present, feed=feed, gravity_m_per_s2=WEIGHTLESS)))
@@ -189,8 +189,8 @@ def test_it_goes_on_bit_for_bit_after_a_restore(module: ParticlesAdapter) -> Non
     for run in (first, second):
         run.advance(20)
     for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
-        one, other = (getattr(run.solver.snapshot(), name) for run in (first, second))
-        np.testing.assert_array_equal(one, other)
+        mine, its = (getattr(run.solver.snapshot(), name) for run in (first, second))
+        np.testing.assert_array_equal(mine, its)
 
 
 def test_liggghts_says_that_it_takes_spheres_alone() -> None:

@@ -71,22 +71,22 @@ WAYS = SPEED_M_S * np.vstack([np.zeros(3), np.eye(3)])
 
 
 def errors(solver: Any, plan: ParticlesPlan, length_s: float) -> tuple[float, float]:
-    """Of the load at a surface at rest, and of what it changes by where the surface moves in each
-    direction; largest value, relative to the largest."""
-    told = solver.contact_tangent(length_s)
+    """Return the errors of the load at a surface at rest, and of what it changes by where the surface moves
+    in each direction; largest value, relative to the largest."""
+    tangent = solver.contact_tangent(length_s)
     still_N, *moving_N = (load_N(solver, plan, way, length_s) for way in WAYS)
     changes = np.array([still_N - one_N for one_N in moving_N]) / SPEED_M_S
-    predicted = np.moveaxis(told.impedance_N_s_per_m, 2, 0)  # (direction of motion, points, 3)
+    predicted = np.moveaxis(tangent.impedance_N_s_per_m, 2, 0)  # (direction of motion, points, 3)
     return (
-        float(np.abs(told.push_N - still_N).max() / np.abs(still_N).max()),
+        float(np.abs(tangent.push_N - still_N).max() / np.abs(still_N).max()),
         float(np.abs(predicted - changes).max() / np.abs(changes).max()),
     )
 
 
 def test_it_is_the_tangent_of_the_mean_load(module: ParticlesAdapter) -> None:
-    """Against finite differences, in intervals of 1/14 and 1/28 of a contact: the midpoint rule is
-    of second order in what it tells of its contact; the sphere on top, whose force is taken as it
-    is at the start, is of first order in the push (measured, the same four digits in both
+    """The tangent is compared with finite differences, in intervals of 1/14 and 1/28 of a contact: the
+    midpoint rule is of second order in what it tells of its contact; the sphere on top, whose force is
+    taken as it is at the start, is of first order in the push (measured, the same four digits in both
     adapters: impedance off by 1.457 and 0.2015 %, push by 0.2114 and 0.1311 %)."""
     plan = pressed()
     with in_touch(module, plan) as solver:
@@ -110,15 +110,15 @@ def test_it_is_the_tangent_of_the_mean_load(module: ParticlesAdapter) -> None:
 )
 def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
     plan = pressed(**changes)
-    told = []
+    tangents = []
     for module in (spheres, solver_adapter("liggghts")):
         with in_touch(module, plan) as solver:
-            told.append(solver.contact_tangent(1e-5))
-    mine, theirs = told
+            tangents.append(solver.contact_tangent(1e-5))
+    mine, theirs = tangents
     for name in ("push_N", "impedance_N_s_per_m"):
-        one, other = getattr(mine, name), getattr(theirs, name)
-        assert np.abs(other).max() > 0
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
+        ours, others = getattr(mine, name), getattr(theirs, name)
+        assert np.abs(others).max() > 0
+        np.testing.assert_allclose(ours, others, rtol=0, atol=1e-9 * np.abs(others).max())
 
 
 @pytest.mark.solver
@@ -126,12 +126,12 @@ def test_a_contact_tangent_goes_along_with_a_saved_state() -> None:
     """Bit for bit, back at the sync point and in another instance."""
     plan = pressed()
     with in_touch(solver_adapter("liggghts"), plan) as solver:
-        before, told = solver.save(), solver.contact_tangent(1e-5)
+        before, tangent = solver.save(), solver.contact_tangent(1e-5)
         load_N(solver, plan, np.array([0.0, 0.0, 0.01]), 1e-5)
         again = solver.contact_tangent(1e-5)
     with closing(solver_adapter("liggghts").build(plan)) as other:
         other.restore(before)
         elsewhere = other.contact_tangent(1e-5)
     for name in ("push_N", "impedance_N_s_per_m"):
-        np.testing.assert_array_equal(getattr(told, name), getattr(again, name))
-        np.testing.assert_array_equal(getattr(told, name), getattr(elsewhere, name))
+        np.testing.assert_array_equal(getattr(tangent, name), getattr(again, name))
+        np.testing.assert_array_equal(getattr(tangent, name), getattr(elsewhere, name))

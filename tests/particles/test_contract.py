@@ -19,10 +19,10 @@ from tests.particles.contract import (
     Run,
     at_rest,
     energy_defect_J,
-    one,
     particles,
     plan,
     plate,
+    table,
 )
 
 Build = Callable[[ParticlesPlan], Run]
@@ -34,7 +34,7 @@ MASS_KG = 1430.0 * np.pi / 6.0 * 0.01**3  # of the usual particle
 
 def test_a_sphere_at_rest_loads_the_surface_with_its_weight(build: Build) -> None:
     surface = plate(0.02, 3)
-    run = build(plan(surface, particles([0.001, 0.002, 0.00499]), restitution=one(0.2)))
+    run = build(plan(surface, particles([0.001, 0.002, 0.00499]), restitution=table(0.2)))
     run.advance(120)
     force_N = run.load_N[-1].sum(axis=0)
     np.testing.assert_allclose(force_N, MASS_KG * G_M_PER_S2, atol=1e-6 * MASS_KG * 9.81)
@@ -43,13 +43,13 @@ def test_a_sphere_at_rest_loads_the_surface_with_its_weight(build: Build) -> Non
 
 
 def test_overlaps_are_the_deepest_of_now(build: Build) -> None:
-    """At t = 0 of spheres of 10 mm: 0.1 mm deep in each other, one 0.2 mm in the plate."""
+    """Spheres of 10 mm at t = 0 are 0.1 mm deep in each other, one 0.2 mm in the plate."""
     apart = particles(np.array([[0.0, 0.0, 0.0048], [0.0, 0.0, 0.0147], [0.03, 0.0, 0.05]]))
-    found = build(plan(plate(0.05, 3), apart)).solver.overlaps()
-    assert found.between_m == pytest.approx(1e-4, rel=1e-9)
-    assert found.between_per_diameter == pytest.approx(0.01, rel=1e-9)
-    assert found.surface_m == pytest.approx(2e-4, rel=1e-9)
-    assert found.surface_per_diameter == pytest.approx(0.02, rel=1e-9)
+    overlaps = build(plan(plate(0.05, 3), apart)).solver.overlaps()
+    assert overlaps.between_m == pytest.approx(1e-4, rel=1e-9)
+    assert overlaps.between_per_diameter == pytest.approx(0.01, rel=1e-9)
+    assert overlaps.surface_m == pytest.approx(2e-4, rel=1e-9)
+    assert overlaps.surface_per_diameter == pytest.approx(0.02, rel=1e-9)
     lonely = build(plan(plate(0.05, 3), particles([0.0, 0.0, 0.05]))).solver.overlaps()
     assert (lonely.between_m, lonely.surface_per_diameter) == (0.0, 0.0)
 
@@ -92,7 +92,7 @@ def test_restitution_is_as_set(build: Build, restitution: float) -> None:
             plate(0.01, 1),
             given,
             materials=(alumina,),
-            restitution=one(restitution),
+            restitution=table(restitution),
             gravity_m_per_s2=WEIGHTLESS,
             step_s=1e-8,
             sync_interval_s=1e-6,
@@ -161,7 +161,7 @@ def test_elastic_impact_of_two_spheres(build: Build) -> None:
                 plate(0.01, 1),
                 given,
                 materials=(material,),
-                restitution=one(1.0),
+                restitution=table(1.0),
                 gravity_m_per_s2=WEIGHTLESS,
                 step_s=2e-8,
                 sync_interval_s=2e-7,
@@ -195,7 +195,7 @@ def test_a_moving_surface_is_seen_from_its_own_frame(build: Build) -> None:
 def test_energy_is_accounted_for_with_a_moving_surface(build: Build) -> None:
     """A surface that hits a sphere elastically does the work 2 m V^2 on it."""
     run = build(
-        plan(plate(0.02, 3), particles([0, 0, 0.0052]), restitution=one(1.0), gravity_m_per_s2=WEIGHTLESS)
+        plan(plate(0.02, 3), particles([0, 0, 0.0052]), restitution=table(1.0), gravity_m_per_s2=WEIGHTLESS)
     )
     run.velocity_m_per_s = np.array([0.0, 0.0, 0.5])
     before = run.solver.account()
@@ -208,7 +208,7 @@ def test_energy_is_accounted_for_with_a_moving_surface(build: Build) -> None:
 
 def test_a_jump_of_the_surface_is_booked_as_work(build: Build) -> None:
     """The path may start where the last one did not end: a loaded surface does work by that."""
-    run = build(plan(plate(0.02, 3), particles([0, 0, 0.00499]), restitution=one(0.2)))
+    run = build(plan(plate(0.02, 3), particles([0, 0, 0.00499]), restitution=table(0.2)))
     run.advance(100)
     before, jump_m = run.solver.account(), 1e-7
     still = at_rest(run.plan.surface)

@@ -13,7 +13,7 @@ from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, ParticlesPlan
-from tests.particles.contract import LIGGGHTS_ALONE, WEIGHTLESS, Run, at_rest, one, particles, plan, plate
+from tests.particles.contract import LIGGGHTS_ALONE, WEIGHTLESS, Run, at_rest, particles, plan, plate, table
 
 ASKED = LIGGGHTS_ALONE
 
@@ -49,7 +49,8 @@ def with_hole(cells: int) -> TriangleSurface:
 def test_who_goes_through_is_counted_once(
     build: Build, place_m: tuple[float, float], height_m: float, side: float
 ) -> None:
-    """Through a point, an edge and a triangle of the surface, flat or folded, from either side."""
+    """The spheres go through a point, an edge and a triangle of the surface, flat or folded, from either
+    side."""
     x_m, y_m = place_m
     surface_z_m = height_m * (1.0 - abs(x_m) / 0.02)
     start_m = [x_m, y_m, surface_z_m + side * 0.008]
@@ -58,11 +59,11 @@ def test_who_goes_through_is_counted_once(
     assert run.solver.crossings().number == 0
     run.advance(8)
     assert np.sign(run.solver.snapshot().position_m[0, 2]) == -side
-    found = run.solver.crossings()
-    assert (found.number, found.first_id) == (1, 1)
+    crossings = run.solver.crossings()
+    assert (crossings.number, crossings.first_id) == (1, 1)
     # it is hardly slowed down, and found within a step of 0.06 mm
-    assert found.first_time_s == pytest.approx(0.008 / 3.0, rel=0.05)
-    np.testing.assert_allclose(found.first_position_m, [x_m, y_m, surface_z_m], atol=1.5e-4)
+    assert crossings.first_time_s == pytest.approx(0.008 / 3.0, rel=0.05)
+    np.testing.assert_allclose(crossings.first_position_m, [x_m, y_m, surface_z_m], atol=1.5e-4)
 
 
 def test_who_is_held_does_not_go_through(build: Build) -> None:
@@ -100,8 +101,8 @@ def test_who_passes_a_free_edge_goes_through_nothing(build: Build) -> None:
     run = build(soft(plate(0.02, 4), start_m, [0.0, 0.0, -3.0]))
     run.advance(10)
     assert (run.solver.snapshot().position_m[:, 2] < -0.005).all()
-    found = run.solver.crossings()
-    assert (found.number, found.first_id) == (1, 2)
+    crossings = run.solver.crossings()
+    assert (crossings.number, crossings.first_id) == (1, 2)
 
 
 @pytest.mark.parametrize("speed_m_per_s", [450.0, 2000.0])
@@ -140,10 +141,10 @@ def test_a_surface_that_moves_through_a_particle(build: Build) -> None:
 
 
 def test_a_surface_that_follows_is_not_crossed(build: Build) -> None:
-    """Seen from a surface that falls and turns with them, particles at rest cross nothing."""
+    """Particles at rest cross nothing of a surface that falls and turns with them."""
     surface = plate(0.05, 4)
     given = particles([[0.0, 0.0, 0.0049], [0.02, 0.013, 0.0049]], [0.4, 0.1, -2.0])
-    run = build(plan(surface, given, gravity_m_per_s2=WEIGHTLESS, restitution=one(1.0)))
+    run = build(plan(surface, given, gravity_m_per_s2=WEIGHTLESS, restitution=table(1.0)))
     run.velocity_m_per_s = np.array([0.4, 0.1, -2.0])
     run.advance(30)
     assert run.solver.crossings().number == 0
@@ -154,34 +155,34 @@ def test_crossings_are_saved(build: Build) -> None:
     solver = run.solver
     early = solver.save()
     run.advance(10)
-    found, late = run.solver.crossings(), solver.save()
+    crossings, late = run.solver.crossings(), solver.save()
     run.solver.overlaps()
     solver.restore(early)
     assert run.solver.crossings().number == 0
     assert run.solver.overlaps().surface_m == 0.0
     solver.restore(late)
-    assert vars(run.solver.crossings()).keys() == vars(found).keys()
-    assert run.solver.crossings().number == found.number == 1
-    np.testing.assert_array_equal(run.solver.crossings().first_position_m, found.first_position_m)
+    assert vars(run.solver.crossings()).keys() == vars(crossings).keys()
+    assert run.solver.crossings().number == crossings.number == 1
+    np.testing.assert_array_equal(run.solver.crossings().first_position_m, crossings.first_position_m)
     assert run.solver.overlaps().surface_per_diameter == pytest.approx(0.5, abs=0.01)
 
 
 def test_overlaps_are_the_deepest_of_all_steps(build: Build) -> None:
-    """Of a pair that meets and of a sphere that bounces between two times at which is looked, when
-    nothing touches: Hertz, 0.9745 (m^2 v^4 / (R E*^2))^(1/5), Johnson, Contact Mechanics, 1985,
-    section 11.4."""
+    """The overlaps are those of a pair that meets and of a sphere that bounces between two times at which
+    is looked, when nothing touches: Hertz, 0.9745 (m^2 v^4 / (R E*^2))^(1/5), Johnson, Contact Mechanics,
+    1985, section 11.4."""
     place_m = [[0.0, 0.0, 0.0052], [0.1, 0.0, 0.05], [0.1104, 0.0, 0.05]]
     velocity_m_per_s = [[0.0, 0.0, -0.5], [0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]
     given = particles(place_m, velocity_m_per_s)
-    run = build(plan(plate(0.02, 3), given, restitution=one(1.0), gravity_m_per_s2=WEIGHTLESS, step_s=5e-6))
+    run = build(plan(plate(0.02, 3), given, restitution=table(1.0), gravity_m_per_s2=WEIGHTLESS, step_s=5e-6))
     assert run.solver.overlaps().surface_m == 0.0
     run.advance(10)
-    found, again = run.solver.overlaps(), run.solver.overlaps()
+    overlaps, again = run.solver.overlaps(), run.solver.overlaps()
     mass_kg, E_Pa = 1430.0 * np.pi / 6.0 * 0.01**3, 1e7 / (2.0 * (1.0 - 0.3**2))
     on_surface_m = 0.9745 * (mass_kg**2 * 0.5**4 / (0.005 * E_Pa**2)) ** 0.2
     between_m = 0.9745 * ((mass_kg / 2) ** 2 * 1.0**4 / (0.0025 * E_Pa**2)) ** 0.2
-    assert found.surface_m == pytest.approx(on_surface_m, rel=2e-3)
-    assert found.between_m == pytest.approx(between_m, rel=2e-3)
-    assert found.surface_per_diameter == pytest.approx(on_surface_m / 0.01, rel=2e-3)
-    assert found.between_per_diameter == pytest.approx(between_m / 0.01, rel=2e-3)
+    assert overlaps.surface_m == pytest.approx(on_surface_m, rel=2e-3)
+    assert overlaps.between_m == pytest.approx(between_m, rel=2e-3)
+    assert overlaps.surface_per_diameter == pytest.approx(on_surface_m / 0.01, rel=2e-3)
+    assert overlaps.between_per_diameter == pytest.approx(between_m / 0.01, rel=2e-3)
     assert again.surface_m == again.between_m == 0.0

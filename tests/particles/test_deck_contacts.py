@@ -13,7 +13,7 @@ from orchestrator.ports import Removed
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import DeckPlan, ExitPlan
-from tests.particles.contract import SOLVERS, Run, one, particles, plan, plate
+from tests.particles.contract import SOLVERS, Run, particles, plan, plate, table
 from tests.particles.test_openings import PANEL, SQUARES, still
 
 ASKED = SOLVERS
@@ -55,8 +55,8 @@ def hopping(module: ParticlesAdapter, open_m: float = HALF_M) -> Removed:
         particles([START_M, 0.001, DIAMETER_M / 2 + GAP_M], (ALONG_M_PER_S, 0.0, 0.0), diameter_m=DIAMETER_M),
         deck=deck,
         exits=(BELOW, BEHIND),
-        restitution=one(RESTITUTION),
-        sliding_friction=one(0.0),
+        restitution=table(RESTITUTION),
+        sliding_friction=table(0.0),
         sync_interval_s=INTERVAL_S,
     )
     with closing(module.build(wanted)) as solver:
@@ -65,9 +65,9 @@ def hopping(module: ParticlesAdapter, open_m: float = HALF_M) -> Removed:
 
 
 def test_a_hopping_ball_is_counted_hop_by_hop(module: ParticlesAdapter) -> None:
-    """Without friction it keeps its speed along.  It falls from 5 mm, hops to e^2 times that, 1.8 mm, and
-    then to 0.65 mm, which is less than a quarter of its diameter: from the second hit on it is one
-    contact.  Times by free fall; each is off by two intervals at most, for a contact's length too."""
+    """The ball without friction keeps its speed along. It falls from 5 mm, hops to e^2 times that, 1.8 mm,
+    and then to 0.65 mm, which is less than a quarter of its diameter: from the second hit on it is one
+    contact. Times by free fall; each is off by two intervals at most, for a contact's length too."""
     first_s = math.sqrt(2 * GAP_M / G_M_PER_S2)
     second_s = first_s + 2 * RESTITUTION * first_s
     at_m = [START_M + ALONG_M_PER_S * hit_s for hit_s in (first_s, second_s)]
@@ -117,7 +117,7 @@ def test_passing_without_a_touch_is_a_contact_too(module: ParticlesAdapter) -> N
         particles(places_m, diameter_m=0.004),
         deck=deck,
         exits=(BELOW,),
-        restitution=one(0.2),
+        restitution=table(0.2),
         sync_interval_s=1e-3,
     )
     with closing(module.build(wanted)) as solver:

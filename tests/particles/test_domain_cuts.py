@@ -55,17 +55,17 @@ def test_no_part_is_narrower_than_the_cutoff():
     """All particles in one place: three cuts stand one cutoff apart, the fourth part has the rest."""
     for place, expected in ((0.01, [0.0, 0.05, 0.1, 0.15, 1.0]), (0.99, [0.0, 0.85, 0.9, 0.95, 1.0])):
         crowd = Places.of_particles(np.full((100, 3), place))
-        found = even_cuts(crowd.in_slices(BOX_M), (4, 1, 1), BOX_M, 0.05)[0]
-        assert np.diff(found).min() >= 0.05 - 1e-12
-        assert found[0] == 0.0
-        assert found[-1] == 1.0
-        assert max(abs(np.array(found) - expected)) < 0.06
+        cuts = even_cuts(crowd.in_slices(BOX_M), (4, 1, 1), BOX_M, 0.05)[0]
+        assert np.diff(cuts).min() >= 0.05 - 1e-12
+        assert cuts[0] == 0.0
+        assert cuts[-1] == 1.0
+        assert max(abs(np.array(cuts) - expected)) < 0.06
 
 
 def test_without_particles_the_deck_is_divided():
     surface = flat()
-    one = make_plan(surface, spheres([0.0, 0.0, 0.01]), communicator=SimpleNamespace(size=2))
-    plan = replace(one, particles=spheres(np.zeros((0, 3))))
+    full_plan = make_plan(surface, spheres([0.0, 0.0, 0.01]), communicator=SimpleNamespace(size=2))
+    plan = replace(full_plan, particles=spheres(np.zeros((0, 3))))
     box_m = smallest_box_m(plan)
     cut = first_cuts(plan, (2, 1, 1), box_m, cutoff_m(plan))[0][1]
     middle_m = surface.position_m[:, 0].mean()

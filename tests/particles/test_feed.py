@@ -139,8 +139,8 @@ def test_the_largest_rate_is_what_leaves_a_box_filled_by_a_fifth() -> None:
 
 
 def largest_rate_found_kg_per_s(inlet: Inlet) -> float:
-    """What goes in where as much as a third of the box is always waiting; particles keep their
-    velocity."""
+    """Return the rate that goes in where as much as a third of the box is always waiting; particles keep
+    their velocity."""
     feed = RateFeed(replace(inlet, start_s=0.0, stop_s=math.inf))
     low, high = inlet.box_m
     present_m, reach_m, fed_kg = np.empty((0, 3)), np.empty(0), []
@@ -226,14 +226,15 @@ def test_a_pickle_goes_on_the_same() -> None:
     feed = RateFeed(INLET)
     all_accepted(feed, 25, 1e-3)
     copy = pickle.loads(pickle.dumps(feed))
-    first, second = (one.due(Interval(26, 1e-3)) for one in (feed, copy))
+    first, second = (source.due(Interval(26, 1e-3)) for source in (feed, copy))
     assert len(first)
     np.testing.assert_array_equal(first.position_m, second.position_m)
     np.testing.assert_array_equal(first.grains.sieve_size_m, second.grains.sieve_size_m)
 
 
 def test_a_sampled_feed_goes_on_the_same_from_a_checkpoint() -> None:
-    """Of 6 to 10 mm, 30 % of the mass, as many come as of 12 mm; a restored feed offers the same ones."""
+    """Particles of 6 to 10 mm, 30 % of the mass, come as often as those of 12 mm; a restored feed offers
+    the same ones."""
     rows = [{"smallest_m": 0.006, "largest_m": 0.01, "mass_fraction": 0.3}]
     rows += [{"smallest_m": 0.01, "largest_m": 0.02, "mass_fraction": 0.7}]
     box_m = ((0.0, 0.0, 0.5), (0.1, 0.2, 0.6))
@@ -249,7 +250,7 @@ def test_a_sampled_feed_goes_on_the_same_from_a_checkpoint() -> None:
     expected = 0.3 * 2.0 * 1.999 / sphere_kg(0.012, 1430.0)
     assert number == pytest.approx(expected, abs=3 * (0.1 * expected) ** 0.5)  # masses vary by 40 %
     again.restore(feed.save())
-    first, second = (one.due(Interval(2000, 1e-3)) for one in (feed, again))
+    first, second = (source.due(Interval(2000, 1e-3)) for source in (feed, again))
     assert len(first)
     np.testing.assert_array_equal(first.position_m, second.position_m)
     np.testing.assert_array_equal(first.grains.sieve_size_m, second.grains.sieve_size_m)

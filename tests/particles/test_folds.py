@@ -68,14 +68,15 @@ def test_a_sharp_ridge_is_one_contact(code: str, angle_deg: float) -> None:
 
 @pytest.mark.parametrize("angle_deg", [45.0, 60.0, 90.0, 120.0])
 def test_a_sharp_valley_is_two_contacts(code: str, angle_deg: float) -> None:
-    """In the middle both walls push fully: 2 cos(angle / 2) upwards."""
+    """Both walls push fully in the middle: 2 cos(angle / 2) upwards."""
     force = on_track(code, angle_deg, VALLEY)
     expected = [0.0, 0.0, 2 * np.cos(np.radians(angle_deg) / 2)]
     np.testing.assert_allclose(force[len(force) // 2], expected, atol=1e-9)
 
 
 def test_the_second_contact_fades_in_with_the_angle(code: str) -> None:
-    """In the middle of a valley, pressed equally deep: 2^s cos(angle / 2), s from gentle to 1."""
+    """The force in the middle of a valley, pressed equally deep, is 2^s cos(angle / 2), s from gentle
+    to 1."""
     angles = (14.0, 16.0, 25.0, 35.0, 44.0, 46.0)
     middle = [np.linalg.norm(on_track(code, angle, VALLEY)[70]) for angle in angles]
     assert middle[0] == pytest.approx(1.0, abs=1e-9)
@@ -136,8 +137,8 @@ def test_three_walls_at_right_angles_are_three_contacts(code: str) -> None:
 
 @pytest.mark.parametrize("sides", [3, 4, 6])
 def test_a_gentle_pit_is_one_contact(code: str, sides: int) -> None:
-    """Whatever the number of sides that meet, equally deep and around there: the force of the
-    deepest contact alone within 1 %, at a slope of 4 degrees."""
+    """The force is that of the deepest contact alone within 1 %, at a slope of 4 degrees, whatever the
+    number of sides that meet, equally deep and around there."""
     slope = np.tan(np.radians(4.0))
     random = np.random.default_rng(sides)
     place_m = random.normal(0.0, 0.02 * OVERLAP_M, (40, 3))
@@ -169,8 +170,8 @@ def test_the_order_of_triangles_does_not_matter(code: str) -> None:
     place_m[:] = np.random.default_rng(8).uniform(-5e-5, 5e-5, (20, 3))
     place_m[:, 2] += in_pit(np.tan(np.radians(20.0)))
     turned = replace(surface, triangles=np.roll(surface.triangles[::-1], 2, axis=0)[:, [1, 2, 0]])
-    one, other = (held(code, each, place_m).force_N for each in (surface, turned))
-    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(one).max())
+    first, second = (held(code, each, place_m).force_N for each in (surface, turned))
+    np.testing.assert_allclose(first, second, rtol=0.0, atol=1e-9 * np.abs(first).max())
 
 
 def energy_error(code: str, angle_deg: float, kind: int, step_s: float) -> float:

@@ -48,7 +48,7 @@ def hits(module: ParticlesAdapter, rolling_friction: float, law: str = "epsd2") 
         step_s=1e-7,
         sync_interval_s=INTERVAL_S,
     )
-    found: list[Hit] = []
+    rows: list[Hit] = []
     was_m_per_s = -1.0
     with closing(module.build(plan)) as solver:
         for number in range(400):
@@ -56,11 +56,11 @@ def hits(module: ParticlesAdapter, rolling_friction: float, law: str = "epsd2") 
             now = solver.snapshot()
             up_m_per_s = float(now.velocity_m_per_s[0, 2])
             if up_m_per_s > 0 >= was_m_per_s:
-                found.append((float(now.velocity_m_per_s[0, 0]), RADIUS_M * float(now.spin_rad_per_s[0, 1])))
-            if len(found) == 3:
+                rows.append((float(now.velocity_m_per_s[0, 0]), RADIUS_M * float(now.spin_rad_per_s[0, 1])))
+            if len(rows) == 3:
                 break
             was_m_per_s = up_m_per_s
-    return found
+    return rows
 
 
 def integrated_hit(along: float, rolling: float, down: float, rolling_friction: float) -> tuple[Hit, float]:
@@ -113,8 +113,8 @@ def test_without_rolling_friction_five_sevenths_of_the_speed_are_left_for_ever(
 def test_a_constant_couple_takes_what_the_impulse_allows(
     module: ParticlesAdapter, rolling_friction: float
 ) -> None:
-    """Of a hit with the impulse m (1 + e) v, the first part slides until the grain rolls; the rest takes
-    5/7 mu_r of itself, as down a slope."""
+    """A hit with the impulse m (1 + e) v slides until the grain rolls; the rest takes 5/7 mu_r of itself,
+    as down a slope."""
     along, down = ALONG_M_PER_S, DOWN_M_PER_S
     expected = []
     for _ in range(2):
@@ -123,18 +123,18 @@ def test_a_constant_couple_takes_what_the_impulse_allows(
         along -= SLIDING * slides + 5 / 7 * rolling_friction * (impulse - slides)
         down *= RESTITUTION
         expected.append(along)
-    found = [row[0] for row in hits(module, rolling_friction, "cdt")]
-    assert found[:2] == pytest.approx(expected, abs=0.012)
+    speeds = [row[0] for row in hits(module, rolling_friction, "cdt")]
+    assert speeds[:2] == pytest.approx(expected, abs=0.012)
 
 
 @pytest.mark.parametrize("rolling_friction", [0.09, 0.25, 0.3, 0.5])
 def test_the_elastic_law_is_that_of_an_integration_of_its_own(
     module: ParticlesAdapter, rolling_friction: float
 ) -> None:
-    """To 4 mm/s; the second hit begins with what the solver had after the first, and its flight takes
-    nothing.  At 0.5 the second hit stops the grain."""
-    found = hits(module, rolling_friction)
+    """The speeds agree to 4 mm/s; the second hit begins with what the solver had after the first, and its
+    flight takes nothing. At 0.5 the second hit stops the grain."""
+    rows = hits(module, rolling_friction)
     first, up_m_per_s = integrated_hit(ALONG_M_PER_S, 0.0, DOWN_M_PER_S, rolling_friction)
-    assert found[0] == pytest.approx(first, abs=4e-3)
-    second, _ = integrated_hit(*found[0], up_m_per_s, rolling_friction)
-    assert found[1] == pytest.approx(second, abs=4e-3)
+    assert rows[0] == pytest.approx(first, abs=4e-3)
+    second, _ = integrated_hit(*rows[0], up_m_per_s, rolling_friction)
+    assert rows[1] == pytest.approx(second, abs=4e-3)

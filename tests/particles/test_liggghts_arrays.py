@@ -69,12 +69,12 @@ def test_a_name_too_few_or_another_one_is_refused(engine: Any, call: str) -> Non
 def test_two_arrays_of_other_shapes_that_change_names_are_refused(engine: Any, call: str) -> None:
     arrays = {name: value for name, value in CALLS[call].items() if isinstance(value, np.ndarray)}
     exchanged = 0
-    for one in arrays:
+    for array in arrays:
         for other in arrays:
-            if arrays[one].shape == arrays[other].shape:
+            if arrays[array].shape == arrays[other].shape:
                 continue
-            wrong = CALLS[call] | {one: arrays[other], other: arrays[one]}
-            if arrays[one].dtype == arrays[other].dtype:
+            wrong = CALLS[call] | {array: arrays[other], other: arrays[array]}
+            if arrays[array].dtype == arrays[other].dtype:
                 with pytest.raises(ValueError, match=r"^(" + "|".join(arrays) + r"): an array of shape"):
                     getattr(engine, call)(**wrong)
             else:

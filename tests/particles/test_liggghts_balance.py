@@ -164,33 +164,33 @@ def ranks(n, *words):
 def test_two_ranks_give_the_same_as_one(words):
     # the sheet straddles the border x = 0 and the bed drifts over it by 6 mm; the order of sums
     # differs, and collisions amplify that: 1e-9 for 10 ms
-    one, two = ranks(1, *words), ranks(2, *words)
-    first, last = np.array(two["owned"]).T
+    single, double = ranks(1, *words), ranks(2, *words)
+    first, last = np.array(double["owned"]).T
     assert abs(first[0] - first[1]) <= 0.02 * first.sum() + 14  # equal but for one row of the bed
     if "cut" in words:  # the border follows the bed
         assert abs(last[0] - last[1]) <= 0.05 * last.sum()
-        assert two["cuts"][1] != ranks(2, "wet")["cuts"][1]
+        assert double["cuts"][1] != ranks(2, "wet")["cuts"][1]
     else:  # particles cross it
         assert abs(last[0] - first[0]) >= 10
-    assert max(one["ids"]) > len(bed())  # some were fed,
-    assert len(one["ids"]) < max(one["ids"])  # some have left
-    assert (one["crossings"][0] > 3) is ("soft" in words)
-    compare(one, two)
+    assert max(single["ids"]) > len(bed())  # some were fed,
+    assert len(single["ids"]) < max(single["ids"])  # some have left
+    assert (single["crossings"][0] > 3) is ("soft" in words)
+    compare(single, double)
 
 
 def test_four_ranks_whose_parts_are_cut_anew_give_the_same_as_one():
     # cuts between parts that have neighbours on both sides
-    one, four = ranks(1, "wet", "cut"), ranks(4, "wet", "cut")
+    single, four = ranks(1, "wet", "cut"), ranks(4, "wet", "cut")
     _, last = np.array(four["owned"]).T
     assert np.ptp(last) <= 0.1 * last.mean()
     assert len(four["cuts"]) == 5
-    compare(one, four)
+    compare(single, four)
 
 
-def compare(one, several):
-    assert several["ids"] == one["ids"]
-    assert several["crossings"] == one["crossings"]
-    assert several["contacts"] == one["contacts"]
+def compare(single, several):
+    assert several["ids"] == single["ids"]
+    assert several["crossings"] == single["crossings"]
+    assert several["contacts"] == single["contacts"]
     sums = ("impulse", "momentum", "angular", "given", "stored", "work", "supplied", "removed")
     for name in (*sums, "worn", "overlaps"):
-        np.testing.assert_allclose(several[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(several[name], single[name], rtol=1e-9, atol=1e-12, err_msg=name)

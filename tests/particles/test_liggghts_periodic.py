@@ -63,9 +63,9 @@ def force_on_a_sphere(height, ridge_m, at_m):
 def test_a_sphere_dragged_across_the_boundary_feels_what_it_feels_in_the_middle(height):
     middle_m, tries_m = PERIOD_M / 2, np.linspace(-3e-3, 3e-3, 25)
     wanted = np.array([force_on_a_sphere(height, middle_m, at) for at in tries_m])
-    found = np.array([force_on_a_sphere(height, 0.0, at) for at in tries_m])
+    forces_N = np.array([force_on_a_sphere(height, 0.0, at) for at in tries_m])
     assert (wanted[:, 2] > 0.1).all()
-    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-9 * wanted.max())
+    np.testing.assert_allclose(forces_N, wanted, rtol=0.0, atol=1e-9 * wanted.max())
 
 
 def slid(start_m):
@@ -93,7 +93,7 @@ def test_a_sphere_that_slides_across_the_boundary_keeps_its_contact():
 
 
 def test_two_spheres_touch_across_the_boundary():
-    """As two in the middle do, with the same momentum and energy."""
+    """The spheres touch as two in the middle do, with the same momentum and energy."""
 
     def collide(middle_m):
         y = (middle_m + np.array([-2.6137e-3, 2.6137e-3])) % PERIOD_M
@@ -161,11 +161,11 @@ def test_bodies_that_meet_in_a_groove_go_on_across_the_boundary(order):
 
 
 def test_two_ranks_give_the_same_as_one_across_periodic_sides():
-    one, two = ranks(1, "periodic"), ranks(2, "periodic")
-    assert min(np.array(two["owned"]).T[0]) > 0
-    assert two["ids"] == one["ids"]
+    single, double = ranks(1, "periodic"), ranks(2, "periodic")
+    assert min(np.array(double["owned"]).T[0]) > 0
+    assert double["ids"] == single["ids"]
     for name in ("impulse", "momentum", "stored", "work"):
-        np.testing.assert_allclose(two[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(double[name], single[name], rtol=1e-9, atol=1e-12, err_msg=name)
 
 
 def test_particles_touch_each_other_across_the_boundary():

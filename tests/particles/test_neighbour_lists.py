@@ -30,7 +30,7 @@ def clouds() -> ParticleList:
 
 
 def test_the_skin_widens_with_the_step_and_narrows_with_fine_grains() -> None:
-    """In a longer step particles come farther; around fine grains there are more in a wide skin."""
+    """Particles come farther in a longer step; around fine grains there are more in a wide skin."""
     plan = make_plan(flat(), spheres([0.0, 0.0, 0.01]))
     share = [skin_m(replace(plan, step_s=step_s)) / 5e-3 for step_s in (1e-8, 1e-6, 1e-5, 1e-3)]
     assert SKINS[0] == pytest.approx(share[0])
@@ -45,8 +45,8 @@ def test_the_skin_widens_with_the_step_and_narrows_with_fine_grains() -> None:
 @pytest.mark.parametrize("periodic_y", [False, True])
 @pytest.mark.parametrize("most", [3, 700])
 def test_everybody_who_touches_is_listed(tmp_path: Path, most: int, periodic_y: bool) -> None:
-    """Whatever the sizes, across a periodic side, too, and though one flies far away, so that cells would be
-    many for so few."""
+    """The sizes do not matter; a pair across a periodic side is listed, too, and though one flies far away,
+    so that cells would be many for so few."""
     random = np.random.default_rng(5)
     diameter_m = np.where(random.random(most) < 0.5, 1e-2, random.uniform(0.5e-3, 1e-2, most))
     position_m = random.uniform([-0.03, -0.03, 0.02], [0.03, 0.03, 0.08], (most, 3))
@@ -58,16 +58,16 @@ def test_everybody_who_touches_is_listed(tmp_path: Path, most: int, periodic_y: 
     if periodic_y:
         plan = replace(plan, domain_m=plan.domain_m * [1.0, 0.3, 1.0], periodic_y=True)
     solver = solver_adapter("liggghts").build(plan)
-    found = solver.snapshot().contacts
-    assert found is not None
+    neighbours = solver.snapshot().contacts
+    assert neighbours is not None
     solver.close()
     apart_m = position_m[:, None] - position_m
     if periodic_y:
         apart_m[..., 1] -= 0.06 * np.round(apart_m[..., 1] / 0.06)
     touching = np.linalg.norm(apart_m, axis=-1) < (diameter_m[:, None] + diameter_m) / 2
-    np.testing.assert_array_equal(found, touching.sum(axis=1) - 1)
-    assert found[:2].all()
-    assert not found[-1]
+    np.testing.assert_array_equal(neighbours, touching.sum(axis=1) - 1)
+    assert neighbours[:2].all()
+    assert not neighbours[-1]
 
 
 @pytest.mark.solver
@@ -86,8 +86,9 @@ def test_more_neighbours_than_can_be_listed_are_refused(tmp_path: Path) -> None:
 
 @pytest.mark.solver
 def test_a_bed_that_moves_as_one_is_seldom_listed(tmp_path: Path) -> None:
-    """In 100 intervals of 0.05 ms at 3.64 m/s it goes 18 mm, and half the largest diameter, 2.5 mm, between
-    two listings, but for half a skin, 0.3 mm at most; LIGGGHTS by itself would list it every 0.3 mm."""
+    """The bed goes 18 mm in 100 intervals of 0.05 ms at 3.64 m/s, and half the largest diameter, 2.5 mm,
+    between two listings, but for half a skin, 0.3 mm at most; LIGGGHTS by itself would list it every 0.3
+    mm."""
     solver = solver_adapter("liggghts").build(make_plan(flat(), spheres(grid(), ALONG), folder=tmp_path))
     away = Motion(flat().position_m - 0.09 * UP, np.zeros((81, 3)))
     listed, listings = listed_at_m(solver), 0
@@ -102,7 +103,7 @@ def test_a_bed_that_moves_as_one_is_seldom_listed(tmp_path: Path) -> None:
 
 @pytest.mark.solver
 def test_collisions_are_the_same_in_a_bed_that_moves(tmp_path: Path) -> None:
-    """By Galileo's principle, to the rounding that 110 collisions and more amplify."""
+    """Galileo's principle holds, to the rounding that 110 collisions and more amplify."""
     at_rest = places_after(clouds(), np.zeros(3), tmp_path / "rest")
     moving = places_after(clouds(), ALONG, tmp_path / "moving")
     flown = clouds().position_m + 100 * INTERVAL_S * clouds().velocity_m_per_s
@@ -133,7 +134,8 @@ def test_a_bed_that_falls_as_one_meets_the_surface(tmp_path: Path) -> None:
 
 @pytest.mark.solver
 def test_a_restored_bed_knows_where_it_was_searched(tmp_path: Path) -> None:
-    """Or it might meet the surface unseen; after 0.6 ms at 3 m/s, searches are 0.3 mm of its way apart."""
+    """The bed might otherwise meet the surface unseen; after 0.6 ms at 3 m/s, searches are 0.3 mm of its
+    way apart."""
     falling = make_plan(flat(), spheres(grid(), -3.0 * UP), folder=tmp_path)
     solver, other = (solver_adapter("liggghts").build(falling) for _ in range(2))
     travel(solver, lambda _: still(flat()), range(12))

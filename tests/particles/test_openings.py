@@ -12,7 +12,7 @@ from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.triangle_grid import perforated_grid
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
-from tests.particles.contract import LIGGGHTS_ALONE, Run, one, particles, plan, solver_adapter
+from tests.particles.contract import LIGGGHTS_ALONE, Run, particles, plan, solver_adapter, table
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
 
@@ -54,7 +54,7 @@ def over_the_pattern(pattern: AperturePattern, diameter_m: float, seed: int) -> 
 
 
 def untouched_and_passed(run: Run, time_s: float) -> tuple[int, int]:
-    """How many fell as freely as in vacuo, and how many are below the panel."""
+    """Return how many fell as freely as in vacuo, and how many are below the panel."""
     start = run.solver.snapshot()
     run.advance(round(time_s / run.plan.sync_interval_s))
     now = run.solver.snapshot()
@@ -88,8 +88,8 @@ def test_single_attempts_pass_with_the_probability_of_gaudin(
             given=given,
             sync_interval_s=2e-4,
             step_s=1e-5,
-            sliding_friction=one(0.0),
-            restitution=one(0.8),
+            sliding_friction=table(0.0),
+            restitution=table(0.8),
         )
         free, below = untouched_and_passed(done, round(1.1e3 * diameter_m + 1) * 1e-3)
         untouched, passed, tried = untouched + free, passed + below, tried + len(places)
@@ -142,7 +142,7 @@ def test_a_sphere_rests_on_an_opening_s_rim(solver: str, pattern: AperturePatter
     height_m = np.sqrt(radius_m**2 - half_m**2)
     centre = pattern.centres_m(PANEL)[25]
     given = particles([*centre, height_m + 1e-3 * radius_m], diameter_m=diameter_m)
-    done = run(solver, still(pattern), given=given, sync_interval_s=1e-3, step_s=2e-5, restitution=one(0.2))
+    done = run(solver, still(pattern), given=given, sync_interval_s=1e-3, step_s=2e-5, restitution=table(0.2))
     done.advance(60)
     now = done.solver.snapshot()
     assert now.position_m[0, :2] == pytest.approx(centre, abs=1e-3 * radius_m)

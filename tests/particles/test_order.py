@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ParticlesPlan
-from tests.particles.contract import WEIGHTLESS, one, particles, plan, plate
+from tests.particles.contract import WEIGHTLESS, particles, plan, plate, table
 
 RADIUS_M, SPEED_M_S = 0.005, 0.5
 MASS_KG = 1430.0 * np.pi / 6.0 * (2 * RADIUS_M) ** 3
@@ -61,7 +61,7 @@ def dropped(restitution: float, steps: int) -> ParticlesPlan:
     return plan(
         plate(0.05, 1),
         particles(np.stack([x, y, z], axis=1), [0.0, 0.0, -SPEED_M_S]),
-        restitution=one(restitution),
+        restitution=table(restitution),
         gravity_m_per_s2=WEIGHTLESS,
         step_s=LENGTH_S / steps,
         sync_interval_s=LENGTH_S,
@@ -70,7 +70,7 @@ def dropped(restitution: float, steps: int) -> ParticlesPlan:
 
 @pytest.mark.parametrize("height", [still, shaken])
 def test_without_dampers_it_is_of_second_order(module: Any, height: Height) -> None:
-    """Inside the contact, against a fine step."""
+    """The order is measured inside the contact, against a fine step."""
     places_m = []
     for steps in (4, 8, 16, 128):
         given = dropped(1.0, steps)
@@ -80,8 +80,8 @@ def test_without_dampers_it_is_of_second_order(module: Any, height: Height) -> N
 
 
 def rebound_m_per_s(restitution: float, late_s: float) -> float:
-    """Of Hertz's spring with Tsuji's damper, whose force is that of the velocity ``late_s`` ago:
-    c (v - late a), as if the mass were m - c late."""
+    """Return the rebound of Hertz's spring with Tsuji's damper, whose force is that of the velocity
+    ``late_s`` ago: c (v - late a), as if the mass were m - c late."""
     log_e = np.log(restitution)
     damping = 2.0 * np.sqrt(5.0 / 6.0) * -log_e / np.hypot(log_e, np.pi)
 
@@ -95,8 +95,10 @@ def rebound_m_per_s(restitution: float, late_s: float) -> float:
         return float(at[0])
 
     parted.terminal, parted.direction = True, -1.0  # type: ignore[attr-defined]
-    found = solve_ivp(rates, (0.0, 1e-2), [0.0, SPEED_M_S], "DOP853", events=parted, rtol=1e-10, atol=1e-14)
-    return -float(found.y[1, -1])
+    solution = solve_ivp(
+        rates, (0.0, 1e-2), [0.0, SPEED_M_S], "DOP853", events=parted, rtol=1e-10, atol=1e-14
+    )
+    return -float(solution.y[1, -1])
 
 
 def test_dampers_are_half_a_step_late(module: Any) -> None:
@@ -119,7 +121,7 @@ def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
     return plan(
         plate(0.02, 1),
         particles([0.001, 0.0, place_m]),
-        restitution=one(restitution),
+        restitution=table(restitution),
         gravity_m_per_s2=WEIGHTLESS,
         step_s=LENGTH_S / steps,
         sync_interval_s=LENGTH_S,
@@ -127,8 +129,8 @@ def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
 
 
 def test_a_sphere_rests_on_a_plate_that_accelerates(module: Any) -> None:
-    """At 50 g its overlap is Hertz's under 50 times its weight, whatever the step and the damper:
-    both velocities that the damper compares are those of the middle of the step."""
+    """The overlap at 50 g is Hertz's under 50 times its weight, whatever the step and the damper: both
+    velocities that the damper compares are those of the middle of the step."""
     acceleration_m_per_s2 = 490.0
     overlap_m = (0.75 * MASS_KG * acceleration_m_per_s2 / (E_STAR_PA * RADIUS_M**0.5)) ** (2.0 / 3.0)
 

@@ -24,18 +24,18 @@ SOLVERS = [pytest.param("adapters.particles.liggghts", marks=pytest.mark.solver)
 
 
 def joined(*surfaces: TriangleSurface) -> TriangleSurface:
-    starts = np.cumsum([0, *(len(one.position_m) for one in surfaces)])
+    starts = np.cumsum([0, *(len(surface.position_m) for surface in surfaces)])
     return TriangleSurface(
-        np.concatenate([one.position_m for one in surfaces]),
-        np.concatenate([one.triangles + start for one, start in zip(surfaces, starts, strict=False)]),
-        np.concatenate([one.material for one in surfaces]),
+        np.concatenate([surface.position_m for surface in surfaces]),
+        np.concatenate([surface.triangles + start for surface, start in zip(surfaces, starts, strict=False)]),
+        np.concatenate([surface.material for surface in surfaces]),
     )
 
 
 def rigid(*surfaces: TriangleSurface) -> TriangleSurface:
     """Each surface on four points of its own, with the same triangles in the same order."""
-    corners_m = [tetrahedron_m(one.position_m) for one in surfaces]
-    shares = [shares_in(at_m, one.position_m) for one, at_m in zip(surfaces, corners_m, strict=True)]
+    corners_m = [tetrahedron_m(surface.position_m) for surface in surfaces]
+    shares = [shares_in(at_m, surface.position_m) for surface, at_m in zip(surfaces, corners_m, strict=True)]
     first = np.repeat(4 * np.arange(len(surfaces)), [len(share) for share in shares])
     plain = joined(*surfaces)
     return replace(
@@ -108,8 +108,8 @@ def plan_on(surface: TriangleSurface) -> ParticlesPlan:
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_particles_and_loads_are_those_of_plain_triangles(solver: str) -> None:
-    """In 60 intervals in which the surfaces turn by 7 degrees.  Rounding of 1e-16, some 1e4 times as much
-    after the impacts; places to 1e-12 m, forces of up to 2 N to 1e-8, moments to 1e-9 N m."""
+    """The surfaces turn by 7 degrees in 60 intervals. Rounding of 1e-16, some 1e4 times as much after the
+    impacts; places to 1e-12 m, forces of up to 2 N to 1e-8, moments to 1e-9 N m."""
     parts = flat(0.02, 9), replace(pit(0.4, 5), material=np.ones(5, dtype=np.int64))
     plain, four = (run(solver, plan_on(of(*parts))) for of in (joined, rigid))
     assert np.abs(plain.force_N).max() > 0.1
@@ -129,7 +129,7 @@ def test_particles_and_loads_are_those_of_plain_triangles(solver: str) -> None:
 def test_a_restored_solver_goes_on_bit_for_bit() -> None:
     plan = plan_on(rigid(flat(0.02, 9)))
     build = import_module("adapters.particles.liggghts").build
-    one, other = build(plan), build(plan)
+    first, second = build(plan), build(plan)
 
     def go_on(solver: Particles, intervals: range) -> Array:
         for index in intervals:
@@ -140,11 +140,11 @@ def test_a_restored_solver_goes_on_bit_for_bit() -> None:
             load_N = solver.advance(now, path).force_N
         return load_N
 
-    go_on(one, range(30))
-    other.restore(one.save())
-    assert np.array_equal(go_on(one, range(30, 50)), go_on(other, range(30, 50)))
-    one.close()
-    other.close()
+    go_on(first, range(30))
+    second.restore(first.save())
+    assert np.array_equal(go_on(first, range(30, 50)), go_on(second, range(30, 50)))
+    first.close()
+    second.close()
 
 
 @pytest.mark.solver

@@ -71,14 +71,14 @@ def after(
 
 
 def rate_m_per_s2(slope: float) -> float:
-    """Down the incline, of a sphere that rolls down; negative: it slows down."""
+    """Return the acceleration down the incline of a sphere that rolls down; negative: it slows down."""
     angle = math.atan(slope)
     return 5 / 7 * G_M_PER_S2 * (math.sin(angle) - ROLLING * math.cos(angle))
 
 
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
 def test_above_the_threshold_it_rolls_down(module: ParticlesAdapter, law: str) -> None:
-    """From rest, to 1 %: until the spring of epsd2 is stretched the sphere runs ahead, 0.3 mm/s."""
+    """The sphere rolls from rest, to 1 %: until the spring of epsd2 is stretched it runs ahead, 0.3 mm/s."""
     now = after(module, law, 2 * ROLLING, 0.05, 0.0)
     assert now.velocity_m_per_s[0, 0] == pytest.approx(0.05 * rate_m_per_s2(2 * ROLLING), rel=1e-2)
     assert now.spin_rad_per_s[0, 1] * RADIUS_M == pytest.approx(now.velocity_m_per_s[0, 0], rel=2e-3)
@@ -93,9 +93,9 @@ def test_below_the_threshold_it_slows_down(module: ParticlesAdapter, law: str) -
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
 @pytest.mark.parametrize("slope", [0.0, 0.5 * ROLLING])
 def test_below_the_threshold_it_comes_to_rest(module: ParticlesAdapter, law: str, slope: float) -> None:
-    """From 0.01 m/s after v / (-a), and stays there (1 % of the way): epsd2 swings on its spring
-    with 2 % of the speed, cdt turns to and fro and creeps: with 0.3 % of the speed at this step,
-    in proportion to the step."""
+    """The sphere at 0.01 m/s rests after v / (-a), and stays there (1 % of the way): epsd2 swings on its
+    spring with 2 % of the speed, cdt turns to and fro and creeps: with 0.3 % of the speed at this step, in
+    proportion to the step."""
     speed_m_per_s = 0.01
     way_m = speed_m_per_s**2 / (-2 * rate_m_per_s2(slope))
     now = after(module, law, slope, 1.5 * speed_m_per_s / -rate_m_per_s2(slope), speed_m_per_s)
@@ -105,8 +105,8 @@ def test_below_the_threshold_it_comes_to_rest(module: ParticlesAdapter, law: str
 
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
 def test_a_sphere_that_sticks_resists_rolling_without_weight(module: ParticlesAdapter, law: str) -> None:
-    """With JKR the couple goes by N + 2 F_po: pulled along the plane by gravity without any weight,
-    the sphere rests up to  mu_r 2 F_po,  and rolls with  5/7 (g - mu_r 2 F_po / m)  beyond."""
+    """The couple with JKR goes by N + 2 F_po: pulled along the plane by gravity without any weight, the
+    sphere rests up to mu_r 2 F_po, and rolls with 5/7 (g - mu_r 2 F_po / m) beyond."""
     for share in (0.9, 2.0):
         work_J_per_m2 = MASS_KG * G_M_PER_S2 / share / ROLLING / (3 * math.pi * RADIUS_M)
         sticky = Jkr(np.full((2, 2), work_J_per_m2), 1e-2)
@@ -120,7 +120,7 @@ SMALL_M, COAL_KG_PER_M3 = 1e-3, 1400.0
 
 
 def sticky_plan(grains: object, plate: TriangleSurface) -> ParticlesPlan:
-    """Without weight, with JKR and the rolling spring of epsd2."""
+    """Return a plan without weight, with JKR and the rolling spring of epsd2."""
     return make_plan(
         plate,
         grains,

@@ -38,8 +38,8 @@ OF_SPHERES = {name: CHANGES[name] for name in ("dry", "wet", "cdt", "wearing", "
 @pytest.mark.parametrize("save_at", [1, 37, 70])
 @pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
 def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
-    """To interval 110: particles are fed (at 5, 25, …) and leave, LIGGGHTS lists neighbours some
-    fifty times and sorts its particles twice; at all three points a dozen contacts are open."""
+    """Particles are fed up to interval 110 (at 5, 25, …) and leave, LIGGGHTS lists neighbours some fifty
+    times and sorts its particles twice; at all three points a dozen contacts are open."""
     assert resumed("liggghts", bed_plan(**changes), save_at, 110) == []
 
 
@@ -47,19 +47,19 @@ def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> 
     ("changes", "save_at"),
     [
         pytest.param({}, 1, id="dry-1"),
-        *(pytest.param(one, 12, id=f"{name}-12") for name, one in OF_SPHERES.items()),
+        *(pytest.param(plan, 12, id=f"{name}-12") for name, plan in OF_SPHERES.items()),
     ],
 )
 def test_spheres_go_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
-    """To interval 27; particles are fed at 5 and 25."""
+    """Particles are fed at 5 and 25, up to interval 27."""
     assert resumed("spheres", bed_plan(layers=1, **changes), save_at, 27) == []
 
 
 @pytest.mark.solver
 @pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
 def test_liggghts_steps_back_bit_for_bit(changes: dict[str, Any]) -> None:
-    """In each of 110 intervals: with and without new neighbours in it, particles fed at random or
-    gone, on a surface that first goes another way."""
+    """The solver steps back in each of 110 intervals: with and without new neighbours in it, particles fed
+    at random or gone, on a surface that first goes another way."""
     assert hesitating("liggghts", bed_plan(**changes), 110) == []
 
 
@@ -69,7 +69,7 @@ def test_spheres_step_back_bit_for_bit(changes: dict[str, Any]) -> None:
 
 
 def test_the_way_that_is_taken_back_was_another_one() -> None:
-    """Or the tests above could not fail."""
+    """The tests above could not fail if both ways were the same."""
     solver, interval = fed("spheres", bed_plan(layers=1)), Interval(19, INTERVAL_S)
     travel(solver, wave, range(19))
     before = solver.save()

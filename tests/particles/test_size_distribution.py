@@ -41,7 +41,7 @@ def sizes(*rows: tuple[float, float, float], **given: Any) -> Block:
 
 
 def passing(block: Block, at_m: float) -> float:
-    """By mass, of many particles."""
+    """Return the share that passes by mass, of many particles."""
     drawn_m = random_sizes_m(classes(block), 200_000, np.random.default_rng(1))
     return float(np.sum(drawn_m[drawn_m <= at_m] ** 3) / np.sum(drawn_m**3))
 
@@ -64,7 +64,7 @@ def test_a_curve_is_followed_at_its_points_and_between_them(
 
 
 def test_the_mean_cube_is_that_of_the_particles_drawn() -> None:
-    """With limits far apart, for both kinds of classes."""
+    """The limits are far apart, for both kinds of classes."""
     for row in (
         size_class(0.002, 0.02, 1.0),
         CurveClass(smallest_m=0.002, largest_m=0.02, mass_fraction=1.0),
@@ -88,7 +88,7 @@ def test_fines_are_left_out() -> None:
 
 
 def test_a_class_is_cut_where_its_diameters_are() -> None:
-    """Evenly spread by number: of 2 to 4 mm, (3^4 - 2^4) / (4^4 - 2^4) of the mass is below 3."""
+    """A class of 2 to 4 mm, evenly spread by number, has (3^4 - 2^4) / (4^4 - 2^4) of the mass below 3."""
     block = sizes((0.002, 0.004, 0.5), (0.004, 0.005, 0.5), smallest_fed_m=0.003)
     assert share_left_out(block) == pytest.approx(0.5 * (81 - 16) / (256 - 16))
     assert classes(block)[0].smallest_m == 0.003
@@ -103,7 +103,7 @@ def test_fines_are_made_of_the_next_class() -> None:
 
 
 @pytest.mark.parametrize(
-    ("block", "said"),
+    ("block", "message"),
     [
         (source(), "missing"),
         (sizes((0.1, 0.2, 1.0), curve=[{"sieve_size_m": 0.1, "passing": 1}]), "contradicts sizes"),
@@ -114,9 +114,9 @@ def test_fines_are_made_of_the_next_class() -> None:
         (curve(smallest_fed_m=0.03), "nothing is as large as 0.03 m"),
     ],
 )
-def test_what_is_no_distribution_is_refused(block: Block, said: str) -> None:
-    (found,) = faults(block)
-    assert said in found[1]
+def test_what_is_no_distribution_is_refused(block: Block, message: str) -> None:
+    (fault,) = faults(block)
+    assert message in fault[1]
 
 
 def test_good_ones_have_no_faults() -> None:
@@ -131,7 +131,7 @@ def feed(points: list[tuple[float, float]] = CURVE, **given: Any) -> Feed:
 
 
 def test_a_sample_has_as_many_particles_as_if_all_had_one_diameter() -> None:
-    """Of 2 to 5 mm, 40 % of the mass, as many as of 8 mm: of 2.1 mm, one in (8/2.1)^3.
+    """Particles of 2 to 5 mm, 40 % of the mass, are as many as of 8 mm: of 2.1 mm, one in (8/2.1)^3.
 
     In a narrow class all have the same chance, that of the mean cube of its diameters.
     """
@@ -164,13 +164,13 @@ def test_the_next_whole_class_takes_over_what_is_not_computed() -> None:
     assert share_left_out(taken) == 0.0
     assert sum(row.mass_fraction for row in classes(taken)) == pytest.approx(1.0)
     rest = share_left_out(out)
-    for one, two in zip(classes(out), classes(taken), strict=True):
-        more = rest if two.smallest_m == 0.005 else 0.0
-        assert two.mass_fraction == pytest.approx(one.mass_fraction * (1.0 - rest) + more)
+    for first, second in zip(classes(out), classes(taken), strict=True):
+        more = rest if second.smallest_m == 0.005 else 0.0
+        assert second.mass_fraction == pytest.approx(first.mass_fraction * (1.0 - rest) + more)
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [
         ({"sampled_as_m": 0.004}, "has no meaning without sampled_below_m"),
         ({"sampled_below_m": 0.004, "sampled_as_m": 0.003}, "0.003 m is less than sampled_below_m = 0.004 m"),
@@ -179,9 +179,9 @@ def test_the_next_whole_class_takes_over_what_is_not_computed() -> None:
         ({"sampled_below_m": 0.03, "finer": "next-class"}, "no class takes over what is not computed"),
     ],
 )
-def test_what_cannot_be_sampled_is_refused(given: dict[str, Any], said: str) -> None:
-    (found,) = faults(feed(**given))
-    assert said in found[1]
+def test_what_cannot_be_sampled_is_refused(given: dict[str, Any], message: str) -> None:
+    (fault,) = faults(feed(**given))
+    assert message in fault[1]
 
 
 def test_samples_without_faults() -> None:

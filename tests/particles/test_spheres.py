@@ -1,4 +1,4 @@
-"""What is special to the spheres in NumPy: friction, energy and the order of Verlet."""
+"""Features of the spheres in NumPy: friction, energy and the order of Verlet."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import closest_on_triangle
 from orchestrator.ports.plans import ExitPlan, GrainMaterial
-from tests.particles.contract import WEIGHTLESS, Run, energy_defect_J, one, particles, plan, plate
+from tests.particles.contract import WEIGHTLESS, Run, energy_defect_J, particles, plan, plate, table
 from tests.reference import spheres
 
 MASS_KG = 1430.0 * np.pi / 6.0 * 0.01**3
@@ -21,7 +21,7 @@ def opened(given: object) -> Run:
 def test_a_sliding_sphere_ends_rolling_at_five_sevenths() -> None:
     """Sliding friction torques a solid sphere until it rolls: u = 5 u0 / 7, spin = u / r (any
     textbook of mechanics); the spring's half overlap in the lever adds delta / 2r = 0.2 %."""
-    run = opened(plan(plate(0.3, 1), particles([-0.1, 0.02, 0.00498], [0.3, 0, 0]), restitution=one(0.3)))
+    run = opened(plan(plate(0.3, 1), particles([-0.1, 0.02, 0.00498], [0.3, 0, 0]), restitution=table(0.3)))
     run.advance(150)  # sliding ends after 2 u0 / (7 mu g) = 29 ms
     now = run.solver.snapshot()
     assert now.velocity_m_per_s[0, 0] == pytest.approx(0.3 * 5.0 / 7.0, rel=2e-3)
@@ -37,8 +37,8 @@ def test_an_oblique_impact_that_slides_throughout() -> None:
         plan(
             plate(0.05, 1),
             impact,
-            restitution=one(1.0),
-            sliding_friction=one(0.1),
+            restitution=table(1.0),
+            sliding_friction=table(0.1),
             gravity_m_per_s2=WEIGHTLESS,
             step_s=2e-6,
         )
@@ -100,7 +100,7 @@ def test_verlet_is_of_second_order() -> None:
     places_m = []
     for steps in (25, 50, 100, 1600):
         given = particles([0, 0, 0.005], [0.0, 0, -0.5])
-        run = opened(plan(plate(0.02, 1), given, restitution=one(1.0), step_s=1e-3 / steps))
+        run = opened(plan(plate(0.02, 1), given, restitution=table(1.0), step_s=1e-3 / steps))
         run.advance(1)  # the whole contact lasts 1.3 ms
         places_m.append(run.solver.snapshot().position_m[0, 2])
     error_m = np.abs(np.array(places_m[:3]) - places_m[3])
@@ -145,7 +145,7 @@ def test_two_materials_give_the_series_stiffness() -> None:
 @pytest.mark.parametrize("restitution", [0.0, 1.1])
 def test_an_impossible_restitution_is_refused(restitution: float) -> None:
     with pytest.raises(ValueError, match="restitution"):
-        spheres.build(plan(plate(0.02, 1), particles([0, 0, 0.1]), restitution=one(restitution)))
+        spheres.build(plan(plate(0.02, 1), particles([0, 0, 0.1]), restitution=table(restitution)))
 
 
 def test_contacts_go_on_when_another_particle_leaves_or_comes() -> None:
@@ -165,7 +165,7 @@ def test_contacts_that_end_by_removal_take_their_energy_along() -> None:
     in an exit: what their contact stores goes with it."""
     exits = (ExitPlan("above", "undersize", np.array([0.0, 0.0, 0.05]), np.eye(3), 0.04 * np.ones(3)),)
     given = particles([[0.0, 0.0, 0.0045], [0.0, 0.0, 0.0140]])
-    quick = {"restitution": one(1.0), "step_s": 1e-7, "sync_interval_s": 1e-6}
+    quick = {"restitution": table(1.0), "step_s": 1e-7, "sync_interval_s": 1e-6}
     run = opened(plan(plate(0.02, 3), given, exits=exits, **quick))
     before = run.solver.account()
     run.advance()

@@ -35,19 +35,19 @@ def both(given: ParticlesPlan, intervals: int, surface_m_per_s: Array) -> tuple[
     return results[0], results[1]
 
 
-def agree(one: Result, other: Result, relative: float) -> None:
-    scale_N = np.abs(other[0]).max()
+def agree(first: Result, second: Result, relative: float) -> None:
+    scale_N = np.abs(second[0]).max()
     assert scale_N > 0.0
-    np.testing.assert_allclose(one[0], other[0], rtol=0.0, atol=relative * scale_N)
+    np.testing.assert_allclose(first[0], second[0], rtol=0.0, atol=relative * scale_N)
     for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
-        mine, theirs = getattr(one[1], name), getattr(other[1], name)
+        mine, theirs = getattr(first[1], name), getattr(second[1], name)
         np.testing.assert_allclose(mine, theirs, rtol=0.0, atol=relative * np.abs(theirs).max())
-    mine_J, theirs_J = one[2].received_J["surface"], other[2].received_J["surface"]
+    mine_J, theirs_J = first[2].received_J["surface"], second[2].received_J["surface"]
     assert mine_J == pytest.approx(theirs_J, rel=relative, abs=1e-15)
 
 
 def test_eighteen_bouncing_spheres() -> None:
-    """Of three sizes and two materials, on a third that moves; 25 ms, before chaos sets in."""
+    """The spheres have three sizes and two materials, on a third that moves; 25 ms, before chaos sets in."""
     place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
     place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])
     generator = np.random.default_rng(1)
@@ -89,7 +89,7 @@ def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
 
 @pytest.mark.parametrize("surface", [pit(0.4, 5)], ids=["pit"])
 def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface) -> None:
-    """With friction, so that the tangential springs of contacts that come and go take part."""
+    """Friction makes the tangential springs of contacts that come and go take part."""
     start_m, velocity_m_per_s = [2e-4, 1e-4, 3.6e-3], [0.05, 0.03, -0.1]
     case = make_plan(
         surface,
@@ -98,16 +98,16 @@ def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface
         sliding_friction=0.4,
         gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
     )
-    one, other = both(case, 400, np.zeros(3))
+    first, second = both(case, 400, np.zeros(3))
     # an edge is in two triangles, at the same distance but for rounding; either may take the couple
-    agree(*(summed(found, surface) for found in (one, other)), relative=1e-9)
+    agree(*(summed(result, surface) for result in (first, second)), relative=1e-9)
 
 
-def summed(found: Result, surface: TriangleSurface) -> Result:
-    """With force and moment about the origin in the place of the forces on all points."""
-    force_N = found[0]
+def summed(result: Result, surface: TriangleSurface) -> Result:
+    """Return the result with force and moment about the origin in the place of the forces on all points."""
+    force_N = result[0]
     moment_N_m = np.cross(surface.position_m, force_N).sum(axis=1)
-    return np.stack([force_N.sum(axis=1), moment_N_m / 0.01], axis=1), found[1], found[2]
+    return np.stack([force_N.sum(axis=1), moment_N_m / 0.01], axis=1), result[1], result[2]
 
 
 ADHESION = {"dry": None, "sjkr": Sjkr(np.full((1, 1), 3e5)), "jkr": Jkr(np.full((1, 1), 0.05), 1e-3)}
@@ -116,8 +116,8 @@ ADHESION = {"dry": None, "sjkr": Sjkr(np.full((1, 1), 3e5)), "jkr": Jkr(np.full(
 @pytest.mark.parametrize("rolling", ["epsd2", "cdt"])
 @pytest.mark.parametrize("adhesion", ADHESION)
 def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
-    """Of 1 mm radius, thrown together and against a sheet: 8 ms, in which pairs stick and part.
-    The turns of cdt at rest are chaotic."""
+    """The spheres of 1 mm radius are thrown together and against a sheet: 8 ms, in which pairs stick and
+    part. The turns of cdt at rest are chaotic."""
     place_m = 2.02e-3 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [0, 1], indexing="ij"), -1)
     generator = np.random.default_rng(0)
     given = particles(
@@ -144,7 +144,7 @@ def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
     )
     ours, theirs = both(case, 80, np.array([0.01, 0.0, 0.02]))
     # as above: an edge's couple may go to either of its triangles
-    loads = (summed(found, sheet) for found in (ours, theirs))
+    loads = (summed(result, sheet) for result in (ours, theirs))
     agree(*loads, relative=1e-9 if rolling == "epsd2" else 1e-5)
     for name, stored_J in ours[2].stored_J.items():
         assert stored_J == pytest.approx(theirs[2].stored_J[name], rel=1e-5, abs=1e-15)
@@ -152,7 +152,7 @@ def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
 
 @pytest.mark.parametrize("angle_deg", [10.0, 40.0, -10.0, -60.0])
 def test_a_sticky_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
-    """It hangs on its neck below the surface: ridges (> 0) and valleys, at which it may part."""
+    """The sphere hangs on its neck below the surface: ridges (> 0) and valleys, at which it may part."""
     tilt = np.radians(angle_deg) / 2.0
     x, z = 0.003 * np.cos(tilt), 0.003 * np.sin(tilt)
     corner_m = np.array([[s * x, y, abs(s) * z] for s in (-1, 0, 1) for y in (-0.002, 0.002)])

@@ -18,11 +18,11 @@ from tests.particles.contract import (
     LIGGGHTS_ALONE,
     WEIGHTLESS,
     Run,
-    one,
     particles,
     plan,
     plate,
     solver_adapter,
+    table,
 )
 from tests.reference import spheres
 
@@ -53,7 +53,7 @@ def track(surface: TriangleSurface, run: Run) -> tuple[float, float]:
 def test_a_smooth_sphere_wears_by_force_times_way(build: Build) -> None:
     """k F s, with the force's impulse as handed over: to rounding, over 30 facets."""
     surface = plate(0.05, 30)
-    run = build(wearing(plan(surface, particles([-0.02, 0.001, 0.00495]), sliding_friction=one(0.0))))
+    run = build(wearing(plan(surface, particles([-0.02, 0.001, 0.00495]), sliding_friction=table(0.0))))
     run.velocity_m_per_s = np.array([-0.4, 0.0, 0.0])  # the sphere stays, the surface goes below it
     run.advance(100)
     way_N_m = 0.4 * float(-run.given_N_s[2])
@@ -69,7 +69,7 @@ def test_a_sphere_that_is_thrown_wears_until_it_rolls(build: Build) -> None:
     v^2 / (7 mu g), whatever the spring between; then it rolls and wears no more."""
     speed_m_per_s, friction = 0.5, 0.3
     start = particles([-0.1, 0.0, 0.005 - sag_m()], [speed_m_per_s, 0.0, 0.0])
-    run = build(wearing(plan(plate(0.2, 4), start, sliding_friction=one(friction))))
+    run = build(wearing(plan(plate(0.2, 4), start, sliding_friction=table(friction))))
     run.advance(40)  # 49 ms until it rolls
     before = worn_m3(run)
     run.advance(60)
@@ -98,8 +98,8 @@ def test_an_oblique_impact_wears_the_same_however_stiff(build: Build, youngs_mod
         surface,
         particles([0.0, 0.001, 0.00501], [along_m_per_s, 0.0, -normal_m_per_s]),
         materials=(GrainMaterial("m", youngs_modulus_Pa, 0.3),),
-        sliding_friction=one(friction),
-        restitution=one(restitution),
+        sliding_friction=table(friction),
+        restitution=table(restitution),
         gravity_m_per_s2=WEIGHTLESS,
         step_s=5e-7 if hard else 5e-6,
         sync_interval_s=1e-4,
@@ -114,11 +114,11 @@ def test_an_oblique_impact_wears_the_same_however_stiff(build: Build, youngs_mod
     assert worn_m3(run) == pytest.approx(RATE_M3_PER_N_M * rubbed_J, rel=0.01)
 
 
-@pytest.mark.parametrize("adhesion", [None, Jkr(one(0.05), 1e-2)], ids=["dry", "sticky"])
+@pytest.mark.parametrize("adhesion", [None, Jkr(table(0.05), 1e-2)], ids=["dry", "sticky"])
 def test_a_contact_that_sticks_wears_nothing(build: Build, adhesion: Jkr | None) -> None:
-    """However soft: the spring gives way by 1 um and comes back."""
+    """The contact wears nothing however soft it is: the spring gives way by 1 um and comes back."""
     start = particles([0.0, 0.0, 0.005 - sag_m()])
-    given = plan(plate(0.02, 3), start, sliding_friction=one(0.5), adhesion=adhesion)
+    given = plan(plate(0.02, 3), start, sliding_friction=table(0.5), adhesion=adhesion)
     run = build(wearing(given))
     for _ in range(20):
         run.velocity_m_per_s = -run.velocity_m_per_s if run.velocity_m_per_s.any() else np.array([1e-3, 0, 0])
@@ -155,7 +155,7 @@ def test_only_the_pair_with_a_rate_wears(build: Build) -> None:
 
 
 @pytest.mark.solver
-@pytest.mark.parametrize("adhesion", [None, Jkr(one(0.2), 1e-2)], ids=["dry", "sticky"])
+@pytest.mark.parametrize("adhesion", [None, Jkr(table(0.2), 1e-2)], ids=["dry", "sticky"])
 def test_two_codes_wear_alike(adhesion: Jkr | None) -> None:
     """Eighteen spheres with rolling resistance on a moving plate, point by point."""
     liggghts = solver_adapter("liggghts")
@@ -166,16 +166,18 @@ def test_two_codes_wear_alike(adhesion: Jkr | None) -> None:
         plan(
             plate(0.05, 7),
             particles(place_m, velocity_m_per_s, [5.0, -9.0, 3.0]),
-            rolling_friction=one(0.05),
+            rolling_friction=table(0.05),
             adhesion=adhesion,
         )
     )
-    found = []
+    worn_by_code_m3 = []
     for module in (spheres, liggghts):
         with closing(module.build(given)) as solver:
             run = Run(solver, given, np.array([0.1, 0.05, -0.02]))
             run.advance(25)
-            found.append(solver.worn_m3())
-    assert found[0].max() > 0.0
+            worn_by_code_m3.append(solver.worn_m3())
+    assert worn_by_code_m3[0].max() > 0.0
     # the same sums in another order, before chaos sets in
-    np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-8 * found[0].max())
+    np.testing.assert_allclose(
+        worn_by_code_m3[0], worn_by_code_m3[1], rtol=0.0, atol=1e-8 * worn_by_code_m3[0].max()
+    )

@@ -76,8 +76,8 @@ def _run(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def _attribute(dom: str, name: str) -> str:
-    found = re.search(rf'<html[^>]* data-{name}="([^"]*)"', dom)
-    return found.group(1) if found else ""
+    match = re.search(rf'<html[^>]* data-{name}="([^"]*)"', dom)
+    return match.group(1) if match else ""
 
 
 class Cells(HTMLParser):

@@ -169,8 +169,8 @@ class Motion:
 
     @cached_property
     def widths(self) -> list[Width]:
-        """Of each component: each batch has a phasor, whose part along the mean one counts.  Hann's weight
-        makes the interval wider."""
+        """Width of each component: each batch has a phasor, whose part along the mean one counts. Hann's
+        weight makes the interval wider."""
         count = batch_number(self.turns)
         long, rest = self.turns // count, self.values[self.inside] - self.slow
         t, w = self.time_s[self.inside], 2 * np.pi / self.turn_s
@@ -289,7 +289,7 @@ class Recomputed:
 
     @cached_property
     def balance(self) -> tuple[Array, Array, Array, Array]:
-        """In, out, hold-up at the ends of cycles, and its mean over each cycle."""
+        """Mass in and out, hold-up at the ends of cycles, and its mean over each cycle."""
         came, left = self.fed, self.removed
         later = came["time_s"] > 0
         fed = self.by_cycle(came["time_s"], came["kg"], later)
@@ -357,7 +357,7 @@ class Recomputed:
         return max(min(row["length_m"], row["width_m"]) for row in openings)
 
     def product(self, name: str) -> npt.NDArray[np.bool_]:
-        """Which particles left with a product."""
+        """Return which particles left with a product."""
         numbers = [i for i, (_, product) in enumerate(self.exits) if product == name]
         return np.isin(self.removed["exit"], numbers)
 
@@ -513,7 +513,7 @@ class Recomputed:
         )
         went_on = (np.arange(panels) <= farthest[:, None]) & ~passed
 
-        def told(s: Array) -> dict[str, float]:
+        def figures(s: Array) -> dict[str, float]:
             over, contacts, near, through, chances = s
             shares = {
                 "within_reach": near / over,
@@ -529,7 +529,7 @@ class Recomputed:
             {
                 "panel": f"deck-{k + 1}",
                 "stay_s": stay_s[k],
-                **told(np.array([c[:, k].sum() for c in columns])),
+                **figures(np.array([c[:, k].sum() for c in columns])),
             }
             | {"came_percent": 100 * kg[farthest >= k].sum() / kg.sum()}
             | {"passed_percent": 100 * columns[3][:, : k + 1].sum() / kg.sum()}
@@ -539,8 +539,8 @@ class Recomputed:
         number_in = np.histogram(d, edges)[0]
         assert (number_in >= 10).all(), "or classes would be joined"
         size = np.clip(np.digitize(d, edges) - 1, 0, 11)
-        of_size = [told(np.array([c[size == k].sum() for c in columns])) for k in range(12)]
-        sizes = {name: np.array([one[name] for one in of_size]) for name in of_size[0]}
+        of_size = [figures(np.array([c[size == k].sum() for c in columns])) for k in range(12)]
+        sizes = {name: np.array([part[name] for part in of_size]) for name in of_size[0]}
         hits_each = sum(row["contacts_per_s"] * row["stay_s"] for row in along)
         left_kg = np.bincount(size, kg) * np.exp(-sizes["chance_percent"] / 100 * hits_each)
         over_end = ~passed.any(axis=1)
@@ -548,22 +548,22 @@ class Recomputed:
         whole += [self.by_cycle(time_s, w * over_end) for w in (kg * over_s.sum(axis=1), kg)]
         table = self.of_window(*whole)
         elapsed_s, shares = np.cumsum(stay_s), np.array([row["passed_percent"] for row in along]) / 100
-        found = minimize_scalar(
+        fit = minimize_scalar(
             lambda k: np.sum((1 - np.exp(-k * elapsed_s) - shares) ** 2),
             bounds=(0.0, 100.0),
             method="bounded",
             options={"xatol": 1e-12},
         )
-        curve = 1 - np.exp(-found.x * elapsed_s)
+        curve = 1 - np.exp(-fit.x * elapsed_s)
         return {
             "particles": int(rows.sum()),
             "counted_percent": 100 * columns[3].sum() / kg.sum(),
             "rebuilt_percent": 100 * (1 - left_kg.sum() / kg.sum()),
-            **{name: self.estimate(lambda s, of=name: told(s[:5])[of], table) for name in of_size[0]},
+            **{name: self.estimate(lambda s, of=name: figures(s[:5])[of], table) for name in of_size[0]},
             "stay_s": self.estimate(lambda s: s[5] / s[6], table),
             "along": along,
             "fit": {
-                "rate_per_s": found.x,
+                "rate_per_s": fit.x,
                 "rms_percent": 100 * np.sqrt(np.mean((curve - shares) ** 2)),
                 "time_s": elapsed_s,
                 "passed_percent": 100 * curve,
@@ -620,10 +620,10 @@ class Recomputed:
             options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 4000}
             limits = ((-7.0, 7.0), (0.0, 20.0))
             starts = ((-np.log(share), 1.0), (0.5, 0.5))
-            found = [
+            fits = [
                 minimize(unlikely, x, method="Nelder-Mead", bounds=limits, options=options) for x in starts
             ]
-            return np.asarray(min(found, key=lambda one: one.fun).x)
+            return np.asarray(min(fits, key=lambda fitted: fitted.fun).x)
 
         # a class is spread evenly over its diameters by number, so that its mass grows as their third power
         (feed,) = self.case["bed"]["feeds"].values()
@@ -657,10 +657,10 @@ class Recomputed:
         error = 100 * out / total * np.array(tested) * (reach / tested_reach) ** 2
 
         def figure(of: Statistic, points: float) -> dict[str, Any]:
-            found = self.estimate(of, table)
-            if found["half_width"] is not None:
-                found["half_width"] += abs(points)
-            return found
+            figure_table = self.estimate(of, table)
+            if figure_table["half_width"] is not None:
+                figure_table["half_width"] += abs(points)
+            return figure_table
 
         def section(place: int) -> dict[str, Any]:
             def passes(s: Array) -> float:
@@ -970,9 +970,9 @@ class Recomputed:
     def pairs(self) -> dict[str, Array]:
         moved = {name: self.data[f"frames/{name}/displacement_m"] @ self.deck for name in self.frames}
         return {
-            f"{two}-{one}": moved[two] - moved[one]
-            for k, one in enumerate(self.frames)
-            for two in self.frames[k + 1 :]
+            f"{second}-{first}": moved[second] - moved[first]
+            for k, first in enumerate(self.frames)
+            for second in self.frames[k + 1 :]
         }
 
     def motion(self) -> dict[str, Any]:
@@ -981,15 +981,17 @@ class Recomputed:
         moved |= {n: self.data[f"probes/{n}/position_m"] for n, row in probes.items() if "frame" in row}
         single = {name: self.harmonic(place @ self.deck) for name, place in moved.items()}
         pairs = {name: self.harmonic(place) for name, place in self.pairs.items()}
-        largest = max(np.abs(one.phasor).max() for one in single.values())
-        drift = max(one.change for one in single.values()) / largest
+        largest = max(np.abs(harmonic.phasor).max() for harmonic in single.values())
+        drift = max(harmonic.change for harmonic in single.values()) / largest
         self.is_settled = bool(drift <= 0.05 and self.change_of_ranges() <= 0.05)
         return {
             "start_s": self.moves_s[0],
             "end_s": self.moves_s[1],
             "cycles": self.last - self.begin,
-            "frames": {name: one.table() for name, one in single.items()},
-            "relative": {name: one.table() | {"along_m": one.estimate(0)} for name, one in pairs.items()},
+            "frames": {name: harmonic.table() for name, harmonic in single.items()},
+            "relative": {
+                name: harmonic.table() | {"along_m": harmonic.estimate(0)} for name, harmonic in pairs.items()
+            },
             "drift": drift,
             "speed_rad_per_s": 2 * np.pi / self.turn_s(self.moves_s),
             "shafts_rad_per_s": self.shafts(self.moves_s),
@@ -1019,15 +1021,15 @@ class Recomputed:
 
         The axes are turned from the deck's about its x axis, then its y axis, then its z axis.
         """
-        found = []
+        rows = []
         for name, row in self.case["screen"]["bushings"].items():
             turn = self.deck
             for axis, angle_deg in reversed([*zip("xyz", row["rotation_deg"], strict=True)]):
                 turn = turn @ Rotation.from_euler(axis, angle_deg, degrees=True).as_matrix()
             for k, place in enumerate(row["positions_m"]):
                 own = name if len(row["positions_m"]) == 1 else f"{name}-{k + 1}"
-                found.append((own, row, self.deck @ place, turn))
-        return found
+                rows.append((own, row, self.deck @ place, turn))
+        return rows
 
     def carried(self, frame: str, place_m: Array) -> tuple[Array, Array, Rotation]:
         """The motion of a place on a frame: displacement and velocity (rows, 3), and the frame's rotation."""
@@ -1045,19 +1047,19 @@ class Recomputed:
 
     def deformation(self, row: dict[str, Any], place_m: Array, turn: Array) -> tuple[Array, Array]:
         """The deformation of a bushing along its axes, which turn with its first body, and its rate."""
-        one, two = (self.carried(frame, place_m) for frame in row["between"])
-        apart, rate, back = two[0] - one[0], two[1] - one[1], one[2].inv()
+        first, second = (self.carried(frame, place_m) for frame in row["between"])
+        apart, rate, back = second[0] - first[0], second[1] - first[1], first[2].inv()
         return back.apply(apart) @ turn, back.apply(rate) @ turn
 
     def ground(self) -> dict[str, Any]:
         force = np.zeros((len(self.time_s), 3))
         for name, row, _, turn in self.bushings():
-            one, two = row["between"]
+            first, second = row["between"]
             own = self.data[f"bushings/{name}/force_N"] @ turn.T
-            if one == "ground":
+            if first == "ground":
                 force += own  # what holds the second end pushes the first body
-            elif two == "ground":
-                force -= Rotation.from_rotvec(self.data[f"frames/{one}/rotation_rad"]).apply(own)
+            elif second == "ground":
+                force -= Rotation.from_rotvec(self.data[f"frames/{first}/rotation_rad"]).apply(own)
         wave, inside = self.harmonic(force), force[self.within(self.time_s, self.moves_s)]
         return {
             "amplitude_N": {axis: wave.estimate(k) for k, axis in enumerate("xyz")},
@@ -1307,26 +1309,27 @@ class Recomputed:
 
 
 def differences(ours: Any, theirs: Any, where: str = "", tolerance: float = 1e-9) -> list[str]:
-    """Where two tables differ: in their keys, or in a number or list by more than a share of its size.
+    """Return where two tables differ: in their keys, or in a number or list by more than a share of its
+    size.
 
     Of reasons it only counts whether there is one.
     """
     if isinstance(theirs, dict) and isinstance(ours, dict):
-        found = [f"{where}.{key}: not in both" for key in sorted(ours.keys() ^ theirs.keys())]
+        texts = [f"{where}.{key}: not in both" for key in sorted(ours.keys() ^ theirs.keys())]
         pairs = {key: (ours[key], theirs[key]) for key in ours.keys() & theirs.keys()}
     elif isinstance(theirs, list) and theirs and isinstance(theirs[0], dict):
-        found = [] if len(ours) == len(theirs) else [f"{where}: {len(ours)} rows and {len(theirs)}"]
+        texts = [] if len(ours) == len(theirs) else [f"{where}: {len(ours)} rows and {len(theirs)}"]
         pairs = {str(number): pair for number, pair in enumerate(zip(ours, theirs, strict=False))}
     elif where.endswith("reason") or theirs is None or ours is None or isinstance(theirs, str | bool):
         same = bool(ours) == bool(theirs) if where.endswith("reason") else ours == theirs
         return [] if same else [f"{where}: {ours}, and the run says {theirs}"]
     else:
-        one, other = (np.array(value, float) for value in (ours, theirs))
-        if one.shape != other.shape:
-            return [f"{where}: {one.shape}, and the run has {other.shape}"]
+        own, other = (np.array(value, float) for value in (ours, theirs))
+        if own.shape != other.shape:
+            return [f"{where}: {own.shape}, and the run has {other.shape}"]
         limit = tolerance * np.nanmax(np.abs(other), initial=0.0)
-        close = np.isclose(one, other, rtol=0.0, atol=limit, equal_nan=True)
-        return [] if close.all() else [f"{where}: {one.tolist()}, and the run says {other.tolist()}"]
+        close = np.isclose(own, other, rtol=0.0, atol=limit, equal_nan=True)
+        return [] if close.all() else [f"{where}: {own.tolist()}, and the run says {other.tolist()}"]
     for key, pair in pairs.items():
-        found += differences(*pair, f"{where}.{key}".lstrip("."), tolerance)
-    return found
+        texts += differences(*pair, f"{where}.{key}".lstrip("."), tolerance)
+    return texts

@@ -116,7 +116,7 @@ def _machine(history: History, case: Case, cycles: int) -> None:
 
 
 def _cycles(history: History, case: Case, cycles: int) -> None:
-    """What every sync point of each cycle shows together: all cycles are alike."""
+    """Write what every sync point of each cycle shows together: all cycles are alike."""
     for number in range(cycles + 1):
         time_s = number * CYCLE_S
         terms = {"supplied.frames.exciter_J": POWER_W * time_s, "lost.a.b_J": LOST_W * time_s}
@@ -182,7 +182,7 @@ def _worn(rate_m_per_h: float, time_s: float) -> dict[str, Array | float]:
 
 
 def _events(path: Path, cycles: int) -> None:
-    """What leaves in cycle c was fed ten cycles before, at the same part of the cycle."""
+    """Write the events: what leaves in cycle c was fed ten cycles before, at the same part of the cycle."""
     size_of = np.repeat(np.tile([0, 1, 2], 3), LEAVES.ravel())
     exit_of = np.repeat(np.repeat([0, 1, 2], 3), LEAVES.ravel())
     each = len(size_of)

@@ -25,10 +25,10 @@ Z = np.array([0.0, 0.0, 1.0])
 def test_a_sine_has_a_w_squared() -> None:
     """5 mm at 78.5 rad/s: 3.142 g; RMS by the square root of 2."""
     velocity = np.outer(0.005 * SPEED * np.cos(SPEED * TIME), Z)
-    found = acceleration_m_per_s2(velocity, STEP_S)[1000:-1000, 2] / STANDARD_GRAVITY_M_PER_S2
+    acceleration_g = acceleration_m_per_s2(velocity, STEP_S)[1000:-1000, 2] / STANDARD_GRAVITY_M_PER_S2
     peak = 0.005 * SPEED**2 / STANDARD_GRAVITY_M_PER_S2
-    assert np.abs(found).max() == pytest.approx(peak, rel=1e-3)
-    assert rms(found) == pytest.approx(peak / np.sqrt(2), rel=0.02)
+    assert np.abs(acceleration_g).max() == pytest.approx(peak, rel=1e-3)
+    assert rms(acceleration_g) == pytest.approx(peak / np.sqrt(2), rel=0.02)
 
 
 @pytest.mark.parametrize(("hertz", "kept"), [(50.0, True), (2500.0, False)])
@@ -48,8 +48,8 @@ def test_rows_that_are_farther_apart_show_the_same_accelerations(hertz: float, s
     velocity = np.outer(np.sin(w * time_s) / w, Z)
     inside = slice(len(time_s) // 4, -len(time_s) // 4)
     expected = np.cos(w * time_s) / (1.0 + (hertz / 500.0) ** 8)
-    found = acceleration_m_per_s2(velocity, step_s)[:, 2]
-    np.testing.assert_allclose(found[inside], expected[inside], atol=2e-3)
+    computed_m_per_s2 = acceleration_m_per_s2(velocity, step_s)[:, 2]
+    np.testing.assert_allclose(computed_m_per_s2[inside], expected[inside], atol=2e-3)
 
 
 def test_steps_longer_than_the_band_are_not_filtered() -> None:
@@ -58,7 +58,7 @@ def test_steps_longer_than_the_band_are_not_filtered() -> None:
 
 
 def test_the_series_of_a_run_are_those_of_the_report(tmp_path: Path) -> None:
-    """In ``history.h5``, with the band; the probes' largest ones are the report's."""
+    """The series stand in ``history.h5``, with the band; the probes' largest ones are the report's."""
     folder = folder_of(tmp_path / "run", particles=False, cycles=12)
     with RunReader(folder) as run:
         series = acceleration_series(run)
@@ -69,9 +69,9 @@ def test_the_series_of_a_run_are_those_of_the_report(tmp_path: Path) -> None:
         assert history["accelerations"].attrs["band_Hz"] == pytest.approx(499.7, abs=0.1)
         assert {"driving", "driven"} <= set(history["accelerations"])
         for name, figures in reported.items():
-            found = history[f"accelerations/{name}"]
-            inside = (found["time_s"][:] > span_s[0]) & (found["time_s"][:] <= span_s[1])
-            size = np.linalg.norm(found["acceleration_m_per_s2"][:][inside], axis=1)
+            recorded = history[f"accelerations/{name}"]
+            inside = (recorded["time_s"][:] > span_s[0]) & (recorded["time_s"][:] <= span_s[1])
+            size = np.linalg.norm(recorded["acceleration_m_per_s2"][:][inside], axis=1)
             assert size.max() / STANDARD_GRAVITY_M_PER_S2 == pytest.approx(figures.peak_g, rel=1e-6)
 
 

@@ -57,7 +57,7 @@ def transient(
 @pytest.mark.parametrize("stuck", [0, 3])
 @pytest.mark.parametrize("end_s", [2.2, 2.8])
 def test_a_transient_is_told_without_bias(end_s: float, stuck: int) -> None:
-    """Of all that has left, 65 to 80 % of the fines had passed; of each cohort 1 - exp(-0.75) = 53 %."""
+    """The fines passed in 65 to 80 % of all that has left; of each cohort 1 - exp(-0.75) = 53 %."""
     events = transient(end_s, stuck=stuck)
     assert events.steady.reason
     early = cohort(events)
@@ -65,9 +65,9 @@ def test_a_transient_is_told_without_bias(end_s: float, stuck: int) -> None:
     assert 0.2 < early.until_s < end_s - STAY_S + 0.05
     assert early.remaining <= MOST_REMAINING
     assert early.steady == events.steady
-    biased, told = screening(events, CUT_M).efficiency_percent, shares(early, CUT_M)["efficiency"]
+    biased, efficiency = screening(events, CUT_M).efficiency_percent, shares(early, CUT_M)["efficiency"]
     assert biased.value > 100 * PASSED + 10
-    assert told.value == pytest.approx(100 * PASSED, abs=4 * told.counting + 100 * MOST_REMAINING)
+    assert efficiency.value == pytest.approx(100 * PASSED, abs=4 * efficiency.counting + 100 * MOST_REMAINING)
 
 
 def test_a_run_that_ends_too_early_has_no_cohort() -> None:
@@ -77,50 +77,48 @@ def test_a_run_that_ends_too_early_has_no_cohort() -> None:
 
 
 def test_the_chance_of_a_cohort_holds_the_true_share() -> None:
-    """Of 400 feeds with some 160 grains in the cohort, 95 % of the intervals by chance hold what passes
-    of each grain by its own chance, within three standard deviations of counting 400, 3.3 points; that 1
-    % of the mass may remain makes the shares too favourable by 1 point at most, a fifth of their
-    deviation."""
+    """The intervals of 400 feeds with some 160 grains in the cohort hold, in 95 % by chance, what passes of
+    each grain by its own chance, within three standard deviations of counting 400, 3.3 points; that 1 % of
+    the mass may remain makes the shares too favourable by 1 point at most, a fifth of their deviation."""
     held, errors, deviations = [], [], []
     for seed in range(400):
         early = cohort(transient(2.2, per_s=320, seed=seed))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency"]
-        assert told.standard_error is not None
-        assert told.counting is not None
-        held.append(abs(told.value - 100 * PASSED) <= STUDENT_9 * told.standard_error)
-        errors.append(told.standard_error)
-        deviations.append(told.counting)
+        efficiency = shares(early, CUT_M)["efficiency"]
+        assert efficiency.standard_error is not None
+        assert efficiency.counting is not None
+        held.append(abs(efficiency.value - 100 * PASSED) <= STUDENT_9 * efficiency.standard_error)
+        errors.append(efficiency.standard_error)
+        deviations.append(efficiency.counting)
     assert np.mean(held) == pytest.approx(0.95, abs=0.033)
     assert np.mean(errors) == pytest.approx(np.mean(deviations), rel=0.1)
 
 
 def test_grains_that_go_together_widen_the_chance_of_a_cohort() -> None:
-    """Of fines that are fed together all pass or all stay: 95 % of the intervals hold, where those by
-    counting grains, 1.96 deviations, would hold 2 (Phi(1.96 / sqrt(5)) - 1/2) = 62 % or so for five
-    fines."""
+    """Fines that are fed together all pass or all stay: 95 % of the intervals hold, where those by counting
+    grains, 1.96 deviations, would hold 2 (Phi(1.96 / sqrt(5)) - 1/2) = 62 % or so for five fines."""
     held, by_counting = [], []
     for seed in range(200):
         early = cohort(transient(2.2, per_s=2000, together=10, seed=seed))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency"]
-        assert told.standard_error is not None
-        assert told.counting is not None
-        off = abs(told.value - 100 * PASSED)
-        held.append(off <= STUDENT_9 * told.standard_error)
-        by_counting.append(off <= 1.96 * told.counting)
+        efficiency = shares(early, CUT_M)["efficiency"]
+        assert efficiency.standard_error is not None
+        assert efficiency.counting is not None
+        off = abs(efficiency.value - 100 * PASSED)
+        held.append(off <= STUDENT_9 * efficiency.standard_error)
+        by_counting.append(off <= 1.96 * efficiency.counting)
     assert np.mean(held) == pytest.approx(0.95, abs=0.047)  # three standard deviations of counting 200
     assert np.mean(by_counting) < 0.75
 
 
 def test_a_cohort_has_no_interval_and_says_why() -> None:
-    """What the filling deck does is not known; that 80 of 80 fines passed does not tell that all do."""
+    """The grains of the filling deck are not known; that 80 of 80 fines passed does not tell that all do."""
     for rate_per_s, reason in (
         (RATE_PER_S, r"still filling; by chance alone ± \d"),
         (100.0, "still filling$"),
     ):
         early = cohort(transient(2.2, per_s=320, rate_per_s=rate_per_s))
         assert early is not None
-        told = shares(early, CUT_M)["efficiency"]
-        assert told.half_width is None
-        assert re.search(reason, told.reason)
+        efficiency = shares(early, CUT_M)["efficiency"]
+        assert efficiency.half_width is None
+        assert re.search(reason, efficiency.reason)

@@ -83,14 +83,14 @@ SPEED = Figure("speed", resolution=1e-3, path="x_m_per_s")
 )
 def test_the_interval_of_a_difference(other: tuple[float, float | None], verdict: str) -> None:
     """Half widths of 0.1 make 0.141 for the difference."""
-    one, two = Result("x", 1.0, 0.1, LENGTH), Result("x", *other, LENGTH)
-    assert judge_difference(one, two) == verdict
-    assert judge_difference(two, one) == verdict
+    first, second = Result("x", 1.0, 0.1, LENGTH), Result("x", *other, LENGTH)
+    assert judge_difference(first, second) == verdict
+    assert judge_difference(second, first) == verdict
 
 
 def test_what_a_run_does_not_resolve_is_the_same() -> None:
-    one, two = (Result("x", value, None, LENGTH) for value in (1e-9, 5e-7))
-    assert judge_difference(one, two) == SAME
+    first, second = (Result("x", value, None, LENGTH) for value in (1e-9, 5e-7))
+    assert judge_difference(first, second) == SAME
 
 
 def test_a_difference_that_intervals_show_is_told_however_small() -> None:
@@ -113,8 +113,8 @@ def test_a_relative_change_is_told_only_where_it_has_a_meaning(
     path: str, floor: float, values: tuple[float, float], change: float | None
 ) -> None:
     figure = Figure("x", resolution=floor, path=path)
-    one, two = (Result("x", value, None, figure) for value in values)
-    assert ComparedResult("x", figure.unit, (one, two)).changes()[1] == pytest.approx(change)
+    first, second = (Result("x", value, None, figure) for value in values)
+    assert ComparedResult("x", figure.unit, (first, second)).changes()[1] == pytest.approx(change)
 
 
 def test_single_numbers_of_results() -> None:
@@ -143,10 +143,10 @@ def test_a_vector_has_its_half_widths_by_component() -> None:
     plain = {"a.amplitude_m.x": 1.0, "a.amplitude_m.y": 2.0, "a.amplitude_m.z": 3.0}
     plain |= {"a.phase_rad.x": 0.1, "a.phase_rad.y": 0.2, "a.phase_rad.z": 0.3}
     assert dict(single_numbers({"a": vector | {"half_width_m": None}})) == plain
-    found = tidy_results({"results": {"a": vector | {"half_width_m": [0.3, 0.2, 0.1]}}})
-    assert {name: result.value for name, result in found.items()} == plain
-    assert found["a.amplitude_m.x"].half_width == 0.3
-    assert found["a.amplitude_m.z"].half_width == 0.1
+    results = tidy_results({"results": {"a": vector | {"half_width_m": [0.3, 0.2, 0.1]}}})
+    assert {name: result.value for name, result in results.items()} == plain
+    assert results["a.amplitude_m.x"].half_width == 0.3
+    assert results["a.amplitude_m.z"].half_width == 0.1
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
@@ -253,17 +253,17 @@ def bed_of_one_grain(height_m: float) -> CarriedBed:
 
 
 def test_the_page_of_a_comparison_needs_nothing_else(tmp_path: Path) -> None:
-    one = folder_of(tmp_path / "one", cycles=12)
-    two = tmp_path / "two"
-    shutil.copytree(one, two)
-    for folder, speed, share in ((one, 0.3, 1.0), (two, 0.4, 0.5)):
+    first = folder_of(tmp_path / "one", cycles=12)
+    second = tmp_path / "two"
+    shutil.copytree(first, second)
+    for folder, speed, share in ((first, 0.3, 1.0), (second, 0.4, 0.5)):
         summary = json.loads((folder / "summary.json").read_text())
         results: dict[str, Any] = {"bed": bed_of(estimate(speed, 0.01))}
         results |= {"missing": {}, "failed": {}, "share_of_width": share}
         (folder / "summary.json").write_text(json.dumps(summary | {"results": results}))
         (folder / "deck.png").write_bytes(b"\x89PNG")
     page = tmp_path / "page.html"
-    done = CALL.invoke(app, ["compare", str(one), str(two), "--out", str(page)])
+    done = CALL.invoke(app, ["compare", str(first), str(second), "--out", str(page)])
     assert done.exit_code == 0, done.output
     text = page.read_text()
     assert "more than chance" in text
@@ -285,12 +285,12 @@ def test_runs_that_cannot_be_read_are_all_named_and_nothing_is_written(
     places = [runs[0], str(old), str(empty), str(tmp_path / "nowhere")]
     done = CALL.invoke(app, [command, *places, "--out", str(page)])
     assert done.exit_code == 2
-    for said in (
+    for text in (
         "old/summary.json: has format 1",
         "empty: the run has no results",
         "nowhere: no such folder",
     ):
-        assert said in done.stderr
+        assert text in done.stderr
     assert not page.exists()
 
 
@@ -310,20 +310,20 @@ def test_what_cannot_be_compared_is_refused(runs: list[str], tmp_path: Path) -> 
 
 
 def test_runs_of_different_programs_are_told_apart(runs: list[str]) -> None:
-    """What the program changed would be taken for what the keys changed."""
+    """A change by the program would be taken for a change by the keys."""
     for run, commit in zip(runs, ("aa", "aa+", "aa"), strict=True):
         about = {"commit": commit, "versions": {"numpy": "1.24.2"}}
         (Path(run) / "provenance.json").write_text(json.dumps(about))
-    told = CALL.invoke(app, ["compare", *runs]).stderr
-    assert "other programs made the runs, which may change results: commit aa, aa+, aa" in told
-    assert "numpy" not in told
+    message = CALL.invoke(app, ["compare", *runs]).stderr
+    assert "other programs made the runs, which may change results: commit aa, aa+, aa" in message
+    assert "numpy" not in message
     assert "other programs" not in CALL.invoke(app, ["compare", runs[0], runs[2]]).stderr
     (Path(runs[2]) / "provenance.json").write_text("[")
     assert "commit aa, unknown" in CALL.invoke(app, ["compare", runs[0], runs[2]]).stderr
 
 
 def test_efficiencies_of_different_cuts_are_not_compared(tmp_path: Path) -> None:
-    """At another cut, other grains are fine: a change of the efficiency would say nothing of the machine."""
+    """Other grains are fine at another cut: a change of the efficiency would say nothing of the machine."""
     folders = []
     for place, cut_m, efficiency in (("a", 0.012, 60.0), ("b", 0.012, 70.0), ("c", 0.006, 80.0)):
         screening = {"cut_size_m": cut_m, "efficiency_percent": estimate(efficiency, 2.0)}
@@ -331,14 +331,14 @@ def test_efficiencies_of_different_cuts_are_not_compared(tmp_path: Path) -> None
         tables = {"screening": screening, "missing": {}, "failed": {}}
         folders.append(str(run_folder(tmp_path / place, {}, results=tables)))
     done = CALL.invoke(app, ["compare", *folders, "--json"])
-    told = json.loads(done.stdout)["results"]
+    results = json.loads(done.stdout)["results"]
     cut_names = ("efficiency", "recovery", "screening.efficiency_percent", "screening.recovered_percent")
     for name in cut_names:
-        assert told[name]["values"] == [60.0, 70.0, None]
-        assert told[name]["verdicts"] == [None, "more than chance", None]
-    assert told["screening.feed_kg_per_s"]["values"] == [5.0, 5.0, 5.0]
-    said = " ".join(done.stderr.split())
-    assert "different cuts (12 mm, 12 mm, 6 mm): their efficiencies are not compared" in said
+        assert results[name]["values"] == [60.0, 70.0, None]
+        assert results[name]["verdicts"] == [None, "more than chance", None]
+    assert results["screening.feed_kg_per_s"]["values"] == [5.0, 5.0, 5.0]
+    message = " ".join(done.stderr.split())
+    assert "different cuts (12 mm, 12 mm, 6 mm): their efficiencies are not compared" in message
     assert "different cuts" not in CALL.invoke(app, ["compare", *folders[:2]]).stderr
 
 
@@ -359,14 +359,14 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
         tables |= {"bed": {"velocity_m_per_s": estimate(0.5, 0.1)}, "missing": {}, "failed": {}}
         run_folder(place, {}, results=tables)
     done = CALL.invoke(app, ["compare", str(whole), str(sliced), "--json"])
-    told = json.loads(done.stdout)
+    comparison = json.loads(done.stdout)
     for name in ("power", "power.drives_W"):
-        assert told["results"][name]["values"] == pytest.approx([400.0, 400.0])
-        assert told["results"][name]["half_widths"] == pytest.approx([8.0, 8.0])
-    assert told["results"]["motion.ground.amplitude_N.z"]["values"] == pytest.approx([800.0, 800.0])
-    assert told["results"]["wear.panels.deck.worn_m3"]["values"] == pytest.approx([1e-9, 1e-9])
-    assert told["results"]["held.stickers"]["values"] == pytest.approx([20.0, 20.0])
-    assert told["more_than_chance"] == 0
+        assert comparison["results"][name]["values"] == pytest.approx([400.0, 400.0])
+        assert comparison["results"][name]["half_widths"] == pytest.approx([8.0, 8.0])
+    assert comparison["results"]["motion.ground.amplitude_N.z"]["values"] == pytest.approx([800.0, 800.0])
+    assert comparison["results"]["wear.panels.deck.worn_m3"]["values"] == pytest.approx([1e-9, 1e-9])
+    assert comparison["results"]["held.stickers"]["values"] == pytest.approx([20.0, 20.0])
+    assert comparison["more_than_chance"] == 0
     assert f"{sliced}: not steady: {reason}" in " ".join(done.stderr.split())
     assert "slices of different shares of the width (whole 1, sliced 0.25)" in " ".join(done.stderr.split())
     rows = json.loads(CALL.invoke(app, ["results", str(sliced), "--json"]).stdout)["results"]
@@ -375,28 +375,28 @@ def test_slices_and_transients_are_told_apart(tmp_path: Path) -> None:
 
 
 def test_rounding_is_no_difference_and_an_unsettled_machine_is_named(tmp_path: Path) -> None:
-    """Across the deck a machine in its plane moves by 1e-17 m, in one run five times as far as in another."""
-    one, other = tmp_path / "one", tmp_path / "other"
+    """A machine in its plane moves across the deck by 1e-17 m, in one run five times as far as in another."""
+    first, other = tmp_path / "one", tmp_path / "other"
     for place, across_m, reason in (
-        (one, 1.9e-17, ""),
+        (first, 1.9e-17, ""),
         (other, 1.1e-16, "range of driving changes by 6.4 %"),
     ):
         frame = {"amplitude_m": [0.002, across_m, 0.003], "half_width_m": [1e-5, 1e-18, 1e-5]}
         motion = {"frames": {"driving": frame}, "is_settled": not reason, "reason": reason}
         run_folder(place, {}, results={"motion": motion, "missing": {}, "failed": {}})
-    done = CALL.invoke(app, ["compare", str(one), str(other), "--json"])
-    told = json.loads(done.stdout)["results"]["motion.frames.driving.amplitude_m.y"]
-    assert told["verdicts"] == [None, SAME]
+    done = CALL.invoke(app, ["compare", str(first), str(other), "--json"])
+    result = json.loads(done.stdout)["results"]["motion.frames.driving.amplitude_m.y"]
+    assert result["verdicts"] == [None, SAME]
     assert f"{other}: the machine has not settled: range of driving" in " ".join(done.stderr.split())
-    assert f"{one}: the machine" not in done.stderr
+    assert f"{first}: the machine" not in done.stderr
 
 
 @pytest.mark.parametrize("command", ["results", "compare"])
 @pytest.mark.parametrize(("status", "count"), [("done", 0), ("doubtful", 1)])
 def test_a_doubtful_run_is_warned_of(tmp_path: Path, command: str, status: str, count: int) -> None:
-    one = run_folder(tmp_path / "one", estimate(0.3, 0.03))
+    run = run_folder(tmp_path / "one", estimate(0.3, 0.03))
     other = run_folder(tmp_path / "other", estimate(0.3, 0.03), status=status)
-    done = CALL.invoke(app, [command, str(one), str(other)])
+    done = CALL.invoke(app, [command, str(run), str(other)])
     assert done.exit_code == 0
     warned = "".join(done.stderr.split()).count("warning:")
     assert warned == count

@@ -45,7 +45,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(folder: Path) -> dict[str, Any]:
+def results(folder: Path) -> dict[str, Any]:
     return results_table(folder)
 
 
@@ -64,31 +64,31 @@ def test_decks_above_each_other_have_no_cut_size_of_their_own(
     run = shutil.copytree(folder, tmp_path / "run")
     text = (run / "case.toml").read_text()
     (run / "case.toml").write_text(text.replace("cut_size_m = 0.003", ""))
-    found = results_table(run)
-    assert "no single deck" in found["missing"]["efficiency"]
-    assert found["screening"]["cut_size_m"] is None
-    assert "efficiency_percent" not in found["screening"]
-    assert found["failed"] == {}
+    results = results_table(run)
+    assert "no single deck" in results["missing"]["efficiency"]
+    assert results["screening"]["cut_size_m"] is None
+    assert "efficiency_percent" not in results["screening"]
+    assert results["failed"] == {}
 
 
-def test_it_is_steady_once_the_deck_is_full(found: dict[str, Any]) -> None:
-    state = found["steady"]
+def test_it_is_steady_once_the_deck_is_full(results: dict[str, Any]) -> None:
+    state = results["steady"]
     assert state["is_steady"]
     assert state["imbalance_percent"] == pytest.approx(0.0, abs=1e-9)
     assert FILLED * CYCLE_S <= state["start_s"] < (FILLED + 2.5) * CYCLE_S
     assert state["end_s"] == pytest.approx(60 * CYCLE_S)
 
 
-def test_the_manual_knows_every_key(found: dict[str, Any]) -> None:
+def test_the_manual_knows_every_key(results: dict[str, Any]) -> None:
     of_others = {"cohort", "whole_feed"}
-    assert set(found["screening"]) == documented("### `results.screening`") - of_others
-    assert set(found["bed"]) == documented("### `results.bed`")
-    assert set(found) == documented("### `results`") - {"slice_width_m"}
-    assert set(found["contacts"]) == documented("### `results.contacts`")
+    assert set(results["screening"]) == documented("### `results.screening`") - of_others
+    assert set(results["bed"]) == documented("### `results.bed`")
+    assert set(results) == documented("### `results`") - {"slice_width_m"}
+    assert set(results["contacts"]) == documented("### `results.contacts`")
 
 
-def test_flows(found: dict[str, Any]) -> None:
-    screening = found["screening"]
+def test_flows(results: dict[str, Any]) -> None:
+    screening = results["screening"]
     assert value(screening["feed_kg_per_s"]) == pytest.approx(OUT_KG.sum() / CYCLE_S)
     assert value(screening["undersize_kg_per_s"]) == pytest.approx(OUT_KG[:2].sum() / CYCLE_S)
     assert value(screening["oversize_kg_per_s"]) == pytest.approx(OUT_KG[2].sum() / CYCLE_S)
@@ -96,10 +96,10 @@ def test_flows(found: dict[str, Any]) -> None:
     assert screening["lost_particles"] == 0
 
 
-def test_contacts(found: dict[str, Any]) -> None:
+def test_contacts(results: dict[str, Any]) -> None:
     """Each fine grain touches the first panel once in half a second; who goes on, the second one twice
     in a quarter."""
-    first, second = found["contacts"]["along"]
+    first, second = results["contacts"]["along"]
     assert (first["contacts_per_s"], second["contacts_per_s"]) == pytest.approx((2.0, 8.0))
     assert (first["stay_s"], second["stay_s"]) == pytest.approx((0.5, 0.25))
     assert (first["within_reach_percent"], second["within_reach_percent"]) == pytest.approx((10.0, 10.0))
@@ -107,38 +107,40 @@ def test_contacts(found: dict[str, Any]) -> None:
     assert first["chance_percent"] == pytest.approx(100 * fines[0] / fines.sum())
     assert second["chance_percent"] == pytest.approx(100 * fines[1] / fines[1:].sum() / 2)
     assert first["passed_percent"] == pytest.approx(100 * fines[0] / fines.sum())
-    assert found["contacts"]["counted_percent"] == pytest.approx(100 * fines[:2].sum() / fines.sum())
+    assert results["contacts"]["counted_percent"] == pytest.approx(100 * fines[:2].sum() / fines.sum())
 
 
-def test_separation(found: dict[str, Any]) -> None:
-    screening = found["screening"]
+def test_separation(results: dict[str, Any]) -> None:
+    screening = results["screening"]
     fines = OUT_KG[:, FINE].sum(axis=1)
     recovery = 100 * fines[:2].sum() / fines.sum()
     for name in ("fine_placement", "efficiency", "recovered"):  # no coarse passes, none stays
         assert value(screening[f"{name}_percent"]) == pytest.approx(recovery)
     assert value(screening["coarse_placement_percent"]) == pytest.approx(100.0)
     assert value(screening["misplaced_percent"]) == pytest.approx(100 * fines[2] / OUT_KG.sum())
-    one, two = screening["sections"]
-    assert (one["exit"], two["exit"]) == ("one", "two")
-    assert value(two["yield_percent"]) == pytest.approx(100 * OUT_KG[1].sum() / OUT_KG.sum())
-    assert value(two["cumulative_efficiency_percent"]) == pytest.approx(recovery)
+    first, second = screening["sections"]
+    assert (first["exit"], second["exit"]) == ("one", "two")
+    assert value(second["yield_percent"]) == pytest.approx(100 * OUT_KG[1].sum() / OUT_KG.sum())
+    assert value(second["cumulative_efficiency_percent"]) == pytest.approx(recovery)
     local = 100 * fines[1] / fines[1:].sum()
-    assert value(two["local_efficiency_percent"]) == pytest.approx(local)
+    assert value(second["local_efficiency_percent"]) == pytest.approx(local)
 
 
-def test_power(found: dict[str, Any]) -> None:
+def test_power(results: dict[str, Any]) -> None:
     """The exciter supplies 2 W at a constant rate, and ten particles a cycle are fed."""
-    power = found["power"]
+    power = results["power"]
     for entry, expected in ((power["drives_W"], POWER_W), (power["lost_W"]["a.b"], LOST_W)):
         assert value(entry) == pytest.approx(expected)
         assert entry["half_width"] == pytest.approx(0.0, abs=1e-9)
     assert value(power["drives_J_per_kg"]) == pytest.approx(POWER_W * CYCLE_S / OUT_KG.sum())
-    assert (power["start_s"], power["end_s"]) == pytest.approx((found["motion"]["start_s"], CYCLES * CYCLE_S))
+    assert (power["start_s"], power["end_s"]) == pytest.approx(
+        (results["motion"]["start_s"], CYCLES * CYCLE_S)
+    )
 
 
-def test_counting(found: dict[str, Any]) -> None:
-    """Of the fines in 50 cycles, 350 of 2 and 2.8 mm pass and 50 of 2.8 mm do not."""
-    screening = found["screening"]
+def test_counting(results: dict[str, Any]) -> None:
+    """The fines in 50 cycles are 350 of 2 and 2.8 mm that pass and 50 of 2.8 mm that do not."""
+    screening = results["screening"]
     cycles = screening["particles"] / LEAVES.sum()
     fines = np.repeat(MASS_KG[:2], np.round(cycles * LEAVES[:, :2].sum(axis=0)).astype(int))
     share = value(screening["fine_placement_percent"]) / 100
@@ -149,16 +151,16 @@ def test_counting(found: dict[str, Any]) -> None:
     assert "counting" not in screening["feed_kg_per_s"]
 
 
-def test_partition(found: dict[str, Any]) -> None:
+def test_partition(results: dict[str, Any]) -> None:
     """0, 1/3 and 1 of the three sizes go over: 50 % lie a quarter of the way from 2.8 to 5 mm."""
-    table = found["screening"]["partition"]
+    table = results["screening"]["partition"]
     there = [number for number in table["oversize_percent"] if number is not None]
     assert there == pytest.approx([0.0, 100 / 3, 100.0])
     assert value(table["d50_m"]) == pytest.approx(0.0028 + 0.25 * 0.0022)
 
 
-def test_transport(found: dict[str, Any]) -> None:
-    transport = found["transport"]
+def test_transport(results: dict[str, Any]) -> None:
+    transport = results["transport"]
     assert value(transport["residence_s"]) == pytest.approx(FILLED * CYCLE_S)
     passing = transport["passing"]
     step = passing["along_m"][1] - passing["along_m"][0]
@@ -166,36 +168,36 @@ def test_transport(found: dict[str, Any]) -> None:
     assert np.flatnonzero(passing["rate_kg_per_s_m"]).tolist() == [1, 5]  # 0.1 and 0.4 of 0.638 m
 
 
-def test_bed(found: dict[str, Any]) -> None:
-    bed = found["bed"]
+def test_bed(results: dict[str, Any]) -> None:
+    bed = results["bed"]
     assert value(bed["on_deck_kg"]) == pytest.approx(8 * BIN_KG)
     assert value(bed["velocity_m_per_s"]) == pytest.approx(VELOCITY_M_S)
     assert value(bed["largest_depth_m"]) == pytest.approx(DEPTH_M)
     assert value(bed["mean_depth_m"]) == pytest.approx(np.mean(bed["profile"]["depth_m"]))
     assert bed["profile"]["depth_m"] == pytest.approx(DEPTH_M - 0.005 * np.arange(8))
-    assert value(found["held"]["stickers"]) == 7.0
+    assert value(results["held"]["stickers"]) == 7.0
 
 
-def test_the_load_of_the_deck_is_that_of_the_criteria(folder: Path, found: dict[str, Any]) -> None:
-    state = found["steady"]
+def test_the_load_of_the_deck_is_that_of_the_criteria(folder: Path, results: dict[str, Any]) -> None:
+    state = results["steady"]
     asked = Question(measure="deck_load", between_s=(state["start_s"] + 1e-6, state["end_s"] + 1e-6))
-    assert value(found["bed"]["load_kg_per_m2"]) == pytest.approx(number_of(asked, folder), rel=1e-12)
+    assert value(results["bed"]["load_kg_per_m2"]) == pytest.approx(number_of(asked, folder), rel=1e-12)
 
 
-def test_the_results_name_the_width_of_a_slice(folder: Path, found: dict[str, Any], tmp_path: Path) -> None:
-    assert "slice_width_m" not in found
+def test_the_results_name_the_width_of_a_slice(folder: Path, results: dict[str, Any], tmp_path: Path) -> None:
+    assert "slice_width_m" not in results
     copy = Path(shutil.copytree(folder, tmp_path / "run"))
     case = copy / "case.toml"
     case.write_text(case.read_text() + "\n[slice]\nwidth_m = 0.1\n")
     part = results_table(copy)
     assert part["failed"] == {}
     assert (part["slice_width_m"], part["share_of_width"]) == (0.1, pytest.approx(0.5))
-    load = found["bed"]["load_kg_per_m2"]["value"]
+    load = results["bed"]["load_kg_per_m2"]["value"]
     assert part["bed"]["load_kg_per_m2"]["value"] == pytest.approx(2 * load)  # the same mass on half the area
 
 
-def test_motion(found: dict[str, Any]) -> None:
-    motion = found["motion"]
+def test_motion(results: dict[str, Any]) -> None:
+    motion = results["motion"]
     assert motion["frames"]["driven"]["amplitude_m"] == pytest.approx([0.008, 0, 0.005], abs=1e-9)
     assert motion["frames"]["driving"]["major_m"] == pytest.approx(0.0035)
     assert value(motion["relative"]["driven-driving"]["along_m"]) == pytest.approx(0.006)
@@ -207,39 +209,39 @@ def test_motion(found: dict[str, Any]) -> None:
     assert panel["stretch_largest_percent"] == pytest.approx(2.0, rel=0.01)
 
 
-def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
-    write_results(folder / "history.h5", found)
-    write_results(folder / "history.h5", found)  # anew, not twice
+def test_the_history_has_the_same(folder: Path, results: dict[str, Any]) -> None:
+    write_results(folder / "history.h5", results)
+    write_results(folder / "history.h5", results)  # anew, not twice
     with h5py.File(folder / "history.h5") as history:
         group = history["results"]
         efficiency = group["screening/efficiency_percent"]
-        assert efficiency[()] == found["screening"]["efficiency_percent"]["value"]
+        assert efficiency[()] == results["screening"]["efficiency_percent"]["value"]
         assert (efficiency.attrs["unit"], efficiency.attrs["batches"]) == ("%", 25)  # two of 50 cycles each
         assert group["transport/passing/rate_kg_per_s_m"].attrs["unit"] == "kg/(s m)"
         assert group["screening/sections/2/exit"].asstr()[()] == "two"
         depth = group["bed/profile/depth_m"]
-        assert depth[:] == pytest.approx(found["bed"]["profile"]["depth_m"])
+        assert depth[:] == pytest.approx(results["bed"]["profile"]["depth_m"])
 
 
 def test_a_short_run_says_that_it_is_transient(tmp_path: Path) -> None:
-    found = results_table(folder_of(tmp_path / "run", cycles=15))
-    assert not found["steady"]["is_steady"]
-    assert "20 are needed" in found["steady"]["reason"]
-    efficiency = found["screening"]["efficiency_percent"]
+    results = results_table(folder_of(tmp_path / "run", cycles=15))
+    assert not results["steady"]["is_steady"]
+    assert "20 are needed" in results["steady"]["reason"]
+    efficiency = results["screening"]["efficiency_percent"]
     assert efficiency["value"] is not None
     assert efficiency["half_width"] is None
 
 
 def test_an_empty_machine_has_its_motion(tmp_path: Path) -> None:
-    found = results_table(folder_of(tmp_path / "run", particles=False))
-    assert "no particles" in found["missing"]["screening"]
-    assert "screening" not in found
-    assert found["motion"]["relative"]["driven-driving"]["along_m"]["value"] == pytest.approx(0.006)
+    results = results_table(folder_of(tmp_path / "run", particles=False))
+    assert "no particles" in results["missing"]["screening"]
+    assert "screening" not in results
+    assert results["motion"]["relative"]["driven-driving"]["along_m"]["value"] == pytest.approx(0.006)
 
 
 def test_less_than_a_cycle_gives_no_results(tmp_path: Path) -> None:
-    found = results_table(folder_of(tmp_path / "run", cycles=0))
-    assert list(found["missing"]) == ["everything"]
+    results = results_table(folder_of(tmp_path / "run", cycles=0))
+    assert list(results["missing"]) == ["everything"]
 
 
 def thinned(folder: Path, kinds: tuple[str, ...], every: int) -> Path:
@@ -255,7 +257,7 @@ def thinned(folder: Path, kinds: tuple[str, ...], every: int) -> Path:
     return folder
 
 
-def test_a_row_between_output_times_counts_in_no_mean(tmp_path: Path, found: dict[str, Any]) -> None:
+def test_a_row_between_output_times_counts_in_no_mean(tmp_path: Path, results: dict[str, Any]) -> None:
     """A run that was stopped between two output times, and resumed, has one."""
     folder = folder_of(tmp_path / "resumed")
     with h5py.File(folder / "history.h5", "a") as history:
@@ -270,15 +272,15 @@ def test_a_row_between_output_times_counts_in_no_mean(tmp_path: Path, found: dic
                 del group[name]
                 group[name] = np.insert(rows, row, more, axis=0)
     resumed = results_table(folder)
-    assert resumed["bed"]["on_deck_kg"] == found["bed"]["on_deck_kg"]
-    assert resumed["bed"]["particles"] == found["bed"]["particles"]
-    assert resumed["held"] == found["held"]
+    assert resumed["bed"]["on_deck_kg"] == results["bed"]["on_deck_kg"]
+    assert resumed["bed"]["particles"] == results["bed"]["particles"]
+    assert resumed["held"] == results["held"]
     for name, panel in resumed["wear"]["panels"].items():
-        assert panel["mean_m_per_h"] == found["wear"]["panels"][name]["mean_m_per_h"]
+        assert panel["mean_m_per_h"] == results["wear"]["panels"][name]["mean_m_per_h"]
 
 
 def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(
-    tmp_path: Path, found: dict[str, Any]
+    tmp_path: Path, results: dict[str, Any]
 ) -> None:
     """Eight rows of a cycle: half the range of a sine would be short by up to 7.6 %."""
     kinds = ("frames", "probes", "forces")
@@ -286,21 +288,21 @@ def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(
     for part in ("orbits", "panel acceleration"):
         assert "8 rows in a cycle of 0.08 s; 20 are needed" in seldom["missing"][part]
     assert seldom["motion"]["frames"] == seldom["motion"]["panel_points"] == {}
-    assert seldom["motion"]["panels"] == found["motion"]["panels"]
-    assert seldom["screening"] == found["screening"]
+    assert seldom["motion"]["panels"] == results["motion"]["panels"]
+    assert seldom["screening"] == results["screening"]
     assert seldom["failed"] == {}
 
 
-def test_rows_too_seldom_for_the_band_of_accelerations(tmp_path: Path, found: dict[str, Any]) -> None:
+def test_rows_too_seldom_for_the_band_of_accelerations(tmp_path: Path, results: dict[str, Any]) -> None:
     """A row every millisecond reaches to 500 Hz, one every 2 ms does not, at sync points that are
     nearer to each other.  The orbits need no more."""
-    assert found["motion"]["panel_points"]["middle-1"]["band_Hz"] == pytest.approx(39.25 * 40 / np.pi)
+    assert results["motion"]["panel_points"]["middle-1"]["band_Hz"] == pytest.approx(39.25 * 40 / np.pi)
     fewer = results_table(thinned(folder_of(tmp_path / "fewer"), ("frames", "probes", "forces"), 2))
     assert "too seldom for accelerations up to 500 Hz" in fewer["missing"]["panel acceleration"]
     assert fewer["motion"]["frames"]["driven"]["amplitude_m"][0] == pytest.approx(0.008)
 
 
-def test_output_times_once_in_a_cycle_give_no_mean(tmp_path: Path, found: dict[str, Any]) -> None:
+def test_output_times_once_in_a_cycle_give_no_mean(tmp_path: Path, results: dict[str, Any]) -> None:
     """Ten in a cycle do, two do not: they see two phases of it again and again."""
     kinds = ("profile", "held", "bed", "overlaps")
     for every in (10, 5):
@@ -308,7 +310,7 @@ def test_output_times_once_in_a_cycle_give_no_mean(tmp_path: Path, found: dict[s
         assert "bed" not in seldom
         assert "held" not in seldom
         assert "of the machine's cycle of 0.08 s" in seldom["missing"]["bed"]
-        assert seldom["screening"] == found["screening"]
+        assert seldom["screening"] == results["screening"]
     enough = results_table(thinned(folder_of(tmp_path / "every-3"), kinds, 3))
     assert enough["bed"]["velocity_m_per_s"]["value"] == pytest.approx(VELOCITY_M_S)
 
@@ -321,10 +323,10 @@ def test_no_output_time_in_the_window(tmp_path: Path) -> None:
                 first = group[name][:1]
                 del group[name]
                 group[name] = first
-    found = results_table(folder)
-    assert "no output time lies in" in found["missing"]["bed"]
-    assert found["failed"] == {}
-    assert found["motion"]["panels"]["deck-1"]["stretch_largest_percent"] > 1.9
+    results = results_table(folder)
+    assert "no output time lies in" in results["missing"]["bed"]
+    assert results["failed"] == {}
+    assert results["motion"]["panels"]["deck-1"]["stretch_largest_percent"] > 1.9
 
 
 def test_times_at_which_a_bin_is_empty_count_as_no_depth(tmp_path: Path) -> None:
@@ -363,16 +365,16 @@ def test_a_part_that_fails_loses_no_other(tmp_path: Path, monkeypatch: pytest.Mo
 
     folder = folder_of(tmp_path / "run")
     monkeypatch.setattr("orchestrator.output.results.compute.bed_metrics", broken)
-    found = results_table(folder)
-    assert set(found["failed"]) == {"bed"}
-    assert found["failed"]["bed"].startswith("IndexError: list index out of range (test_compute.py")
-    assert "bed" not in found
-    assert {"screening", "motion", "wear"} <= set(found)
+    results = results_table(folder)
+    assert set(results["failed"]) == {"bed"}
+    assert results["failed"]["bed"].startswith("IndexError: list index out of range (test_compute.py")
+    assert "bed" not in results
+    assert {"screening", "motion", "wear"} <= set(results)
 
 
-def test_wear(found: dict[str, Any]) -> None:
+def test_wear(results: dict[str, Any]) -> None:
     """Rates by hand; per cycle they are all the same, so that the interval is narrow."""
-    wear = found["wear"]
+    wear = results["wear"]
     assert set(wear) == documented("### `results.wear`")
     for name, rate in WEAR_M_H.items():
         panel = wear["panels"][name]
@@ -390,9 +392,9 @@ def test_wear(found: dict[str, Any]) -> None:
 
 
 def test_the_profile_of_wear_has_each_panel_in_its_place(
-    folder: Path, found: dict[str, Any], tmp_path: Path
+    folder: Path, results: dict[str, Any], tmp_path: Path
 ) -> None:
-    """Whatever the panels are called: the second of the case comes first among the names."""
+    """The names of the panels do not matter: the second of the case comes first among the names."""
     copy = Path(shutil.copytree(folder, tmp_path / "run"))
     case, names = copy / "case.toml", {"deck-1": "upper", "deck-2": "lower"}
     before, block, after = re.split(
@@ -412,11 +414,11 @@ def test_the_profile_of_wear_has_each_panel_in_its_place(
                 history.move(f"{group}/{old}", f"{group}/{new}")
     wear = results_table(copy)["wear"]
     assert list(wear["panels"]) == ["upper", "lower"]
-    assert wear["profile"] == found["wear"]["profile"]
+    assert wear["profile"] == results["wear"]["profile"]
 
 
-def test_the_course_has_the_stroke_and_the_load_of_each_window(found: dict[str, Any]) -> None:
-    course = found["course"]
+def test_the_course_has_the_stroke_and_the_load_of_each_window(results: dict[str, Any]) -> None:
+    course = results["course"]
     assert course["end_s"] == pytest.approx([12 * CYCLE_S * number for number in range(1, 6)])
     pair = course["relative"]["driven-driving"]
     assert pair["along_m"] == pytest.approx([0.006] * 5)

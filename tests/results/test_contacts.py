@@ -1,4 +1,4 @@
-"""Why so much of the fines passes, against a stream whose contacts and chances are known."""
+"""The causes of a share that passes, against a stream whose contacts and chances are known."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def stream(chances: Any = CHANCES) -> Events:
 
 
 @pytest.fixture(scope="module")
-def told() -> Contacts:
+def result() -> Contacts:
     table = contacts(stream(), CUT_M, NAMES, OPENINGS)
     assert isinstance(table, Contacts)
     return table
@@ -65,27 +65,28 @@ def expected() -> float:
     return 1.0 - float(mass @ left / mass.sum())
 
 
-def test_what_was_put_in_comes_out(told: Contacts) -> None:
+def test_what_was_put_in_comes_out(result: Contacts) -> None:
     """Tolerances are three standard deviations by counting of some 10^4 contacts."""
-    along = {name: [getattr(row, name) for row in told.along] for name in vars(told.along[0])}
+    along = {name: [getattr(row, name) for row in result.along] for name in vars(result.along[0])}
     assert along["panel"] == [*NAMES]
     assert along["contacts_per_s"] == pytest.approx(CONTACTS_PER_S, rel=0.03)
     assert along["stay_s"] == pytest.approx(STAY_S, rel=1e-9)
     assert along["within_reach_percent"] == pytest.approx([100 * WITHIN] * 2, rel=1e-9)
-    there = told.sizes.particles > 0
-    assert told.sizes.mean_m[there] == pytest.approx(SIZES_M, rel=1e-3)
-    assert told.sizes.chance_percent[there] == pytest.approx(100 * CHANCES, rel=0.06)
+    there = result.sizes.particles > 0
+    assert result.sizes.mean_m[there] == pytest.approx(SIZES_M, rel=1e-3)
+    assert result.sizes.chance_percent[there] == pytest.approx(100 * CHANCES, rel=0.06)
     geometric = [(0.020 - d) * (0.003 - d) - (1 - math.pi / 4) * (0.003 - d) ** 2 for d in SIZES_M]
     gaudin = 100 * np.array(geometric) / (0.025 * 0.006)
-    assert told.sizes.geometric_percent[there] == pytest.approx(gaudin, rel=5e-3)
-    assert told.stay_s.value == pytest.approx(STAY_S.sum(), rel=1e-9)
+    assert result.sizes.geometric_percent[there] == pytest.approx(gaudin, rel=5e-3)
+    assert result.stay_s.value == pytest.approx(STAY_S.sum(), rel=1e-9)
 
 
-def test_the_share_that_passes_is_rebuilt_from_stay_contacts_and_chance(told: Contacts) -> None:
-    """Within a point of the closed form: three standard deviations of 20 000 grains by counting."""
-    assert told.counted_percent == pytest.approx(100 * expected(), abs=1.0)
-    assert told.rebuilt_percent == pytest.approx(100 * expected(), abs=1.0)
-    assert told.rebuilt_percent == pytest.approx(told.counted_percent, abs=0.7)
+def test_the_share_that_passes_is_rebuilt_from_stay_contacts_and_chance(result: Contacts) -> None:
+    """The share is within a point of the closed form: three standard deviations of 20 000 grains by
+    counting."""
+    assert result.counted_percent == pytest.approx(100 * expected(), abs=1.0)
+    assert result.rebuilt_percent == pytest.approx(100 * expected(), abs=1.0)
+    assert result.rebuilt_percent == pytest.approx(result.counted_percent, abs=0.7)
 
 
 def test_one_rate_fits_one_size() -> None:
@@ -111,5 +112,5 @@ def test_too_few_fines_have_no_table() -> None:
 def test_where_all_that_left_had_passed_nothing_tells_how_long_others_stay() -> None:
     events = stream()
     through = events.removed.part((events.removed.last_panel == 0) & (events.removed.exit == 0))
-    found = contacts(Events(events.fed, through, EXITS, events.edges_s), CUT_M, NAMES, OPENINGS)
-    assert found == "all fine particles that left had passed: nothing tells how long others stay"
+    reason = contacts(Events(events.fed, through, EXITS, events.edges_s), CUT_M, NAMES, OPENINGS)
+    assert reason == "all fine particles that left had passed: nothing tells how long others stay"

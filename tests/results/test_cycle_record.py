@@ -116,16 +116,16 @@ def test_it_does_not_matter_how_many_are_evaluated_together(
 ) -> None:
     whole = recorded(tmp_path / "whole.h5")
     monkeypatch.setattr(cycle_record, "TOGETHER", together)
-    with h5py.File(whole) as one, h5py.File(recorded(tmp_path / "some.h5")) as other:
+    with h5py.File(whole) as first, h5py.File(recorded(tmp_path / "some.h5")) as other:
         for kind in ("point_cycles/frame", "panel_cycles/deck"):
-            for name, rows in one[kind].items():
+            for name, rows in first[kind].items():
                 assert np.array_equal(rows[:], other[f"{kind}/{name}"][:]), name
 
 
 @pytest.mark.parametrize("stop_after", [5, 16, 17, 30])
 def test_it_goes_on_from_a_save_as_if_nothing_had_been(tmp_path: Path, stop_after: int) -> None:
     whole, stopped = recorded(tmp_path / "whole.h5"), recorded(tmp_path / "two.h5", stop_after)
-    with h5py.File(whole) as one, h5py.File(stopped) as two:
+    with h5py.File(whole) as first, h5py.File(stopped) as second:
         for kind in ("point_cycles/frame", "panel_cycles/deck"):
-            for name, rows in one[kind].items():
-                assert np.array_equal(rows[:], two[f"{kind}/{name}"][:]), name
+            for name, rows in first[kind].items():
+                assert np.array_equal(rows[:], second[f"{kind}/{name}"][:]), name

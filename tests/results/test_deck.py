@@ -100,12 +100,12 @@ def test_mass_velocity_and_depth_by_bin() -> None:
     speed = np.concatenate([np.linspace(0.1, 0.3, n), [0.5, 9.0, 9.0]])
     velocity = np.outer(speed, [1.0, 0.0, 0.0])
     seen = locate(deck, line, 0 * line, position)
-    found = compute_profile(deck, snapshot(position, np.full(n + 3, 0.004), velocity), seen)
+    profile = compute_profile(deck, snapshot(position, np.full(n + 3, 0.004), velocity), seen)
     one_kg = np.pi / 6 * 0.004**3 * 1430.0
-    assert found["mass_kg"] == pytest.approx([0, 20 * one_kg, 0, 0, 0, one_kg, 0, 0])
-    assert found["velocity_m_per_s"][[1, 5]] == pytest.approx([0.2, 0.5])
-    assert found["depth_m"][[1, 5]] == pytest.approx([0.019 + 0.002, 0.004])
-    assert np.isnan(found["depth_m"][[0, 2, 3, 4, 6, 7]]).all()
+    assert profile["mass_kg"] == pytest.approx([0, 20 * one_kg, 0, 0, 0, one_kg, 0, 0])
+    assert profile["velocity_m_per_s"][[1, 5]] == pytest.approx([0.2, 0.5])
+    assert profile["depth_m"][[1, 5]] == pytest.approx([0.019 + 0.002, 0.004])
+    assert np.isnan(profile["depth_m"][[0, 2, 3, 4, 6, 7]]).all()
 
 
 def test_velocity_is_along_the_slope() -> None:
@@ -114,8 +114,8 @@ def test_velocity_is_along_the_slope() -> None:
     down = np.array([np.cos(turn), 0.0, -np.sin(turn)])
     position = (0.1 * down + [0, 0, 0.005])[None]
     seen = locate(deck, line, 0 * line, position)
-    found = compute_profile(deck, snapshot(position, np.array([0.004]), (0.7 * down)[None]), seen)
-    assert np.nanmax(found["velocity_m_per_s"]) == pytest.approx(0.7, rel=1e-12)
+    profile = compute_profile(deck, snapshot(position, np.array([0.004]), (0.7 * down)[None]), seen)
+    assert np.nanmax(profile["velocity_m_per_s"]) == pytest.approx(0.7, rel=1e-12)
 
 
 def shaken(
@@ -124,7 +124,7 @@ def shaken(
     """Two 4 mm spheres on a panel that moves as a whole by +-5 mm, one drifting along."""
     deck, line = deck_of(straight(0.0))
     held = RetainedParticles(CYCLE_S, ACROSS, np.array([[0.1, 0.05], [0.12, 0.05], [0.2, 0.02]]))
-    found: dict[str, float] = {}
+    counts: dict[str, float] = {}
     for time in np.arange(0.0, cycles * CYCLE_S, CYCLE_S / 8):
         moved = np.array([0.005 * np.sin(2 * np.pi * time / CYCLE_S), 0.0, 0.0])
         rise = np.tile([0.0, 0.0, fastest_m_per_s * np.cos(2 * np.pi * time / CYCLE_S)], (len(line), 1))
@@ -132,19 +132,19 @@ def shaken(
         position[:, 2] = height_m
         seen = locate(deck, line + moved, rise, position + moved)
         velocity = np.tile(rise[0], (2, 1))
-        found = held.at(float(time), snapshot(position + moved, np.full(2, 0.004), velocity), seen)
-    return found
+        counts = held.at(float(time), snapshot(position + moved, np.full(2, 0.004), velocity), seen)
+    return counts
 
 
 @pytest.mark.parametrize("throw", [1.3, 1.6, 2.5])
 def test_a_loose_grain_that_hops_low_is_no_sticker(throw: float) -> None:
-    """On a panel that shakes harmonically, a grain of 40 mm is thrown anew in each cycle and flies as a stone
-    does.  It never rises by a quarter of its diameter, and one that is held stays where it is."""
+    """A grain of 40 mm on a panel that shakes harmonically is thrown anew in each cycle and flies as a
+    stone does. It never rises by a quarter of its diameter, and one that is held stays where it is."""
     g, speed, diameter_m = 9.80665, 2 * np.pi / CYCLE_S, 0.04
     amplitude_m = throw * g / speed**2
     deck, line = deck_of(straight(0.0))
     held = RetainedParticles(CYCLE_S, ACROSS, np.empty((0, 2)))
-    step_s, found, highest_m = CYCLE_S / 4000, {}, 0.0
+    step_s, counts, highest_m = CYCLE_S / 4000, {}, 0.0
     place_m, rate_m_per_s = 0.0, amplitude_m * speed
     for step in range(int((HELD_CYCLES + 2) * 4000)):
         time = step * step_s
@@ -161,9 +161,9 @@ def test_a_loose_grain_that_hops_low_is_no_sticker(throw: float) -> None:
             heights = [[0.1, 0.05, place_m + diameter_m / 2], [0.3, 0.05, panel_m + diameter_m / 2]]
             velocity = np.array([[0.0, 0.0, rate_m_per_s], [0.0, 0.0, panel_m_per_s]])
             grains = snapshot(np.array(heights), np.full(2, diameter_m), velocity)
-            found = held.at(time, grains, locate(deck, moved, rise, grains.position_m))
+            counts = held.at(time, grains, locate(deck, moved, rise, grains.position_m))
     assert 0.0 < highest_m < diameter_m / 4
-    assert found["stickers"] == 1.0
+    assert counts["stickers"] == 1.0
 
 
 def test_what_stays_on_a_shaking_panel_is_stuck() -> None:
@@ -197,8 +197,8 @@ def test_ids_that_come_and_go() -> None:
     for time, rows in parts.items():
         particles = replace(every.part(rows), velocity_m_per_s=np.tile([0.0, 0.0, 1.0], (len(rows), 1)))
         seen = locate(deck, line, rise, particles.position_m)
-        found = held.at(time, particles, seen)
-    assert found["stickers"] == 1.0  # the first, since 0.1 s; the third came too late
+        counts = held.at(time, particles, seen)
+    assert counts["stickers"] == 1.0  # the first, since 0.1 s; the third came too late
 
 
 def test_openings_in_the_world() -> None:
@@ -207,8 +207,8 @@ def test_openings_in_the_world() -> None:
     sets = [f"screen.panels.deck.apertures={pattern}", "screen.panels.deck.tension_m=0.004"]
     sets.append("screen.panels.deck.length_m=0.3")
     case = load_judged(ROOT / "cases/quickstart", "draft", sets).case
-    found = openings_m(case) @ axes(case)  # in deck axes
-    assert found == pytest.approx(np.array([[0.152, 0.1, 0.0], [0.338 + 0.152, 0.1, 0.0]]))
+    centres_m = openings_m(case) @ axes(case)  # in deck axes
+    assert centres_m == pytest.approx(np.array([[0.152, 0.1, 0.0], [0.338 + 0.152, 0.1, 0.0]]))
     assert cut_size_m(case) == 0.003
     plain = load_judged(ROOT / "cases/quickstart", "draft").case
     assert openings_m(plain).shape == (0, 3)

@@ -43,11 +43,11 @@ def test_six_slow_cosines_give_the_interval() -> None:
     """Sizes 1 to 6 have a mean square of 91/6, t(6, 0.975) = 2.446912; the eleventh cosine, from cycle to
     cycle, counts for nothing."""
     values = 3.0 + sum((j * cosine(j, 12) for j in range(1, 7)), 20.0 * cosine(11, 12))
-    found = mean(values)
-    assert found.value == pytest.approx(3.0, rel=1e-14)
-    assert found.batches == 12
-    assert found.half_width == pytest.approx(2.446912 * np.sqrt(91 / 6 / 12), rel=1e-6)
-    assert found.standard_error == pytest.approx(np.sqrt(91 / 6 / 12), rel=1e-12)
+    result = mean(values)
+    assert result.value == pytest.approx(3.0, rel=1e-14)
+    assert result.batches == 12
+    assert result.half_width == pytest.approx(2.446912 * np.sqrt(91 / 6 / 12), rel=1e-6)
+    assert result.standard_error == pytest.approx(np.sqrt(91 / 6 / 12), rel=1e-12)
 
 
 def test_a_ratio_has_the_interval_of_its_linearisation() -> None:
@@ -56,14 +56,14 @@ def test_a_ratio_has_the_interval_of_its_linearisation() -> None:
     rng = np.random.default_rng(2)
     x = rng.uniform(0.99, 1.01, 20)
     y = 0.8 * x + 0.01 * rng.permutation(np.linspace(-1, 1, 20))
-    found = estimate(lambda sums: sums[0] / sums[1], np.column_stack([y, x]))
+    result = estimate(lambda sums: sums[0] / sums[1], np.column_stack([y, x]))
     ratio = y.sum() / x.sum()
-    assert found.value == pytest.approx(ratio, rel=1e-14)
-    assert found.half_width == pytest.approx(chance((y - ratio * x) / x.mean()).half_width, rel=0.01)
+    assert result.value == pytest.approx(ratio, rel=1e-14)
+    assert result.half_width == pytest.approx(chance((y - ratio * x) / x.mean()).half_width, rel=0.01)
 
 
 def test_the_first_batch_has_what_is_left_over() -> None:
-    """Of 43 cycles, 21 batches of two leave one over, and 40 of one would leave three."""
+    """The 43 cycles in 21 batches of two leave one over, and in 40 of one would leave three."""
     sums = batch_sums(np.arange(43.0)[:, None])
     assert sums.ravel().tolist() == [3.0, *(float(2 * first + 1) for first in range(3, 43, 2))]
     assert mean(np.arange(43.0)).value == pytest.approx(21.0, rel=1e-14)
@@ -138,10 +138,10 @@ def test_intervals_hold_as_often_as_they_say_and_have_the_right_width(
     of the runs, by Student's distribution in 97 %.  A fifth of ten independent cycles look correlated."""
     series = process(np.random.default_rng(7), cycles, what)
     deviation = series.mean(axis=0).std()
-    found = [one for one in map(mean, series.T) if one.half_width is not None]
-    assert len(found) > 0.75 * RUNS
-    width = np.array([one.half_width for one in found])
-    held = np.abs([one.value for one in found]) <= width
+    estimates = [each for each in map(mean, series.T) if each.half_width is not None]
+    assert len(estimates) > 0.75 * RUNS
+    width = np.array([each.half_width for each in estimates])
+    held = np.abs([each.value for each in estimates]) <= width
     assert 0.92 <= held.mean() <= 0.98
     assert np.mean((width > NORMAL_95 * deviation / 2) & (width < 2 * NORMAL_95 * deviation)) > 0.94
 
@@ -151,9 +151,9 @@ def test_a_share_has_the_right_interval() -> None:
     rng, shares, widths = np.random.default_rng(3), [], []
     for _ in range(500):
         came = rng.poisson(3.0, 40)
-        found = estimate(lambda s: s[0] / s[1], np.column_stack([rng.binomial(came, 0.4), came]))
-        shares.append(found.value)
-        widths.append(found.half_width)
+        share = estimate(lambda s: s[0] / s[1], np.column_stack([rng.binomial(came, 0.4), came]))
+        shares.append(share.value)
+        widths.append(share.half_width)
     known = [(x, w) for x, w in zip(shares, widths, strict=True) if w is not None]
     held = [abs(x - 0.4) <= w for x, w in known]
     assert len(known) > 490
@@ -171,9 +171,9 @@ def test_a_feed_that_makes_up_for_what_it_lacks_has_a_narrow_interval(largest_kg
             while total_kg + fed_kg[cycle] < cycle + 1:
                 fed_kg[cycle] += largest_kg * rng.uniform(0.1, 1.0) ** 2
             total_kg += fed_kg[cycle]
-        found = estimate(lambda s: s[0] / s[1], np.column_stack([fed_kg, np.ones(70)])[10:], controlled)
-        means.append(found.value)
-        widths.append(found.half_width)
+        result = estimate(lambda s: s[0] / s[1], np.column_stack([fed_kg, np.ones(70)])[10:], controlled)
+        means.append(result.value)
+        widths.append(result.half_width)
     width, value = np.array(widths), np.array(means)
     assert 0.92 <= np.mean(np.abs(value - 1.0) <= width) <= 0.985
     ratio = width / (NORMAL_95 * value.std())
@@ -185,12 +185,12 @@ def test_a_machine_without_chance_has_the_drift_that_remains(decay_cycles: float
     """A stroke of 5 mm is reached from 6 mm: the mean of 30 cycles is off by less than its interval, which
     says no more than twice as much."""
     stroke_mm = 5.0 + np.exp(-np.arange(30) / decay_cycles)
-    found = mean(stroke_mm, remaining_drift)
-    assert found.value is not None
-    assert found.half_width is not None
-    off_mm = found.value - 5.0
-    assert off_mm <= found.half_width <= 2.1 * off_mm
-    assert found.standard_error is None
+    stroke = mean(stroke_mm, remaining_drift)
+    assert stroke.value is not None
+    assert stroke.half_width is not None
+    off_mm = stroke.value - 5.0
+    assert off_mm <= stroke.half_width <= 2.1 * off_mm
+    assert stroke.standard_error is None
 
 
 @pytest.mark.parametrize(("stay_cycles", "known"), [(6, True), (15, False)])

@@ -88,7 +88,7 @@ def test_every_entry_of_a_summary_has_a_record(summary: dict[str, Any]) -> None:
 
 
 def test_every_record_is_met_by_a_run(summary: dict[str, Any]) -> None:
-    """Else a reader could be wrong of it unseen."""
+    """A reader could otherwise be wrong of it unseen."""
     met = {path for path, _ in leaves(summary["results"], "results")}
     words = {tuple(path.split(".")) for path in met}
 
@@ -116,8 +116,8 @@ def test_the_whole_width_has_what_a_slice_has_its_share_of(summary: dict[str, An
         times = 1.0 / SHARE if record.is_extensive else 1.0
         scaled += record.is_extensive
         for key in ("value", "half_width") if isinstance(value, dict) else ("",):
-            one, other = (each[key] if key else each for each in (value, part))
-            assert one == (other and times * other), path
+            first, other = (each[key] if key else each for each in (value, part))
+            assert first == (other and times * other), path
     assert scaled > 15
 
 
@@ -145,9 +145,9 @@ def test_rows_names_and_columns_have_the_bits_of_the_summary(
             wanted = value["value"] if isinstance(value, dict) else value
             if wanted is None:
                 continue
-            told = value_at(summary, path)
-            assert told is not None
-            assert told.value == wanted, path
+            figure = value_at(summary, path)
+            assert figure is not None
+            assert figure.value == wanted, path
             keys = path.removeprefix("results.").split(".", 2 if ".lost_W." in path else -1)
             stored = history["results"]
             for key in keys:

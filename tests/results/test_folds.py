@@ -20,9 +20,9 @@ def hairpin(gap_m: float) -> np.ndarray:
 
 @pytest.mark.parametrize("gap_m", [0.001, 0.0035])
 def test_a_hairpin_narrower_than_the_thickness(gap_m: float) -> None:
-    found = find_fold_m(hairpin(gap_m), 0.004)
-    assert found is not None
-    assert found[1] - found[0] > 4 * 0.004
+    fold_m = find_fold_m(hairpin(gap_m), 0.004)
+    assert fold_m is not None
+    assert fold_m[1] - fold_m[0] > 4 * 0.004
 
 
 @pytest.mark.parametrize("gap_m", [0.005, 0.05])

@@ -113,9 +113,9 @@ def test_the_last_two_checkpoints_and_the_last_without_trouble_stay(tmp_path: Pa
 
 def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
     _write_checkpoint(tmp_path, 3, 3)
-    found = checkpoints.find_newest(tmp_path)
-    assert found is not None
-    assert checkpoints.array_names(found.state(None)) == {"place_m"}
-    _set_version(found.folder / checkpoints.ABOUT, 1)
+    checkpoint = checkpoints.find_newest(tmp_path)
+    assert checkpoint is not None
+    assert checkpoints.array_names(checkpoint.state(None)) == {"place_m"}
+    _set_version(checkpoint.folder / checkpoints.ABOUT, 1)
     with pytest.raises(OtherFormat, match=r"checkpoint\.json: has format 1; this flipflow reads format"):
         checkpoints.find_newest(tmp_path)

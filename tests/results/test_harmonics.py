@@ -39,13 +39,13 @@ def wave(time_s: Array, phasor: Array = PHASOR, speed: float = SPEED) -> Array:
 
 @pytest.mark.parametrize("cycles", [1, 1.3, 2, 5.5, 7.4, 20, 33.9])
 def test_amplitude_and_phase_of_a_sine_at_any_place(cycles: float) -> None:
-    """Also where the rows are no whole number of cycles, and drift."""
+    """The sine is met also where the rows are no whole number of cycles, and drift."""
     time_s = times(cycles + 0.01)
     moved = wave(time_s) + np.array([0.1, 0.0, 3.0]) + np.outer(time_s, [0.01, 0.0, -0.02])
-    found = first_harmonic(time_s, moved, CYCLE_S)
-    assert found.phasor == pytest.approx(PHASOR, abs=1e-13)
-    assert found.amplitude == pytest.approx(AMPLITUDE_M, abs=1e-13)
-    assert found.other == pytest.approx(0.0, abs=1e-12)
+    harmonic = first_harmonic(time_s, moved, CYCLE_S)
+    assert harmonic.phasor == pytest.approx(PHASOR, abs=1e-13)
+    assert harmonic.amplitude == pytest.approx(AMPLITUDE_M, abs=1e-13)
+    assert harmonic.other == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("cycles", [2.2, 5.0, 9.7])
@@ -53,10 +53,10 @@ def test_harmonics_change_nothing(cycles: float) -> None:
     """Half the range would be 6.6 mm, not 5.6: a slack panel's middle, a frame with a stop."""
     time_s = times(cycles)
     moved = wave(time_s) + sum(wave(time_s, 1e-3 * np.ones(3), k * SPEED) for k in (2, 3, 7))
-    found = first_harmonic(time_s, moved, CYCLE_S)
-    assert found.amplitude == pytest.approx(AMPLITUDE_M, abs=1e-5)
-    assert found.phasor == pytest.approx(PHASOR, abs=1e-5)
-    assert found.other[0] > 2e-3
+    harmonic = first_harmonic(time_s, moved, CYCLE_S)
+    assert harmonic.amplitude == pytest.approx(AMPLITUDE_M, abs=1e-5)
+    assert harmonic.phasor == pytest.approx(PHASOR, abs=1e-5)
+    assert harmonic.other[0] > 2e-3
 
 
 def test_a_slow_swing_hardly_leaks_into_it() -> None:
@@ -64,32 +64,33 @@ def test_a_slow_swing_hardly_leaks_into_it() -> None:
     are below 1e-3; without a window it would be 2 %."""
     time_s = times(10)
     swing = np.outer(2e-3 * np.exp(-time_s) * np.cos(29 * time_s), [1.0, 0.0, 0.0])
-    found = first_harmonic(time_s, wave(time_s) + swing, CYCLE_S, interval_of=remaining_drift)
-    assert found.amplitude[0] == pytest.approx(5.6e-3, rel=2e-3)
-    assert found.half_width is not None
-    assert found.half_width[0] > abs(found.amplitude[0] - 5.6e-3)
+    harmonic = first_harmonic(time_s, wave(time_s) + swing, CYCLE_S, interval_of=remaining_drift)
+    assert harmonic.amplitude[0] == pytest.approx(5.6e-3, rel=2e-3)
+    assert harmonic.half_width is not None
+    assert harmonic.half_width[0] > abs(harmonic.amplitude[0] - 5.6e-3)
 
 
 def test_the_interval_holds_the_amplitude_under_noise() -> None:
-    """In 95 of 100 runs or so, and it is not raised by the noise: a mean of half ranges would be."""
+    """The interval holds in 95 of 100 runs or so, and is not raised by the noise: a mean of half ranges
+    would be."""
     time_s, rng = times(40), np.random.default_rng(1)
     inside, amplitudes_m = 0, []
     for _ in range(200):
         moved = wave(time_s) + rng.normal(0.0, 1e-3, (len(time_s), 3))
-        found = first_harmonic(time_s, moved, CYCLE_S)
-        assert found.half_width is not None
-        inside += abs(found.amplitude[0] - AMPLITUDE_M[0]) <= found.half_width[0]
-        amplitudes_m.append(found.amplitude[0])
+        harmonic = first_harmonic(time_s, moved, CYCLE_S)
+        assert harmonic.half_width is not None
+        inside += abs(harmonic.amplitude[0] - AMPLITUDE_M[0]) <= harmonic.half_width[0]
+        amplitudes_m.append(harmonic.amplitude[0])
     assert 180 <= inside <= 199
     assert np.mean(amplitudes_m) == pytest.approx(AMPLITUDE_M[0], rel=1e-3)
 
 
 def test_few_cycles_have_no_interval() -> None:
     time_s = times(4.2)
-    found = first_harmonic(time_s, wave(time_s), CYCLE_S)
-    assert (found.half_width, found.batches) == (None, 4)
-    assert found.estimate(0).half_width is None
-    assert found.estimate(0).reason == TOO_FEW
+    harmonic = first_harmonic(time_s, wave(time_s), CYCLE_S)
+    assert (harmonic.half_width, harmonic.batches) == (None, 4)
+    assert harmonic.estimate(0).half_width is None
+    assert harmonic.estimate(0).reason == TOO_FEW
 
 
 def test_drift_is_the_change_between_the_halves() -> None:
@@ -121,10 +122,10 @@ def test_less_than_a_cycle_is_refused() -> None:
     ],
 )
 def test_ellipses(x: complex, z: complex, major: float, minor: float, tilt_deg: float) -> None:
-    found = ellipse(x, z)
-    assert found[:2] == pytest.approx((major, minor), abs=1e-12)
+    result = ellipse(x, z)
+    assert result[:2] == pytest.approx((major, minor), abs=1e-12)
     if abs(major) != abs(minor):
-        assert np.degrees(found[2]) % 180 == pytest.approx(tilt_deg, abs=1e-9)
+        assert np.degrees(result[2]) % 180 == pytest.approx(tilt_deg, abs=1e-9)
 
 
 def test_the_end_of_a_cycle_belongs_to_it_whatever_the_rounding() -> None:
@@ -137,7 +138,7 @@ def test_the_end_of_a_cycle_belongs_to_it_whatever_the_rounding() -> None:
 
 
 def test_a_run_of_exactly_one_cycle_is_one_of_a_driven_machine() -> None:
-    """At 750 rpm a cycle takes 0.08 s."""
+    """A cycle takes 0.08 s at 750 rpm."""
     sets = ["duration_s=0.08", f"screen.exciters.shaft.speed_rad_per_s={25 * np.pi!r}"]
     case = load_judged(ROOT / "cases/empty-machine", None, sets).case
     assert cycle_s(case) == case.duration_s
@@ -159,12 +160,13 @@ def test_a_drive_without_amplitude_drives_nothing() -> None:
 
 @pytest.mark.parametrize(("twice", "named"), [(0.3, ""), (3.0, "fast")])
 def test_a_motion_of_twice_the_frequency_is_named(twice: float, named: str) -> None:
-    """That of a machine with a slow shaft that is weak, for example; what hardly moves does not count."""
+    """A machine with a slow shaft that is weak has such a motion, for example; what hardly moves does not
+    count."""
     time_s = times(20)
     slow, noise = wave(time_s), 1e-3 * wave(time_s, speed=3.3 * SPEED)
     motions = {"slow": slow, "still": noise, "fast": slow + twice * wave(time_s, speed=2 * SPEED)}
-    found = {name: first_harmonic(time_s, values, CYCLE_S) for name, values in motions.items()}
-    assert mostly_other(found) == named
+    harmonics = {name: first_harmonic(time_s, values, CYCLE_S) for name, values in motions.items()}
+    assert mostly_other(harmonics) == named
 
 
 def test_the_cut_of_coarse_particles_is_as_coarse_as_they_are() -> None:

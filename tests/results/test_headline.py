@@ -52,8 +52,8 @@ WHOLE_FEED = {
 }
 
 
-def tiles_of(found: dict[str, Any]) -> dict[str, Tile]:
-    return {tile.name: tile for tile in headline(parsed(found))}
+def tiles_of(results: dict[str, Any]) -> dict[str, Tile]:
+    return {tile.name: tile for tile in headline(parsed(results))}
 
 
 def test_a_steady_run_says_from_how_much_its_figures_are(steady: dict[str, Any]) -> None:
@@ -94,18 +94,18 @@ def test_the_feed_is_in_tonnes_an_hour_with_kilograms_a_second_beside(steady: di
 
 
 def test_the_whole_feed_says_how_far_its_curve_is_continued(steady: dict[str, Any]) -> None:
-    """How far the curve is continued, and the error of that, which the interval has."""
+    """The line says how far the curve is continued, and the error of that, which the interval has."""
     efficiency = steady["screening"]["efficiency_percent"]
     screening = steady["screening"] | {"whole_feed": WHOLE_FEED | {"efficiency_percent": efficiency}}
-    told = headline(parsed(steady | {"screening": screening}))
-    tile = told[0]
-    assert [each.name for each in told[:2]] == [EFFICIENCY, f"{EFFICIENCY}{COMPUTED}"]
+    tiles = headline(parsed(steady | {"screening": screening}))
+    tile = tiles[0]
+    assert [each.name for each in tiles[:2]] == [EFFICIENCY, f"{EFFICIENCY}{COMPUTED}"]
     assert tile.over.startswith("12.5 % of the feed by the partition curve, continued from 1.5 to 0.5 mm; ")
     assert "; the interval has the error of that, some 1.2 points" in tile.over
 
 
 def test_the_grains_that_tell_the_separation_of_a_transient_are_named(steady: dict[str, Any]) -> None:
-    """Instead of a window of cycles, which has others, and with why there is no interval."""
+    """The grains stand instead of a window of cycles, which has others, and with why there is no interval."""
     cohort = {"fed_until_s": 0.95, "remaining_percent": 0.4, "particles": 104}
     reason = {"half_width": None, "reason": "no interval: the deck was still filling; by chance alone ± 9.0"}
     cohort["efficiency_percent"] = {"value": 64.6, **reason}
@@ -113,9 +113,9 @@ def test_the_grains_that_tell_the_separation_of_a_transient_are_named(steady: di
     added = WHOLE_FEED | {"continuation": continuation, "efficiency_percent": {"value": 70.0, **reason}}
     screening = steady["screening"] | {"cohort": cohort, "whole_feed": added}
     transient = steady["steady"] | {"is_steady": False, "reason": "too short"}
-    told = [*headline_lines(parsed(steady | {"screening": screening, "steady": transient}))]
-    (whole,) = (line for line in told if f"{EFFICIENCY}: 70.0 %" in line)
-    (computed,) = (line for line in told if f"{EFFICIENCY}{COMPUTED}: 64.6 %" in line)
+    lines = [*headline_lines(parsed(steady | {"screening": screening, "steady": transient}))]
+    (whole,) = (line for line in lines if f"{EFFICIENCY}: 70.0 %" in line)
+    (computed,) = (line for line in lines if f"{EFFICIENCY}{COMPUTED}: 64.6 %" in line)
     assert "; the error of that is some 1.2 points, 104 particles" in whole
     for line in (whole, computed):
         assert line.endswith(f"104 particles that were fed until 0.950 s; {reason['reason']})")
@@ -123,11 +123,11 @@ def test_the_grains_that_tell_the_separation_of_a_transient_are_named(steady: di
 
 
 def test_an_efficiency_that_is_not_known_has_its_reason(steady: dict[str, Any]) -> None:
-    """Where no curve completes what is left out, the figure of the computed sizes is not the answer."""
+    """The figure of the computed sizes is not the answer where no curve completes what is left out."""
     missing = steady["missing"] | {"whole feed": "12 fine particles left; its curve needs 100"}
-    told = headline(parsed(steady | {"missing": missing}))
-    assert told[0].line == f"{EFFICIENCY}: unknown (12 fine particles left; its curve needs 100)"
-    assert told[1].name == f"{EFFICIENCY}{COMPUTED}"
+    tiles = headline(parsed(steady | {"missing": missing}))
+    assert tiles[0].line == f"{EFFICIENCY}: unknown (12 fine particles left; its curve needs 100)"
+    assert tiles[1].name == f"{EFFICIENCY}{COMPUTED}"
     short = SHORT_NAMES["efficiency"].of, SHORT_NAMES["computed_efficiency"].of
     computed = steady["screening"]["efficiency_percent"]["value"]
     assert [of({"results": steady | {"missing": missing}}) for of in short[:1]] == [None]
@@ -145,7 +145,7 @@ def test_an_efficiency_that_is_not_known_has_its_reason(steady: dict[str, Any]) 
 def test_a_recovery_that_is_the_efficiency_is_not_told_twice(
     steady: dict[str, Any], points: float | None, shown: bool
 ) -> None:
-    """Where no coarse particle passes they are one figure; without coarse ones there is no efficiency."""
+    """The two are one figure where no coarse particle passes; without coarse ones there is no efficiency."""
     screening = steady["screening"]
     recovery = screening["fine_placement_percent"]["value"]
     less = screening["efficiency_percent"] | {"value": None if points is None else recovery - points}
@@ -156,7 +156,7 @@ def test_a_recovery_that_is_the_efficiency_is_not_told_twice(
 def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
     steady: dict[str, Any],
 ) -> None:
-    """Of the panel with the largest mean peak, whatever single peaks and the other panels have."""
+    """The panel is the one with the largest mean peak, whatever single peaks and the other panels have."""
     calm = {"value": 50.0, "half_width": 4.0, "batches": 20}
     points = {
         "one": {"peak_g": 900.0, "cycle_peak_g": calm, "rms_g": calm | {"value": 30.0}},
@@ -166,8 +166,8 @@ def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
     for point in points.values():
         point |= place | {"cycle_peak_100_Hz_g": calm | {"value": 40.0}}
     tiles = tiles_of(steady | {"motion": steady["motion"] | {"panel_points": points}})
-    told = {name: tile.line.split(" (")[0] for name, tile in tiles.items() if "acceleration" in name}
-    assert list(told.values()) == [
+    texts = {name: tile.line.split(" (")[0] for name, tile in tiles.items() if "acceleration" in name}
+    assert list(texts.values()) == [
         "panel acceleration at two, mean peak of a cycle: 60.0 ± 4.0 g",
         "panel acceleration at two, mean peak of a cycle below 100 Hz: 40.0 ± 4.0 g",
         "panel acceleration at two, RMS: 20.0 ± 4.0 g",
@@ -197,26 +197,26 @@ def test_the_power_of_the_drives_is_told(steady: dict[str, Any]) -> None:
     assert (float(power.value), power.unit) == (pytest.approx(1e-3 * POWER_W), "kW")
     unsettled = steady | {"motion": steady["motion"] | {"is_settled": False}}
     filling = steady | {"steady": steady["steady"] | {"is_steady": False}}
-    for found in (unsettled, filling):
-        assert tiles_of(found)["power of the drives"].unsteady
+    for results in (unsettled, filling):
+        assert tiles_of(results)["power of the drives"].unsteady
 
 
 def test_panels_and_frames_stand_in_natural_order(tmp_path: Path) -> None:
-    """In the results, from which the tables of the page follow."""
+    """The order is that of the results, from which the tables of the page follow."""
     folder = folder_of(tmp_path / "run", particles=False, cycles=4)
     with h5py.File(folder / "history.h5", "a") as history:
         for number in (10, 11):
             history.copy("panel_cycles/deck-1", f"panel_cycles/deck-{number}")
-    found = results_table(folder)
-    assert list(found["motion"]["panels"]) == ["deck-1", "deck-2", "deck-10", "deck-11"]
+    results = results_table(folder)
+    assert list(results["motion"]["panels"]) == ["deck-1", "deck-2", "deck-10", "deck-11"]
 
 
 @pytest.mark.parametrize("cycles", [11, 15])
 def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
-    """So early, what has left is mostly what leaves fast: it does not tell the separation."""
+    """The material that has left so early is mostly what leaves fast: it does not tell the separation."""
     folder = folder_of(tmp_path / "run", cycles=cycles)
-    found = results_table(folder)
-    tiles = tiles_of(found)
+    results = results_table(folder)
+    tiles = tiles_of(results)
     over = f"{cycles} cycles, {number(cycles * CYCLE_S)} s"
     assert tiles["feed"].over == over
     unknown = tiles.pop(EFFICIENCY)
@@ -224,12 +224,12 @@ def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
     assert not [name for name in tiles if "yield" in name or "recover" in name]
     for name, tile in tiles.items():
         assert tile.unsteady is not name.startswith(("largest panel", "panel acceleration", "relative"))
-    said = [*headline_lines(parsed(found))]
-    assert [line for line in said if NOT_STEADY in line] == [f"{NOT_STEADY}:"]
-    at = said.index(f"{NOT_STEADY}:")
-    assert said[at - 1].startswith("No steady state: ")
-    assert said[at + 1 :] == [f"  {tile.line}" for tile in headline(parsed(found)) if tile.unsteady]
-    text = re.sub(r"\s+", " ", page(folder, parsed(found), lambda *_: Film(b"", reason="none")))
+    lines = [*headline_lines(parsed(results))]
+    assert [line for line in lines if NOT_STEADY in line] == [f"{NOT_STEADY}:"]
+    at = lines.index(f"{NOT_STEADY}:")
+    assert lines[at - 1].startswith("No steady state: ")
+    assert lines[at + 1 :] == [f"  {tile.line}" for tile in headline(parsed(results)) if tile.unsteady]
+    text = re.sub(r"\s+", " ", page(folder, parsed(results), lambda *_: Film(b"", reason="none")))
     assert f"over {over}<br><strong>{NOT_STEADY}</strong>" in text
     feed = tiles["feed"]
     assert f'{feed.value} <span class="unit">t/h</span></div> <div class="give"> = {feed.also}<' in text
@@ -238,6 +238,6 @@ def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
 def test_a_machine_that_still_runs_up_is_not_steady(tmp_path: Path) -> None:
     """Two cycles are averaged over: nobody can see whether they settle."""
     folder = folder_of(tmp_path / "run", particles=False, cycles=4)
-    found = results_table(folder)
-    assert found["motion"]["reason"] == "averaged over 2 cycles; 4 are needed to see it settle"
-    assert all(tile.unsteady for tile in headline(parsed(found)))
+    results = results_table(folder)
+    assert results["motion"]["reason"] == "averaged over 2 cycles; 4 are needed to see it settle"
+    assert all(tile.unsteady for tile in headline(parsed(results)))

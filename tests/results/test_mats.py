@@ -1,4 +1,4 @@
-"""How the mats of a run flipped, from its recorded cycles."""
+"""The flipping of a run's mats, from its recorded cycles."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def test_a_mat_that_begins_to_arch_up_has_not_settled(tmp_path: Path) -> None:
     """2 of 15 turns against 13 of 15: Fisher's exact test gives 1.3e-4, below a hundredth of four mats."""
     up = np.array([True] * 2 + [False] * 13 + [False] * 2 + [True] * 13)
     run = read(tmp_path / "run", np.where(up, -0.002, -0.03), np.where(up, 0.03, 0.002))
-    said = why_not_settled(run, *span(run, 30))
-    assert said == "mat deck-1 arches up in 2 of the first 15 turns and in 13 of the last 15"
+    reason = why_not_settled(run, *span(run, 30))
+    assert reason == "mat deck-1 arches up in 2 of the first 15 turns and in 13 of the last 15"
 
 
 def test_a_mat_whose_range_grows_has_not_settled(tmp_path: Path) -> None:

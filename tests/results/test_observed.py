@@ -1,4 +1,4 @@
-"""What a run tells of the numbers by which its effects were judged: a run made by hand."""
+"""Observations of a run on the numbers by which its effects were judged: a run made by hand."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def figures(folder: Path) -> dict[str, Any]:
 
 
 def seen(data: RunReader, figures: dict[str, Any], **solvers: str) -> Scene:
-    """Of the run as if other solvers had made it."""
+    """Return the scene of the run as if other solvers had made it."""
     tables = {
         port: getattr(data.case, port).model_copy(update={"solver": solver})
         for port, solver in solvers.items()
@@ -71,10 +71,10 @@ def seen(data: RunReader, figures: dict[str, Any], **solvers: str) -> Scene:
 
 
 def test_motion_of_frames_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
-    """Both in phase along the deck, by 8 and 2 mm; 5 mm normal to it at 78.5 rad/s."""
-    found = seen(data, figures)
-    assert [panel.stroke_m for panel in found.panels] == pytest.approx([0.006, 0.006], rel=1e-6)
-    assert found.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-6)
+    """Both frames move in phase along the deck, by 8 and 2 mm; 5 mm normal to it at 78.5 rad/s."""
+    seen_scene = seen(data, figures)
+    assert [panel.stroke_m for panel in seen_scene.panels] == pytest.approx([0.006, 0.006], rel=1e-6)
+    assert seen_scene.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-6)
 
 
 def test_a_shaft_that_lags_tells_the_speed(tmp_path: Path) -> None:
@@ -90,9 +90,9 @@ def test_a_shaft_that_lags_tells_the_speed(tmp_path: Path) -> None:
             for name, row in case.screen.exciters.items()
         }
         case = case.model_copy(update={"screen": case.screen.model_copy(update={"exciters": quick})})
-        found = observed_scene(scene(case), with_case(data, case), results)
-    assert [panel.stroke_m for panel in found.panels] == pytest.approx([0.006, 0.006], rel=1e-3)
-    assert found.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-3)
+        seen_scene = observed_scene(scene(case), with_case(data, case), results)
+    assert [panel.stroke_m for panel in seen_scene.panels] == pytest.approx([0.006, 0.006], rel=1e-3)
+    assert seen_scene.frames_throw == pytest.approx(78.5**2 * 0.005 / 9.81, rel=1e-3)
     assert results.motion.speed_rad_per_s == pytest.approx(78.5, rel=1e-9)
 
 
@@ -111,7 +111,7 @@ def test_rigid_panels_have_the_sag_that_their_stroke_would_give(
 
 
 def test_power_and_torque_of_the_exciters_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
-    """They are given 2 W all the time, at 78.5 rad/s from the start."""
+    """The exciters are given 2 W all the time, at 78.5 rad/s from the start."""
     screen = data.case.screen
     at_once = {
         name: exciter.model_copy(update={"run_up_s": 0.0, "start_s": 0.0})
@@ -119,26 +119,28 @@ def test_power_and_torque_of_the_exciters_by_hand(data: RunReader, figures: dict
     }
     screen = screen.model_copy(update={"exciters": at_once})
     data = with_case(data, data.case.model_copy(update={"screen": screen}))
-    found = seen(data, figures).observed.exciter_load
-    assert found is not None
-    assert found.power_W == pytest.approx(2.0, rel=1e-6)
-    assert found.largest_N_m == pytest.approx(2.0 / 78.5, rel=1e-6)
+    load = seen(data, figures).observed.exciter_load
+    assert load is not None
+    assert load.power_W == pytest.approx(2.0, rel=1e-6)
+    assert load.largest_N_m == pytest.approx(2.0 / 78.5, rel=1e-6)
 
 
 def test_bed_and_its_speed_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
     """Eight bins of 0.2 kg, at 0.3 m/s."""
-    found = seen(data, figures).observed
-    assert found.bed_kg_per_m2 == pytest.approx(8 * 0.2 / DECK_M2, rel=1e-9)
-    assert found.transport_m_per_s == pytest.approx(0.3, rel=1e-9)
+    observed = seen(data, figures).observed
+    assert observed.bed_kg_per_m2 == pytest.approx(8 * 0.2 / DECK_M2, rel=1e-9)
+    assert observed.transport_m_per_s == pytest.approx(0.3, rel=1e-9)
 
 
 def test_panels_as_springs_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
     """50 N in phase with a stretch of 6 mm, of either panel."""
-    found = seen(data, figures, panel="strip")
-    assert [one.stiffness_N_per_m for one in found.springs] == pytest.approx([50 / 0.006] * 2, rel=1e-6)
-    assert found.observed.panels_N_per_m == pytest.approx(2 * 50 / 0.006, rel=1e-6)
-    then = solve_shakings(found.plan, found.springs)
-    assert stroke_m(found.shaken, found.springs[0]) == stroke_m(then, found.springs[0])
+    seen_scene = seen(data, figures, panel="strip")
+    assert [spring.stiffness_N_per_m for spring in seen_scene.springs] == pytest.approx(
+        [50 / 0.006] * 2, rel=1e-6
+    )
+    assert seen_scene.observed.panels_N_per_m == pytest.approx(2 * 50 / 0.006, rel=1e-6)
+    then = solve_shakings(seen_scene.plan, seen_scene.springs)
+    assert stroke_m(seen_scene.shaken, seen_scene.springs[0]) == stroke_m(then, seen_scene.springs[0])
     assert seen(data, figures, panel="rigid").observed.panels_N_per_m is None
 
 
@@ -149,42 +151,42 @@ def test_a_pull_out_of_phase_is_no_spring() -> None:
 def test_loss_factor_at_the_frequencies_of_the_pull(data: RunReader, figures: dict[str, Any]) -> None:
     """One branch of half the elastic modulus, relaxing at the cycle's speed: 0.25 / 1.25; of a pull
     with as much power at the double speed, the mean of that and 0.2 / 1.4."""
-    found = seen(data, figures, panel="strip").panels[0]
-    panel = replace(found, material=replace(found.material, branches=((0.5, 1 / 78.5),)))
+    own_panel = seen(data, figures, panel="strip").panels[0]
+    panel = replace(own_panel, material=replace(own_panel.material, branches=((0.5, 1 / 78.5),)))
     time_s = np.arange(40 * 80) * CYCLE_S / 80
-    one, two = np.cos(78.5 * time_s), np.cos(2 * 78.5 * time_s)
-    assert loss_factor(panel, time_s, 150 + 50 * one) == pytest.approx(0.2, rel=1e-2)
+    wave, double = np.cos(78.5 * time_s), np.cos(2 * 78.5 * time_s)
+    assert loss_factor(panel, time_s, 150 + 50 * wave) == pytest.approx(0.2, rel=1e-2)
     both = (0.25 / 1.25 + 0.2 / 1.4) / 2
-    assert loss_factor(panel, time_s, 150 + 50 * (one + two)) == pytest.approx(both, rel=1e-2)
+    assert loss_factor(panel, time_s, 150 + 50 * (wave + double)) == pytest.approx(both, rel=1e-2)
     assert loss_factor(panel, time_s, 0.0 * time_s) is None
 
 
 def test_bearing_on_the_deck_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
     """3 N down on either panel, of 1.6 kg on a deck that falls along +x."""
-    found = seen(data, figures).observed.bearing
-    assert found is not None
+    bearing = seen(data, figures).observed.bearing
+    assert bearing is not None
     slope_rad = math.asin(-single_panels(data.case)[0].rectangle.along[2])
-    assert found.carried == pytest.approx(6.0 / (1.6 * 9.81), rel=1e-9)
-    assert found.mobilised == pytest.approx(math.tan(slope_rad), rel=1e-9)
-    assert all(type(value) is float for value in vars(found).values()), "for summary.json"
+    assert bearing.carried == pytest.approx(6.0 / (1.6 * 9.81), rel=1e-9)
+    assert bearing.mobilised == pytest.approx(math.tan(slope_rad), rel=1e-9)
+    assert all(type(value) is float for value in vars(bearing).values()), "for summary.json"
 
 
 def test_overlaps_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
-    found = seen(data, figures).observed
-    assert found.deepest == Deepest(per_diameter=0.02, surface_m=4e-5)
-    assert found.products is None, "ten particles left through either exit"
+    observed = seen(data, figures).observed
+    assert observed.deepest == Deepest(per_diameter=0.02, surface_m=4e-5)
+    assert observed.products is None, "ten particles left through either exit"
 
 
 def test_products_by_hand(tmp_path: Path) -> None:
     """Mean diameters by mass: sums of n d^4 over n d^3."""
     folder = folder_of(tmp_path / "run", cycles=30)
     with RunReader(folder) as run:
-        found = products(run)
+        split = products(run)
     mass, moment = LEAVES @ SIZES_M**3, LEAVES @ SIZES_M**4
     fine_m, _, coarse_m = moment / mass
-    assert found is not None
-    assert found.ratio == pytest.approx(coarse_m / fine_m, rel=1e-9)
-    assert "through end" in found.words
+    assert split is not None
+    assert split.ratio == pytest.approx(coarse_m / fine_m, rel=1e-9)
+    assert "through end" in split.words
 
 
 def test_rotation_is_seen_only_where_frames_can_rotate(data: RunReader, figures: dict[str, Any]) -> None:
@@ -236,7 +238,7 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: di
 def test_the_verdict_by_what_a_run_has_seen(
     data: RunReader, effect: str, was_seen: Observed, value: float, matters: bool
 ) -> None:
-    """Of the quickstart, whose coal on panels has 0.47 and 0.09, at 15 degrees."""
+    """The coal of the quickstart has 0.47 and 0.09 on panels, at 15 degrees."""
     judged = EFFECTS[effect].judge(replace(scene(data.case), observed=was_seen))
     assert judged is not None
     assert judged.value == pytest.approx(value, rel=1e-6)
@@ -257,8 +259,8 @@ def test_what_turns_out_to_matter_is_a_warning() -> None:
 def test_a_run_of_less_than_a_cycle_tells_no_motion(tmp_path: Path) -> None:
     short = folder_of(tmp_path / "run", particles=False, cycles=0)
     with RunReader(short) as data:
-        found = observed_scene(scene(data.case), data, compute_results(short)).observed
-    assert (found.frames_throw, found.bed_kg_per_m2, found.rotation) == (None, None, None)
+        observed = observed_scene(scene(data.case), data, compute_results(short)).observed
+    assert (observed.frames_throw, observed.bed_kg_per_m2, observed.rotation) == (None, None, None)
 
 
 @pytest.mark.process

@@ -38,13 +38,13 @@ def test_the_stretch_of_an_arc() -> None:
     """A half circle over 0.2 m is pi * 0.1 long; lines of two panels do not mix."""
     assert clamped_length_m(AT, line()) == pytest.approx(0.04)
     lines = PanelLines([AT, AT], [line(), line(points=301)])
-    found = lines.stretch(np.vstack([line(), line(points=301) + np.array([5.0, 0.0, 0.0])]))
-    assert found == pytest.approx([np.pi * 0.1 / 0.3 - 1] * 2, abs=2e-5)
+    stretch = lines.stretch(np.vstack([line(), line(points=301) + np.array([5.0, 0.0, 0.0])]))
+    assert stretch == pytest.approx([np.pi * 0.1 / 0.3 - 1] * 2, abs=2e-5)
 
 
 @pytest.mark.parametrize("tilt_rad", [0.0, 0.3])
 def test_heights_are_over_the_chord(tilt_rad: float) -> None:
-    """Up is positive, so that a panel which snaps through travels by both of its arches."""
+    """Heights are positive upwards, so that a panel which snaps through travels by both of its arches."""
     c, s = np.cos(tilt_rad), np.sin(tilt_rad)
     turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     lines = PanelLines([AT, AT], [line(), line()])

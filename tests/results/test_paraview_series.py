@@ -21,13 +21,14 @@ POINT = meshio.Mesh(np.zeros((1, 3)), [("vertex", np.zeros((1, 1), dtype=int))])
 def listed(folder: Path) -> list[tuple[float, str]]:
     """Return the times and files of the list, which must exist."""
     rows = ElementTree.parse(folder / "series.pvd").getroot().findall("*/DataSet")
-    found = [(float(row.get("timestep", "nan")), row.get("file", "")) for row in rows]
-    assert all((folder / file).is_file() for _, file in found)
-    return found
+    frames = [(float(row.get("timestep", "nan")), row.get("file", "")) for row in rows]
+    assert all((folder / file).is_file() for _, file in frames)
+    return frames
 
 
 def test_the_list_is_whole_after_each_snapshot(tmp_path: Path) -> None:
-    """It is the same whether rows were added or all written anew; a list that was removed comes back."""
+    """The list is the same whether rows were added or all written anew; a list that was removed comes
+    back."""
     series = Series(tmp_path, "series")
     for number in range(4):
         series.add(0.1 * number, POINT)
@@ -68,7 +69,8 @@ def test_a_full_disk_leaves_the_list_as_it_was(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("moves", [True, False])
 def test_what_stands_still_is_listed_beside_each_time(tmp_path: Path, moves: bool) -> None:
-    """As a second part of the time, or as the only one where nothing moves; the pictures take the first."""
+    """The still part is a second part of the time, or the only one where nothing moves; the pictures take
+    the first."""
     write_mesh(tmp_path / "walls.vtu", POINT)
     series = Series(tmp_path, "series", "walls.vtu", moves)
     for number in range(3):
@@ -97,7 +99,7 @@ def test_walls_are_written_as_they_are_drawn(tmp_path: Path) -> None:
         RigidVertices(np.full(4, 3), shares_in(carriers_m, corners_m)),
     )
     write_mesh(tmp_path / "walls.vtu", walls_mesh(surface, {"worn_depth_m": np.arange(11.0)}))
-    found = meshio.read(tmp_path / "walls.vtu")
-    assert found.points == pytest.approx(corners_m, abs=1e-6)
-    assert found.cells_dict["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
-    assert found.point_data["worn_depth_m"].tolist() == [7.0, 8.0, 9.0, 10.0]
+    mesh = meshio.read(tmp_path / "walls.vtu")
+    assert mesh.points == pytest.approx(corners_m, abs=1e-6)
+    assert mesh.cells_dict["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert mesh.point_data["worn_depth_m"].tolist() == [7.0, 8.0, 9.0, 10.0]

@@ -14,18 +14,18 @@ DECK_M = 8 * 0.3375
 
 
 def test_one_rate_describes_the_43_rows_of_the_paper() -> None:
-    """By a search over a grid of rates, which knows nothing of the fit."""
+    """The rate is that of a search over a grid of rates, which knows nothing of the fit."""
     velocity_m_per_s, efficiency = read_rows(TABLE)
     assert len(efficiency) == 43
     rates = np.arange(0.5, 1.2, 1e-4)
     for exponent in (0.0, 0.5):
         time = DECK_M * velocity_m_per_s ** -(1 + exponent)
         left = ((1 - np.exp(-np.outer(rates, time)) - efficiency) ** 2).sum(axis=1)
-        found = collapse(velocity_m_per_s, efficiency, DECK_M, exponent)
-        assert found.rate == pytest.approx(rates[left.argmin()], abs=1e-4)
+        fit = collapse(velocity_m_per_s, efficiency, DECK_M, exponent)
+        assert fit.rate == pytest.approx(rates[left.argmin()], abs=1e-4)
         spread = ((efficiency - efficiency.mean()) ** 2).sum()
-        assert found.r_squared == pytest.approx(1 - left.min() / spread, abs=1e-5)
-        assert found.rms == pytest.approx(np.sqrt(left.min() / 43), abs=1e-5)
+        assert fit.r_squared == pytest.approx(1 - left.min() / spread, abs=1e-5)
+        assert fit.rms == pytest.approx(np.sqrt(left.min() / 43), abs=1e-5)
 
 
 def test_the_command_prints_what_the_case_s_page_says(capsys: pytest.CaptureFixture[str]) -> None:

@@ -59,9 +59,9 @@ def test_a_splitter_and_a_perfect_screen() -> None:
 def test_without_coarse_particles_the_efficiency_is_the_share_of_fines_that_passed() -> None:
     """20 and 10 of 40 kg of fines pass, and nothing is misplaced but the fines that stay."""
     out_kg = OUT * [1.0, 0.0]
-    found = placement.placements(out_kg, EXITS)
-    assert found["efficiency"] == found["fine_placement"] == pytest.approx(0.75, rel=1e-14)
-    assert np.isnan(found["coarse_placement"])
+    shares = placement.placements(out_kg, EXITS)
+    assert shares["efficiency"] == shares["fine_placement"] == pytest.approx(0.75, rel=1e-14)
+    assert np.isnan(shares["coarse_placement"])
     mass_kg, group = np.ones(40), np.repeat([0, 2, 4], [20, 10, 10])
     chance = placement.counting_deviations(mass_kg, group, EXITS)
     assert chance["efficiency"] == chance["fine_placement"] == pytest.approx((0.75 * 0.25 / 40) ** 0.5)

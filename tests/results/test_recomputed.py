@@ -54,7 +54,8 @@ def test_every_figure_is_found_again(folder: Path, again: Recomputed, table: str
 @pytest.mark.process
 @pytest.mark.slow
 def test_what_passes_is_rebuilt_from_stay_contacts_and_chance(folder: Path) -> None:
-    """Within two points of what was counted, the fine placement: nothing passes without contact."""
+    """The share is within two points of what was counted, the fine placement: nothing passes without
+    contact."""
     results = summary(folder)["results"]
     why, placement = results["contacts"], results["screening"]["fine_placement_percent"]["value"]
     assert why["counted_percent"] == pytest.approx(placement, abs=1e-9)
@@ -64,7 +65,7 @@ def test_what_passes_is_rebuilt_from_stay_contacts_and_chance(folder: Path) -> N
 @pytest.mark.process
 @pytest.mark.slow
 def test_the_figures_have_intervals(again: Recomputed) -> None:
-    """Else no half width would have been compared.  The window has some 97 cycles, and five stays are 75.
+    """The half widths must be there to be compared. The window has some 97 cycles, and five stays are 75.
 
     The shaft lags, so that ten turns take more than ten cycles.
     """

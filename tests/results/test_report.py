@@ -44,7 +44,7 @@ IN_BROWSER = pytest.mark.skipif(
 
 @pytest.fixture(scope="module", params=["screen", "empty machine"])
 def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """With its report."""
+    """Return the folder of a run with its report."""
     made = folder_of(tmp_path_factory.mktemp("report") / "run", request.param == "screen")
     done = flipflow("report", str(made))
     assert done.returncode == 0, done.stderr
@@ -89,7 +89,7 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
 def test_a_picture_without_a_place_of_its_own_is_on_the_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever adds a picture need not know the page's template."""
+    """The page's template needs no change for a new picture."""
     run = folder_of(tmp_path / "run", cycles=15)
     drawn = [("new_picture", figure(1, 1, 2.0, 1.0)[0])]
     monkeypatch.setattr("orchestrator.output.report.page.draw_results", lambda results: iter(drawn))
@@ -130,15 +130,15 @@ def test_names_of_many_sections_and_panels_do_not_overlap(count: int) -> None:
 
 def test_the_page_of_a_slice_says_how_wide_it_is_and_what_is_scaled(tmp_path: Path) -> None:
     run = folder_of(tmp_path / "run", cycles=15)
-    found = replace(compute_results(run), share_of_width=0.25, slice_width_m=0.05)
-    text = re.sub(r"\s+", " ", page(run, found, lambda *_: Film(b"", reason="left out by the test")))
+    results = replace(compute_results(run), share_of_width=0.25, slice_width_m=0.05)
+    text = re.sub(r"\s+", " ", page(run, results, lambda *_: Film(b"", reason="left out by the test")))
     assert "Computed is a slice of 50.0 mm, 25.0 % of the width" in text
     assert ">feed, of the whole width<" in text
-    for told in (
+    for phrase in (
         "panel widths, feed rates and numbers of particles here are of the slice",
         "Energies here are of",
     ):
-        assert told in text
+        assert phrase in text
 
 
 def test_bushings_of_a_slice_are_drawn_as_those_of_the_whole_width() -> None:
@@ -190,7 +190,7 @@ def test_the_figures_of_the_page_are_the_results(folder: Path) -> None:
 
 @pytest.mark.process
 def test_an_interrupted_and_a_failed_run(tmp_path: Path) -> None:
-    """What a failed run lacks is not asked for; the reason stands at the top."""
+    """The parts that a failed run lacks are not asked for; the reason stands at the top."""
     folder = folder_of(tmp_path / "run", cycles=15)
     summary = json.loads((folder / "summary.json").read_text())
     summary |= {"status": "failed", "reason": "a <solver> failed"}
@@ -215,9 +215,9 @@ def test_what_is_no_run(tmp_path: Path) -> None:
         assert why in done.stderr
         said_plainly(done)
     old = folder_of(tmp_path / "old", True)
-    said = json.loads((old / "summary.json").read_text())
-    del said["sync_intervals"]
-    (old / "summary.json").write_text(json.dumps(said))
+    summary = json.loads((old / "summary.json").read_text())
+    del summary["sync_intervals"]
+    (old / "summary.json").write_text(json.dumps(summary))
     done = flipflow("report", str(old))
     assert done.returncode == 2
     assert "'sync_intervals'" in done.stderr
@@ -252,7 +252,7 @@ def test_a_damaged_file(tmp_path: Path) -> None:
 
 
 def test_a_file_that_crashes_its_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As HDF5 does on some damaged files, which the fuzzer finds; which, hangs on its version."""
+    """HDF5 crashes on some damaged files, which the fuzzer finds; which, hangs on its version."""
     folder = folder_of(tmp_path / "run", cycles=15)
     crash = lambda _: os.kill(os.getpid(), signal.SIGKILL)  # noqa: E731
     monkeypatch.setattr("orchestrator.output.report.page.compute_results", crash)

@@ -28,15 +28,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(folder: Path) -> dict[str, Any]:
+def run_results(folder: Path) -> dict[str, Any]:
     results: dict[str, Any] = summary(folder)["results"]
     return results
 
 
 @pytest.mark.process
 @pytest.mark.slow
-def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]) -> None:
-    """By hand from the event table."""
+def test_the_small_pass_and_the_large_do_not(folder: Path, run_results: dict[str, Any]) -> None:
+    """The shares are counted by hand from the event table."""
     with h5py.File(folder / "history.h5") as history:
         removed = {name: series[:] for name, series in history["removed"].items()}
     mass = np.pi / 6 * removed["sieve_size_m"] ** 3 * removed["density_kg_per_m3"]
@@ -45,7 +45,7 @@ def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]
     recovery = 100 * mass[fine & passed].sum() / mass[fine].sum()
     assert recovery > 50
     assert not (passed & ~fine).any()
-    screening = found["screening"]
+    screening = run_results["screening"]
     assert screening["fine_placement_percent"]["value"] == pytest.approx(recovery)
     assert screening["efficiency_percent"]["value"] == pytest.approx(recovery)
     with h5py.File(folder / "history.h5") as history:
@@ -59,27 +59,27 @@ def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]
 
 @pytest.mark.process
 @pytest.mark.slow
-def test_the_books_agree(folder: Path, found: dict[str, Any]) -> None:
+def test_the_books_agree(folder: Path, run_results: dict[str, Any]) -> None:
     book = summary(folder)["material"]
-    flows = found["screening"]["in_time"]
+    flows = run_results["screening"]["in_time"]
     assert flows["hold_up_kg"][-1] == pytest.approx(book["on_deck"]["mass_kg"], rel=1e-9)
     fed_kg = np.sum(flows["feed_kg_per_s"]) * DURATION_S / len(flows["feed_kg_per_s"])
     assert fed_kg == pytest.approx(book["fed"]["mass_kg"], rel=1e-9)
     gap = book["exits"]["gap"]["mass_kg"]
-    assert found["screening"]["undersize_kg_per_s"]["value"] == pytest.approx(gap / DURATION_S)
+    assert run_results["screening"]["undersize_kg_per_s"]["value"] == pytest.approx(gap / DURATION_S)
 
 
 @pytest.mark.process
 @pytest.mark.slow
-def test_it_is_too_short_to_be_steady(found: dict[str, Any]) -> None:
-    assert not found["steady"]["is_steady"]
-    assert found["steady"]["reason"]
-    assert found["screening"]["efficiency_percent"]["half_width"] is None
+def test_it_is_too_short_to_be_steady(run_results: dict[str, Any]) -> None:
+    assert not run_results["steady"]["is_steady"]
+    assert run_results["steady"]["reason"]
+    assert run_results["screening"]["efficiency_percent"]["half_width"] is None
 
 
 @pytest.mark.process
 @pytest.mark.slow
-def test_the_bed_along_the_deck(folder: Path, found: dict[str, Any]) -> None:
+def test_the_bed_along_the_deck(folder: Path, run_results: dict[str, Any]) -> None:
     """The profile holds what lies on the deck; particles pass where the gap is, at 0.20 to 0.23 m,
     and speed up downhill."""
     with h5py.File(folder / "history.h5") as history:
@@ -87,21 +87,21 @@ def test_the_bed_along_the_deck(folder: Path, found: dict[str, Any]) -> None:
         present = history["bed/mass_kg"][:]
         assert (on_deck <= present * (1 + 1e-12)).all()
         assert on_deck.mean() > 0.4 * present.mean()
-    passing = found["transport"]["passing"]
+    passing = run_results["transport"]["passing"]
     rate, along = np.array(passing["rate_kg_per_s_m"]), np.array(passing["along_m"])
     assert 0.18 < rate @ along / rate.sum() < 0.28
-    assert found["transport"]["residence_velocity_m_per_s"]["value"] > 0.1
-    velocity = [v for v in found["bed"]["profile"]["velocity_m_per_s"] if v is not None]
+    assert run_results["transport"]["residence_velocity_m_per_s"]["value"] > 0.1
+    velocity = [v for v in run_results["bed"]["profile"]["velocity_m_per_s"] if v is not None]
     assert velocity[-1] > velocity[0] > 0.0
 
 
 @pytest.mark.process
 @pytest.mark.slow
-def test_the_drive_is_found_again(found: dict[str, Any]) -> None:
+def test_the_drive_is_found_again(run_results: dict[str, Any]) -> None:
     """1 mm along and 0.5 mm normal to the deck, at 20 Hz: 1.8 g."""
-    frame = found["motion"]["frames"]["corner"]
+    frame = run_results["motion"]["frames"]["corner"]
     assert frame["amplitude_m"] == pytest.approx([0.001, 0.0, 0.0005], abs=1e-7)
-    point = found["motion"]["panel_points"]["middle"]
+    point = run_results["motion"]["panel_points"]["middle"]
     peak = 0.001118 * (40 * np.pi) ** 2 / 9.80665
     assert point["peak_g"] == pytest.approx(peak, rel=0.01)
     assert point["peak_normal_g"] == pytest.approx(0.0005 * (40 * np.pi) ** 2 / 9.80665, rel=0.01)

@@ -34,8 +34,9 @@ VARY = Vary("screen.exciters.shaft.speed_rad_per_s", ("78.5",))
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Both frames swing, shake and have a third harmonic beside their first one, so that a half
-    range, a mean of the cycles' amplitudes and an amplitude without a window are other numbers."""
+    """Return a run in which both frames swing, shake and have a third harmonic beside their first one, so
+    that a half range, a mean of the cycles' amplitudes and an amplitude without a window are other numbers.
+    """
     folder = folder_of(tmp_path_factory.mktemp("digits") / "run", particles=False, cycles=24)
     rng = np.random.default_rng(2)
     with h5py.File(folder / "history.h5", "a") as history:
@@ -52,7 +53,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def along(folder: Path) -> dict[str, Any]:
-    """What the results say of the relative amplitude along the deck."""
+    """Return the relative amplitude along the deck in the results."""
     estimate: dict[str, Any] = results_table(folder)["motion"]["relative"][PAIR]["along_m"]
     return estimate
 
@@ -85,9 +86,9 @@ def test_the_sweep_and_the_paper_have_the_same_bits(
 
 
 def test_explain_and_the_accuracy_study_ask_for_the_same(folder: Path, along: dict[str, Any]) -> None:
-    found = named("stroke").of(RunReader(folder).summary)
-    assert found is not None
-    assert (found.value, found.half_width) == (along["value"], along["half_width"])
+    stroke = named("stroke").of(RunReader(folder).summary)
+    assert stroke is not None
+    assert (stroke.value, stroke.half_width) == (along["value"], along["half_width"])
 
 
 def test_the_report_has_the_same_digits(folder: Path, along: dict[str, Any]) -> None:
@@ -103,12 +104,12 @@ def test_the_report_has_the_same_digits(folder: Path, along: dict[str, Any]) -> 
 
 
 def test_the_verdicts_see_the_same_stroke(folder: Path, along: dict[str, Any]) -> None:
-    """At the panels' ends the frames' rotations count, too: without them it is the frames'."""
+    """The frames' rotations count at the panels' ends, too: without them it is the frames'."""
     with RunReader(folder) as run:
         motion = results_table(folder)["motion"]
         observed = ObservedMotion(scene(run.case), run, motion["start_s"], motion["end_s"])
-        one, two = (np.array(observed.phasor(name)) for name in ("driving", "driven"))
-        seen_m = abs((two - one) @ run.deck_axes[:, 0])
+        first, second = (np.array(observed.phasor(name)) for name in ("driving", "driven"))
+        seen_m = abs((second - first) @ run.deck_axes[:, 0])
     assert seen_m == pytest.approx(along["value"], rel=1e-12)
 
 

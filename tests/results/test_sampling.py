@@ -1,4 +1,4 @@
-"""When rows and output times tell a cycle, and when they do not."""
+"""The spacing of rows and output times that tells a cycle, and that which does not."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_rows_of_a_series(step_s: float, sync_interval_s: float, key: str) -> No
 
 
 def test_rows_at_every_sync_point_are_all_there_is() -> None:
-    """Of a run that nothing drives and that is cut into parts shorter than its sync intervals."""
+    """The run has no drive and is cut into parts shorter than its sync intervals."""
     time_s = np.arange(20) * 1e-4
     assert rows_too_seldom(time_s, 4e-5, 1e-4, "a fiftieth of the run,", 0) == ""
     assert "a fiftieth of the run, of 4e-05 s" in rows_too_seldom(
@@ -35,7 +35,7 @@ def test_rows_at_every_sync_point_are_all_there_is() -> None:
 
 
 @pytest.mark.parametrize(
-    ("interval_s", "times", "told"),
+    ("interval_s", "times", "enough"),
     [
         (0.02, 200, True),  # four phases of the cycle
         (0.03, 200, True),  # eight, one after the other
@@ -46,8 +46,8 @@ def test_rows_at_every_sync_point_are_all_there_is() -> None:
         (0.8, 100, False),
     ],
 )
-def test_output_times(interval_s: float, times: int, told: bool) -> None:
-    assert (phases_missed(np.arange(1, times + 1) * interval_s, CYCLE_S) == "") is told
+def test_output_times(interval_s: float, times: int, enough: bool) -> None:
+    assert (phases_missed(np.arange(1, times + 1) * interval_s, CYCLE_S) == "") is enough
 
 
 def test_what_nothing_drives_has_no_phases() -> None:

@@ -36,40 +36,40 @@ def filling(cycles: int, residence: float, noise: float = 0.0) -> tuple[Array, A
 
 
 def test_a_deck_that_fills_becomes_steady() -> None:
-    """Without noise the least certain half goes; with it, a few residence times (next test)."""
+    """The least certain half goes without noise; with it, a few residence times (next test)."""
     fed, out = filling(400, 20.0)
-    found = steady(fed, out, 0.0)
-    assert found.reason == ""
-    assert found.first == 200
-    assert found.last == 400
-    assert found.imbalance is not None
-    assert 0.0 < found.imbalance < 0.005
+    state = steady(fed, out, 0.0)
+    assert state.reason == ""
+    assert state.first == 200
+    assert state.last == 400
+    assert state.imbalance is not None
+    assert 0.0 < state.imbalance < 0.005
 
 
 def test_noise_does_not_hide_it() -> None:
     fed, out = filling(400, 20.0, noise=0.2)
-    found = steady(fed, out, 0.0)
-    assert found.reason == ""
-    assert 40 <= found.first <= 140  # after 2 residence times 14 % of the way remain, after 7 0.1
+    state = steady(fed, out, 0.0)
+    assert state.reason == ""
+    assert 40 <= state.first <= 140  # after 2 residence times 14 % of the way remain, after 7 0.1
 
 
 @pytest.mark.parametrize("cycles", [30, 60])
 def test_a_deck_that_still_fills_is_not_steady(cycles: int) -> None:
     fed, out = filling(cycles, 40.0)
-    found = steady(fed, out, 0.0)
-    assert "%" in found.reason
-    assert (found.first, found.last) == (0, cycles)
-    assert found.imbalance is not None
-    assert found.imbalance > 0.02
+    state = steady(fed, out, 0.0)
+    assert "%" in state.reason
+    assert (state.first, state.last) == (0, cycles)
+    assert state.imbalance is not None
+    assert state.imbalance > 0.02
 
 
 def test_the_imbalance_is_the_one_by_hand() -> None:
     """30 cycles, each 2 kg in and 1.97 kg out: 1.5 % is steady, 2.5 % is not."""
     for out_kg, is_steady in ((1.97, True), (1.95, False)):
-        found = steady(np.full(30, 2.0), np.full(30, out_kg), 5.0)
-        assert found.imbalance == pytest.approx((2.0 - out_kg) / 2.0)
-        assert found.drift == pytest.approx((2.0 - out_kg) / 2.0)
-        assert (found.reason == "") is is_steady
+        state = steady(np.full(30, 2.0), np.full(30, out_kg), 5.0)
+        assert state.imbalance == pytest.approx((2.0 - out_kg) / 2.0)
+        assert state.drift == pytest.approx((2.0 - out_kg) / 2.0)
+        assert (state.reason == "") is is_steady
 
 
 def fluctuating(seed: int, growth_kg: float = 0.0) -> tuple[Array, Array]:
@@ -86,32 +86,32 @@ def fluctuating(seed: int, growth_kg: float = 0.0) -> tuple[Array, Array]:
 
 
 def test_a_few_large_stones_do_not_make_a_steady_deck_unsteady() -> None:
-    """In less out is 1.5 % of the feed by chance, and so beyond 2 % in one run of six."""
-    found = [steady(*fluctuating(seed), 1.25) for seed in range(200)]
-    beyond = [each for each in found if abs(each.imbalance or 0.0) > 0.02]
+    """The mass in less out is 1.5 % of the feed by chance, and so beyond 2 % in one run of six."""
+    states = [steady(*fluctuating(seed), 1.25) for seed in range(200)]
+    beyond = [each for each in states if abs(each.imbalance or 0.0) > 0.02]
     assert len(beyond) > 20
-    told_by_imbalance = [each for each in found if "in less out" in each.reason]
-    assert len(told_by_imbalance) <= 0.05 * len(found)
+    told_by_imbalance = [each for each in states if "in less out" in each.reason]
+    assert len(told_by_imbalance) <= 0.05 * len(states)
 
 
 def test_a_deck_that_grows_beyond_chance_is_not_steady() -> None:
-    """By a tenth of the feed, with the same fluctuations."""
-    found = [steady(*fluctuating(seed, growth_kg=0.1 * 60 * 0.085), 1.25) for seed in range(200)]
-    assert all(each.reason for each in found)
+    """The deck grows by a tenth of the feed, with the same fluctuations."""
+    states = [steady(*fluctuating(seed, growth_kg=0.1 * 60 * 0.085), 1.25) for seed in range(200)]
+    assert all(each.reason for each in states)
 
 
 def test_a_bed_that_holds_more_than_went_through() -> None:
-    found = steady(np.full(30, 1.0), np.full(30, 1.0), 100.0)
-    assert "residence" in found.reason
+    state = steady(np.full(30, 1.0), np.full(30, 1.0), 100.0)
+    assert "residence" in state.reason
 
 
 def test_a_feed_that_stops_ends_it() -> None:
     fed, out = filling(300, 10.0)
     fed = np.concatenate([fed, np.zeros(50)])
     out = np.concatenate([out, 10.0 * 0.1 * 0.9 ** np.arange(50)])
-    found = steady(fed, out, 0.0)
-    assert found.reason == ""
-    assert found.last == 300
+    state = steady(fed, out, 0.0)
+    assert state.reason == ""
+    assert state.last == 300
 
 
 def test_batches_and_short_runs_are_not_steady() -> None:
@@ -125,7 +125,7 @@ def test_truncation_of_a_step() -> None:
 
 
 def test_what_lay_there_at_the_start_did_not_come() -> None:
-    """In each of 40 cycles a fine grain comes and one passes, and of two that lie there one is never seen
+    """A fine grain comes and one passes in each of 40 cycles, and of two that lie there one is never seen
     again: what passes is all that came, and not 40 of 42."""
     cycles, ones = np.arange(40), np.ones(42)
     came_s = np.concatenate([[0.0, 0.0], 0.5 * (cycles + 0.25)])

@@ -30,9 +30,9 @@ def test_a_run_whose_coupling_created_energy_is_doubtful(created_J: float, doubt
 def test_a_run_in_which_a_panel_went_through_a_surface_is_doubtful(times: int, doubtful: bool) -> None:
     figure = {"worst": 4.7, "limit": 0.5, "times": times, "first_s": 0.02 if times else None}
     summary = {"energy_ledger_J": {}, "monitor": {"figures": {"penetrated_surfaces": figure}}}
-    said = trust.doubts(summary)
-    assert bool(said) is doubtful
-    assert all("t = 0.02 s on a panel went through a surface, by up to 4.7" in one for one in said)
+    doubts = trust.doubts(summary)
+    assert bool(doubts) is doubtful
+    assert all("t = 0.02 s on a panel went through a surface, by up to 4.7" in doubt for doubt in doubts)
 
 
 @pytest.mark.parametrize(
@@ -47,15 +47,16 @@ def test_a_run_in_which_a_panel_went_through_a_surface_is_doubtful(times: int, d
 def test_a_run_that_contradicts_what_was_left_out_of_it_is_doubtful(
     left_out: str, crossed: bool, matters: bool, doubtful: bool
 ) -> None:
-    """Not where the effect is there, nor where the run says that it may be left out after all."""
+    """The run is not doubtful where the effect is there, nor where it says that it may be left out after
+    all."""
     after = {"number": "throw", "value": 0.31234, "threshold": "0.1", "matters": matters}
     entry = {"left_out": left_out, "crossed": crossed, "before": {}, "after": after}
     summary = {"energy_ledger_J": {}, "effects": {"adhesion": entry}, "results": {}}
     summary["doubts"] = trust.doubts(summary)
     assert trust.state_at_end(summary) == ("doubtful" if doubtful else "done")
     if doubtful:
-        (said,) = summary["doubts"]
-        assert "adhesion is left out, and by the run it matters: throw is 0.312" in said
+        (doubt,) = summary["doubts"]
+        assert "adhesion is left out, and by the run it matters: throw is 0.312" in doubt
 
 
 def test_a_run_without_results_is_incomplete() -> None:
@@ -65,10 +66,10 @@ def test_a_run_without_results_is_incomplete() -> None:
 @pytest.mark.parametrize(("unsolved", "lines"), [(0, 1), (3, 2)])
 def test_repeated_intervals_are_told_and_unsolved_ones_warned_of(unsolved: int, lines: int) -> None:
     iterations = {"mean": 2.5, "most": 20, "unsolved": unsolved, "worst": 0.0123}
-    said = iteration_lines(iterations)
-    assert said[0] == "intervals run 2.50 times on average, 20 at most"
-    assert len(said) == lines
-    assert said[1:] == [one for one in said if one.startswith("WARNING: 3 ") and "0.012" in one]
+    texts = iteration_lines(iterations)
+    assert texts[0] == "intervals run 2.50 times on average, 20 at most"
+    assert len(texts) == lines
+    assert texts[1:] == [text for text in texts if text.startswith("WARNING: 3 ") and "0.012" in text]
 
 
 @pytest.mark.parametrize("intervals", [0, 12])
@@ -78,8 +79,8 @@ def test_intervals_run_in_parts_are_warned_of(intervals: int) -> None:
         "shortened_share": intervals / 100,
         "shortest_interval_s": 2.5e-5,
     }
-    said = ["the monitor ran 12 sync intervals (12 %) in parts, down to 2.5e-05 s"]
-    assert [line[9:].split(";")[0] for line in monitor_lines(watch)] == said[: bool(intervals)]
+    texts = ["the monitor ran 12 sync intervals (12 %) in parts, down to 2.5e-05 s"]
+    assert [line[9:].split(";")[0] for line in monitor_lines(watch)] == texts[: bool(intervals)]
 
 
 @pytest.mark.parametrize(

@@ -36,8 +36,8 @@ def test_the_larger_stretch_counts(along: float, across: float, largest: float) 
     """A rotation changes nothing."""
     turn = np.array([[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]])
     stretched = moved(FLAT * [along, across, 1.0] @ turn)
-    found = SurfaceFields(FLAT, TRIANGLES, 1e-3).stretch_percent(stretched)
-    np.testing.assert_allclose(found, largest, rtol=1e-9)
+    stretch_percent = SurfaceFields(FLAT, TRIANGLES, 1e-3).stretch_percent(stretched)
+    np.testing.assert_allclose(stretch_percent, largest, rtol=1e-9)
 
 
 def test_a_surface_at_rest_has_no_stretch() -> None:

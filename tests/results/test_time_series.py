@@ -120,7 +120,7 @@ def test_every_row_has_what_its_moment_had(tmp_path: Path) -> None:
 
 
 def test_rows_that_cannot_be_computed_are_kept(tmp_path: Path) -> None:
-    """Until they can be: nothing is half written."""
+    """The rows are kept until they can be computed: nothing is half written."""
     history = History(tmp_path / "history.h5")
     for time_s in (0.0, 1.0):
         history.add("rows", time_s, {"place_m": np.zeros(3)})

@@ -20,16 +20,16 @@ def removed(ids: list[int], time_s: list[float]) -> EventTable:
 
 def test_residence_goes_by_id() -> None:
     fed = EventTable(np.array([7, 2, 5]), np.array([0.5, 0.0, 0.1]), np.full(3, 0.003), np.full(3, 1e-3))
-    found = residence_s(fed, removed([5, 7, 9, 2], [1.0, 2.0, 3.0, 4.0]))
-    assert found[[0, 1, 3]] == pytest.approx([0.9, 1.5, 4.0])
-    assert np.isnan(found[2])
+    stay_s = residence_s(fed, removed([5, 7, 9, 2], [1.0, 2.0, 3.0, 4.0]))
+    assert stay_s[[0, 1, 3]] == pytest.approx([0.9, 1.5, 4.0])
+    assert np.isnan(stay_s[2])
 
 
 def test_passing_per_metre_and_second() -> None:
-    found = passing_kg_per_s_m(
+    passing = passing_kg_per_s_m(
         np.array([0.05, 0.15, 0.17, -0.3]), np.array([1.0, 2.0, 3.0, 4.0]), np.array([0, 0.1, 0.3]), 2.0
     )
-    assert found == pytest.approx([(1 + 4) / 0.1 / 2, (2 + 3) / 0.2 / 2])
+    assert passing == pytest.approx([(1 + 4) / 0.1 / 2, (2 + 3) / 0.2 / 2])
 
 
 def test_sums_over_cycles_lose_nothing() -> None:

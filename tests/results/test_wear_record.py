@@ -55,14 +55,14 @@ def test_even_wear_is_even_everywhere() -> None:
     depth_m = wear.vertex_depth_m(worn_m3)
     np.testing.assert_allclose(depth_m[2:], 1e-5, rtol=1e-12)
     assert (depth_m[:2] == 0.0).all()
-    found = wear.groups(worn_m3)["wear/deck"]
-    np.testing.assert_allclose(found["depth_m"], np.full(PATCHES, 1e-5), rtol=1e-12)
-    assert found["worn_m3"] == pytest.approx(1e-5 * 0.34 * 0.2, rel=1e-12)
-    assert found["mean_m"] == pytest.approx(1e-5, rel=1e-12)
+    group = wear.groups(worn_m3)["wear/deck"]
+    np.testing.assert_allclose(group["depth_m"], np.full(PATCHES, 1e-5), rtol=1e-12)
+    assert group["worn_m3"] == pytest.approx(1e-5 * 0.34 * 0.2, rel=1e-12)
+    assert group["mean_m"] == pytest.approx(1e-5, rel=1e-12)
 
 
 def test_a_spot_is_in_its_patch() -> None:
-    """At 0.7 of the length and 3/8 of the width: patch 5 of 8 along, 1 of 4 across."""
+    """The spot is at 0.7 of the length and 3/8 of the width: patch 5 of 8 along, 1 of 4 across."""
     wear, surface = record()
     spot_m = AT.corner_m + 0.7 * 0.3 * AT.along + 0.375 * 0.2 * AT.across
     worn_m3 = np.zeros(len(surface.position_m))

@@ -76,9 +76,9 @@ def test_a_curve_is_found_again() -> None:
     """Numbers in exact proportion: the likelihood is largest for the law itself."""
     sizes_m = np.linspace(0.001, 0.0029, 12)
     under = 1e4 * LAW.passed(sizes_m)
-    found = fit_partition(sizes_m, under, 1e4 - under, OPENING_M, OPEN_SHARE)
-    assert found is not None
-    assert (found.attempts, found.exponent) == pytest.approx((LAW.attempts, LAW.exponent), rel=1e-4)
+    fit = fit_partition(sizes_m, under, 1e4 - under, OPENING_M, OPEN_SHARE)
+    assert fit is not None
+    assert (fit.attempts, fit.exponent) == pytest.approx((LAW.attempts, LAW.exponent), rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -106,17 +106,17 @@ def test_the_finest_grain_passes_in_an_attempt_by_the_open_share() -> None:
     once = PartitionCurve(1.0, 2.0, OPENING_M, OPEN_SHARE)
     sizes_m = np.linspace(0.0015, 0.0029, 12)
     under = 1e6 * once.passed(sizes_m)
-    found = fit_partition(sizes_m, under, 1e6 - under, OPENING_M, OPEN_SHARE)
-    assert found is not None
-    assert float(found.passed(np.array([0.0]))[0]) == pytest.approx(OPEN_SHARE, rel=1e-3)
+    fit = fit_partition(sizes_m, under, 1e6 - under, OPENING_M, OPEN_SHARE)
+    assert fit is not None
+    assert float(fit.passed(np.array([0.0]))[0]) == pytest.approx(OPEN_SHARE, rel=1e-3)
     many = fit_partition(sizes_m, under, 1e6 - under, OPENING_M, 1e-4)
     assert many is not None
     assert float(many.passed(np.array([0.0]))[0]) < 0.27
 
 
 def test_fines_of_a_feed_are_divided_by_their_mass() -> None:
-    """From 0.5 to 3 mm are half of the mass, evenly: a fifth of it is finer than 1 mm.  In a narrow class
-    diameters are even by number, which moves 2 % of what a limit inside of it cuts off."""
+    """Grains from 0.5 to 3 mm are half of the mass, evenly: a fifth of it is finer than 1 mm. In a narrow
+    class diameters are even by number, which moves 2 % of what a limit inside of it cuts off."""
     fines = feed_fines([feed(0.001)], OPENING_M)
     assert fines.left_out == pytest.approx(finer_share(feed(0.001)), rel=1e-12)
     assert (fines.total, fines.left_out) == (pytest.approx(0.5, rel=1e-12), pytest.approx(0.1, rel=0.02))
@@ -157,7 +157,7 @@ def completed(seen: Events, fines: FeedFines) -> WholeFeed:
 
 @pytest.mark.parametrize("limit_m", [0.001, 0.0012, 0.0015])
 def test_the_whole_feed_is_completed(limit_m: float) -> None:
-    """Only particles above a limit are seen; the law gives the share of all.
+    """Particles above a limit only are seen; the law gives the share of all.
 
     Tolerance: four standard errors.
     """
@@ -169,11 +169,11 @@ def test_the_whole_feed_is_completed(limit_m: float) -> None:
     assert abs(placement.value - 100 * mean_passed(LAW)) < 4 * placement.standard_error
     assert table.efficiency_percent.value == pytest.approx(placement.value, rel=1e-12)
     assert (table.smallest_computed_m, table.smallest_m) == (pytest.approx(limit_m), 0.0005)
-    one, two = table.sections
+    first, second = table.sections
     half = replace(LAW, attempts=LAW.attempts / 2)
-    error = one.cumulative_efficiency_percent.standard_error
-    assert abs(one.cumulative_efficiency_percent.value - 100 * mean_passed(half)) < 4 * error
-    whole_yield = one.yield_percent.value + two.yield_percent.value
+    error = first.cumulative_efficiency_percent.standard_error
+    assert abs(first.cumulative_efficiency_percent.value - 100 * mean_passed(half)) < 4 * error
+    whole_yield = first.yield_percent.value + second.yield_percent.value
     assert whole_yield == pytest.approx(fines.total * placement.value, rel=1e-9)
 
 
@@ -187,23 +187,23 @@ def test_the_interval_has_the_error_of_the_continuation() -> None:
     steep = PartitionCurve(6.0, 1.5, OPENING_M, OPEN_SHARE)
     seen = events(steep, 0.001, 200_000, alike_m)
     table, truth = completed(seen, fines), 100 * mean_passed(steep, alike_m)
-    found, told = table.fine_placement_percent, table.continuation
-    assert (told.factor, told.tested_factor) == pytest.approx((2.0, 3**0.5), rel=1e-6)
+    placement, continuation = table.fine_placement_percent, table.continuation
+    assert (continuation.factor, continuation.tested_factor) == pytest.approx((2.0, 3**0.5), rel=1e-6)
     seen_m, passed = seen.removed.sieve_size_m, seen.removed.exit < 2
     finer = seen_m < 0.003**0.5 * seen_m.min() ** 0.5
     law = fit_partition(seen_m[~finer], passed[~finer] * 1.0, ~passed[~finer] * 1.0, OPENING_M, OPEN_SHARE)
     assert law is not None
     kg = seen.removed.mass_kg[finer]
     too_much = 100 * np.average(law.passed(seen_m[finer]) - passed[finer], weights=kg)
-    assert told.tested_error_percent == pytest.approx(too_much, abs=1.0)
-    by_scatter = found.standard_error * 2.3
-    assert found.value - truth > by_scatter  # what an interval without the error would say
-    assert abs(found.value - truth) < found.half_width
-    assert told.error_percent == pytest.approx(
-        0.2 * told.tested_error_percent * (np.log(2) / np.log(3**0.5)) ** 2, rel=0.05
+    assert continuation.tested_error_percent == pytest.approx(too_much, abs=1.0)
+    by_scatter = placement.standard_error * 2.3
+    assert placement.value - truth > by_scatter  # what an interval without the error would say
+    assert abs(placement.value - truth) < placement.half_width
+    assert continuation.error_percent == pytest.approx(
+        0.2 * continuation.tested_error_percent * (np.log(2) / np.log(3**0.5)) ** 2, rel=0.05
     )
     sure = completed(events(steep, 0.001, 200_000), fines)
-    assert abs(sure.continuation.error_percent) < 0.3 * told.error_percent
+    assert abs(sure.continuation.error_percent) < 0.3 * continuation.error_percent
 
 
 def test_a_curve_that_cannot_be_tested_is_not_continued(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -230,27 +230,27 @@ def test_sizes_beyond_the_tested_factor_pass_between_the_last_tested_one_and_all
     alike_m *= 0.001
     fines = feed_fines([feed(0.002)], OPENING_M)
     table = completed(events(LAW, 0.002), fines)
-    placement, told = table.fine_placement_percent, table.continuation
+    placement, continuation = table.fine_placement_percent, table.continuation
     assert abs(placement.value - 100 * mean_passed(LAW, alike_m)) < placement.half_width
     reach_of_test = np.log(OPENING_M / 0.002) / 2
-    tested = 0.6 * told.tested_error_percent * (np.log(TESTED_FACTOR) / reach_of_test) ** 2
+    tested = 0.6 * continuation.tested_error_percent * (np.log(TESTED_FACTOR) / reach_of_test) ** 2
     least, sizes_m = float(LAW.passed(np.array(0.001))), np.linspace(0.0005, 0.001, 20_001)
     passed = LAW.passed(sizes_m)
     doubt = 100 * 0.2 * float(np.maximum(passed - least, 1 - passed).mean())
-    assert abs(told.error_percent) == pytest.approx(abs(tested) + doubt, abs=0.3)
+    assert abs(continuation.error_percent) == pytest.approx(abs(tested) + doubt, abs=0.3)
 
 
 def test_a_curve_of_which_too_little_is_known_is_refused() -> None:
     """A third of the fines is finer than half of what is computed, of which one in eight passes."""
     few = PartitionCurve(0.5, 0.45, OPENING_M, OPEN_SHARE)
     fines = feed_fines([feed(0.002, finest_m=5e-5)], OPENING_M)
-    found = whole_feed(events(few, 0.002, 200_000), fines, OPENING_M, OPEN_SHARE)
-    assert isinstance(found, str)
-    assert "continued from 2 to 0.05 mm, may be wrong by" in found
+    reason = whole_feed(events(few, 0.002, 200_000), fines, OPENING_M, OPEN_SHARE)
+    assert isinstance(reason, str)
+    assert "continued from 2 to 0.05 mm, may be wrong by" in reason
 
 
 def test_a_class_that_takes_over_finer_mass_counts_as_it_is_listed() -> None:
-    """With "next-class", the finest computed class is heavier than in the feed, and passes most easily.
+    """The finest computed class with "next-class" is heavier than in the feed, and passes most easily.
 
     The particles of the same law are weighed as in the feed; unweighed, more of them seem to pass.
     """
@@ -285,11 +285,11 @@ def test_a_sampled_grain_stands_for_the_others_of_its_size() -> None:
     there = np.random.default_rng(3).uniform(size=len(chance)) < chance
     seen = replace(every, fed=_part(every.fed, there), removed=_part(every.removed, there), listed=listed)
     unweighed, weighed = (screening(of, OPENING_M) for of in (replace(seen, listed=None), seen))
-    found = weighed.efficiency_percent
-    error = max(found.standard_error, found.counting)
+    efficiency = weighed.efficiency_percent
+    error = max(efficiency.standard_error, efficiency.counting)
     truth = 100 * mean_passed(LAW)
     assert error < 1.0
-    assert abs(found.value - truth) < 4 * error
+    assert abs(efficiency.value - truth) < 4 * error
     assert unweighed.efficiency_percent.value < truth - 10
     assert weighed.feed_kg_per_s.value == unweighed.feed_kg_per_s.value
     assert weighed.undersize_kg_per_s.value == unweighed.undersize_kg_per_s.value
@@ -327,8 +327,8 @@ def test_openings_that_differ_have_no_common_curve(monkeypatch: pytest.MonkeyPat
         monkeypatch.setattr(compute, "smaller_sides_m", lambda _, given=openings_m: given)
         monkeypatch.setattr(compute, "open_share", lambda _: OPEN_SHARE)
         missing: dict[str, str] = {}
-        found = compute._whole_feed(run, events(LAW, 0.001), OPENING_M, missing)
-        assert (found is not None) == is_there
+        curve = compute._whole_feed(run, events(LAW, 0.001), OPENING_M, missing)
+        assert (curve is not None) == is_there
         assert ("whole feed" in missing) != is_there
 
 

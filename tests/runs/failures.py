@@ -1,4 +1,4 @@
-"""What a run that failed must say and leave."""
+"""The words and files that a run which failed must leave."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def failed(folder: Path, done: subprocess.CompletedProcess[str], *wanted: str) -
     lines = done.stderr.strip().splitlines()
     last = max(number for number, line in enumerate(lines) if line.startswith("logs: "))
     reason, logs = lines[last - 1 : last + 1]
-    for said in wanted:
-        assert said in reason, reason
+    for text in wanted:
+        assert text in reason, reason
     assert str(folder / "run.log") in logs
     assert reason in (folder / "run.log").read_text()
     assert left_usable(folder, "failed")["reason"] == reason

@@ -62,7 +62,7 @@ def flipflow(*words: str, before: str = "", ranks: int = 1) -> subprocess.Comple
 
 
 def started(
-    *words: str, before: str = "", ranks: int = 1, cwd: Path = ROOT, said: TextIO | int = subprocess.PIPE
+    *words: str, before: str = "", ranks: int = 1, cwd: Path = ROOT, output: TextIO | int = subprocess.PIPE
 ) -> subprocess.Popen[str]:
     """Starts and returns at once; what it says can be read at the end (64 kB at most), or is
     written to the file ``said``."""
@@ -70,8 +70,8 @@ def started(
         command(*words, before=before, ranks=ranks),
         cwd=cwd,
         env=_environment(),
-        stdout=said,
-        stderr=said,
+        stdout=output,
+        stderr=output,
         text=True,
     )
 
@@ -83,8 +83,8 @@ def _environment() -> dict[str, str]:
 
 def of(run: Path) -> list[int]:
     """The ids of all processes that were started for this folder."""
-    found = subprocess.run(["pgrep", "-f", str(run)], capture_output=True, text=True, check=False)
-    return [int(word) for word in found.stdout.split()]
+    result = subprocess.run(["pgrep", "-f", str(run)], capture_output=True, text=True, check=False)
+    return [int(word) for word in result.stdout.split()]
 
 
 def wait_until(true: Callable[[], bool]) -> None:
@@ -95,8 +95,8 @@ def wait_until(true: Callable[[], bool]) -> None:
 
 
 def summary(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "summary.json").read_text())
-    return found
+    table: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return table
 
 
 def times(folder: Path, group: str) -> Any:
@@ -105,10 +105,10 @@ def times(folder: Path, group: str) -> Any:
 
 
 def left_usable(folder: Path, status: str) -> dict[str, Any]:
-    """What every run that started must leave: a summary with its status, and time series that
-    are whole up to the last output time.  Returns the summary."""
-    said = summary(folder)
-    assert said["status"] == status
+    """Check what every run that started must leave: a summary with its status, and time series that are
+    whole up to the last output time. Returns the summary."""
+    table = summary(folder)
+    assert table["status"] == status
     with h5py.File(folder / "history.h5") as history:
         for name, kind in history.items():
             if name == "results":  # no time series
@@ -118,21 +118,21 @@ def left_usable(folder: Path, status: str) -> dict[str, Any]:
                 assert len(lengths) == 1
                 steps = np.diff(group["time_s"][:])
                 assert (steps >= 0 if name in EVENTS else steps > 0).all()
-    return said
+    return table
 
 
 def has_results(folder: Path) -> dict[str, Any]:
     """Asserts what every run that came to its end must have: results of which none failed, no
     error in its log, and a report, which is made here without its film.  Returns the results."""
-    found: dict[str, Any] = summary(folder)["results"]
-    assert found["failed"] == {}
+    results: dict[str, Any] = summary(folder)["results"]
+    assert results["failed"] == {}
     assert " ERROR " not in (folder / "run.log").read_text()
     text = page(folder, compute_results(folder), lambda *_: Film(b"", reason="left out by the test"))
     assert "</html>" in text
-    for part, why in found["missing"].items():
+    for part, why in results["missing"].items():
         assert part in text
         assert str(escape(why)) in text
-    return found
+    return results
 
 
 def said_plainly(done: subprocess.CompletedProcess[str]) -> None:

@@ -25,12 +25,12 @@ OF_THE_CLOCK = (
 OF_THE_CLOCK += ("status", "reason")
 
 
-def run_differences(one: Path, other: Path) -> list[str]:
+def run_differences(first: Path, other: Path) -> list[str]:
     """Names of what differs: series, files for ParaView, summary, and the state at the end."""
-    found = differences(_history(one), _history(other), "history.h5")
-    found += differences(_pictured(one), _pictured(other), "files")
-    found += differences(_summary(one), _summary(other), "summary.json")
-    return found + differences(_end(one), _end(other), "end")
+    lines = differences(_history(first), _history(other), "history.h5")
+    lines += differences(_pictured(first), _pictured(other), "files")
+    lines += differences(_summary(first), _summary(other), "summary.json")
+    return lines + differences(_end(first), _end(other), "end")
 
 
 def _history(run: Path) -> Saved:

@@ -101,12 +101,12 @@ def run(folder: Path, extra: str, *sets: str) -> tuple[int, str, Path]:
 
 @pytest.mark.process
 def test_a_lost_particle_is_warned_of(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, STRAY, "duration_s=0.1")
-    assert code == 0, said
+    code, output, folder = run(tmp_path, STRAY, "duration_s=0.1")
+    assert code == 0, output
     assert (
         "WARNING: 1 particle left the domain elsewhere than through an exit, of which the case has none: "
         "50 % of the mass that came"
-    ) in " ".join(said.split())
+    ) in " ".join(output.split())
     assert (
         "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1" in (folder / "run.log").read_text()
     )
@@ -115,9 +115,9 @@ def test_a_lost_particle_is_warned_of(tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_a_lost_particle_stops_the_run_where_the_case_wants_it(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, STRAY, "duration_s=0.1", "monitor.lost_particles=stop")
+    code, output, folder = run(tmp_path, STRAY, "duration_s=0.1", "monitor.lost_particles=stop")
     assert code == 4
-    assert "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1" in said
+    assert "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1" in output
     figures = summary(folder)
     assert figures["status"] == "failed"
     assert figures["material"]["lost"]["number"] == 1
@@ -127,10 +127,10 @@ def test_a_lost_particle_stops_the_run_where_the_case_wants_it(tmp_path: Path) -
 
 @pytest.mark.process
 def test_a_particle_too_large_for_the_undersize_is_warned_of(tmp_path: Path) -> None:
-    """It is a third of all that came, so that the run is doubtful, too."""
-    code, said, folder = run(tmp_path, ESCAPED, "duration_s=0.1")
-    assert code == trust.EXIT_CODES[trust.DOUBTFUL], said
-    assert "WARNING: 1 particle too large for any opening came out with the undersize" in said
+    """The particle is a third of all that came, so that the run is doubtful, too."""
+    code, output, folder = run(tmp_path, ESCAPED, "duration_s=0.1")
+    assert code == trust.EXIT_CODES[trust.DOUBTFUL], output
+    assert "WARNING: 1 particle too large for any opening came out with the undersize" in output
     material = summary(folder)["material"]
     assert material["escaped"]["number"] == 1
     assert material["exits"]["below"]["number"] == 2
@@ -138,17 +138,17 @@ def test_a_particle_too_large_for_the_undersize_is_warned_of(tmp_path: Path) -> 
 
 @pytest.mark.process
 def test_a_particle_too_large_for_the_undersize_stops_the_run(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, ESCAPED, "duration_s=0.1", "monitor.escaped_particles=stop")
+    code, output, folder = run(tmp_path, ESCAPED, "duration_s=0.1", "monitor.escaped_particles=stop")
     assert code == 4
-    assert 'particle 2 (10.1 mm) came out through exit "below"' in said
+    assert 'particle 2 (10.1 mm) came out through exit "below"' in output
     assert summary(folder)["material"]["escaped"]["number"] == 1
 
 
 @pytest.mark.process
 def test_a_jammed_feed_stops_the_run(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, JAM)
-    assert code == 4, said
-    assert 'feed "chute" is jammed: of' in said
+    code, output, folder = run(tmp_path, JAM)
+    assert code == 4, output
+    assert 'feed "chute" is jammed: of' in output
     figures = summary(folder)
     feed = figures["material"]["feeds"]["chute"]
     assert feed["fed_kg"] < 0.6 * feed["due_kg"]
@@ -160,8 +160,8 @@ def test_a_jammed_feed_stops_the_run(tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_a_jammed_feed_may_be_only_warned_of(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, JAM, "monitor.jammed_feed=warn", "duration_s=0.45")
-    assert code == 0, said
+    code, output, folder = run(tmp_path, JAM, "monitor.jammed_feed=warn", "duration_s=0.45")
+    assert code == 0, output
     assert (folder / "run.log").read_text().count('feed "chute" is jammed') == 1
 
 
@@ -187,11 +187,11 @@ def test_a_particle_that_goes_through_a_panel_stops_the_run(tmp_path: Path, solv
     assert "1 times a particle went through the surface" in done.stderr
     figures = summary(tmp_path / "run")
     assert figures["status"] == "failed"
-    found = figures["material"]["crossings"]
-    assert (found["number"], found["first_id"]) == (1, 1)
-    assert abs(found["first_position_m"][2]) < 1e-3
+    crossings = figures["material"]["crossings"]
+    assert (crossings["number"], crossings["first_id"]) == (1, 1)
+    assert abs(crossings["first_position_m"][2]) < 1e-3
     # within five sync intervals of 1e-4 s
-    assert -1e-9 < figures["simulated_s"] - found["first_time_s"] < 5.1e-4
+    assert -1e-9 < figures["simulated_s"] - crossings["first_time_s"] < 5.1e-4
     deepest = figures["material"]["deepest_overlaps"]["surface_per_diameter"]
     assert deepest == pytest.approx(0.5, abs=0.02)  # a radius
 

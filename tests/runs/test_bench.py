@@ -41,7 +41,7 @@ def test_what_was_before_the_clock_started_does_not_count(tmp_path: Path) -> Non
 
 @pytest.mark.solver
 def test_the_parts_are_shares_of_the_coupled_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a clock that ticks whenever it is read, so that each part that is measured at all has time."""
+    """The clock ticks whenever it is read, so that each part that is measured at all has time."""
     monkeypatch.setattr(time, "perf_counter", itertools.count().__next__)
     table = bench(load_judged(CASE, "draft"), BLOCK, settling=BLOCK)
     columns = {str(column.header): list(column.cells) for column in table.columns}
@@ -77,7 +77,8 @@ def fallen(plan: ParticlesPlan, folder: Path, as_packaged: bool) -> tuple[Array,
 @pytest.mark.solver
 @pytest.mark.parametrize("sticky", [False, True])
 def test_packaged_laws_move_a_bed_as_ours_do(tmp_path: Path, sticky: bool) -> None:
-    """Without rolling friction, whose packaged law is not ours; without ours the process has no `jkr`."""
+    """The bed has no rolling friction, whose packaged law is not ours; without ours the process has no
+    `jkr`."""
     overrides = ["particles.rolling=none", "bed.blocks.coal.count=300"]
     if sticky:
         overrides += [f"contacts.{k}.work_of_adhesion_J_per_m2=0.05" for k in range(3)]

@@ -26,10 +26,10 @@ COAL = ROOT / "cases/ffs0827-slice"
 
 
 def test_ratios_are_of_blocks_side_by_side() -> None:
-    """Whatever the computer's speed does from block to block."""
-    one = Timed((2.0, 8.0, 3.0), 0.0, {})
+    """The ratios do not depend on the computer's speed from block to block."""
+    first = Timed((2.0, 8.0, 3.0), 0.0, {})
     other = Timed((1.0, 4.0, 2.0), 0.0, {})
-    assert ratio(one, other) == "2.00 (1.75 to 2.00)"
+    assert ratio(first, other) == "2.00 (1.75 to 2.00)"
 
 
 def test_blocks_shorter_than_a_tick_of_the_clock_have_no_ratio() -> None:
@@ -48,7 +48,7 @@ def test_overlays_are_said_as_on_the_command_line() -> None:
 def test_left_out_is_the_same_to_the_solver_as_not_described(name: str) -> None:
     """Every field of the particles' plan, to the bit."""
     case = load_judged(COAL, "draft").case
-    others = [one for one in EFFECTS if has_effect(case, one) and one != name]
+    others = [effect for effect in EFFECTS if has_effect(case, effect) and effect != name]
     without = load_judged(COAL, "draft", [f"effects={others}"]).case
     undescribed = load_judged(COAL, "draft", sets(undescribing(case, name))).case
     corner_m = single_panels(case)[0].rectangle.corner_m
@@ -72,7 +72,7 @@ def test_what_is_loaded_is_what_the_case_calls_for() -> None:
 
 @pytest.mark.process
 def test_the_table_has_a_row_for_each_effect_that_can_be_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a clock that ticks whenever it is read: a virtual computer's may tick every 50 ms."""
+    """The clock ticks whenever it is read: a virtual computer's may tick every 50 ms."""
     monkeypatch.setattr(time, "perf_counter", itertools.count().__next__)
     table = bench(TimedCase(Path(ROOT / "cases/bushing-hysteresis"), "draft", ()), 40)
     rows = list(table.columns[0].cells)

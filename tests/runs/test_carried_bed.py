@@ -69,7 +69,7 @@ def at(run: Path, series: str, row: int) -> Array:
 
 @pytest.mark.parametrize("series", ["bed/mass_kg", "bed/mean_velocity_m_per_s", "bed/highest_m"])
 def test_mass_and_momentum_are_carried_over(runs: tuple[Path, Path], series: str) -> None:
-    """To rounding; nothing lay so deep that it was pushed out."""
+    """The sums agree to rounding; no grain lay so deep that it was pushed out."""
     first, second = runs
     before = at(first, series, -1)
     assert np.any(before)
@@ -94,7 +94,7 @@ def test_kinetic_energy_is_carried_over(runs: tuple[Path, Path]) -> None:
 
 
 def test_the_pictures_have_forces_and_contacts(runs: tuple[Path, Path]) -> None:
-    """At t = 0 the block of the first run falls freely.  At its end, grains touch each other or the deck."""
+    """The block of the first run falls freely at t = 0. At its end, grains touch each other or the deck."""
     first, second = runs
     falling = meshio.read(first / "particles/particles_00000.vtu").point_data
     weight_N = 9.81 * sphere_kg(falling["sieve_size_m"], falling["density_kg_per_m3"])
@@ -105,7 +105,7 @@ def test_the_pictures_have_forces_and_contacts(runs: tuple[Path, Path]) -> None:
 
 
 def test_nothing_is_thrown(runs: tuple[Path, Path]) -> None:
-    """What contacts store at the start would else give particles a speed."""
+    """Energy stored in contacts at the start would otherwise give particles a speed."""
     _, second = runs
     speeds = [at(second, "bed/mean_speed_m_per_s", row) for row in (0, 1, -1)]
     assert max(speeds) < speeds[0] + 0.1
@@ -156,10 +156,10 @@ def cut_off(file: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"), [(nobody_at, "there are no particles at that time"), (cut_off, "is it whole?")]
+    ("change", "message"), [(nobody_at, "there are no particles at that time"), (cut_off, "is it whole?")]
 )
 def test_a_time_without_particles_is_refused(
-    runs: tuple[Path, Path], tmp_path: Path, change: Callable[[Path], None], said: str
+    runs: tuple[Path, Path], tmp_path: Path, change: Callable[[Path], None], message: str
 ) -> None:
     first = shutil.copytree(runs[0], tmp_path / "first")
     change(first / "particles/particles_00002.vtu")
@@ -167,5 +167,5 @@ def test_a_time_without_particles_is_refused(
     checked = flipflow("check", str(first), *words)
     assert checked.returncode == 2, checked.stderr
     assert "particles_00002.vtu: " in checked.stderr
-    assert said in checked.stderr
+    assert message in checked.stderr
     said_plainly(checked)

@@ -66,23 +66,23 @@ def test_it_ends_well_and_says_where_the_time_went(case: Done) -> None:
     _, folder, done = case
     assert done.returncode == 0, done.stderr
     said_plainly(done)
-    for said in ("where the time went", "momentum residual", f"results in {folder}"):
-        assert said in done.stderr
+    for text in ("where the time went", "momentum residual", f"results in {folder}"):
+        assert text in done.stderr
     assert left_usable(folder, "done")["reason"] == ""
 
 
 def test_results_are_made_and_shown(case: Done) -> None:
-    """What a run cannot have is no failure: a case without frames has no orbits."""
+    """A result that a run cannot have is no failure: a case without frames has no orbits."""
     name, folder, done = case
-    found = has_results(folder)
-    for tile in headline(parse_results({"results": found})):
+    results = has_results(folder)
+    for tile in headline(parse_results({"results": results})):
         assert tile.line in done.stderr
         if tile.value != "unknown":  # else the reason stands there
             assert " over " in tile.line.replace("(", " "), "from how much it is"
     framed = name != "ball-on-panel"
-    assert ("orbits" in found["missing"]) is not framed or "everything" in found["missing"]
-    if name not in WITHOUT_PANELS and "motion" in found:
-        for panel in found["motion"]["panels"].values():
+    assert ("orbits" in results["missing"]) is not framed or "everything" in results["missing"]
+    if name not in WITHOUT_PANELS and "motion" in results:
+        for panel in results["motion"]["panels"].values():
             assert panel["stretch_largest_percent"] >= panel["stretch_smallest_percent"]
 
 
@@ -92,17 +92,17 @@ def test_all_files_are_there(case: Done) -> None:
     wanted |= {"surface", "surface.pvd"} if name not in WITHOUT_PANELS else set()
     if summary(folder)["particles"]:
         wanted |= {"particles", "particles.pvd"}
-    found = {path.name for path in folder.iterdir()}
-    assert wanted <= found
-    assert not [name for name in found if name.startswith(".")], "left over from writing"
+    names = {path.name for path in folder.iterdir()}
+    assert wanted <= names
+    assert not [name for name in names if name.startswith(".")], "left over from writing"
 
 
 def test_the_wall_time_is_accounted_for(case: Done) -> None:
     """None of the parts is asked to take time: a virtual computer's clock may tick every 50 ms."""
     _, folder, _ = case
-    said = summary(folder)
-    parts, again = said["wall_by_part_s"], said["repeated_by_part_s"]
-    assert sum(parts.values()) == pytest.approx(said["wall_s"], rel=1e-9)
+    table = summary(folder)
+    parts, again = table["wall_by_part_s"], table["repeated_by_part_s"]
+    assert sum(parts.values()) == pytest.approx(table["wall_s"], rel=1e-9)
     assert min(parts.values()) >= 0.0
     assert 0.0 <= sum(again.values()) <= parts["coupling"]
 
@@ -120,12 +120,12 @@ def test_the_watch_finds_nothing(case: Done) -> None:
     _, folder, _ = case
     watch = summary(folder)["monitor"]
     assert watch["shortened_intervals"] == 0
-    assert {name: one for name, one in watch["figures"].items() if one["times"]} == {}
+    assert {name: figure for name, figure in watch["figures"].items() if figure["times"]} == {}
 
 
 def test_time_series_have_units_and_no_gap(case: Done) -> None:
     _, folder, _ = case
-    said = summary(folder)
+    table = summary(folder)
     with h5py.File(folder / "history.h5") as history:
         assert "energy" in history
         every = [history["energy"]]
@@ -134,14 +134,14 @@ def test_time_series_have_units_and_no_gap(case: Done) -> None:
         for group in every:
             time = group["time_s"][:]
             assert time[0] == 0.0
-            assert time[-1] == pytest.approx(said["simulated_s"], rel=1e-12)
+            assert time[-1] == pytest.approx(table["simulated_s"], rel=1e-12)
             assert np.diff(time) == pytest.approx(np.diff(time).mean(), rel=1e-9)
             for name, series in group.items():
                 assert len(series) == len(time), name
                 assert series.attrs["unit"], name
                 assert np.isfinite(series[:]).all(), name
         for probe in history.get("probes", {}).values():
-            assert len(probe["time_s"]) == said["sync_intervals"] + 1
+            assert len(probe["time_s"]) == table["sync_intervals"] + 1
             assert probe["position_m"].attrs["unit"] == "m"
 
 
@@ -167,7 +167,7 @@ def test_paraview_finds_every_output_time(case: Done) -> None:
 
 
 def fed_later(name: str, series: str) -> bool:
-    """Without particles at t = 0: VTK reads such a file, meshio does not."""
+    """Return whether a series begins without particles at t = 0: VTK reads such a file, meshio does not."""
     return series == "particles" and name in FED_SOON
 
 
@@ -206,26 +206,26 @@ def test_the_resolved_case_gives_the_same_run_again(case: Done, tmp_path: Path) 
 
 
 def _same(first: h5py.Group, second: h5py.Group, key: str) -> None:
-    """To rounding: sums of numpy's BLAS depend on where arrays happen to lie in memory, and a
-    tenth of a second of bouncing enlarges 1e-16 by less than a million."""
+    """Compare to rounding: sums of numpy's BLAS depend on where arrays happen to lie in memory, and a tenth
+    of a second of bouncing enlarges 1e-16 by less than a million."""
     if isinstance(first[key], h5py.Dataset):
-        one, two = first[key][:], second[key][:]
+        values, again = first[key][:], second[key][:]
         if not key.startswith(("defect.", "created.")):  # small differences of large numbers
-            np.testing.assert_allclose(two, one, rtol=0, atol=1e-10 * np.abs(one).max(), err_msg=key)
+            np.testing.assert_allclose(again, values, rtol=0, atol=1e-10 * np.abs(values).max(), err_msg=key)
 
 
 def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
-    """It flies up at 20 m/s through the top of the domain, 0.16 m above; the other never comes."""
+    """The particle flies up at 20 m/s through the top of the domain, 0.16 m above; the other never comes."""
     sets = [*QUICK, "duration_s=0.05", "bed.particles.ball.velocity_m_per_s=[0, 0, 20]"]
     sets += ["probes.nobody={particle=7}", "output.interval_s=0.005"]
     done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
     assert done.returncode == 0, done.stderr
     said_plainly(done)
     text = (tmp_path / "run/summary.json").read_text()
-    said = json.loads(text, parse_constant=pytest.fail)  # NaN is no JSON
-    assert said["particles"] == 0
-    assert 0.15 < said["probes"]["ball"]["peak_m"] < 0.2
-    nobody = said["probes"]["nobody"]
+    table = json.loads(text, parse_constant=pytest.fail)  # NaN is no JSON
+    assert table["particles"] == 0
+    assert 0.15 < table["probes"]["ball"]["peak_m"] < 0.2
+    nobody = table["probes"]["nobody"]
     assert nobody.pop("reason") == "it never was there"
     assert set(nobody.values()) == {None}
     has_results(tmp_path / "run")
@@ -240,10 +240,10 @@ def test_a_mistake_in_the_results_is_said_and_has_its_exit_code(tmp_path: Path) 
     assert done.returncode == 6, done.stderr
     said_plainly(done)
     assert "WARNING: results not made: bed: IndexError: list index out of range" in done.stderr
-    said = left_usable(tmp_path / "run", "incomplete")
-    assert said["reason"] == "results could not be made: bed"
-    assert list(said["results"]["failed"]) == ["bed"]
-    assert said["results"]["motion"]["panels"]
+    table = left_usable(tmp_path / "run", "incomplete")
+    assert table["reason"] == "results could not be made: bed"
+    assert list(table["results"]["failed"]) == ["bed"]
+    assert table["results"]["motion"]["panels"]
     made = flipflow("report", str(tmp_path / "run"), before=broken + filmless)
     assert made.returncode == 0, made.stderr
     text = (tmp_path / "run/report.html").read_text()

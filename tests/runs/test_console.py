@@ -1,4 +1,4 @@
-"""What is said on the console: progress, help, and how soon."""
+"""The console: progress, help, and how soon it says them."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_progress_on_a_terminal_is_a_bar(tmp_path: Path) -> None:
 
 
 def _all_of(terminal: int) -> str:
-    """What appears on a terminal until everybody has left it (Linux then says EIO)."""
+    """Return what appears on a terminal until everybody has left it (Linux then says EIO)."""
     shown = b""
     try:
         while part := os.read(terminal, 4096):
@@ -59,7 +59,7 @@ def _all_of(terminal: int) -> str:
 
 
 def test_help_names_every_exit_code_and_manual() -> None:
-    said = flipflow("--help").stdout
+    output = flipflow("--help").stdout
     for code in (
         "0 done",
         "1 an internal error",
@@ -70,8 +70,8 @@ def test_help_names_every_exit_code_and_manual() -> None:
         "130",
         "143",
     ):
-        assert code in said
-    for page in re.findall(r"docs/[\w-]+\.md", said):
+        assert code in output
+    for page in re.findall(r"docs/[\w-]+\.md", output):
         assert (ROOT / page).is_file()
     for word in ("run", "check", "list"):
         assert flipflow(word, "--help").returncode == 0
@@ -109,7 +109,7 @@ LOADED = "import atexit, sys; atexit.register(lambda: print('loaded:', *sys.modu
     ],
 )
 def test_quick_commands_load_only_what_they_use(tmp_path: Path, words: list[str], used: set[str]) -> None:
-    """They stay quick because they load no more; no clock is asked."""
+    """Commands stay quick because they load no more; no clock is asked."""
     shutil.copytree(ROOT / "cases/quickstart", tmp_path / "quickstart")
     done = flipflow(*(word.format(folder=tmp_path) for word in words), before=LOADED)
     assert done.returncode == 0, done.stderr
@@ -123,10 +123,10 @@ def test_a_folder_s_name_commands_no_terminal(tmp_path: Path) -> None:
     folder = tmp_path / "red \x1b[31m\x1b]0;owned\x07"
     done = flipflow(*run_words("quickstart", folder, SHORT))
     assert done.returncode == 0, done.stderr
-    for said in (done.stderr, (folder / "run.log").read_text()):
-        assert "\x1b" not in said
-        assert "\x07" not in said
-        assert r"red \x1b[31m\x1b]0;owned\x07" in said
+    for text in (done.stderr, (folder / "run.log").read_text()):
+        assert "\x1b" not in text
+        assert "\x07" not in text
+        assert r"red \x1b[31m\x1b]0;owned\x07" in text
     done = flipflow(*run_words("quickstart", folder, SHORT))
     assert done.returncode == 2
     assert "\x1b" not in done.stderr

@@ -29,9 +29,9 @@ def test_what_effects_leave_out_is_said_and_looked_at_after_the_run(tmp_path: Pa
     )
     ended = "left out: large-deflection; by the run sag / thickness"
     log = (run / "run.log").read_text()
-    for said in (done.stderr, log):
-        assert started in said
-        assert ended in said
+    for text in (done.stderr, log):
+        assert started in text
+        assert ended in text
 
     effects = json.loads((run / "summary.json").read_text())["effects"]
     sag = effects["large-deflection"]
@@ -44,9 +44,9 @@ def test_what_effects_leave_out_is_said_and_looked_at_after_the_run(tmp_path: Pa
     assert "effects" not in resolved
     assert resolved["panel"]["solver"] == "rigid"
     assert flipflow(*run_words(str(run), again, [])).returncode == 0
-    with h5py.File(run / "history.h5") as one, h5py.File(again / "history.h5") as two:
+    with h5py.File(run / "history.h5") as first, h5py.File(again / "history.h5") as second:
         path = "frames/driven/displacement_m"
-        np.testing.assert_array_equal(one[path][:], two[path][:])
+        np.testing.assert_array_equal(first[path][:], second[path][:])
 
 
 @pytest.mark.process

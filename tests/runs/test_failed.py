@@ -116,8 +116,8 @@ def test_out_of_memory(tmp_path: Path, what: str, why: str) -> None:
     folder = tmp_path / "run"
     before = IN_PANELS.format(what=what)
     done = flipflow(*run_words("quickstart", folder), before=before)
-    said = f"{PANELS} failed between t = 0.0002 s and 0.0003 s (sync interval 2): "
-    failed(folder, done, f"{said}out of memory. {why}".strip())
+    beginning = f"{PANELS} failed between t = 0.0002 s and 0.0003 s (sync interval 2): "
+    failed(folder, done, f"{beginning}out of memory. {why}".strip())
 
 
 @pytest.mark.solver
@@ -166,11 +166,11 @@ def test_a_folder_that_vanishes(tmp_path: Path) -> None:
     run = started(*run_words("quickstart", folder))
     wait_until(lambda: (folder / "particles.pvd").exists())
     folder.rename(gone)
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == 4, said
-    assert "Traceback" not in said
-    assert "cannot be written: [Errno 2] No such file or directory" in said
-    assert f"{folder} has gone" in said
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 4, output
+    assert "Traceback" not in output
+    assert "cannot be written: [Errno 2] No such file or directory" in output
+    assert f"{folder} has gone" in output
     with h5py.File(gone / "history.h5") as history:
         assert len(history["energy/time_s"]) > 0
 

@@ -95,7 +95,7 @@ def checkpoints_elsewhere(it: Stranger) -> None:
 
 
 def files_elsewhere(it: Stranger) -> None:
-    """As ``particles``, where there are some."""
+    """Replace the folder of surfaces by a link to a folder elsewhere."""
     shutil.rmtree(it.run / "surface")
     (it.run / "surface").symlink_to(it.home / "shapes")
 
@@ -163,8 +163,8 @@ def flipflow(it: Stranger, *words: str) -> Result:
         done = CliRunner().invoke(
             app, [word.format(**places, other=it.run.with_name("other")) for word in words]
         )
-    for said in (done.stdout, done.stderr):
-        assert all(char.isprintable() or char in "\r\n" for char in said), repr(said)
+    for text in (done.stdout, done.stderr):
+        assert all(char.isprintable() or char in "\r\n" for char in text), repr(text)
     return done
 
 

@@ -36,7 +36,7 @@ checkpoints._write_arrays = filled
 
 @pytest.fixture
 def small_disk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Path]:
-    """So many MB, by default 20; 16 are kept in reserve."""
+    """Disk of so many MB, by default 20; 16 are kept in reserve."""
     place = tmp_path / "disk"
     place.mkdir()
     size = f"size={getattr(request, 'param', 20)}m"

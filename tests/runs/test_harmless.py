@@ -50,7 +50,7 @@ interval_s = 1e-3
 
 
 def flipflow(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """As installed: what is in the folder that it is started in is not on Python's path."""
+    """Run flipflow as installed: what is in the folder that it is started in is not on Python's path."""
     return subprocess.run(
         [sys.executable, "-P", "-c", "from orchestrator.cli.main import main; main()", *words],
         cwd=cwd,

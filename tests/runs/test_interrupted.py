@@ -50,11 +50,11 @@ def test_it_ends_its_interval_and_its_books(tmp_path: Path, name: str) -> None:
     run = started(*run_words("quickstart", folder, LONG))
     wait_until(lambda: (folder / "particles.pvd").exists())
     run.send_signal(number)
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == 128 + number, said
-    assert "Traceback" not in said
-    assert f"stopped by {name} at t = " in said
-    assert said.endswith(f"results in {folder}\n")
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 128 + number, output
+    assert "Traceback" not in output
+    assert f"stopped by {name} at t = " in output
+    assert output.endswith(f"results in {folder}\n")
     assert f"stopped by {name} at t = " in (folder / "run.log").read_text()
     summary = left_usable(folder, "interrupted")
     assert summary["reason"] == f"stopped by {name}"
@@ -74,9 +74,9 @@ def test_told_twice_it_does_not_wait(tmp_path: Path) -> None:
     with pytest.raises(subprocess.TimeoutExpired):
         run.wait(timeout=1.0)  # it waits for the end of the interval
     run.send_signal(signal.SIGINT)
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == 130, said
-    assert "Traceback" not in said
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 130, output
+    assert "Traceback" not in output
     summary = left_usable(folder, "interrupted")
     assert (summary["reason"], summary["sync_intervals"]) == ("stopped at once", 2)
 
@@ -99,10 +99,10 @@ def test_before_the_start_it_waits_for_nothing(tmp_path: Path, name: str) -> Non
     run = started(*run_words("empty-machine", folder, LONG), before=before)
     wait_until(marker.exists)
     run.send_signal(getattr(signal, name))
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == 128 + getattr(signal, name), said
-    assert "Traceback" not in said
-    assert f"stopped by {name} before the start" in said
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 128 + getattr(signal, name), output
+    assert "Traceback" not in output
+    assert f"stopped by {name} before the start" in output
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["status"], summary["sync_intervals"]) == ("interrupted", 0)
 
@@ -156,9 +156,9 @@ def test_nohup_keeps_what_it_promises(tmp_path: Path) -> None:
     with pytest.raises(subprocess.TimeoutExpired):
         run.wait(timeout=2.0)
     run.send_signal(signal.SIGTERM)
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == 128 + signal.SIGTERM, said
-    assert "stopped by SIGTERM at t = " in said
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 128 + signal.SIGTERM, output
+    assert "stopped by SIGTERM at t = " in output
 
 
 @pytest.mark.parametrize("kind", ["xterm", "dumb"])
@@ -210,7 +210,7 @@ def test_told_twice_during_a_save(tmp_path: Path) -> None:
     run.send_signal(signal.SIGINT)
     wait_until(marker.exists)
     run.send_signal(signal.SIGINT)
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == 130, said
-    assert "Traceback" not in said
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 130, output
+    assert "Traceback" not in output
     assert left_usable(folder, "interrupted")["reason"] == "stopped at once"

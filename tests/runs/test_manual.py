@@ -60,18 +60,18 @@ def ledger_of(sets: tuple[str, ...], case: str, folder: Path) -> set[str]:
 
 
 def test_the_keys_of_the_summary(folder: Path) -> None:
-    said = summary(folder)
-    assert set(said) == documented("## `summary.json`")
-    for one in said["effects"].values():
-        assert set(one) == documented("### each of `effects`")
-    assert set(said["material"]) == documented("### `material`")
-    assert set(said["monitor"]) == documented("### `monitor`")
-    for figure in said["monitor"]["figures"].values():
+    table = summary(folder)
+    assert set(table) == documented("## `summary.json`")
+    for row in table["effects"].values():
+        assert set(row) == documented("### each of `effects`")
+    assert set(table["material"]) == documented("### `material`")
+    assert set(table["monitor"]) == documented("### `monitor`")
+    for figure in table["monitor"]["figures"].values():
         assert set(figure) == documented("### each of `monitor.figures`")
-    assert set(said["wall_by_part_s"]) == documented("### `wall_by_part_s`")
-    assert set(said["energy_ledger_J"]) <= LEDGER
-    assert set(said["probes"]) == {"driving", "driven", "driven-end", "middle-1", "middle-2"}
-    for figures in said["probes"].values():
+    assert set(table["wall_by_part_s"]) == documented("### `wall_by_part_s`")
+    assert set(table["energy_ledger_J"]) <= LEDGER
+    assert set(table["probes"]) == {"driving", "driven", "driven-end", "middle-1", "middle-2"}
+    for figures in table["probes"].values():
         assert set(figures) == documented("### each of `probes`")
 
 
@@ -83,14 +83,14 @@ def test_the_keys_of_the_results(folder: Path) -> None:
     cycles = folder.parent / "cycles"
     done = flipflow(*run_words("quickstart", cycles, [*QUICK, "duration_s=0.17", CUT, WEAR]))
     assert done.returncode == 0, done.stderr
-    found = summary(cycles)["results"]
+    results = summary(cycles)["results"]
     others = {"course", "contacts", "slice_width_m"}  # eighteen cycles; a hundred fines that left; a slice
-    assert set(found) == documented("### `results`") - others
+    assert set(results) == documented("### `results`") - others
     for name in ("steady", "motion", "screening", "wear"):
         of_feeds = {"cohort", "whole_feed"}  # of what was fed
-        assert set(found[name]) == documented(f"### `results.{name}`") - of_feeds
+        assert set(results[name]) == documented(f"### `results.{name}`") - of_feeds
     with h5py.File(cycles / "history.h5") as history:
-        assert set(history["results"]) == set(found)
+        assert set(history["results"]) == set(results)
     few = {"missing", "failed", "share_of_width"}
     assert set(summary(folder)["results"]) == few, "it lasts less than a cycle"
 
@@ -100,8 +100,8 @@ def test_the_files(folder: Path) -> None:
     elsewhere = {"<surface>.stl", "failure.txt", "report.html", "bed.h5"}
     elsewhere |= {"point_orbits.png", "panel_instants.png"}  # of three probes or more
     assert {name for name in named if name.endswith(".png")} == set(PICTURES)
-    found = {path.name for path in folder.iterdir()}
-    assert found == named - elsewhere | {"walls.stl"}
+    files = {path.name for path in folder.iterdir()}
+    assert files == named - elsewhere | {"walls.stl"}
 
 
 def test_the_time_series(folder: Path) -> None:
@@ -115,8 +115,8 @@ def test_the_time_series(folder: Path) -> None:
             if kind == "results":
                 continue
             inner: list[Any] = [group] if "time_s" in group else list(group.values())
-            for one in inner:
-                names = set(one) - {"time_s"}
+            for columns in inner:
+                names = set(columns) - {"time_s"}
                 if kind in ("energy", "energy_cycles"):
                     assert {name.removesuffix("_J") for name in names} <= LEDGER
                 else:
@@ -128,8 +128,8 @@ def test_the_arrays_of_a_checkpoint(folder: Path) -> None:
     of checkpoints, and raises ``checkpoints.FORMAT``."""
     names = ROOT / "tests/runs/checkpoint_names.txt"
     head = f"format {checkpoints.FORMAT}"
-    found = "\n".join([head, *sorted(array_names(folder)), ""])
-    assert found == names.read_text(), (
+    content = "\n".join([head, *sorted(array_names(folder)), ""])
+    assert content == names.read_text(), (
         f"raise checkpoints.FORMAT, then write the names anew: python -m tests.runs.test_manual {names}"
     )
 
@@ -141,20 +141,20 @@ def array_names(folder: Path) -> set[str]:
 
 
 def test_the_line_for_pandas_gives_floats(folder: Path) -> None:
-    """Of the line as it is printed: every frame is made of one array of floats with a column for
-    each component, which pandas takes as it is.  (A list of rows would become objects.)"""
+    """The line is taken as it is printed: every frame is made of one array of floats with a column for each
+    component, which pandas takes as it is. (A list of rows would become objects.)"""
     (line,) = re.findall(r"^pandas\.concat.*$", MANUAL, flags=re.M)
     line = line.replace("probes/middle", "probes/middle-1")
-    found = eval(line, {"pandas": pandas, "h5py": h5py, "f": folder / "history.h5"})
-    assert set(found["position_m"].shape[1:]) == {3}
+    data = eval(line, {"pandas": pandas, "h5py": h5py, "f": folder / "history.h5"})
+    assert set(data["position_m"].shape[1:]) == {3}
     for name in ("time_s", "position_m", "velocity_m_per_s"):
-        columns = np.asarray(found[name])
+        columns = np.asarray(data[name])
         assert columns.dtype == float
-        assert len(columns) == len(found["time_s"]) > 1
+        assert len(columns) == len(data["time_s"]) > 1
 
 
 def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
-    """Together with the next, every documented term is one that a solver has."""
+    """Every documented term is one that a solver has, by this test and the next together."""
     cheap = ledger_of((STOPS,), "quickstart", tmp_path / "a")
     moved = ledger_of(("screen.frames.moving.drive.run_up_s=0",), "panel-cycle", tmp_path / "b")
     turned = ledger_of(("frames.solver=planar", MOTOR), "quickstart", tmp_path / "c")

@@ -56,7 +56,7 @@ def case(folder: Path) -> Path:
 
 def checked(folder: Path) -> dict[str, Any]:
     """The event tables, if they agree with each other and with the summary."""
-    said = summary(folder)["material"]
+    material = summary(folder)["material"]
     with h5py.File(folder / "history.h5") as history:
         fed = {name: rows[:] for name, rows in history["fed"].items()}
         removed = {name: rows[:] for name, rows in history["removed"].items()}
@@ -74,19 +74,19 @@ def checked(folder: Path) -> dict[str, Any]:
     np.testing.assert_array_equal(removed["density_kg_per_m3"], fed["density_kg_per_m3"][row])
     assert (removed["time_s"] > fed["time_s"][row]).all()
     assert dict(zip(names, products, strict=True)) == {
-        name: one["product"] for name, one in said["exits"].items()
+        name: table["product"] for name, table in material["exits"].items()
     }
     mass = np.pi / 6 * fed["density_kg_per_m3"] * fed["sieve_size_m"] ** 3
-    assert said["fed"]["number"] == len(mass)
-    assert said["fed"]["mass_kg"] == pytest.approx(mass.sum(), rel=1e-13)
-    books = [said["lost"], *said["exits"].values()]
+    assert material["fed"]["number"] == len(mass)
+    assert material["fed"]["mass_kg"] == pytest.approx(mass.sum(), rel=1e-13)
+    books = [material["lost"], *material["exits"].values()]
     for number, book in enumerate(books, start=-1):
         here = row[removed["exit"] == number]
         assert book["number"] == len(here)
         assert book["mass_kg"] == pytest.approx(mass[here].sum(), rel=1e-13)
-    assert said["on_deck"]["number"] == present == len(mass) - len(row)
+    assert material["on_deck"]["number"] == present == len(mass) - len(row)
     out_kg = sum(book["mass_kg"] for book in books)
-    assert said["fed"]["mass_kg"] == pytest.approx(said["on_deck"]["mass_kg"] + out_kg, rel=1e-13)
+    assert material["fed"]["mass_kg"] == pytest.approx(material["on_deck"]["mass_kg"] + out_kg, rel=1e-13)
     return {"fed": fed, "removed": removed}
 
 
@@ -104,14 +104,14 @@ def test_every_particle_is_accounted_for(tmp_path: Path, solver: str, ranks: int
     done = flipflow(*words, ranks=ranks)
     assert done.returncode == 5, done.stderr
     assert any("left" in doubt for doubt in summary(tmp_path / "run")["doubts"])
-    found = checked(tmp_path / "run")
-    removed = found["removed"]
+    history = checked(tmp_path / "run")
+    removed = history["removed"]
     assert np.bincount(removed["exit"] + 1, minlength=3).min() > 3  # lost, and through both
     place = removed["position_m"][removed["exit"] == 0]
     assert (place >= [-0.45, -0.2, -0.3]).all()
     assert (place <= [-0.4, 0.2, -0.1]).all()
     # what fell freely, by the table: z0 - 3 t - g t2 / 2 for z0 in the chute's box
-    free = removed["time_s"] - found["fed"]["time_s"][removed["id"] - 1]
+    free = removed["time_s"] - history["fed"]["time_s"][removed["id"] - 1]
     z0 = removed["position_m"][:, 2] + 3.0 * free + 4.905 * free**2
     assert (z0 > 0.003).all()
     assert (z0 < 0.097).all()

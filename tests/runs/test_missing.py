@@ -16,7 +16,7 @@ KERNEL = "adapters.panel._kernel"
 
 
 def forbidden(*packages: str) -> str:
-    """Whoever so much as tries to import one of these ends the program."""
+    """Return code that makes an import of one of these packages end the program."""
     return f"""
 import os, sys
 
@@ -110,7 +110,7 @@ def test_a_run_imports_only_what_it_calls_for(tmp_path: Path, case: str, sets: l
 def test_each_solver_runs_without_the_others(
     tmp_path: Path, case: str, solvers: list[str], blocked: tuple[str, ...]
 ) -> None:
-    """In the last, ``effects`` leaves out what calls for two of them."""
+    """The ``effects`` of the last case leave out what calls for two of them."""
     sets = [*QUICK, "duration_s=0.002", *solvers]
     done = flipflow(*run_words(case, tmp_path / "run", sets), before=forbidden(*blocked))
     assert done.returncode == 0, done.stderr

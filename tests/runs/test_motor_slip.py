@@ -92,18 +92,18 @@ def test_the_first_harmonic_is_that_of_the_shaft(tmp_path: Path) -> None:
     assert max(motion["frames"]["driving"]["half_width_m"]) < 1e-3 * amplitude_m
     assert motion["is_settled"], motion["reason"]
     (drive,) = drives(tmp_path / "run")
-    found = re.search(r"speed_rad_per_s = ([0-9.]+),", drive)
-    assert found is not None
-    assert float(found[1]) == pytest.approx(speed_rad_per_s, rel=1e-3)
+    match = re.search(r"speed_rad_per_s = ([0-9.]+),", drive)
+    assert match is not None
+    assert float(match[1]) == pytest.approx(speed_rad_per_s, rel=1e-3)
 
 
 def test_a_motor_that_does_not_come_up_is_said(tmp_path: Path) -> None:
-    """It stays at the resonance, at less than half of its speed."""
+    """The motor stays at the resonance, at less than half of its speed."""
     caught_rad_per_s = steady_speeds(WEAK)[0]
     motion = results(tmp_path, WEAK.rated_power_W, WEAK.rated_slip)["motion"]
     assert motion["shafts_rad_per_s"]["shaft"] == pytest.approx(caught_rad_per_s, rel=0.01)
     assert not motion["is_settled"]
     assert "the motor of shaft turns its shaft at" in motion["reason"]
     assert "too weak" in motion["reason"]
-    told = (tmp_path / "run" / "run.log").read_text()
-    assert f"The machine has not settled: {motion['reason']}." in told, "what the console says, too"
+    log = (tmp_path / "run" / "run.log").read_text()
+    assert f"The machine has not settled: {motion['reason']}." in log, "what the console says, too"

@@ -1,4 +1,4 @@
-"""Neither the output nor a first end changes how a run goes on, also where the monitor shortens intervals.
+"""The output and a first end do not change how a run goes on, also where the monitor shortens intervals.
 
 The scenes are random ones of the bank of promises, at an interval so long that the monitor shortens it.
 """
@@ -23,7 +23,7 @@ INTERVALS = 120
 
 
 def physics(run: Path) -> dict[str, Any]:
-    """What decides how the machine goes on: members, loads between them, and the monitor's pace."""
+    """Return what decides how the machine goes on: members, loads between them, and the monitor's pace."""
     newest = checkpoints.find_newest(run)
     assert newest is not None
     state = newest.state(None)

@@ -11,7 +11,7 @@ from orchestrator.run.progress import Progress
 
 
 def test_a_resumed_run_goes_on_counting_its_time() -> None:
-    """In the whole, by part, that of the processor, and what is repeated."""
+    """The time goes on in the whole, by part, that of the processor, and what is repeated."""
     stopped = Progress()
     stopped.stopwatch.wall_s |= {"panel": 3.0, "coupling": 1.0}
     stopped.stopwatch.repeated_s |= {"panel": 1.5}

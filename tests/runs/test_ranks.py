@@ -79,9 +79,9 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path) -> None:
     assert left_usable(both, "done")["momentum_residual_relative"] < 1e-11
     pictures = {"bushing_loops", "deck", "energy", "frame_motion", "panel_shapes"}
     assert {picture.stem for picture in both.glob("*.png")} == pictures
-    with h5py.File(alone / "history.h5") as one, h5py.File(both / "history.h5") as two:
+    with h5py.File(alone / "history.h5") as first, h5py.File(both / "history.h5") as second:
         for name in ("probes/middle-1/position_m", "probes/middle-2/position_m"):
-            np.testing.assert_allclose(two[name][:], one[name][:], rtol=0, atol=1e-12)
+            np.testing.assert_allclose(second[name][:], first[name][:], rtol=0, atol=1e-12)
 
 
 @pytest.mark.slow
@@ -94,9 +94,9 @@ def test_the_real_solvers_give_the_run_of_one(tmp_path: Path) -> None:
     for folder, ranks in ((alone, 1), (both, 2)):
         done = flipflow(*run_words("quickstart", folder, sets), ranks=ranks)
         assert done.returncode == 0, done.stderr
-    one, two = summary(alone)["energy_ledger_J"], summary(both)["energy_ledger_J"]
-    assert two == pytest.approx(one, rel=0, abs=1e-9 * max(map(abs, one.values())))
-    assert one["lost.particles.contact_dissipation"] > 0.0
+    of_alone, of_both = summary(alone)["energy_ledger_J"], summary(both)["energy_ledger_J"]
+    assert of_both == pytest.approx(of_alone, rel=0, abs=1e-9 * max(map(abs, of_alone.values())))
+    assert of_alone["lost.particles.contact_dissipation"] > 0.0
     with h5py.File(alone / "history.h5") as first, h5py.File(both / "history.h5") as second:
         for name in ("forces/deck-1/load_N", "forces/deck-2/load_N"):
             impulse = first[name][:].cumsum(axis=0)
@@ -108,7 +108,7 @@ def test_the_real_solvers_give_the_run_of_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rank", "what", "code", "said"),
+    ("rank", "what", "code", "message"),
     [
         (0, "raise SolverFailed('on purpose')", 4, "on purpose"),
         (1, "raise SolverFailed('on purpose')", 4, "on purpose"),
@@ -117,22 +117,22 @@ def test_the_real_solvers_give_the_run_of_one(tmp_path: Path) -> None:
     ],
 )
 def test_a_failure_on_one_rank_ends_both_with_one_message(
-    tmp_path: Path, rank: int, what: str, code: int, said: str
+    tmp_path: Path, rank: int, what: str, code: int, message: str
 ) -> None:
     folder = tmp_path / "run"
     before = ONE_RANK_FAILS.format(rank=rank, what=what)
     done = flipflow(*run_words("quickstart", folder, SHORT), before=before, ranks=2)
     assert done.returncode == code, done.stderr
     said_plainly(done)
-    assert done.stderr.count(said) == 1
-    assert said in (folder / "run.log").read_text()
-    assert said in left_usable(folder, "failed")["reason"]
+    assert done.stderr.count(message) == 1
+    assert message in (folder / "run.log").read_text()
+    assert message in left_usable(folder, "failed")["reason"]
     wait_until(lambda: of(folder) == [])
     assert time.time() - (folder / "failure.txt").stat().st_mtime < ENDED_S
 
 
 def test_rank_0_sums_up_where_all_ranks_fail_alike(tmp_path: Path) -> None:
-    """It alone has the figures, though it has more to close than the others."""
+    """Rank 0 alone has the figures, though it has more to close than the others."""
     folder = tmp_path / "run"
     done = flipflow(*run_words("quickstart", folder, SHORT), before=ALL_RANKS_FAIL, ranks=2)
     assert done.returncode == 4, done.stderr
@@ -142,7 +142,7 @@ def test_rank_0_sums_up_where_all_ranks_fail_alike(tmp_path: Path) -> None:
 
 
 def test_a_summary_that_breaks_does_not_keep_the_other_ranks(tmp_path: Path) -> None:
-    """They wait for rank 0, which ends them whatever happens to it."""
+    """The other ranks wait for rank 0, which ends them whatever happens to it."""
     folder = tmp_path / "run"
     before = f"{ALL_RANKS_FAIL}\nfrom orchestrator.run.ending import Ending\nEnding.write = None"
     done = flipflow(*run_words("quickstart", folder, SHORT), before=before, ranks=2)
@@ -153,18 +153,18 @@ def test_a_summary_that_breaks_does_not_keep_the_other_ranks(tmp_path: Path) -> 
 
 
 def test_a_rank_that_is_killed_takes_the_others_with_it(tmp_path: Path) -> None:
-    """Nobody is left to write a summary: mpirun says which rank it was and ends the others by
-    SIGTERM and, a second later, SIGKILL.  What was written until the last output time is there."""
+    """Nobody is left to write a summary: mpirun says which rank it was and ends the others by SIGTERM and,
+    a second later, SIGKILL. What was written until the last output time is there."""
     folder = tmp_path / "run"
     run = started(*run_words("quickstart", folder, [*QUICK, "duration_s=30"]), ranks=2)
     wait_until(lambda: (folder / "particles/particles_00002.vtu").exists())
     killed = time.monotonic()
     os.kill(max(of(folder)), signal.SIGKILL)
-    said = run.communicate(timeout=HANG_S)[1]
+    output = run.communicate(timeout=HANG_S)[1]
     assert time.monotonic() - killed < ENDED_S
-    assert run.returncode == 128 + signal.SIGKILL, said
-    assert "Traceback" not in said
-    assert "exited on signal 9 (Killed)" in said
+    assert run.returncode == 128 + signal.SIGKILL, output
+    assert "Traceback" not in output
+    assert "exited on signal 9 (Killed)" in output
     wait_until(lambda: of(folder) == [] and not is_at_work(folder))
     with h5py.File(folder / "history.h5") as history:
         assert len(history["energy/time_s"]) >= 2
@@ -187,7 +187,7 @@ def test_a_folder_that_exists_is_said_once(tmp_path: Path) -> None:
 
 
 def test_ranks_that_read_different_cases(tmp_path: Path) -> None:
-    """As from folders of two computers that are not the same."""
+    """The folders of two computers may not be the same."""
     other = (
         "import sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.argv += ['--set', 'duration_s=0.03']"
     )
@@ -211,7 +211,7 @@ def test_one_interrupted_rank_stops_both(tmp_path: Path) -> None:
     run = started(*run_words("quickstart", folder, [*QUICK, "duration_s=30"]), ranks=2)
     wait_until(lambda: (folder / "particles.pvd").exists())
     os.kill(max(of(folder)), signal.SIGINT)
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == 130, said
-    assert said.count("stopped by SIGINT") == 1
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 130, output
+    assert output.count("stopped by SIGINT") == 1
     assert left_usable(folder, "interrupted")["energy_ledger_J"]

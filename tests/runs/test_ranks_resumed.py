@@ -59,18 +59,22 @@ checkpoints.np.savez = full
 def process(folder: Path, rank: int) -> int:
     """The id of the process of a rank of the run in this folder."""
     name = f"OMPI_COMM_WORLD_RANK={rank}\0".encode()
-    (found,) = (one for one in of(folder) if name in Path(f"/proc/{one}/environ").read_bytes())
-    return found
+    (pid,) = (
+        candidate for candidate in of(folder) if name in Path(f"/proc/{candidate}/environ").read_bytes()
+    )
+    return pid
 
 
 def newest(folder: Path) -> str:
     checkpoints = folder / "checkpoints"
-    return max((one.name for one in checkpoints.glob("[0-9]*")), default="") if checkpoints.exists() else ""
+    return (
+        max((place.name for place in checkpoints.glob("[0-9]*")), default="") if checkpoints.exists() else ""
+    )
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Not stopped, and saved at its end only."""
+    """Return a run that is not stopped, and saved at its end only."""
     folder = tmp_path_factory.mktemp("whole") / "run"
     done = flipflow(*run_words("quickstart", folder, CASE), ranks=2)
     assert done.returncode == 0, done.stderr
@@ -78,7 +82,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def goes_on(folder: Path, whole: Path) -> str:
-    """With the command that was said; what is said then."""
+    """Go on with the command that was printed, and return what is printed then."""
     done = flipflow("resume", str(folder), ranks=2)
     assert done.returncode == 0, done.stderr
     said_plainly(done)
@@ -98,12 +102,12 @@ def test_mpirun_told_to_stop(
     run = started(*run_words("quickstart", folder, CASE), before=SLOW, ranks=2)
     wait_until(lambda: (folder / "particles/particles_00001.vtu").exists())
     run.send_signal(getattr(signal, sent))
-    said = run.communicate(timeout=HANG_S)[1]
-    assert run.returncode == code, said
-    assert "Traceback" not in said
-    assert said.count(f"stopped by {heard} at t = ") == 1
+    output = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == code, output
+    assert "Traceback" not in output
+    assert output.count(f"stopped by {heard} at t = ") == 1
     as_root = re.escape(f"-n 2 flipflow resume {folder}")
-    assert re.search(rf"\nto go on: mpirun (--allow-run-as-root )?{as_root}\n", said)
+    assert re.search(rf"\nto go on: mpirun (--allow-run-as-root )?{as_root}\n", output)
     wait_until(lambda: of(folder) == [])
     goes_on(folder, whole)
 
@@ -116,11 +120,11 @@ def test_a_killed_rank(tmp_path: Path, whole: Path, rank: int) -> None:
     wait_until(lambda: newest(folder) >= f"{12:012d}")
     killed = time.monotonic()
     os.kill(process(folder, rank), signal.SIGKILL)
-    said = run.communicate(timeout=HANG_S)[1]
+    output = run.communicate(timeout=HANG_S)[1]
     assert time.monotonic() - killed < ENDED_S
-    assert run.returncode == 128 + signal.SIGKILL, said
-    assert "Traceback" not in said
-    assert f"process rank {rank} with PID " in said
+    assert run.returncode == 128 + signal.SIGKILL, output
+    assert "Traceback" not in output
+    assert f"process rank {rank} with PID " in output
     wait_until(lambda: of(folder) == [] and not is_at_work(folder))
     assert not (folder / "summary.json").exists()
     reported = flipflow("report", str(folder))
@@ -152,12 +156,12 @@ def test_a_folder_that_vanishes(tmp_path: Path, whole: Path) -> None:
     wait_until(lambda: newest(folder) >= f"{6:012d}")
     folder.rename(gone)
     away = time.monotonic()
-    said = run.communicate(timeout=HANG_S)[1]
+    output = run.communicate(timeout=HANG_S)[1]
     assert time.monotonic() - away < ENDED_S
-    assert run.returncode == 4, said
-    assert "Traceback" not in said
-    assert said.count("cannot be written: [Errno 2] No such file or directory") == 1
-    assert f"{folder} has gone" in said
+    assert run.returncode == 4, output
+    assert "Traceback" not in output
+    assert output.count("cannot be written: [Errno 2] No such file or directory") == 1
+    assert f"{folder} has gone" in output
     assert not folder.exists()
     wait_until(lambda: of(folder) == [])
     goes_on(Path(gone.rename(folder)), whole)

@@ -48,7 +48,7 @@ def run(folder: Path, case: Sequence[str], sets: Sequence[str]) -> Path:
 
 
 def checkpoint_folders(folder: Path) -> list[Path]:
-    """In order of time."""
+    """Return the checkpoint folders in order of time."""
     return sorted(
         checkpoint for checkpoint in (folder / "checkpoints").iterdir() if checkpoint.name.isdigit()
     )
@@ -106,7 +106,7 @@ def test_a_finished_run_may_go_on_to_a_later_end(whole: Path, tmp_path: Path) ->
 
 
 def test_pages_and_pictures_of_the_former_end_are_gone(stopped: Path) -> None:
-    """They would stand beside the results of the later end."""
+    """The pages would stand beside the results of the later end."""
     own = stopped / "notes.png"
     for file in (stopped / "report.html", stopped / "energy.png", own):
         file.touch()
@@ -140,8 +140,8 @@ def test_a_save_of_another_flipflow_is_said_to_be_one(
     """One that knew nothing of what the particles need today; nothing of the save is lost."""
     monkeypatch.setattr("adapters.particles.liggghts.ledger.ParticleLedger.STATE", ("_mass_kg", "_periodic"))
     assert resume(stopped, []) == launch.FAILED
-    said = capsys.readouterr().err
-    assert "cannot be put back (KeyError: 'periodic'): it was saved by another flipflow" in said
+    output = capsys.readouterr().err
+    assert "cannot be put back (KeyError: 'periodic'): it was saved by another flipflow" in output
     monkeypatch.undo()
     assert resume(stopped, []) == launch.DONE
 
@@ -149,7 +149,7 @@ def test_a_save_of_another_flipflow_is_said_to_be_one(
 def test_a_save_that_names_a_file_elsewhere_is_torn(
     saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """It would be written over."""
+    """The file would be written over."""
     folder, other = Path(shutil.copytree(saved, tmp_path / "evil")), tmp_path / "mine.txt"
     other.write_text("mine")
     for save in checkpoint_folders(folder):
@@ -171,9 +171,9 @@ def test_a_save_that_does_not_say_all_of_itself_is_torn(
         about.write_text(about.read_text().replace(f'"{key}"', '"another"'))
         assert (left == 0) == (checkpoints.find_newest(folder) is not None)
     assert resume(folder, []) == launch.WRONG
-    said = capsys.readouterr().err
-    assert "no checkpoint that is whole:\n" in said
-    assert f"checkpoint.json does not say '{key}'\n" in said
+    output = capsys.readouterr().err
+    assert "no checkpoint that is whole:\n" in output
+    assert f"checkpoint.json does not say '{key}'\n" in output
 
 
 def test_a_run_on_a_disk_that_is_read_only(
@@ -187,10 +187,10 @@ def test_a_run_on_a_disk_that_is_read_only(
         shutil.copytree(saved, disk / "run")
         subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
         assert resume(disk / "run", ["duration_s=0.013"]) == launch.WRONG
-        said = capsys.readouterr().err
-        assert "Read-only file system" in said
-        assert str(disk) in said
-        assert "mistake" not in said
+        output = capsys.readouterr().err
+        assert "Read-only file system" in output
+        assert str(disk) in output
+        assert "mistake" not in output
     finally:
         subprocess.run(["umount", disk], check=True)
 
@@ -202,13 +202,13 @@ def test_another_case_is_refused_with_all_that_changed(
     sets = ["duration_s=0.005", "coupling.sync_interval_s=2e-4", "output.series_s=1e-3"]
     sets += ["output.shapes_s=1e-3", "output.interval_s=1e-3", "output.cut_size_m=0.01"]
     assert resume(stopped, sets) == launch.WRONG
-    said = capsys.readouterr().err
-    assert "duration_s: 0.012 was saved, now it is 0.005" in said  # before the save
-    assert "coupling.sync_interval_s: 0.0001 was saved, now it is 0.0002" in said
-    assert "output.shapes_s: 0.0 was saved, now it is 0.001" in said
-    assert "output.series_s: 0.0 was saved, now it is 0.001" in said  # accelerations need even steps
-    assert "output.interval_s: 0.003 was saved, now it is 0.001" in said
-    assert "cut_size_m" not in said
+    output = capsys.readouterr().err
+    assert "duration_s: 0.012 was saved, now it is 0.005" in output  # before the save
+    assert "coupling.sync_interval_s: 0.0001 was saved, now it is 0.0002" in output
+    assert "output.shapes_s: 0.0 was saved, now it is 0.001" in output
+    assert "output.series_s: 0.0 was saved, now it is 0.001" in output  # accelerations need even steps
+    assert "output.interval_s: 0.003 was saved, now it is 0.001" in output
+    assert "cut_size_m" not in output
     assert {file: file.read_bytes() for file in stopped.rglob("*") if file.is_file()} == before
 
 
@@ -250,9 +250,9 @@ def test_told_to_stop_it_saves_and_says_how_to_go_on(whole: Path, tmp_path: Path
     stopping = started(*words, before=WAITING)
     wait_until(lambda: (folder / "particles" / "particles_00001.vtu").exists())
     stopping.send_signal(number)
-    said = stopping.communicate(timeout=HANG_S)[1]
-    assert stopping.returncode == 128 + number, said
-    assert f"to go on: flipflow resume {folder}\n" in said
+    output = stopping.communicate(timeout=HANG_S)[1]
+    assert stopping.returncode == 128 + number, output
+    assert f"to go on: flipflow resume {folder}\n" in output
     done = flipflow("resume", str(folder))
     assert done.returncode == 0, done.stderr
     assert run_differences(whole, folder) == []
@@ -289,7 +289,7 @@ def test_killed_inside_a_save_it_goes_on_from_the_one_before(whole: Path, tmp_pa
 @pytest.mark.process
 @pytest.mark.slow
 def test_killed_again_and_again_it_comes_to_the_same_end(whole: Path, tmp_path: Path) -> None:
-    """At four random instants, half of them in the midst of a save."""
+    """The run is killed at four random instants, half of them in the midst of a save."""
     folder, chance = tmp_path / "run", random.Random(4)
     words = run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *OFTEN])
     for _ in range(4):

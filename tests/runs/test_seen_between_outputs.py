@@ -1,4 +1,4 @@
-"""What goes wrong between two output times is seen, however far they lie apart."""
+"""Events between two output times are seen, however far they lie apart."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def test_what_rows_must_tell_is_refused(runs: dict[str, dict[str, Any]]) -> None
 
 
 def test_effects_are_judged_by_the_same_shapes_or_not_at_all(runs: dict[str, dict[str, Any]]) -> None:
-    """Seen at one phase only, a panel that snaps through has no travel."""
+    """A panel that snaps through has no travel if it is seen at one phase only."""
     often, unseen, seldom = (runs[name]["effects"] for name in ("often", "unseen", "seldom"))
     judged = [name for name, effect in often.items() if effect["after"] is not None]
     assert judged

@@ -59,7 +59,7 @@ def closed_form(speed: float, stiffness: float, damping: float) -> tuple[complex
 
 
 def test_amplitudes_over_58_to_110_rad_s_follow_two_masses(swept: Path) -> None:
-    """Within 2e-3 of the larger amplitude, what is left of the start after 1.2 s."""
+    """The amplitudes agree within 2e-3 of the larger one, what is left of the start after 1.2 s."""
     table = list(csv.DictReader((swept / "sweep.csv").read_text().splitlines()))
     assert [float(row[SPEED]) for row in table] == [58.0, 84.0, 110.0]
     for row in table:
@@ -80,8 +80,8 @@ def test_what_is_done_is_not_run_again_and_what_is_not_is(swept: Path) -> None:
     """A run that was cut short is put aside and run anew; the others are left as they are."""
     kept, cut = swept / "speed_rad_per_s-58.0", swept / "speed_rad_per_s-84.0"
     before = (kept / "summary.json").stat().st_mtime_ns
-    said = (cut / "summary.json").read_text()
-    (cut / "summary.json").write_text(said.replace('"done"', '"interrupted"'))
+    text = (cut / "summary.json").read_text()
+    (cut / "summary.json").write_text(text.replace('"done"', '"interrupted"'))
     done = flipflow(*words(swept))
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("done before") == 2
@@ -114,7 +114,7 @@ def test_the_picture_is_drawn(swept: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_signal_stops_the_runs_too(tmp_path: Path, workers: str, number: signal.Signals) -> None:
-    """It reaches the study alone, as batch systems, service managers and a lack of memory send it."""
+    """The signal reaches the study alone, as batch systems, service managers and a lack of memory send it."""
     out = tmp_path / "long"
     runs = [out / f"speed_rad_per_s-{speed}" for speed in ("58.0", "84.0")[: int(workers)]]
     with started(*words(out, "duration_s=1000"), "--workers", workers) as study:

@@ -33,8 +33,8 @@ def test_runs_of_one_case_at_once_have_folders_of_their_own(tmp_path: Path) -> N
     words = ["run", str(ROOT / "cases/panel-cycle"), "--level", "draft"]
     words += [word for key in SHORT for word in ("--set", key)]
     runs = [started(*words, cwd=tmp_path) for _ in range(3)]
-    said = [run.communicate(timeout=HANG_S)[1] for run in runs]
-    assert [run.returncode for run in runs] == [0] * 3, said
+    outputs = [run.communicate(timeout=HANG_S)[1] for run in runs]
+    assert [run.returncode for run in runs] == [0] * 3, outputs
     folders = sorted((tmp_path / "runs").iterdir())
     assert [folder.name for folder in folders] == [f"panel-cycle-{n}" for n in (1, 2, 3)]
     for folder in folders:
@@ -44,9 +44,9 @@ def test_runs_of_one_case_at_once_have_folders_of_their_own(tmp_path: Path) -> N
 def test_one_folder_for_two_runs_goes_to_one(tmp_path: Path) -> None:
     words = run_words("panel-cycle", tmp_path / "run", SHORT)
     runs = [started(*words) for _ in range(3)]
-    said = [run.communicate(timeout=HANG_S)[1] for run in runs]
+    outputs = [run.communicate(timeout=HANG_S)[1] for run in runs]
     assert sorted(run.returncode for run in runs) == [0, 2, 2]
-    assert sum("exists already; nothing was written" in one for one in said) == 2
+    assert sum("exists already; nothing was written" in output for output in outputs) == 2
     left_usable(tmp_path / "run", "done")
 
 
@@ -55,14 +55,14 @@ def test_one_run_that_three_go_on_with_goes_to_one(tmp_path: Path) -> None:
     assert flipflow(*run_words("panel-cycle", folder, SHORT)).returncode == 0
     words = ["resume", str(folder), "--set", "duration_s=0.05"]
     runs = [started(*words) for _ in range(3)]
-    said = [run.communicate(timeout=HANG_S)[1] for run in runs]
-    assert sorted(run.returncode for run in runs) == [0, 2, 2], said
+    outputs = [run.communicate(timeout=HANG_S)[1] for run in runs]
+    assert sorted(run.returncode for run in runs) == [0, 2, 2], outputs
     left_usable(folder, "done")
     assert times(folder, "energy")[-1] == pytest.approx(0.05)
 
 
 def test_a_study_does_not_touch_a_run_that_goes_on(tmp_path: Path) -> None:
-    """What it takes for an unfinished run of its own may be one that is still at work."""
+    """A run that looks like an unfinished one of the study may still be at work."""
     case, key = "cases/empty-machine", "screen.exciters.shaft.speed_rad_per_s"
     folder = tmp_path / "speed_rad_per_s-70"
     run = started(*run_words("empty-machine", folder, [*LONG, f"{key}=70"]))

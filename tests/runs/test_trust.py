@@ -1,4 +1,4 @@
-"""Which runs are doubtful, on both sides of each limit: whole runs, and summaries made by hand."""
+"""The runs that are doubtful, on both sides of each limit: whole runs, and summaries made by hand."""
 
 from __future__ import annotations
 
@@ -60,11 +60,11 @@ def test_a_run_is_doubtful_where_its_coupling_is_wrong(tmp_path: Path, name: str
     case, sets, right = SCENES[name]
     sets = [*sets, "output.pictures=false"]
     code = run(ROOT / "cases" / case, "draft", tmp_path / "run", sets)
-    found = summary(tmp_path / "run")
-    assert found["doubts"] == [] if right else "The coupling created" in found["doubts"][0]
-    assert (found["status"] == trust.DOUBTFUL) is not right
+    table = summary(tmp_path / "run")
+    assert table["doubts"] == [] if right else "The coupling created" in table["doubts"][0]
+    assert (table["status"] == trust.DOUBTFUL) is not right
     assert (code == 5) is not right
-    assert found["momentum_residual_relative"] < 1e-12
+    assert table["momentum_residual_relative"] < 1e-12
 
 
 def test_an_interface_is_judged_by_what_went_through_it() -> None:
@@ -135,9 +135,9 @@ def test_each_ground(key: str, worse: dict[str, Any], says: str) -> None:
     ],
 )
 def test_what_does_no_harm(key: str, harmless: dict[str, Any]) -> None:
-    found = GOOD | {key: GOOD[key] | harmless}
-    found["material"] = found["material"] | {"escaped": {"number": 0, "mass_kg": 0.0}}
-    assert trust.doubts(found) == []
+    table = GOOD | {key: GOOD[key] | harmless}
+    table["material"] = table["material"] | {"escaped": {"number": 0, "mass_kg": 0.0}}
+    assert trust.doubts(table) == []
 
 
 def test_a_case_may_set_its_own_limit() -> None:
@@ -160,7 +160,7 @@ def doubtful(tmp_path: Path) -> sweep.Point:
 
 
 def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
-    """Nor do they run it again: it would be as doubtful.  Sweeps mark it as what it is
+    """Studies do not run it again, either: it would be as doubtful. Sweeps mark it as what it is
     (``tests/test_sweep_table.py``)."""
     assert doubtful.ended(doubtful.folder)
     row = Criterion(what="a", run="one", measure="amplitude", of="driving")

@@ -51,8 +51,8 @@ def test_stopped_before_anything_was_saved_it_can_go_on_from_where_it_stopped(
     words = [*sets, *UNSAVED, FAST, "monitor.long_steps=stop"]
     code = launch.run(Path("cases") / name, "draft", folder, words)
     assert code == launch.FAILED
-    said = capsys.readouterr().err.replace("\n", " ")
-    assert f"nothing was saved before; state at t = 0.005 s: {checkpoint_folders(folder)[0]}" in said
+    output = capsys.readouterr().err.replace("\n", " ")
+    assert f"nothing was saved before; state at t = 0.005 s: {checkpoint_folders(folder)[0]}" in output
     assert resume(folder, ["monitor.long_steps=warn"]) == launch.DONE
     assert summary(folder)["status"] == "done"
 
@@ -74,7 +74,7 @@ def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
 
 
 def test_the_save_from_before_stays(tmp_path: Path) -> None:
-    """While intervals are shortened, later saves are not trusted."""
+    """Later saves are not trusted while intervals are shortened."""
     sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
     names = [save.name for save in checkpoint_folders(run(tmp_path / "run", QUICKSTART, sets))]
     assert names[-2:] == [f"{110:012d}", f"{120:012d}"]
@@ -83,8 +83,8 @@ def test_the_save_from_before_stays(tmp_path: Path) -> None:
 
 
 def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
-    """It is not trusted to the end: what it saves after it was resumed must neither take the place
-    of the last good save nor forget which one that is."""
+    """The run is not trusted to the end: what it saves after it was resumed must neither take the place of
+    the last good save nor forget which one that is."""
     sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
     folder = run(tmp_path / "run", QUICKSTART, sets)
     assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
@@ -111,11 +111,11 @@ def test_an_interval_far_too_long_is_shortened_where_it_has_to_be(tmp_path: Path
     flat.append("screen.bushings.shear.stiffness_N_per_m=[28.9e3, 97.0e3, 97.0e3]")
     code = launch.run(Path("cases/quickstart"), "draft", folder, [*FAR_TOO_LONG, *flat])
     assert code in (trust.EXIT_CODES[trust.DONE], trust.EXIT_CODES[trust.DOUBTFUL])
-    said = summary(folder)
-    assert said["monitor"]["shortest_interval_s"] < 5e-3 / 4
-    terms_J = said["energy_ledger_J"]
+    table = summary(folder)
+    assert table["monitor"]["shortest_interval_s"] < 5e-3 / 4
+    terms_J = table["energy_ledger_J"]
     assert abs(terms_J["created.particles-panel"]) < 0.02 * terms_J["supplied.frames.exciter"]
-    assert abs(share_created(said)) < 0.05
+    assert abs(share_created(table)) < 0.05
     assert "WARNING: the monitor ran " in (folder / "run.log").read_text()
 
 
@@ -125,8 +125,8 @@ def test_two_ranks_shorten_together(tmp_path: Path) -> None:
     for folder, ranks in ((alone, 1), (both, 2)):
         done = flipflow(*run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *UNEASY]), ranks=ranks)
         assert done.returncode == 0, done.stderr
-    one, two = (summary(folder)["monitor"] for folder in (alone, both))
-    assert one["shortened_intervals"] == two["shortened_intervals"] > 0
+    of_alone, of_both = (summary(folder)["monitor"] for folder in (alone, both))
+    assert of_alone["shortened_intervals"] == of_both["shortened_intervals"] > 0
     with h5py.File(alone / "history.h5") as first, h5py.File(both / "history.h5") as second:
         for name in ("position_m", "velocity_m_per_s"):
             ours, theirs = (file[f"probes/middle-1/{name}"][:] for file in (first, second))

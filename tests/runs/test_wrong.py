@@ -16,8 +16,8 @@ def test_all_mistakes_in_one_message_and_nothing_written(tmp_path: Path) -> None
     assert done.returncode == 2
     said_plainly(done)
     assert done.stderr.startswith("3 problems in the case:\n")
-    for said in ("duration_s: -1", 'did you mean "rigid"', 'did you mean "sync_interval_s"'):
-        assert said in done.stderr
+    for text in ("duration_s: -1", 'did you mean "rigid"', 'did you mean "sync_interval_s"'):
+        assert text in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 
@@ -79,7 +79,7 @@ def test_a_mesh_that_does_not_fit_into_memory(tmp_path: Path, word: str) -> None
     folder = tmp_path / "run"
     words = run_words("quickstart", folder, [*QUICK, "panel.solver=sheet", "panel.cells=[8,3]"])
     if word == "check":
-        words = ["check", *(one for one in words[1:] if one not in ("--out", str(folder)))]
+        words = ["check", *(each for each in words[1:] if each not in ("--out", str(folder)))]
     done = flipflow(*words, before=TOO_LARGE)
     assert done.returncode == 2, done.stderr
     said_plainly(done)

@@ -46,9 +46,9 @@ def test_slots_and_efficiency() -> None:
     shares = FeedShares(0.25, 0.4, 0.2)
 
     def area_m2(along_m: float, efficiency: float = 0.95) -> float:
-        found = required_m2(10.0, Openings(0.006, along_m, 0.4), shares, 1600.0, efficiency)
-        assert found is not None
-        return found
+        size_m2 = required_m2(10.0, Openings(0.006, along_m, 0.4), shares, 1600.0, efficiency)
+        assert size_m2 is not None
+        return size_m2
 
     square = area_m2(0.006)
     assert area_m2(0.018) == pytest.approx(square / 1.15)

@@ -73,9 +73,9 @@ def test_shares_of_a_feed() -> None:
         SizeClass(smallest_m=1e-3, largest_m=2e-3, mass_fraction=0.5),
         SizeClass(smallest_m=4e-3, largest_m=8e-3, mass_fraction=0.5),
     ]
-    found = shares_at(rows, 4e-3)
-    assert (found.oversize, found.half_size) == pytest.approx((0.5, 0.5))
-    assert found.near_mesh == pytest.approx(0.5 * (5**4 - 4**4) / (8**4 - 4**4))
+    shares = shares_at(rows, 4e-3)
+    assert (shares.oversize, shares.half_size) == pytest.approx((0.5, 0.5))
+    assert shares.near_mesh == pytest.approx(0.5 * (5**4 - 4**4) / (8**4 - 4**4))
 
 
 def test_bed_depth_is_that_of_the_handbook() -> None:
@@ -104,7 +104,7 @@ def test_wishes_for_panels_or_a_length_are_kept() -> None:
 
 
 @pytest.mark.parametrize(
-    ("answers", "said"),
+    ("answers", "reason"),
     [
         (
             {"throughput": "400 t/h", "width": "0.9 m", "panels": "10"},
@@ -118,9 +118,9 @@ def test_wishes_for_panels_or_a_length_are_kept() -> None:
         ({**COAL, "length": "1.4 m"}, "--throughput: the deck .*a --length of .* with more --panels"),
     ],
 )
-def test_a_deck_far_too_small_is_refused(answers: dict[str, str], said: str) -> None:
+def test_a_deck_far_too_small_is_refused(answers: dict[str, str], reason: str) -> None:
     (refusal,) = find_refusals("flip-flow", answers)
-    assert re.search(said, str(refusal))
+    assert re.search(reason, str(refusal))
 
 
 def test_what_a_refusal_of_a_small_deck_offers_is_accepted() -> None:
@@ -188,14 +188,14 @@ def test_bearings_of_an_exciter(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "reason"),
     [
         ("stop_s=0.05", "stop_s: 0.05 s is before the end of the run-up at 0.3 s"),
         ("run_down_s=2.0", "run_down_s: is of no use without stop_s"),
     ],
 )
-def test_a_stop_before_the_run_up_ends_is_refused(given: str, said: str) -> None:
+def test_a_stop_before_the_run_up_ends_is_refused(given: str, reason: str) -> None:
     from orchestrator.preflight.check import find_problems
 
     judged = load_judged(CASES / "ffs0827-empty", None, [f"screen.exciters.shaft.{given}"])
-    assert any(said in str(row) for row in find_problems(judged))
+    assert any(reason in str(row) for row in find_problems(judged))

@@ -1,4 +1,4 @@
-"""What a sync interval does to small deviations: spectral radius of the real coupling loop.
+"""The growth of small deviations in a sync interval: spectral radius of the real coupling loop.
 
 The members on the line are linear where the sphere stays on the plate, so that the loop's matrix is
 found exactly by running it for one interval from each deviation alone.  (Robin's share of the free
@@ -44,7 +44,7 @@ class Line:
         return float(np.abs(np.linalg.eigvals(matrix)).max())
 
     def _after(self, scheme: str, interval_s: float, by: Array) -> Array:
-        sphere, plate, frame = (deepcopy(one) for one in (self.sphere, self.plate, self.frame))
+        sphere, plate, frame = (deepcopy(part) for part in (self.sphere, self.plate, self.frame))
         sphere.x, sphere.v = sphere.x + by[0], sphere.v + by[1] / interval_s
         plate.x, plate.v = plate.x + by[2], plate.v + by[3] / interval_s
         sphere.seen += by[5]

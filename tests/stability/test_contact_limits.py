@@ -22,7 +22,7 @@ STIFFNESS_N_per_m, PLATE_KG, HEAVY_KG = 1.0, 1.0, 1e6
 
 
 def damping_N_s_per_m(restitution: float, sphere_kg: float) -> float:
-    """As of LIGGGHTS's model hertz."""
+    """Return the damping of LIGGGHTS's model hertz."""
     log_e = math.log(restitution)
     beta = -log_e / math.hypot(log_e, math.pi)
     return 2 * math.sqrt(5 / 6) * beta * math.sqrt(STIFFNESS_N_per_m * sphere_kg)

@@ -58,7 +58,7 @@ def test_a_panel_that_vibrates_along_itself() -> None:
 
 @pytest.mark.parametrize("loss", [1e-3, 0.03])
 def test_damping_outweighs_the_growth(loss: float) -> None:
-    """Where the growth, half of the loss factor in a radian, is largest: at 2.49 radians in an interval."""
+    """The growth, half of the loss factor in a radian, is largest at 2.49 radians in an interval."""
     found_s = vibrating_panels_s(1.0, np.inf, lambda _: loss)
     assert 0.480 * found_s**2 == pytest.approx(loss / 2, rel=0.1)
     assert vibrating_panels_s(1.0, np.inf, lambda _: 0.0) == 0.0  # nothing helps
@@ -68,7 +68,7 @@ def test_damping_outweighs_the_growth(loss: float) -> None:
 
 @pytest.mark.parametrize("damping", [0.02, 0.2])
 def test_a_late_reaction_needs_a_damper(damping: float) -> None:
-    """To first order in the interval."""
+    """The bound holds to first order in the interval."""
     shapes, stiffness = np.eye(1), np.eye(1) * STIFFNESS_N_per_m
     predicted_s = late_reaction_s(shapes, stiffness, np.eye(1) * damping)
     line = spring_to_the_ground(damping)
@@ -85,7 +85,7 @@ RIGID = [
 
 
 def swings_up(folder: Path, scheme: str, frame_kg: float, interval_s: float) -> bool:
-    """Whether a frame under a rigid panel moves ever faster, pushed by the exciter."""
+    """Return whether a frame under a rigid panel moves ever faster, pushed by the exciter."""
     sets = [*RIGID, f"coupling.scheme={scheme}", f"screen.frames.driving.mass_kg={frame_kg!r}"]
     with opened(load_judged(folder, None, [*sets, f"coupling.sync_interval_s={interval_s!r}"])) as run:
         try:

@@ -43,24 +43,24 @@ SHEET = ["panel.solver=sheet", "panel.cells=[22,4]", "panel.surface_cells=[22,4]
 DAMPED = [*STRIP, "materials.PU.hyperelastic.maxwell=[{ratio=0.2, relaxation_s=2e-3}]"]
 
 
-def by_name(found: StabilityReport) -> dict[str, Bound]:
-    return {bound.name: bound for bound in found.bounds}
+def by_name(report: StabilityReport) -> dict[str, Bound]:
+    return {bound.name: bound for bound in report.bounds}
 
 
 def test_one_ball_on_a_strip_by_hand(tmp_path: Path) -> None:
     """Ball of 20 mm, 1430 kg/m3, E = 10 MPa; the panel's small-strain values; the speed of the
     panel's middle.  The ball is alone, so a whole row of the strip carries it."""
     case = loaded(tmp_path, STRIP).case
-    found, speed_m_per_s = stability_report(case), scene(case).impact_m_per_s
+    report, speed_m_per_s = stability_report(case), scene(case).impact_m_per_s
     mass_kg, radius_m = math.pi / 6 * 0.02**3 * 1430, 0.01
     modulus_Pa = 1 / ((1 - 0.3**2) / 1e7 + (1 - 0.49825**2) / 20.963e6)
     depth_m = (15 * mass_kg * speed_m_per_s**2 / (16 * math.sqrt(radius_m) * modulus_Pa)) ** 0.4
     stiffness = 2 * modulus_Pa * math.sqrt(radius_m * depth_m)
     row_kg = 1150 * 0.004 * 0.2 * 0.3 / 22
-    assert f"{stiffness:.3g} N/m" in by_name(found)["light points"].why
-    assert f"on {1e3 * row_kg:.3g} g" in by_name(found)["light points"].why
+    assert f"{stiffness:.3g} N/m" in by_name(report)["light points"].why
+    assert f"on {1e3 * row_kg:.3g} g" in by_name(report)["light points"].why
     duration_s = 2.87 * (mass_kg**2 / (radius_m * modulus_Pa**2 * speed_m_per_s)) ** 0.2
-    accurate = found.accuracy_bound
+    accurate = report.accuracy_bound
     assert accurate is not None
     assert accurate.interval_s == pytest.approx(duration_s / 10, rel=1e-3)
 
@@ -70,9 +70,9 @@ def test_many_side_by_side_share_the_panel(tmp_path: Path) -> None:
     many = BLOCK.replace("count=1", "count=10000").replace(
         "smallest_m=0.01, largest_m=0.02", "smallest_m=0.006, largest_m=0.006"
     )
-    found = by_name(stability_report(loaded(tmp_path, [*STRIP, many]).case))
+    named = by_name(stability_report(loaded(tmp_path, [*STRIP, many]).case))
     share_g = 1e3 * 1150 * 0.004 * math.sqrt(3) / 2 * 0.006**2
-    assert f"on {share_g:.3g} g" in found["light points"].why
+    assert f"on {share_g:.3g} g" in named["light points"].why
 
 
 def test_what_is_not_handed_over_sets_no_bound(tmp_path: Path) -> None:
@@ -86,23 +86,23 @@ def test_what_is_not_handed_over_sets_no_bound(tmp_path: Path) -> None:
 
 def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
     """The late reaction: 2 bushings without dampers hold the frame, so nothing is short enough."""
-    found = stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
-    assert set(by_name(found)) >= {"late contacts", "late reaction", "carried mass"}
-    assert found.safe_s == 0.0
-    (said, *_) = found.warnings()
-    assert "no interval is short enough: the panels' pull on the frames comes an exchange" in said
-    assert found.advice().endswith('set coupling.scheme = "auto".')
+    report = stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
+    assert set(by_name(report)) >= {"late contacts", "late reaction", "carried mass"}
+    assert report.safe_s == 0.0
+    (warning, *_) = report.warnings()
+    assert "no interval is short enough: the panels' pull on the frames comes an exchange" in warning
+    assert report.advice().endswith('set coupling.scheme = "auto".')
 
 
 @pytest.mark.parametrize(("scheme", "intervals"), [("aitken", 10), ("quasi-newton", 40)])
 def test_repeated_intervals_must_resolve_impacts(tmp_path: Path, scheme: str, intervals: int) -> None:
-    found = stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
+    report = stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
     plain = by_name(stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case))
-    assert set(by_name(found)) == {"whole impacts", *plain}
-    farther = by_name(found)["light points"].interval_s / plain["light points"].interval_s
+    assert set(by_name(report)) == {"whole impacts", *plain}
+    farther = by_name(report)["light points"].interval_s / plain["light points"].interval_s
     assert farther == pytest.approx(5 / 0.8)  # of the same limit
-    impact_s = 10 * by_name(found)["shortest impact"].interval_s
-    assert by_name(found)["whole impacts"].interval_s == pytest.approx(impact_s / intervals)
+    impact_s = 10 * by_name(report)["shortest impact"].interval_s
+    assert by_name(report)["whole impacts"].interval_s == pytest.approx(impact_s / intervals)
 
 
 def test_auto_takes_the_cheapest_scheme_that_is_safe(tmp_path: Path) -> None:
@@ -130,12 +130,12 @@ def test_auto_takes_the_cheapest_scheme_that_is_safe(tmp_path: Path) -> None:
 
 def test_a_result_carries_that_it_is_stable_and_not_accurate(tmp_path: Path) -> None:
     sets = [*STRIP, "coupling.scheme=particles-first"]
-    found = stability_report(loaded(tmp_path, [*sets, "coupling.sync_interval_s=1e-6"]).case)
-    assert found.accuracy_bound is not None
-    limit_s = found.accuracy_bound.interval_s
-    assert found.as_json()["accurate_interval_s"] == limit_s
-    assert found.as_json()["inaccurate"] is None
-    coarse = replace(found, interval_s=1.1 * limit_s).as_json()
+    report = stability_report(loaded(tmp_path, [*sets, "coupling.sync_interval_s=1e-6"]).case)
+    assert report.accuracy_bound is not None
+    limit_s = report.accuracy_bound.interval_s
+    assert report.as_json()["accurate_interval_s"] == limit_s
+    assert report.as_json()["inaccurate"] is None
+    coarse = replace(report, interval_s=1.1 * limit_s).as_json()
     assert coarse["inaccurate"].startswith(f"accurate by the usual rules is at most {at_most(limit_s)} s: ")
     summary: dict[str, Any] = {"simulated_s": 1.0, "sync_intervals": 1, "particles": 0, "stability": coarse}
     summary |= {"energy_ledger_J": {}, "energy_exchanged_J": {}, "momentum_residual_relative": 0.0}
@@ -190,11 +190,11 @@ def test_in_words_and_in_numbers() -> None:
         Bound("c", math.inf, "three"),
         Bound("d", 5e-5, "four", "accuracy"),
     )
-    found = StabilityReport("particles-first", 1.5e-4, bounds, {})
-    stability, accuracy = found.warnings()
+    report = StabilityReport("particles-first", 1.5e-4, bounds, {})
+    stability, accuracy = report.warnings()
     assert "1.5 times what is sure to be stable, 0.0001 s: b (two)" in stability
     assert "accurate by the usual rules is at most 5e-05 s: d (four)" in accuracy
-    assert found.as_json() == {
+    assert report.as_json() == {
         "scheme": "particles-first",
         "taken_because": None,
         "safe_interval_s": 1e-4,
@@ -204,7 +204,7 @@ def test_in_words_and_in_numbers() -> None:
         "advice": "At most coupling.sync_interval_s = 0.0001 s is sure to be stable: b (two).",
         "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},
     }
-    assert "takes 0.00015 s, 1.5 of it" in found.verdict()
+    assert "takes 0.00015 s, 1.5 of it" in report.verdict()
 
 
 RIGID = ["panel.solver=rigid", "coupling.scheme=particles-first"]
@@ -261,23 +261,23 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
         every = [*sets, "frames.solver=prescribed"]
         return by_name(stability_report(load_case(tmp_path, DRIVEN, every).case))
 
-    found = bounds(*RIGID)
-    assert set(found) == {"driven surface"}
+    named = bounds(*RIGID)
+    assert set(named) == {"driven surface"}
     limit_s = (384 * 0.1 * lying_m(PU) / (0.002 * 60.0**4)) ** 0.25
-    assert found["driven surface"].interval_s == pytest.approx(limit_s, rel=1e-3)
+    assert named["driven surface"].interval_s == pytest.approx(limit_s, rel=1e-3)
     assert {"moving surface", "shortest impact"} <= set(bounds(*STRIP))
     assert not bounds(*RIGID, "exchange.frame_motion=false")
 
 
 def test_in_a_designers_words(tmp_path: Path) -> None:
-    """Without the theory's terms; the numbers behind it are in the detail."""
-    found = stability_report(loaded(tmp_path, [*DAMPED, "coupling.scheme=particles-first"]).case)
-    short, long = "\n".join(found.short_lines()), "\n".join(found.detail_lines())
+    """The report does without the theory's terms; the numbers behind it are in the detail."""
+    report = stability_report(loaded(tmp_path, [*DAMPED, "coupling.scheme=particles-first"]).case)
+    short, long = "\n".join(report.short_lines()), "\n".join(report.detail_lines())
     for term in ("light points", "lasting contacts", "extrapolated clamps", "N s/m"):
         assert term not in short
         assert term in long
-    assert f"every {found.interval_s:.3g} s (coupling.sync_interval_s; scheme particles-" in short
-    assert f"sure to be stable up to {at_most(found.safe_s)} s: " in short
+    assert f"every {report.interval_s:.3g} s (coupling.sync_interval_s; scheme particles-" in short
+    assert f"sure to be stable up to {at_most(report.safe_s)} s: " in short
     assert "coal of 20 mm on deck" in short
     assert set(REMEDIES) < set(BECAUSE)
 
@@ -285,18 +285,18 @@ def test_in_a_designers_words(tmp_path: Path) -> None:
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_bound_has_a_designers_words(tmp_path: Path, scheme: str) -> None:
     for panel in (STRIP, ["panel.solver=rigid"]):
-        found = stability_report(loaded(tmp_path, [*panel, *WALL, f"coupling.scheme={scheme}"]).case)
-        assert {bound.name for bound in found.bounds} <= set(BECAUSE)
-        assert not any("{" in because(bound) for bound in found.bounds)
+        report = stability_report(loaded(tmp_path, [*panel, *WALL, f"coupling.scheme={scheme}"]).case)
+        assert {bound.name for bound in report.bounds} <= set(BECAUSE)
+        assert not any("{" in because(bound) for bound in report.bounds)
 
 
 @pytest.mark.solver
 @pytest.mark.parametrize(("overrides", "warned"), [([], False), (COARSE_AND_LIGHT, True)])
 def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
-    found = stability_report(load_judged(CASES / "ball-on-panel", "default", overrides).case)
-    assert bool(list(found.warnings())) is warned
-    assert found.stability_bound is not None
-    assert found.stability_bound.name == "light points"
+    report = stability_report(load_judged(CASES / "ball-on-panel", "default", overrides).case)
+    assert bool(list(report.warnings())) is warned
+    assert report.stability_bound is not None
+    assert report.stability_bound.name == "light points"
 
 
 def test_corners_on_corners_are_nine_times_lighter_than_middles() -> None:

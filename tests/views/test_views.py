@@ -43,8 +43,8 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def machine(name: str) -> MachineOutline:
-    found = load_judged(CASES / name)
-    return outline(found.case.whole_machine, found.folder)
+    judged = load_judged(CASES / name)
+    return outline(judged.case.whole_machine, judged.folder)
 
 
 def drawn(name: str) -> list[str]:
@@ -56,16 +56,16 @@ def drawn(name: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("sets", "said"),
+    ("sets", "text"),
     [
         ([], "12 kg/s of coal (this level feeds 1.5)"),
         (["bed.feeds.coal.rate_kg_per_s=2.0"], "2 kg/s of coal"),
     ],
 )
-def test_the_feed_of_the_whole_machine_is_drawn_and_not_that_of_its_level(sets: list[str], said: str) -> None:
+def test_the_feed_of_the_whole_machine_is_drawn_and_not_that_of_its_level(sets: list[str], text: str) -> None:
     """The level draft feeds an eighth; a value of --set is the machine's."""
     (feed,) = Views(load_judged(CASES / "ffs0827-slice", "draft", sets)).machine.feeds
-    assert feed.text == said
+    assert feed.text == text
 
 
 @pytest.mark.parametrize("view", [SIDE, TOP], ids=lambda view: view.name)
@@ -91,8 +91,8 @@ def test_a_bed_that_is_taken_over_is_drawn_to_scale(tmp_path: Path) -> None:
     rows = ["x_m,y_m,z_m,sieve_size_m,material", "0.1,0.1,0.02,0.02,coal", "0.2,0.1,0.01,0.01,coal"]
     folder = case_folder(tmp_path, CASE)
     (folder / "grains.csv").write_text("\n".join(rows))
-    found = load_judged(folder, None, ["bed.table=grains.csv"])
-    figure = draw_view(outline(found.case.whole_machine, folder), SIDE)
+    judged = load_judged(folder, None, ["bed.table=grains.csv"])
+    figure = draw_view(outline(judged.case.whole_machine, folder), SIDE)
     (axes,) = figure.axes
     (bed,) = (part for part in axes.collections if isinstance(part, EllipseCollection))
     assert bed.get_offsets().ravel().tolist() == pytest.approx([0.1, 0.02, 0.2, 0.01])
@@ -115,15 +115,15 @@ def test_driven_frames_with_one_arrow_have_one_label(tmp_path: Path) -> None:
         text = head + "".join(f + d for f, d in zip(frames, drives, strict=True)) + rest
         points = '[screen.panels.other]\nmaterial = "PU"\nframes = ["driven", "driving"]\n'
         points += "corner_m = [0.1, 0.3, 0.0]\nlength_m = 0.3\nwidth_m = 0.2\nthickness_m = 0.004\n"
-        found = load_judged(case_folder(tmp_path, text + points + "clamp_m = 0.019\ntension_m = 0.002\n"))
-        figure = draw_view(outline(found.case.whole_machine, tmp_path), SIDE)
+        judged = load_judged(case_folder(tmp_path, text + points + "clamp_m = 0.019\ntension_m = 0.002\n"))
+        figure = draw_view(outline(judged.case.whole_machine, tmp_path), SIDE)
         words = [text.get_text() for text in figure.axes[0].texts if "driven" in text.get_text()]
         pyplot.close(figure)
         return words
 
     assert labels(0.003, 0.003) == ["driving and driven, both driven\n3 / 0 / 0 mm at 10 Hz"]
-    (said,) = labels(0.003, 0.004)
-    assert said.splitlines()[1:] == ["driving: 3 / 0 / 0 mm at 10 Hz", "driven: 4 / 0 / 0 mm at 10 Hz"]
+    (label,) = labels(0.003, 0.004)
+    assert label.splitlines()[1:] == ["driving: 3 / 0 / 0 mm at 10 Hz", "driven: 4 / 0 / 0 mm at 10 Hz"]
 
 
 def test_driven_frames_apart_have_a_label_each() -> None:
@@ -139,7 +139,7 @@ def test_stiff_bushings_are_labelled_in_meganewtons() -> None:
 
 
 def test_a_shaft_along_y_turns_clockwise_from_the_side() -> None:
-    """Seen from the side, x points to the right and z up, so that y points away from the reader."""
+    """The view from the side has x to the right and z up, so that y points away from the reader."""
     assert SIDE.toward == pytest.approx([0, -1, 0])
     assert TOP.toward == pytest.approx([0, 0, 1])
     assert FRONT.toward == pytest.approx([1, 0, 0])
@@ -178,8 +178,8 @@ def test_each_size_passes_or_stays_as_the_openings_say() -> None:
 
 
 def test_modes_move_the_panels_between_the_frames() -> None:
-    found = load_judged(CASES / "quickstart")
-    shaken = scene(found.case)
+    judged = load_judged(CASES / "quickstart")
+    shaken = scene(judged.case)
     modes = frame_modes(shaken)
     drawn = ElementTree.fromstring(modes_svg(machine("quickstart"), modes, [12.5]))
     assert len(modes) == 12
@@ -222,8 +222,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 @pytest.mark.process
 def test_show_names_its_files_and_opens_no_solver_of_others(shown: tuple[Path, str]) -> None:
-    folder, said = shown
-    spheres, *others = said.splitlines()
+    folder, output = shown
+    spheres, *others = output.splitlines()
     assert spheres.startswith("warning: lone spheres")
     assert others == [*(f"written: {folder / name}" for name in WRITTEN), "loaded:"]
     assert sorted(WRITTEN) == sorted(file.name for file in folder.iterdir())

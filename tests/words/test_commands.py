@@ -1,4 +1,4 @@
-"""What commands say, word for word: one snapshot for each, in ``__snapshots__``.
+"""The output of commands, word for word: one snapshot for each, in ``__snapshots__``.
 
 A change of words is reviewed there: ``pytest -n 0 tests/words --snapshot-update`` writes what they say now.
 All other tests ask for exit codes, keys, kinds and numbers.
@@ -34,11 +34,11 @@ CHEAP = (
 )
 DAMPED = ("--set", "screen.bushings.isolation.damping_N_s_per_m=[100, 100, 100]")
 QUICKSTART = str(ROOT / "cases/quickstart")
-Said = Callable[..., str]
+OutputOf = Callable[..., str]
 
 
 @pytest.fixture
-def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Said:
+def output_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> OutputOf:
     """A function that returns what a command says in an empty folder, with its exit code.
 
     Lists that grow, the regime of a mat, which is chaotic, and the rules of tables are left out.
@@ -50,8 +50,8 @@ def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Said:
     def call(*words: str) -> str:
         done = CALL.invoke(app, words)
         streams = ("stdout", done.stdout), ("stderr", done.stderr)
-        told = [f"{name}:\n{text}" for name, text in streams if text]
-        text = "\n".join([f"flipflow {' '.join(words)}", f"exit code {done.exit_code}", *told])
+        texts = [f"{name}:\n{text}" for name, text in streams if text]
+        text = "\n".join([f"flipflow {' '.join(words)}", f"exit code {done.exit_code}", *texts])
         text = text.replace(str(ROOT), "PROGRAM").replace(str(tmp_path), "HERE")
         text = re.sub(r"(shipped cases: |There are: |mat deck, empty: |move with it: ).*", r"\1...", text)
         text = re.sub(
@@ -102,84 +102,84 @@ def overrides() -> list[list[str]]:
 
 @pytest.mark.slow
 def test_mistakes_in_a_case(tmp_path: Path, snapshot: SnapshotAssertion) -> None:
-    said = {" ".join(words): complaints(tmp_path, *words) for words in overrides()}
-    assert said == snapshot
+    messages = {" ".join(words): complaints(tmp_path, *words) for words in overrides()}
+    assert messages == snapshot
 
 
 @pytest.mark.smoke
-def test_check(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
+def test_check(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> None:
     two = ["--set", "panel.solver=rigd", "--set", "duration_s=-1"]
-    assert said("check", case, *CHEAP, *DAMPED) == snapshot(name="a right case")
-    assert said("check", case, *two) == snapshot(name="two mistakes")
-    assert said("check", case, *two, "--json") == snapshot(name="two mistakes as JSON")
-    assert said("check", "absent") == snapshot(name="no case")
-    assert said("check", case, "--level", "drft") == snapshot(name="no level")
-    assert said("check", case, "--set", "nonsense") == snapshot(name="no override")
-    assert said("check", case, "--json", "--ranks", "2") == snapshot(
+    assert output_of("check", case, *CHEAP, *DAMPED) == snapshot(name="a right case")
+    assert output_of("check", case, *two) == snapshot(name="two mistakes")
+    assert output_of("check", case, *two, "--json") == snapshot(name="two mistakes as JSON")
+    assert output_of("check", "absent") == snapshot(name="no case")
+    assert output_of("check", case, "--level", "drft") == snapshot(name="no level")
+    assert output_of("check", case, "--set", "nonsense") == snapshot(name="no override")
+    assert output_of("check", case, "--json", "--ranks", "2") == snapshot(
         name="two options that exclude each other"
     )
 
 
 @pytest.mark.smoke
-def test_list(said: Said, case: str, tmp_path: Path, snapshot: SnapshotAssertion) -> None:
+def test_list(output_of: OutputOf, case: str, tmp_path: Path, snapshot: SnapshotAssertion) -> None:
     case_folder(tmp_path / "wrong", "title = 3")
-    assert said("list", ".") == snapshot(name="two cases")
-    assert said("list", "absent") == snapshot(name="no folder")
+    assert output_of("list", ".") == snapshot(name="two cases")
+    assert output_of("list", "absent") == snapshot(name="no folder")
 
 
-def test_explain(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
-    assert said("explain", case, *CHEAP, *DAMPED) == snapshot(name="a case")
-    assert said("explain", case, "--for", "eficiency") == snapshot(name="no result")
-    assert said("explain", case, "--set", "duration_s=2e4") == snapshot(name="a mistake")
+def test_explain(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> None:
+    assert output_of("explain", case, *CHEAP, *DAMPED) == snapshot(name="a case")
+    assert output_of("explain", case, "--for", "eficiency") == snapshot(name="no result")
+    assert output_of("explain", case, "--set", "duration_s=2e4") == snapshot(name="a mistake")
 
 
-def test_materials(said: Said, snapshot: SnapshotAssertion) -> None:
-    assert said("materials") == snapshot(name="all")
-    assert said("materials", "limestone") == snapshot(name="one")
-    assert said("materials", "limestne") == snapshot(name="none")
+def test_materials(output_of: OutputOf, snapshot: SnapshotAssertion) -> None:
+    assert output_of("materials") == snapshot(name="all")
+    assert output_of("materials", "limestone") == snapshot(name="one")
+    assert output_of("materials", "limestne") == snapshot(name="none")
 
 
-def test_new(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
-    assert said("new", case) == snapshot(name="a folder that exists")
-    assert said("new", "next", "--template", "flipflop") == snapshot(name="no template")
+def test_new(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> None:
+    assert output_of("new", case) == snapshot(name="a folder that exists")
+    assert output_of("new", "next", "--template", "flipflop") == snapshot(name="no template")
     wrong = ["--stroke", "90 mm", "--speed", "8000 rpm", "--material", "limestne"]
-    assert said("new", "next", "--template", "flip-flow", *wrong) == snapshot(name="wrong wishes")
+    assert output_of("new", "next", "--template", "flip-flow", *wrong) == snapshot(name="wrong wishes")
 
 
-def test_run(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
-    assert said("run", "absent") == snapshot(name="no case")
-    assert said("run", case, "--set", "panel.solver=rigd") == snapshot(name="a mistake")
-    assert said("run", case, *CHEAP, "--out", case) == snapshot(name="a folder that exists")
+def test_run(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> None:
+    assert output_of("run", "absent") == snapshot(name="no case")
+    assert output_of("run", case, "--set", "panel.solver=rigd") == snapshot(name="a mistake")
+    assert output_of("run", case, *CHEAP, "--out", case) == snapshot(name="a folder that exists")
 
 
 @pytest.mark.parametrize("command", ["resume", "report"])
-def test_commands_of_a_run(said: Said, case: str, command: str, snapshot: SnapshotAssertion) -> None:
-    assert said(command, "absent") == snapshot(name="no folder")
-    assert said(command, case) == snapshot(name="the folder of a case")
+def test_commands_of_a_run(output_of: OutputOf, case: str, command: str, snapshot: SnapshotAssertion) -> None:
+    assert output_of(command, "absent") == snapshot(name="no folder")
+    assert output_of(command, case) == snapshot(name="the folder of a case")
 
 
-def test_results(said: Said, runs: list[str], snapshot: SnapshotAssertion) -> None:
-    assert said("results", *runs) == snapshot(name="two runs")
-    assert said("results", "absent") == snapshot(name="no run")
-    assert said("results", *runs, "--out", "table.txt") == snapshot(name="no format")
+def test_results(output_of: OutputOf, runs: list[str], snapshot: SnapshotAssertion) -> None:
+    assert output_of("results", *runs) == snapshot(name="two runs")
+    assert output_of("results", "absent") == snapshot(name="no run")
+    assert output_of("results", *runs, "--out", "table.txt") == snapshot(name="no format")
 
 
-def test_compare(said: Said, runs: list[str], snapshot: SnapshotAssertion) -> None:
-    assert said("compare", *runs) == snapshot(name="two runs")
-    assert said("compare", "one") == snapshot(name="one run")
-    assert said("compare", "one", "one") == snapshot(name="one run twice")
+def test_compare(output_of: OutputOf, runs: list[str], snapshot: SnapshotAssertion) -> None:
+    assert output_of("compare", *runs) == snapshot(name="two runs")
+    assert output_of("compare", "one") == snapshot(name="one run")
+    assert output_of("compare", "one", "one") == snapshot(name="one run twice")
 
 
-def test_plan(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
-    assert said("plan", case, "--tolerance", "5", "--budget", "1h") == snapshot(name="no share")
-    assert said("plan", case, "--tolerance", "5%", "--budget", "1 week") == snapshot(name="no time")
+def test_plan(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> None:
+    assert output_of("plan", case, "--tolerance", "5", "--budget", "1h") == snapshot(name="no share")
+    assert output_of("plan", case, "--tolerance", "5%", "--budget", "1 week") == snapshot(name="no time")
     given = ["--tolerance", "5%", "--budget", "1h", "--study", "absent.json"]
-    assert said("plan", case, *CHEAP, *given) == snapshot(name="no study")
+    assert output_of("plan", case, *CHEAP, *given) == snapshot(name="no study")
 
 
-def test_study(said: Said, case: str, snapshot: SnapshotAssertion) -> None:
-    assert said("study", "sweeep") == snapshot(name="no study")
-    assert said("study", "sweep", case, "--vary", "duration_s=a:b:c") == snapshot(name="no range")
-    assert said("study", "sweep", case, "--vary", "titel=1,2") == snapshot(name="no key")
-    assert said("study", "accuracy", case, "--parameters", "panel-mash") == snapshot(name="no parameter")
-    assert said("study", "paper", case) == snapshot(name="no criteria")
+def test_study(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> None:
+    assert output_of("study", "sweeep") == snapshot(name="no study")
+    assert output_of("study", "sweep", case, "--vary", "duration_s=a:b:c") == snapshot(name="no range")
+    assert output_of("study", "sweep", case, "--vary", "titel=1,2") == snapshot(name="no key")
+    assert output_of("study", "accuracy", case, "--parameters", "panel-mash") == snapshot(name="no parameter")
+    assert output_of("study", "paper", case) == snapshot(name="no criteria")

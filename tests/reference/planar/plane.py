@@ -141,8 +141,8 @@ class PlanarDrive:
     def coordinates(self, time_s: Array) -> tuple[Array, Array]:
         """Return displacement of the centre of mass up and along, and angle; and their rates: (times,
         3) each."""
-        shift_m, shift_m_per_s = (in_plane(one) for one in displacement(self._drive, time_s))
-        angle_rad, spin_rad_per_s = (one[:, 1] for one in rotation(self._drive, time_s))
+        shift_m, shift_m_per_s = (in_plane(vectors) for vectors in displacement(self._drive, time_s))
+        angle_rad, spin_rad_per_s = (vectors[:, 1] for vectors in rotation(self._drive, time_s))
         moved_m = shift_m + np.expm1(1j * angle_rad) * self._arm_m
         velocity_m_per_s = shift_m_per_s + 1j * spin_rad_per_s * np.exp(1j * angle_rad) * self._arm_m
         place = np.stack([moved_m.real, moved_m.imag, angle_rad], axis=1)

@@ -1,4 +1,4 @@
-"""Who touches whom at one instant, where, and which contact of the instant before goes on."""
+"""Pairs that touch at one instant, where, and which contact of the instant before goes on."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Neighbours:
         return Neighbours(i[near], j[near], sphere, triangle, center_m.copy(), surface_m.copy(), skin_m)
 
     def outdated(self, sphere_m: Array, surface_m: Array) -> bool:
-        """Whether a pair outside the lists could touch by now."""
+        """Return whether a pair outside the lists could touch by now."""
         moved_m = _farthest_m(sphere_m, self.sphere_m)
         return moved_m + max(moved_m, _farthest_m(surface_m, self.surface_m)) >= self.skin_m
 
@@ -192,7 +192,7 @@ class Contacts(Rows):
 
 
 class Adhesive(Protocol):
-    """What the search asks of the normal law."""
+    """Quantities that the search asks of the normal law."""
 
     @property
     def reach_m(self) -> float: ...
@@ -317,7 +317,7 @@ def _find_pairs(i: Indices, j: Indices, before: Contacts | None, spheres: int) -
 
 
 def _match_by_normal(now: Contacts, before: Contacts) -> tuple[Indices, Indices]:
-    """For each contact of the surface the row of the contact before that it continues, or -1, and
+    """Return for each contact of the surface the row of the contact before that it continues, or -1, and
     the row of the one that it continues or comes from, or -1.
 
     Contacts of one sphere are paired by nearest normal, nearest first, each once, and only closer

@@ -46,8 +46,8 @@ def _farthest_m(before_m: Array, now_m: Array) -> float:
 
 
 def _goes_through(before_m: Array, now_m: Array, corners_m: Way) -> bool:
-    """Whether a centre ends on the other side of the plane of one of the triangles (m, 3, 3), and was
-    inside of the triangle when it changed sides."""
+    """Return whether a centre ends on the other side of the plane of one of the triangles (m, 3, 3), and
+    was inside of the triangle when it changed sides."""
     was_in_front = _is_in_front(*_seen_at(0.0, before_m, now_m, corners_m))
     other = np.flatnonzero(_is_in_front(*_seen_at(1.0, before_m, now_m, corners_m)) != was_in_front)
     was_in_front, some_m = was_in_front[other], (corners_m[0][other], corners_m[1][other])

@@ -19,7 +19,7 @@ from tests.reference.spheres.contacts import Contacts
 
 @dataclass(frozen=True)
 class NormalForce:
-    """What the normal law gives for n contacts, (n,) each."""
+    """Results of the normal law for n contacts, (n,) each."""
 
     contact_radius_m: Array
     force_N: Array  # positive pushes apart
@@ -116,7 +116,7 @@ def _lens(one_m: Array, other_m: Array, overlap_m: Array) -> tuple[Array, Array]
 
 @dataclass(frozen=True)
 class ContactForces(Rows):
-    """What acts in n contacts, with their weights in all but ``shear_m`` and ``couple_N_m``.
+    """Forces and couples in n contacts, with their weights in all but ``shear_m`` and ``couple_N_m``.
 
     Forces are those on the first partner.  Of ``stiffness_N_per_m`` and ``damping_N_s_per_m`` (n, 2) the
     first column is along the normal, the second across, zero for a contact that slides.

@@ -1,4 +1,4 @@
-"""Which places of a triangulated surface a sphere touches, and how they share its force.
+"""Places of a triangulated surface that a sphere touches, and how they share its force.
 
 Every triangle near a sphere offers its closest point (on its face, an edge or a corner).  On a
 smooth surface neighbouring triangles offer nearly the same contact, so counting all of them would
@@ -119,7 +119,7 @@ def _share(overlap_m: Array, normal: Array, filled: npt.NDArray[np.bool_]) -> tu
 
 
 def _heard(alone: Array) -> Array:
-    """How much j counts for i, (m, c, c): less if a third one has more of j's force than j."""
+    """Return how much j counts for i, (m, c, c): less if a third one has more of j's force than j."""
     mine = np.where(alone < 0.5, 4.0 * alone * (1.0 - alone), 1.0)
     third = ~np.eye(alone.shape[1], dtype=bool)[:, None, :]  # k may be all but i
     return np.asarray(np.where(third, mine[:, None, :, :], 1.0).prod(axis=3))

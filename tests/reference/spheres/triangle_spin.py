@@ -1,4 +1,4 @@
-"""How triangles turn, and how they take up couples, by the motion of their corners.
+"""The turning of triangles, and how they take up couples, by the motion of their corners.
 
 A triangle's spin is that of the rigid body of three equal masses at its corners with the same
 angular momentum, J^-1 sum d_k x v_k with J = sum (|d_k|^2 1 - d_k d_k^T), corners at d_k from their

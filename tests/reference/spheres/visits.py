@@ -23,7 +23,7 @@ OVER = 0.25  # diameters of gap at which a contact is over
 
 @dataclass
 class Visits:
-    """What was counted of n spheres: (n,), or (n, panels).
+    """Counts of n spheres: (n,), or (n, panels).
 
     ``touched``: a panel since the last sync point; ``counted``: the contact that is going on.
     """
