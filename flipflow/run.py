@@ -24,7 +24,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.run.progress import ProgressReport, parse_report
-from orchestrator.studies.points import MAIN
+from orchestrator.run.trials.scratch import MAIN
 
 if TYPE_CHECKING:
     import pandas

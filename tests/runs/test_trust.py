@@ -11,11 +11,11 @@ from orchestrator.cli.launch import run
 from orchestrator.coupling.ledger import created_shares
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
-from orchestrator.preflight.judge import load_judged
+from orchestrator.output.results.quantities import Unknown, outcome
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.criteria import Criterion, Runs, evaluate
-from orchestrator.studies.quantities import Unknown, outcome
+from orchestrator.workbench import Case
 from tests.runs.outside import ROOT, summary
 
 ONLY_WARN = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
@@ -167,14 +167,14 @@ def doubtful(tmp_path: Path) -> sweep.Point:
     """A run that came to its end and is not to be trusted."""
     (tmp_path / "run").mkdir()
     write_summary(tmp_path / "run", {"status": "doubtful"})
-    loaded = load_judged(ROOT / "cases/quickstart", "draft")
+    loaded = Case.load(ROOT / "cases/quickstart", "draft")
     return sweep.Point("1.0", loaded, (), tmp_path / "run")
 
 
 def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
     """Studies do not run it again, either: it would be as doubtful. Sweeps mark it as what it is
     (``tests/test_sweep_table.py``)."""
-    assert doubtful.ended(doubtful.folder)
+    assert doubtful.ended(doubtful.run)
     row = Criterion(what="a", run="one", measure="amplitude", of="driving")
     with pytest.raises(Unknown, match="run: doubtful"):  # what a paper is compared with
         evaluate(row, {"one": Runs((doubtful,))})
