@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from html import escape
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import SUMMARY
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.run.progress import ProgressReport, parse_report
-from orchestrator.studies.points import MAIN
+from orchestrator.run.trials.scratch import MAIN
 
 if TYPE_CHECKING:
     import pandas
@@ -217,10 +218,8 @@ def make_run(
 
 def _next_folder(name: str) -> Path:
     """Return the first folder runs/<name>-<number> that does not exist."""
-    number = 1
-    while (folder := Path("runs") / f"{name}-{number}").exists():
-        number += 1
-    return folder
+    folders = (Path("runs") / f"{name}-{number}" for number in count(1))
+    return next(folder for folder in folders if not folder.exists())
 
 
 def _wait(

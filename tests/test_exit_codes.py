@@ -12,11 +12,11 @@ from typer.testing import CliRunner
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.cli import plan
+from orchestrator.cli import studies as commands
 from orchestrator.cli.console import reported_errors
 from orchestrator.cli.main import app
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.run.interruption import ImmediateStop
-from orchestrator.studies import commands
 from tests.accuracy.test_plan import TIMING, study
 from tests.runs.outside import ROOT
 

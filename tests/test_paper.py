@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.cli.studies.paper import command
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies.commands.paper import command, find_papers
+from orchestrator.output.results.quantities import Unknown
 from orchestrator.studies.criteria import Runs, read_criteria, wanted_runs
+from orchestrator.studies.paper import find_papers
 from orchestrator.studies.points import CaseStudy, Point
-from orchestrator.studies.quantities import Unknown
 from orchestrator.studies.verdicts import CriterionResult, judge, write_verdicts
 from tests.cases import CASE, case_folder
 
@@ -129,7 +130,7 @@ def test_an_effect_that_the_source_cannot_tell_from_chance(case: Path) -> None:
 
 @pytest.mark.parametrize("compare", ["growth", "ratio"])
 def test_a_number_relative_to_zero_is_none(case: Path, compare: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("orchestrator.studies.criteria.number_of", lambda question, run: 0.0)
+    monkeypatch.setattr("orchestrator.output.results.quantities.number_of", lambda question, run: 0.0)
     still = ROW.replace('at = "70"', f'compare = "{compare}"\nagainst = "speed"')
     (line,) = compared(case, still)
     assert (line.measured, line.verdict, line.why[:11]) == (None, "no number", "is relative")

@@ -10,9 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator import workbench
+
 BIN = Path(sys.executable).parent
 ROOT = Path(__file__).parents[1]
 MOST_WITH_DIAMETERS = 15
+MOST_NAMES_OF_STUDIES = 15
 
 
 @pytest.mark.parametrize(
@@ -45,3 +48,9 @@ def test_no_file_of_the_orchestrator_stands_in_an_import_circle() -> None:
                 wanted = {name if name in files else node.module for name in inner}
                 imports.setdefault(module, set()).update(wanted & files.keys())
     assert list(TopologicalSorter(imports).static_order())  # raises CycleError, which names the circle
+
+
+def test_studies_know_few_names_of_the_rest() -> None:
+    """Each is a class or function with a docstring, or the module of general words."""
+    assert len(workbench.__all__) <= MOST_NAMES_OF_STUDIES
+    assert all(getattr(workbench, name).__doc__ for name in workbench.__all__)

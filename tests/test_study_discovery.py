@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.cli import studies as commands
 from orchestrator.cli.main import app
-from orchestrator.studies import commands
 from tests.runs.outside import ROOT
 
 PAGE = (ROOT / "docs/how-to/add-a-study.md").read_text(encoding="utf-8")

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies.commands import sweep
+from orchestrator.studies import sweep
 from orchestrator.studies.points import Vary
+from orchestrator.workbench import Run
 
 VARY = Vary("screen.exciters.shaft.speed_rad_per_s", ("58", "78", "98", "118"))
 RESULTS: dict[str, Any] = {
@@ -35,7 +36,7 @@ def point(place: Path, value: str, status: str, results: Any = RESULTS) -> Any:
     folder = place / value
     folder.mkdir()
     write_summary(folder, {**{"status": status, "results": results}, "cycle_s": 2 * np.pi / 78.5})
-    return SimpleNamespace(value=value, folder=folder, status=lambda: status)
+    return SimpleNamespace(value=value, folder=folder, run=Run(folder))
 
 
 def orbit(along_m: float, width_m: float | None = None) -> dict[str, Any]:

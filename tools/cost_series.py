@@ -13,10 +13,10 @@ import sys
 from dataclasses import dataclass
 
 from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.cli.planning import time_run
+from orchestrator.output.records.summary import processor_by_part_s
 from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.combinations import parts_s
-from orchestrator.studies.accuracy.plan import time_run
 from tests.runs.outside import ROOT
 
 SHORT_RUNS: dict[str, tuple[str, str, list[str]]] = {
@@ -128,7 +128,7 @@ def compare(name: str) -> CostComparison:
     """Make one of the runs of ``runs_by_name``, and return its predicted and measured times."""
     folder, level, sets = runs_by_name()[name]
     summary = time_run(ROOT / "cases" / folder, level, [*sets, *WITHOUT_PICTURES])
-    return CostComparison(name, *predict(name), parts_s(summary))
+    return CostComparison(name, *predict(name), processor_by_part_s(summary))
 
 
 def main(names: list[str]) -> None:

@@ -22,12 +22,13 @@ from scipy.optimize import least_squares
 
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.tables.case import Case
+from orchestrator.output.results.estimate import NORMAL_95
+from orchestrator.output.results.quantities import AXES, number_of
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.scene.shaking import solve_shakings
 from orchestrator.studies.criteria import UNITS, Criterion, read_criteria
-from orchestrator.studies.quantities import AXES, NORMAL_95, number_of
 
 FREE = (
     "screen.frames.driving.mass_kg",

@@ -13,8 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
+from orchestrator.cli.planning import time_by_study, time_run
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.plan import Candidate, StoredStudy, find_study, time_by_study, time_run
+from orchestrator.studies.accuracy.stored import Candidate, StoredStudy, find_study
+from orchestrator.workbench import Case
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02)
 SHARES_OF_DURATION = (0.5, 1.0, 1.5)
@@ -22,7 +24,7 @@ SHARES_OF_DURATION = (0.5, 1.0, 1.5)
 
 def main(case: Path, level: str, file: Path) -> None:
     """Print the table of predicted and measured wall times."""
-    study = find_study(load_judged(case, level), file)
+    study = find_study(Case(load_judged(case, level)), file)
     assert study is not None
     ratios = []
     print("| settings | simulated / s | wall time, predicted / s | taken / s | ratio |")

@@ -9,7 +9,7 @@ from orchestrator.cli.console import CONSOLE, ERRORS, UNLIMITED, reported_errors
 from orchestrator.cli.json_forms import print_json
 from orchestrator.output.report.comparison import change, interval, write_comparison
 from orchestrator.output.results.comparison import MORE, Comparison, compare
-from orchestrator.studies.report import console_table
+from orchestrator.output.tables import console_table
 
 
 def print_comparison(folders: Sequence[Path], out: Path | None, as_json: bool) -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.table import Table
 
+from orchestrator.case import solvers
 from orchestrator.cli.console import TextConsole
 from orchestrator.cli.json_forms import explain_form, print_json
 from orchestrator.figures.short_names import SHORT_NAMES
@@ -16,12 +17,12 @@ from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, find_dispensable, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
-from orchestrator.preflight.scene.effect import PARTS, describe_verdict
+from orchestrator.preflight.scene.effect import PARTS, TENTH, Verdict, describe_verdict
 from orchestrator.preflight.stability.report import AUTO
-from orchestrator.studies.pairs import TriedEffects
+from orchestrator.run.trials.pairs import TriedEffects
 
 if TYPE_CHECKING:
-    from orchestrator.studies.accuracy.plan import StoredStudy
+    from orchestrator.studies.accuracy.stored import StoredStudy
 
 NARROW = 130  # width of the console below which not all columns fit
 WIDTH = 196  # width of the table if no terminal sets one
@@ -42,7 +43,11 @@ def print_explanation(
     The measurements of a ``study`` of accuracy replace estimates, unless the case has changed since.  So do
     the runs that were ``tried``, with their changes of the results ``asked`` for.
     """
-    changes = [] if study is None else study.changes(loaded)
+    changes: list[str] = []
+    if study is not None:
+        from orchestrator.workbench import Case  # it takes a second, and few have a study
+
+        changes = study.changes(Case(loaded))
     effects = _judge_with_measurements(loaded, None if changes else study, tried, asked)
     if as_json:
         print_json(explain_form(loaded, [*effects.values()]))
@@ -68,11 +73,59 @@ def _judge_with_measurements(
 ) -> dict[str, Judged]:
     effects = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
     if study is not None:
-        from orchestrator.studies.accuracy.plan import measured_verdict
-
         for name, judged in effects.items():
             effects[name] = replace(judged, verdict=measured_verdict(name, judged.verdict, study))
     return effects
+
+
+def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
+    """Return the verdict on an effect, with the measured error and cost of the model that leaves it out.
+
+    Without a run of such a model the verdict is returned unchanged, and so it is where chance leaves open
+    whether the error is above the threshold.
+    """
+    from orchestrator.studies.accuracy.combinations import DECISIVE  # it takes time, and few ask for it
+
+    model = _model_without(effect, study.table.get("models", []))
+    decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
+    if model is None or not decisive:
+        return verdict
+    widths = model.get("half_width", {})
+    known = {name: widths.get(name) or 0.0 for name in decisive}
+    surely = any(value - known[name] > TENTH for name, value in decisive.items())
+    if not surely and any(value + known[name] > TENTH for name, value in decisive.items()):
+        return verdict
+    errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in decisive.items())
+    if any(widths.get(name, 0.0) is None for name in decisive):
+        errors += "; how much of it is chance is not known"
+    return replace(
+        verdict,
+        number=f"largest error of {model['label']}",
+        value=max(decisive.values()),
+        threshold=f"0.1 (measured against {model['reference']})",
+        matters=surely,
+        why=f"measured: {errors}",
+        cost=f"{model['reference_processor_s']:.3g} s instead of {model['processor_s']:.3g} s of processor",
+    )
+
+
+def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
+    """Return the measured model that leaves an effect out, or None where there is none.
+
+    It is the case's own model if that leaves the effect out, or else the finest such model.  For the effect
+    "contact-stiffness" it has softer contacts, for "single-particles" coarser particles.
+    """
+    wanted = {"contact-stiffness": ("stiffness", ""), "single-particles": ("number", "")}
+    ports: tuple[solvers.Port, ...] = ("panel", "frames")
+    for port in ports:
+        if name := solvers.name_without(port, effect):
+            wanted[effect] = (port, name)
+    if effect not in wanted:
+        return None
+    fitting = [
+        m for m in models if (m["axis"], m["variant"]) == wanted[effect] and m["label"] != m["reference"]
+    ]
+    return next((model for model in fitting if not model["sets"]), fitting[-1] if fitting else None)
 
 
 def judge_effects(

@@ -59,8 +59,8 @@ from orchestrator.run.interruption import ImmediateStop, Interrupted, find_immed
 from orchestrator.run.origin import origin, refuse_another_run
 from orchestrator.run.origin import warnings as origin_warnings
 from orchestrator.run.run import Run
-from orchestrator.studies.half_interval import try_half
-from orchestrator.studies.pairs import try_before_run
+from orchestrator.run.trials.half_interval import try_half
+from orchestrator.run.trials.pairs import try_before_run
 
 KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
 DONE, BROKEN = 0, 1

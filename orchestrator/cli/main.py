@@ -21,13 +21,13 @@ from orchestrator.cli.console import (
     reported_errors,
 )
 from orchestrator.cli.new import new
+from orchestrator.cli.options import CasePath, Level, Overrides
 from orchestrator.cli.study import study
-from orchestrator.studies.options import CasePath, Level, Overrides
 
 if TYPE_CHECKING:
     from orchestrator.preflight.judge import JudgedCase
-    from orchestrator.studies.accuracy.plan import StoredStudy
-    from orchestrator.studies.pairs import TriedEffects
+    from orchestrator.run.trials.pairs import TriedEffects
+    from orchestrator.studies.accuracy.stored import StoredStudy
 
 HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
 
@@ -454,15 +454,16 @@ def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     """Return the given study of accuracy, or the study in the case's folder; None if there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():
         return None
-    from orchestrator.studies.accuracy.plan import find_study
+    from orchestrator.studies.accuracy.stored import find_study
+    from orchestrator.workbench import Case
 
-    return find_study(loaded, given)
+    return find_study(Case(loaded), given)
 
 
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Return runs with and without effects for the results ``asked`` for; None if none are asked for."""
     from orchestrator.figures.short_names import named
-    from orchestrator.studies.pairs import RUNS_IN_BUDGET, Pairs, try_all_effects
+    from orchestrator.run.trials.pairs import RUNS_IN_BUDGET, Pairs, try_all_effects
 
     try:
         for name in asked:

@@ -64,7 +64,7 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
         account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
     )
     if loaded.choice.undecided:
-        from orchestrator.studies.pairs import effects_to_try
+        from orchestrator.run.trials.pairs import effects_to_try
 
         if names := effects_to_try(loaded):
             yield (

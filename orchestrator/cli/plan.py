@@ -6,9 +6,11 @@ import shlex
 from pathlib import Path
 
 from orchestrator.cli.console import CONSOLE, refuse, reported_errors
+from orchestrator.cli.planning import Plan, predict_wall_s, time_by_study
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.studies.accuracy.plan import Plan, find_study, predict_wall_s, time_by_study
+from orchestrator.studies.accuracy.stored import find_study
+from orchestrator.workbench import Case
 
 OTHER_CASE = "the study is of the case before changes in {}: its errors hold for that"
 UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
@@ -26,9 +28,9 @@ def choose_settings(
     """Return the plan that follows from a stored study and a short run on this machine."""
     at_level = f" --level {loaded.level}" if loaded.level else ""
     with reported_errors():
-        measured = find_study(loaded, given)
+        measured = find_study(Case(loaded), given)
         if measured is None:
-            longest_s = predict_wall_s(case, level, overrides, loaded.case)
+            longest_s = predict_wall_s(case, level, overrides, Case(loaded))
             refuse(
                 f"no study of {loaded.name}, level {loaded.level or 'none'}: its error is not "
                 f"known; as it is it would take about {in_words(longest_s)} here. First: flipflow "
@@ -47,7 +49,7 @@ def choose_settings(
 
 def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCase) -> bool:
     """Print the cheapest settings, and return whether they fit into the budget."""
-    if changes := plan.study.changes(loaded):
+    if changes := plan.study.changes(Case(loaded)):
         CONSOLE.print(f"warning: {OTHER_CASE.format(', '.join(changes))}")
     chosen = plan.choice
     if chosen is None:

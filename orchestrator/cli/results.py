@@ -11,7 +11,7 @@ from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.cli.console import CONSOLE, ERRORS, refuse, reported_errors
 from orchestrator.cli.json_forms import print_json
 from orchestrator.output.results.tidy import doubtful, read_results
-from orchestrator.studies.report import write_csv, write_parquet
+from orchestrator.output.tables import write_csv, write_parquet
 
 WRITERS = {".csv": write_csv, ".parquet": write_parquet}
 

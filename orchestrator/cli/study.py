@@ -1,6 +1,6 @@
 """The command ``flipflow study``.
 
-Every module of ``orchestrator/studies/commands`` is one of its commands, and so is every module that an
+Every module of ``orchestrator/cli/studies`` is one of its commands, and so is every module that an
 installed package names as an entry point of the group ``flipflow.studies``.
 """
 
@@ -20,11 +20,11 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from orchestrator.cli import studies as commands
 from orchestrator.cli.console import CONSOLE, FAILED, UNLIMITED, reported_errors
+from orchestrator.cli.options import StudyOutput, with_options
 from orchestrator.output.subprocesses import stop_all
 from orchestrator.run.interruption import ImmediateStop
-from orchestrator.studies import commands
-from orchestrator.studies.options import StudyOutput, with_options
 
 GROUP = "flipflow.studies"
 

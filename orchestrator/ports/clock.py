@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
+SAMPLES_PER_S = 2500  # rate of shapes and series: enough for accelerations up to 500 Hz
+
 
 @cache
 def exact(value_s: float) -> Fraction:
@@ -83,3 +85,8 @@ def intervals(duration_s: float, length_s: float, first: int = 0) -> Iterator[In
     beyond it."""
     for index in range(first, steps_in(duration_s, length_s)):
         yield Interval(index, length_s)
+
+
+def sample_s(interval_s: float) -> Fraction:
+    """Return the time between two samples in s: a whole number of sync intervals of length ``interval_s``."""
+    return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)

@@ -100,9 +100,9 @@ class Tries(NamedTuple):
 TRIES = {
     "particles-first": Tries(),
     "serial-staggered": Tries(),
-    "robin": Tries(1.0, 2.0, 4.5e-7),
     "aitken": Tries(2.0, 3.0),
     "quasi-newton": Tries(2.0, 3.0),
+    "robin": Tries(1.0, 2.0, 4.5e-7),
 }
 """Tries by scheme, measured over whole runs of quickstart, draft.  Schemes that repeat intervals run the
 panels once more, under the load on which they have settled."""

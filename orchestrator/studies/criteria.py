@@ -20,20 +20,21 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.stats import t as student_t
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
-from orchestrator.case.file.layers import read_toml
-from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Share, Switch, Table
-from orchestrator.ports import Array
-from orchestrator.preflight.stability.report import stability_report
-from orchestrator.studies.points import CaseStudy, Point, Vary, came_to_its_end, parse_vary
-from orchestrator.studies.quantities import (
-    MEASURES,
-    TAKES,
-    Question,
-    Unknown,
-    half_width_of,
-    number_of,
-    read_dataset,
+from orchestrator.studies.points import CaseStudy, Point, Vary, parse_vary
+from orchestrator.workbench import CaseError, CaseProblem, Question, Run, Unknown
+from orchestrator.workbench.vocabulary import (
+    Array,
+    Few,
+    Name,
+    Number,
+    OneLine,
+    Positive,
+    Share,
+    Switch,
+    Table,
+    did_you_mean,
+    from_validation,
+    read_toml,
 )
 
 FILE = "criteria.toml"
@@ -143,9 +144,9 @@ def read_criteria(case: Path) -> Criteria:
         "run": [*criteria.runs],
         "scatter": ["", *criteria.runs],
         "against": ["", *criteria.runs],
-        "measure": [*MEASURES],
+        "measure": Question.words("measure"),
         "compare": ["", *COMPARISONS],
-        "take": [*TAKES],
+        "take": Question.words("take"),
         "unit": [*UNITS],
     }
     problems = []
@@ -212,7 +213,7 @@ def known_answers(case: Path) -> tuple[Criterion, ...]:
 def answer_error(row: Criterion, run: Path) -> float | None:
     """Return the relative error of a run against a known answer; None where the run has no such number."""
     try:
-        measured = number_of(row, run) / UNITS[row.unit]
+        measured = Run(run).number(row) / UNITS[row.unit]
     except Unknown:
         return None
     return abs(measured / row.reference - 1) if row.reference else None
@@ -263,11 +264,11 @@ def _number_in(point: Point) -> float:
 
 
 def wanted_runs(
-    criteria: Criteria, study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end
+    criteria: Criteria, study: CaseStudy, ended: Callable[[Run], bool] = Run.came_to_its_end
 ) -> dict[str, Runs]:
     """Check the runs that criteria need, and return them by name; nothing is run here.
 
-    ``ended`` says whether the run in a folder is over.  Raises CaseError.
+    ``ended`` says whether a run is over.  Raises CaseError.
     """
     runs = {}
     for name, wanted in criteria.runs.items():
@@ -290,8 +291,8 @@ def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> lis
     Raises CaseError where nothing limits the interval.
     """
     loaded = study.check(sets)
-    interval_s = multiple * stability_report(loaded.case).safe_s
-    if not 0 < interval_s < loaded.case.duration_s:
+    interval_s = multiple * loaded.safe_interval_s
+    if not 0 < interval_s < loaded.tables.duration_s:
         what = f"{multiple:g} times the largest safe sync interval is {interval_s:g} s"
         raise CaseError(
             [CaseProblem(("coupling", "sync_interval_s"), what, file=str(study.case), kind="out-of-range")]
@@ -302,11 +303,11 @@ def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> lis
 def _interrupted(whole: Point, resume_at_s: float) -> Point:
     """Return a point that ends the run of ``whole`` at ``resume_at_s`` and resumes it."""
     first = (*whole.words, "--set", f"duration_s={resume_at_s!r}")
-    end = f"duration_s={whole.loaded.case.duration_s!r}"
+    end = f"duration_s={whole.loaded.tables.duration_s!r}"
     resume = ("resume", str(whole.folder.resolve()), "--set", end)
 
-    def ended(run: Path) -> bool:
-        return whole.ended(run) and "resumed" in (run / "provenance.json").read_text(encoding="utf-8")
+    def ended(run: Run) -> bool:
+        return whole.ended(run) and "resumed" in (run.folder / "provenance.json").read_text(encoding="utf-8")
 
     return replace(whole, words=first, then=resume, ended=ended)
 
@@ -314,11 +315,11 @@ def _interrupted(whole: Point, resume_at_s: float) -> Point:
 def evaluate(row: Criterion, runs: Mapping[str, Runs]) -> float:
     """Return the number of a criterion, in SI units.  Raises Unknown."""
     if row.compare == ROW_BY_ROW:
-        ours, theirs = (read_dataset(run, row.of) for _, run in _asked(row, runs))
+        ours, theirs = (Run(run).dataset(row.of) for _, run in _asked(row, runs))
         if ours.shape != theirs.shape:
             raise Unknown(f"{row.of} has {len(ours)} rows and {len(theirs)}")
         return float(np.abs(ours - theirs).max())
-    return _combine(row, runs, np.array([number_of(*asked) for asked in _asked(row, runs)]))
+    return _combine(row, runs, np.array([Run(run).number(question) for question, run in _asked(row, runs)]))
 
 
 def half_width(row: Criterion, runs: Mapping[str, Runs]) -> float | None:
@@ -331,11 +332,11 @@ def half_width(row: Criterion, runs: Mapping[str, Runs]) -> float | None:
     if row.compare == ROW_BY_ROW:
         return None
     asked = _asked(row, runs)
-    numbers = np.array([number_of(*each) for each in asked])
+    numbers = np.array([Run(run).number(question) for question, run in asked])
     if row.scatter:
         widths = [_scatter(question, runs[row.scatter]) for question, _ in asked]
     else:
-        widths = [half_width_of(*each) for each in asked]
+        widths = [Run(run).half_width(question) for question, run in asked]
     known = [width for width in widths if width is not None]
     if len(known) < len(widths):
         return None
@@ -354,7 +355,7 @@ def _scatter(question: Criterion, runs: Runs) -> float | None:
 
     A single run shows none.  Raises Unknown.
     """
-    repeated = [number_of(question, point.folder) for point in runs.points]
+    repeated = [point.run.number(question) for point in runs.points]
     if len(repeated) < 2:
         return None
     return float(student_t.ppf(0.975, len(repeated) - 1) * np.std(repeated, ddof=1))

@@ -9,38 +9,26 @@ are threads.
 from __future__ import annotations
 
 import logging
-import math
 import os
-import resource
 import signal
-import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.folder import FolderUnusable, read_json
-from orchestrator.case.file.layers import find_changes
-from orchestrator.case.file.units import NUMBER_ALONE, parse_quantity, split_quantity
-from orchestrator.case.file.whole import write_json
-from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.quantities import unit_of
-from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import changed_files, is_at_work, resolved_case, study_folder
-from orchestrator.output.results.run_reader import RunReader
-from orchestrator.output.subprocesses import python
-from orchestrator.ports.clock import exact
-from orchestrator.preflight.check import find_problems
-from orchestrator.preflight.judge import JudgedCase, load_judged
+from orchestrator.workbench import Case, CaseError, CaseProblem, FolderUnusable, Run, StudyFolder
+from orchestrator.workbench.vocabulary import (
+    NUMBER_ALONE,
+    exact,
+    parse_quantity,
+    sample_s,
+    split_quantity,
+    unit_of,
+)
 
-MAIN = "from orchestrator.cli.main import main; main()"
-ONE_THREAD = {"OMP_NUM_THREADS": "1"}  # environment of a run: others run beside it
 MOST_VALUES = 1000
 WAIT_S = 0.5  # between two looks at a run of a study that was killed
 PER_RUN_MIB = 1000  # memory of a run: a run with sheets and tens of thousands of particles takes less
@@ -55,7 +43,6 @@ QUIET = {
     "distributed.scheduler.active-memory-manager.start": False,
 }
 T = TypeVar("T")
-SAMPLES_PER_S = 2500  # rate of shapes and series: enough for accelerations up to 500 Hz
 
 
 @dataclass(frozen=True)
@@ -123,42 +110,21 @@ def workers_that_fit() -> int:
     return max(1, min(processors, int(free_MiB / PER_RUN_MIB)))
 
 
-def summary_of(folder: Path) -> Mapping[str, Any]:
-    """Return the content of ``summary.json`` in a run's folder, or {} without a readable file.
-
-    Raises OtherFormat where another version of flipflow wrote it.
-    """
-    try:
-        return RunReader(folder).summary
-    except (OSError, ValueError):
-        return {}
-
-
-def status(folder: Path) -> str:
-    """Return the state of the run in a folder, as in its summary; "missing" without one."""
-    return str(summary_of(folder).get("status", "missing"))
-
-
-def came_to_its_end(folder: Path) -> bool:
-    """Return whether the run of a folder need not be made again; it may still be doubtful."""
-    return trust.came_to_its_end(status(folder))
-
-
 @dataclass(frozen=True)
 class Point:
     """One run of a study.
 
     ``value`` is its name, ``loaded`` its case and ``folder`` its folder.  The command ``words`` makes the
     run, and a second command ``then``, if there is one, continues in the same folder.  ``ended`` says whether
-    nothing is left to be run in a folder.  A finished run may differ from the case in the keys ``free``.
+    nothing of the run is left to be made.  A finished run may differ from the case in the keys ``free``.
     """
 
     value: str
-    loaded: JudgedCase
+    loaded: Case
     words: tuple[str, ...]
     folder: Path
     then: tuple[str, ...] = ()
-    ended: Callable[[Path], bool] = came_to_its_end
+    ended: Callable[[Run], bool] = Run.came_to_its_end
     free: tuple[str, ...] = ()
 
     def done(self) -> bool:
@@ -166,36 +132,29 @@ class Point:
 
         Raises FolderUnusable if the folder holds a finished run of another case.
         """
-        if not self.ended(self.folder):
+        if not self.ended(self.run):
             return False
-        if differing := self._differing():
+        changes = [key for key in self.loaded.changes_in(self.folder) if key not in self.free]
+        if differing := ", ".join(changes[:3]):
             raise FolderUnusable(
                 f"{self.folder}: holds a run of another case (it differs in {differing}); "
                 "give another folder with --out"
             )
         return True
 
-    def _differing(self) -> str:
-        """Return the keys in which the folder's case differs, at most three, in words.
-
-        Keys that were introduced later have their defaults in the folder's case.
-        """
-        try:
-            stored = resolved_case(load_judged(self.folder / "case.toml"))
-        except CaseError as error:
-            return ", ".join(".".join(map(str, problem.key)) for problem in error.problems[:3])
-        changes = [*map(".".join, find_changes(stored, resolved_case(self.loaded)))]
-        changes += changed_files(self.loaded, self.folder)
-        return ", ".join([key for key in changes if key not in self.free][:3])
+    @property
+    def run(self) -> Run:
+        """Its run, as it is now."""
+        return Run(self.folder)
 
     def status(self) -> str:
         """Return the state of the run, as in its summary; "missing" without one."""
-        return status(self.folder)
+        return self.run.status
 
     def side_by_side(self) -> int:
         """Return the number of runs that were made at a time when this run was made; 0 if it is unknown."""
         try:
-            return int(read_json(_about(self.folder))["side_by_side"])
+            return int(StudyFolder(self.folder.parent).read_json(_about(self.folder))["side_by_side"])
         except (OSError, ValueError, KeyError, TypeError):
             return 0
 
@@ -220,12 +179,9 @@ class CaseStudy:
         """The folder in which the runs of the study and its tables are kept."""
         return self.out or Path("runs") / f"{self.case.resolve().name}-{self.name}"
 
-    def check(self, sets: Sequence[str] = ()) -> JudgedCase:
+    def check(self, sets: Sequence[str] = ()) -> Case:
         """Return the case with more overlays.  Raises CaseError with all its problems."""
-        loaded = load_judged(self.case, self.level, [*self.sets, *sets])
-        if problems := find_problems(loaded):
-            raise CaseError(problems)
-        return loaded
+        return Case.load(self.case, self.level, [*self.sets, *sets])
 
     def point(self, value: str, sets: Sequence[str] = (), folder: str = "") -> Point:
         """Return the run of the case with more overlays.
@@ -234,59 +190,15 @@ class CaseStudy:
         CaseError for a case with problems.
         """
         loaded, place = self.check(sets), self.folder / (folder or value)
-        return Point(value, loaded, run_words(self.case, loaded.level, (*self.sets, *sets), place), place)
+        return Point(value, loaded, Run(place).command(self.case, loaded.level, (*self.sets, *sets)), place)
 
     def run(self, points: Sequence[Point]) -> Iterator[str]:
         """Run the points that are not done, and yield a line when a run has ended.
 
         Raises FolderUnusable.
         """
-        with study_folder(self.folder):
+        with StudyFolder(self.folder).lock():
             yield from run_points(points, self.crew)
-
-
-def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[str, ...]:
-    """Return the command that runs a case in a folder."""
-    options = [word for each in sets for word in ("--set", each)]
-    at_level = ["--level", level] if level else []
-    return ("run", str(case.resolve()), *at_level, *options, "--trial-s", "0", "--out", str(out.resolve()))
-
-
-class NoResult(Exception):
-    """An error of a run that gave no result; the message says why."""
-
-
-def run_in_scratch(
-    case: Path,
-    level: str,
-    sets: Sequence[str],
-    patience_s: float | None = None,
-    processor_s: float = math.inf,
-) -> dict[str, Any]:
-    """Make a run in a folder that is removed afterwards, and return its summary.
-
-    Raises NoResult where the run leaves no summary, takes longer than ``patience_s``, or takes more processor
-    time than ``processor_s``, in whole seconds.
-    """
-    more: dict[str, Any] = {}
-    if math.isfinite(processor_s):
-        limit_s = max(1, math.ceil(processor_s))
-        limits_s = (limit_s, limit_s + 1)  # then asked to end, then killed
-        more["preexec_fn"] = partial(resource.setrlimit, resource.RLIMIT_CPU, limits_s)
-    with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
-        folder = Path(scratch) / "run"
-        words = ("-c", MAIN, *run_words(case, level, sets, folder))
-        try:
-            done = python(*words, alone=True, capture_output=True, env=ONE_THREAD, timeout=patience_s, **more)
-        except subprocess.TimeoutExpired:
-            raise NoResult(f"took more than {patience_s:g} s and was ended") from None
-        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and more:
-            raise NoResult(f"took more than {limit_s} s of processor time and was ended")
-        try:
-            return dict(RunReader(folder).summary)
-        except (OSError, ValueError):
-            last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-            raise NoResult(f"left nothing: {last[0]}") from None
 
 
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
@@ -304,7 +216,7 @@ def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
         if each.folder in made_by:
             continue
         made_by[each.folder] = each.words
-        if is_at_work(each.folder):
+        if each.run.is_at_work:
             raise FolderUnusable(f"{each.folder}: a run is at work there; wait for its end")
         (done if each.done() else waiting).append(each)
     yield from (f"{each.folder.name}: done before" for each in done)
@@ -319,7 +231,7 @@ def run_point(point: Point, beside: int) -> str:
     ``beside`` is the number of runs at a time.  A run that still goes on, because a worker elsewhere outlives
     its killed study, is waited for.
     """
-    while is_at_work(point.folder):
+    while point.run.is_at_work:
         time.sleep(WAIT_S)
     if point.done():
         return f"{point.folder.name}: {point.status()}"
@@ -330,19 +242,18 @@ def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:
     _put_aside(folder)
     log = folder.with_name(f"{folder.name}.log")
     log.parent.mkdir(parents=True, exist_ok=True)
-    write_json(_about(folder), {"side_by_side": beside})
+    StudyFolder(folder.parent).write_json(_about(folder), {"side_by_side": beside})
     code = 0
     with log.open("w", encoding="utf-8") as text:
         for words in commands:
             if words and code == 0:
-                done = python("-c", MAIN, *words, stdout=text, stderr=subprocess.STDOUT, env=ONE_THREAD)
-                code = done.returncode
-    how = f"killed ({signal.Signals(-code).name})" if code < 0 else status(folder)
+                code = Run.carry_out(words, text)
+    how = f"killed ({signal.Signals(-code).name})" if code < 0 else Run(folder).status
     return f"{folder.name}: {how}" + (f" ({log})" if code else "")
 
 
-def _about(folder: Path) -> Path:
-    return folder.with_name(f"{folder.name}.json")
+def _about(folder: Path) -> str:
+    return f"{folder.name}.json"
 
 
 def _put_aside(folder: Path) -> None:
@@ -510,7 +421,7 @@ def seed_sets(case: Case, number: int) -> tuple[str, ...]:
     """Return the ``--set`` overlays of another choice of random numbers; number 0 is the case's own."""
     if number == 0:
         return ()
-    tables = (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
+    tables = (("blocks", case.tables.bed.blocks), ("feeds", case.tables.bed.feeds))
     return tuple(
         f"bed.{kind}.{name}.seed={row.seed + number}" for kind, table in tables for name, row in table.items()
     )
@@ -518,12 +429,7 @@ def seed_sets(case: Case, number: int) -> tuple[str, ...]:
 
 def is_random(case: Case) -> bool:
     """Return whether other seeds change the run of a case."""
-    return bool(seed_sets(case, 1)) and case.particles.adapter is not None
-
-
-def sample_s(interval_s: float) -> Fraction:
-    """Return the time between two samples in s: a whole number of sync intervals of length ``interval_s``."""
-    return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)
+    return bool(seed_sets(case, 1)) and case.tables.particles.adapter is not None
 
 
 def sampling_sets(interval_s: float) -> tuple[str, ...]:

@@ -7,13 +7,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
-from orchestrator.case.file.units import split_quantity
-from orchestrator.case.load import read_tables
 from orchestrator.studies.points import (
     MOST_VALUES,
     CaseStudy,
@@ -23,6 +19,8 @@ from orchestrator.studies.points import (
     vary_of,
     with_one_unit,
 )
+from orchestrator.workbench import CaseError, CaseProblem
+from orchestrator.workbench.vocabulary import split_quantity
 
 DRAWS = (1, 10, 100)  # times as many as settings are wanted, one after the other until enough are different
 DIGITS = 4  # of random values, which are also names of folders; narrow ranges have more
@@ -118,17 +116,7 @@ def check_names(study: CaseStudy, keys: Iterable[str], given: str) -> None:
         checked = study.check()
     except CaseError:  # only the values of the keys make it a case
         return
-    tables, problems = read_tables(checked.layers.merged, checked.folder), []
-    for key in keys:
-        place: Any = tables
-        for number, part in enumerate(words := key.split(".")):
-            if isinstance(place, Mapping) and part not in place:
-                what = f'the case has no "{part}" in {".".join(words[:number])}'
-                problems.append(
-                    CaseProblem((key,), what, did_you_mean(part, place), given, kind="unknown-name")
-                )
-            place = place.get(part) if isinstance(place, Mapping) else getattr(place, part, None)
-    if problems:
+    if problems := checked.missing_parts(keys, given):
         raise CaseError(problems)
 
 

@@ -11,14 +11,8 @@ from typing import Any
 
 from rich.table import Table
 
-from orchestrator.figures.figure import in_unit
-from orchestrator.figures.results import why_transient
-from orchestrator.figures.short_names import Value, named
-from orchestrator.output.records import trust
-from orchestrator.output.report.formatting import interval
-from orchestrator.studies.points import Point, summary_of
-from orchestrator.studies.report import console_table, figure_parts
-from orchestrator.views.style import save
+from orchestrator.workbench import Picture, Run, console_table
+from orchestrator.workbench.vocabulary import Value, in_unit, interval
 
 LOOKS: dict[str, dict[str, Any]] = {
     "good": {"marker": "o", "ms": 4},
@@ -46,7 +40,7 @@ class SweptSetting:
     @property
     def look(self) -> str:
         """The look of its marks."""
-        return "cross" if not trust.is_trusted(self.status) else "open" if self.transient else "good"
+        return "cross" if self.status != "done" else "open" if self.transient else "good"
 
     def text(self, key: str) -> str:
         """Return the value of a key for people, as it was given, or a number with up to six digits."""
@@ -61,16 +55,15 @@ class SweptSetting:
             return math.nan
 
 
-def results_of(point: Point, wanted: Sequence[str]) -> dict[str, Value]:
-    """Return the wanted results that the run of a point has, by name."""
-    summary = summary_of(point.folder)
-    values = {name: named(name).of(summary) for name in wanted}
+def results_of(run: Run, wanted: Sequence[str]) -> dict[str, Value]:
+    """Return the wanted results that a run has, by name."""
+    values = {name: run.result(name) for name in wanted}
     return {name: value for name, value in values.items() if value is not None}
 
 
-def transient_words(point: Point) -> tuple[str, ...]:
+def transient_words(run: Run) -> tuple[str, ...]:
     """Return words for a machine that has not settled, and for a bed that is not steady."""
-    unsteady, unsettled = why_transient(summary_of(point.folder))
+    unsteady, unsettled = run.why_transient
     return tuple(words for words, why in (("not settled", unsettled), ("not steady", unsteady)) if why)
 
 
@@ -79,11 +72,6 @@ def short_keys(keys: Sequence[str]) -> list[str]:
     words = [key.split(".") for key in keys]
     longer = ([".".join(each[-count:]) for each in words] for count in range(1, max(map(len, words)) + 1))
     return next((names for names in longer if len(set(names)) == len(names)), list(keys))
-
-
-def with_unit(name: str) -> str:
-    """Return the name of a result with its unit, such as "velocity / (m/s)"."""
-    return name + in_unit(named(name).figure.unit)
 
 
 def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Sequence[str]) -> Table:
@@ -96,7 +84,7 @@ def results_table(keys: Sequence[str], rows: Sequence[SweptSetting], wanted: Seq
             yield interval(value)
         yield ", ".join((row.status, *row.transient))
 
-    head = [*short_keys(keys), *(with_unit(name) for name in wanted), "state"]
+    head = [*short_keys(keys), *(name + in_unit(Run.named(name).figure.unit) for name in wanted), "state"]
     return console_table("", head, (list(cells(row)) for row in rows), left=("state",))
 
 
@@ -109,19 +97,18 @@ def draw_results(
     the values of the keys are no numbers, or fewer than two runs have results.  Runs that are transient have
     open marks, and those that are not to be trusted are crosses.
     """
-    drawn = [row for row in rows if row.results and trust.came_to_its_end(row.status)]
+    drawn = [row for row in rows if row.results and row.status in Run.at_the_end]
     numeric = [key for key in keys if all(math.isfinite(row.number(key)) for row in drawn)]
     if len(drawn) < 2 or not numeric:
         return []
     lines = _lines(keys, drawn)
     over = numeric[:1] if lines else numeric
-    fig, axes = figure_parts(len(wanted) * len(over), max(len(over), min(2, len(wanted))), 5.5, 4.0)
+    picture = Picture(len(wanted) * len(over), max(len(over), min(2, len(wanted))), 5.5, 4.0)
     for number, (name, key) in enumerate((name, key) for name in wanted for key in over):
-        _draw_result(axes[number], name, key, keys, lines or {"": drawn})
+        _draw_result(picture.parts[number], name, key, keys, lines or {"": drawn})
     note = "open: not settled, or not steady; cross: not to be trusted"
-    fig.suptitle(note, fontsize=9, x=0.01, ha="left")
-    save(fig, file)
-    return [file]
+    picture.figure.suptitle(note, fontsize=9, x=0.01, ha="left")
+    return [picture.save(file)]
 
 
 def show_given_units(axes: Any, given: Mapping[float, str]) -> None:
@@ -153,7 +140,7 @@ def _draw_result(
         for place, height, row in zip(x, y, some, strict=True):
             width = row.results[name].half_width or 0.0
             axes.errorbar(place, height, width, capsize=3, color=colour, **LOOKS[row.look])
-    axes.set(xlabel=key, ylabel=fill(named(name).words, LABEL))
+    axes.set(xlabel=key, ylabel=fill(Run.named(name).words, LABEL))
     show_given_units(
         axes, {row.number(key): row.given.get(key, "") for each in lines.values() for row in each}
     )

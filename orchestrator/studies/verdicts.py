@@ -8,7 +8,6 @@ from pathlib import Path
 
 from rich.table import Table
 
-from orchestrator.case.file.whole import write_text
 from orchestrator.studies.criteria import (
     UNITS,
     Criteria,
@@ -19,9 +18,10 @@ from orchestrator.studies.criteria import (
     read_criteria,
     wanted_runs,
 )
-from orchestrator.studies.points import CaseStudy, Point, came_to_its_end
-from orchestrator.studies.quantities import Unknown
-from orchestrator.studies.report import Cell, console_table, markdown_table, percent, write_csv
+from orchestrator.studies.points import CaseStudy, Point
+from orchestrator.studies.report import markdown_table, percent
+from orchestrator.workbench import Run, StudyFolder, Unknown, console_table
+from orchestrator.workbench.vocabulary import Cell
 
 SIGNIFICANT = 0.05
 """The p-value of a reference above which the source itself cannot tell it from chance."""
@@ -202,10 +202,10 @@ def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResul
     return CriterionResult(case, row, measured, half_width=None if width is None else width / unit)
 
 
-def case_criteria(study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end) -> CaseCriteria:
+def case_criteria(study: CaseStudy, ended: Callable[[Run], bool] = Run.came_to_its_end) -> CaseCriteria:
     """Return the criteria of a case with the runs that they need; nothing is run here.
 
-    ``ended`` says whether the run in a folder is over.  Raises CaseError.
+    ``ended`` says whether a run is over.  Raises CaseError.
     """
     criteria = read_criteria(study.case)
     runs = wanted_runs(criteria, study, ended)
@@ -230,8 +230,9 @@ def verdict_table(title: str, results: Sequence[CriterionResult]) -> Table:
 
 def write_verdicts(results: Sequence[CriterionResult], folder: Path, name: str) -> list[Path]:
     """Write the table of verdicts as CSV and in Markdown, and return both files."""
-    write_text(folder / f"{name}.md", verdict_markdown(results))
-    return [write_csv([each.cells for each in results], folder / f"{name}.csv"), folder / f"{name}.md"]
+    into = StudyFolder(folder)
+    markdown = into.write_text(f"{name}.md", verdict_markdown(results))
+    return [into.write_csv(f"{name}.csv", [each.cells for each in results]), markdown]
 
 
 def verdict_markdown(results: Sequence[CriterionResult]) -> str:

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.summary import write_summary
-from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy import report
+from orchestrator.output.results.quantities import Metrics
+from orchestrator.preflight.refinement import Offer, RefinementSeries, Setting
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
+    DECISIVE,
     Combination,
     Error,
     StudyRequest,
@@ -23,8 +24,6 @@ from orchestrator.studies.accuracy.combinations import (
     scatter,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
-from orchestrator.studies.accuracy.plan import StoredStudy
-from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
 from orchestrator.studies.accuracy.report import (
     advice,
     as_json,
@@ -34,12 +33,13 @@ from orchestrator.studies.accuracy.report import (
     entries,
     warnings,
 )
+from orchestrator.studies.accuracy.stored import StoredStudy
 from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, best_measured, proposals
 from orchestrator.studies.points import CaseStudy, Point
-from orchestrator.studies.quantities import DECISIVE, Metrics
+from orchestrator.workbench import Case, Picture
 from tests.runs.outside import ROOT
 
-LOADED = load_judged(ROOT / "cases/quickstart", "draft")
+LOADED = Case.load(ROOT / "cases/quickstart", "draft")
 LONG = Setting("long", ("coupling.sync_interval_s=2e-4",), 2.0)
 SHORT = Setting("short", ("coupling.sync_interval_s=5e-5",), 0.5)
 EMPTY = Setting("none", ("particles.solver=none",))
@@ -245,8 +245,9 @@ def test_a_part_that_becomes_dear_counts() -> None:
 def test_particles_that_are_taken_over_have_an_unknown_scatter(tmp_path: Path) -> None:
     """No other seeds of taken-over particles exist; their chaos must not count as an error of the
     settings."""
-    bed = LOADED.case.bed.model_copy(update={"blocks": {}, "table": "bed.csv"})
-    loaded = replace(LOADED, case=LOADED.case.model_copy(update={"bed": bed}))
+    bed = LOADED.tables.bed.model_copy(update={"blocks": {}, "table": "bed.csv"})
+    case = LOADED.tables.model_copy(update={"bed": bed})
+    loaded = Case(replace(LOADED.judged, case=case))
     same = point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=2.0)
     random = study(tmp_path, point(tmp_path, "base", {}, [flow(1.0, 1.0)], panel=1.0), same)
     taken_over = replace(random, loaded=loaded)
@@ -269,7 +270,7 @@ def test_a_lost_reference_is_named(tmp_path: Path) -> None:
 def test_errors_that_chance_explains_have_open_marks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The frame is off by 12 % for certain, the velocity by 4 % of chance."""
     drawn: list[Any] = []
-    monkeypatch.setattr(report, "save", lambda picture, file: drawn.append(picture))
+    monkeypatch.setattr(Picture, "save", lambda picture, file: drawn.append(picture.figure))
     seeds = (-0.05, 0.0, 0.05)
     own = point(tmp_path, "base", {}, [flow(1.12, 1.04 - x) for x in seeds], panel=10.0)
     fine = point(tmp_path, "fine", {"coupling": SHORT}, [flow(1.0, 1.0 + x) for x in seeds], panel=20.0)

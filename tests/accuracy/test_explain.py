@@ -11,10 +11,12 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.cli.explain import measured_verdict
 from orchestrator.cli.main import app
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import judge_effects
-from orchestrator.studies.accuracy.plan import FORMAT, StoredStudy, find_study, measured_verdict
+from orchestrator.studies.accuracy.stored import FORMAT, StoredStudy, find_study
+from orchestrator.workbench import Case
 from tests.runs.outside import ROOT
 
 CASE = ROOT / "cases/panel-cycle"
@@ -54,7 +56,7 @@ def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) 
 
 
 def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
-    loaded, file = load_judged(CASE, "draft"), tmp_path / "accuracy.json"
+    loaded, file = Case(load_judged(CASE, "draft")), tmp_path / "accuracy.json"
     file.write_text(json.dumps(study()))
     there = find_study(loaded, file)
     assert there is not None
@@ -84,7 +86,7 @@ def test_explain_shows_it(tmp_path: Path) -> None:
 def test_a_study_tells_what_has_changed_in_its_case(tmp_path: Path) -> None:
     folder = shutil.copytree(CASE, tmp_path / CASE.name)
     there = StoredStudy(Path(), study())
-    assert there.changes(load_judged(folder, "draft", ["duration_s=3"])) == []
+    assert there.changes(Case(load_judged(folder, "draft", ["duration_s=3"]))) == []
     file = folder / "levels/draft.toml"
     file.write_text(file.read_text() + "\n[monitor]\nlargest_overlap = 0.3\n")
-    assert there.changes(load_judged(folder, "draft")) == ["monitor"]
+    assert there.changes(Case(load_judged(folder, "draft"))) == ["monitor"]

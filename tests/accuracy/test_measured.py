@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.output.records.summary import processor_by_part_s
+from orchestrator.output.results.quantities import Metrics
+from orchestrator.preflight.refinement import RefinementSeries, Setting
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     EXACT,
     Combination,
     Error,
     errors,
-    parts_s,
     scatter,
     worst_error,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
-from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
-from orchestrator.studies.quantities import Metrics
 
 GENERATOR = np.random.default_rng(4)
 
@@ -71,9 +71,9 @@ def test_processor_time_is_divided_as_wall_time_was() -> None:
     processor_s = point(1.0).processor_by_part_s
     assert processor_s == {"start": 0.0, "particles": 4.0, "rest": 4.0}
     run = {"processor_before_s": 2.0, "processor_s": 8.0, "wall_s": 12.0}
-    assert parts_s(run | {"wall_by_part_s": {"panel": 12.0}}) == {"start": 2.0, "panel": 6.0}
+    assert processor_by_part_s(run | {"wall_by_part_s": {"panel": 12.0}}) == {"start": 2.0, "panel": 6.0}
     again = {"wall_by_part_s": {"panel": 4.0, "coupling": 8.0}, "repeated_by_part_s": {"panel": 6.0}}
-    assert parts_s(run | again) == {"start": 2.0, "panel": 5.0, "coupling": 1.0}
+    assert processor_by_part_s(run | again) == {"start": 2.0, "panel": 5.0, "coupling": 1.0}
 
 
 def test_what_a_seed_does_to_all_points_alike_is_no_scatter() -> None:

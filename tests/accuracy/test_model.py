@@ -7,8 +7,8 @@ from typing import Literal
 
 import pytest
 
+from orchestrator.preflight.refinement import Setting
 from orchestrator.studies.accuracy.convergence import Model, Option
-from orchestrator.studies.accuracy.refinement import Setting
 
 PARTS_S = {"particles": 8.0, "panel": 2.0}
 

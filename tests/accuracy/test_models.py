@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.output.results.quantities import Metrics, relative
 from orchestrator.ports import Array
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.refinement import offer
 from orchestrator.studies.accuracy.combinations import ALONE, EXACT, Combination, Error, Scatter, errors
-from orchestrator.studies.accuracy.refinement import offer
 from orchestrator.studies.points import sampling_sets
-from orchestrator.studies.quantities import Metrics, relative
 from tests.runs.outside import ROOT
 
 

@@ -11,18 +11,12 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.whole import write_json
+from orchestrator.cli.planning import Plan, Timing, filling, time_by_study
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.accuracy.combinations import part_s
-from orchestrator.studies.accuracy.plan import (
-    FORMAT,
-    Plan,
-    StoredStudy,
-    Timing,
-    filling,
-    find_study,
-    time_by_study,
-)
+from orchestrator.studies.accuracy.stored import FORMAT, StoredStudy, find_study
+from orchestrator.workbench import Case
 from tests.cases import case_folder
 from tests.runs.outside import ROOT
 
@@ -159,7 +153,7 @@ def test_chance_is_part_of_what_is_predicted() -> None:
 
 
 def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
-    loaded, file = load_judged(ROOT / "cases/quickstart", "draft"), tmp_path / "accuracy.json"
+    loaded, file = Case(load_judged(ROOT / "cases/quickstart", "draft")), tmp_path / "accuracy.json"
     with pytest.raises(CaseError, match="no such file"):
         find_study(loaded, file)
     older = {key: value for key, value in study().table.items() if key != "format_version"}
@@ -195,10 +189,10 @@ def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) 
 
 def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
     """Fed from 0.3 s on, or not at all."""
-    fed = load_judged(ROOT / "cases/ffs0827-slice", "dry", ["duration_s=0.8"]).case
+    fed = Case(load_judged(ROOT / "cases/ffs0827-slice", "dry", ["duration_s=0.8"]))
     assert part_s(fed, 5) == pytest.approx(0.4)
     load_judged(ROOT / "cases/ffs0827-slice", "dry", [f"duration_s={part_s(fed, 5)!r}"])
-    unfed = load_judged(ROOT / "cases/quickstart", "draft", ["duration_s=0.5"]).case
+    unfed = Case(load_judged(ROOT / "cases/quickstart", "draft", ["duration_s=0.5"]))
     assert part_s(unfed, 5) == pytest.approx(0.1)
 
 

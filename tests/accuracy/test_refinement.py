@@ -10,9 +10,10 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.refinement import PARAMETERS, offer
 from orchestrator.studies.accuracy.combinations import shared_sets
-from orchestrator.studies.accuracy.refinement import PARAMETERS, offer
 from orchestrator.studies.points import seed_sets
+from orchestrator.workbench import Case
 from tests.runs.outside import ROOT
 
 QUICKSTART = ROOT / "cases/quickstart"
@@ -94,8 +95,8 @@ def test_every_slice_that_is_proposed_passes_the_check(own_m: float) -> None:
 
 
 def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
-    case = load_judged(QUICKSTART, "draft").case
-    shared = shared_sets(case, 2e-4)
+    judged = load_judged(QUICKSTART, "draft")
+    case, shared = judged.case, shared_sets(Case(judged), 2e-4)
     at = load_judged(QUICKSTART, "draft", shared).case
     assert "shorten" not in at.monitor.model_dump().values()
     for time_s in (at.duration_s, at.output.interval_s, at.output.shapes_s):
@@ -105,7 +106,7 @@ def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
 
 
 def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
-    case = load_judged(QUICKSTART, "draft").case
+    case = Case(load_judged(QUICKSTART, "draft"))
     assert seed_sets(case, 0) == ()
     assert seed_sets(case, 2) == ("bed.blocks.coal.seed=3",)
 

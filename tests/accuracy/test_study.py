@@ -13,16 +13,18 @@ from pyarrow import parquet
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.cli.planning import time_by_study
 from orchestrator.output.records.run_folder import write_case
 from orchestrator.output.records.summary import write_summary
+from orchestrator.output.results.quantities import Question, Unknown, number_of
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.combinations import StudyRequest
+from orchestrator.studies.accuracy.combinations import DECISIVE, StudyRequest
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
-from orchestrator.studies.accuracy.plan import find_study, time_by_study
 from orchestrator.studies.accuracy.report import write_study
+from orchestrator.studies.accuracy.stored import find_study
 from orchestrator.studies.accuracy.study import AccuracyStudy, plan_study, run_study
 from orchestrator.studies.points import CaseStudy, Crew
-from orchestrator.studies.quantities import DECISIVE, Question, Unknown, number_of
+from orchestrator.workbench import Case
 from tests.runs.outside import ROOT, flipflow
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]
@@ -215,7 +217,7 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
 def test_a_plan_by_the_study_is_one_of_its_short_run(study: AccuracyStudy, out: Path) -> None:
     """The command tools/plan_series.py measures how well predicted times are kept."""
     write_study(study, out)
-    stored = find_study(load_judged(BALL, "draft"), out / "accuracy.json")
+    stored = find_study(Case(load_judged(BALL, "draft")), out / "accuracy.json")
     assert stored is not None
     timing, own_s = time_by_study(stored, BALL, "draft"), study.base.processor_s
     short_s, long_s = (timing.wall_s(own_s, duration_s) for duration_s in (0.05, 0.1))

@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 
 from orchestrator.output.records import trust
-from orchestrator.studies.commands.stability import QUIET, is_over
 from orchestrator.studies.criteria import Criterion, read_criteria
 from orchestrator.studies.points import CaseStudy, Crew, run_points
+from orchestrator.studies.stability import QUIET
 from orchestrator.studies.verdicts import CaseCriteria, case_criteria, judge
+from orchestrator.workbench import Run
 from tests.runs.outside import has_results, summary
 
 ROOT = Path(__file__).parents[2]
@@ -46,7 +47,7 @@ def was_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CaseCri
         if name not in made:
             shorter = [sets[name] for sets in (HALVED, SOFTER) if name in sets]
             case = CaseStudy(FOLDER / name, None, (*QUIET, *shorter), out / name)
-            made[name] = case_criteria(case, is_over)
+            made[name] = case_criteria(case, Run.is_over)
             list(run_points(made[name].points, Crew(1)))
         return made[name]
 

@@ -14,6 +14,7 @@ from orchestrator.figures.figure import to_json
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import SUMMARY_FORMAT, write_summary
 from orchestrator.output.results.compute import compute_results
+from orchestrator.output.results.quantities import Unknown, mean_of_cycles, outcome
 from orchestrator.studies.criteria import (
     OVER_VALUES,
     Criterion,
@@ -25,7 +26,6 @@ from orchestrator.studies.criteria import (
     read_criteria,
 )
 from orchestrator.studies.points import Point, Vary
-from orchestrator.studies.quantities import Unknown, mean_of_cycles, outcome
 from orchestrator.studies.verdicts import CriterionResult, judge, verdict_markdown
 from tests.results.synthetic import BIN_KG, CYCLE_S, VELOCITY_M_S, folder_of
 

@@ -16,11 +16,10 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records.run_folder import write_case
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies import points
-from orchestrator.studies.commands import stability
+from orchestrator.output.tables import write_csv
+from orchestrator.studies import stability
 from orchestrator.studies.criteria import interval_sets
 from orchestrator.studies.points import CaseStudy, Crew, FolderUnusable, Point, run_points
-from orchestrator.studies.report import write_csv
 from orchestrator.studies.verdicts import CriterionResult
 from tests.cases import case_folder
 from tests.runs.outside import ROOT, flipflow, said_plainly
@@ -37,7 +36,7 @@ def made_up(point: Point, figures: dict[str, object]) -> None:
     """The folder that such a run would leave."""
     point.folder.mkdir(parents=True)
     write_summary(point.folder, figures)
-    write_case(point.folder, point.loaded)
+    write_case(point.folder, point.loaded.judged)
 
 
 @pytest.fixture
@@ -61,7 +60,7 @@ def test_the_map_has_every_scheme_mass_and_interval(spots: list[stability.Spot])
     assert ratios == pytest.approx([balls_kg / panel_kg * 350 / 1430, balls_kg / panel_kg])
     by_mass = {spot.mass_ratio: set() for spot in spots}
     for spot in spots:  # of one mass and multiple every scheme has the same interval
-        case = spot.run.loaded.case
+        case = spot.point.loaded.tables
         assert case.coupling.scheme == spot.scheme
         by_mass[spot.mass_ratio].add((spot.multiple, case.coupling.sync_interval_s))
     for pairs in by_mass.values():
@@ -74,9 +73,9 @@ def test_what_was_stopped_is_not_run_again(
     spots: list[stability.Spot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for spot, figures in zip(spots, [DONE, WARNED, STOPPED] * len(spots), strict=False):
-        made_up(spot.run, figures)
-    monkeypatch.setattr(points, "python", lambda *words, **more: pytest.fail("it was run"))
-    lines = list(run_points([spot.run for spot in spots], Crew(1)))
+        made_up(spot.point, figures)
+    monkeypatch.setattr("orchestrator.workbench.run.python", lambda *words, **more: pytest.fail("it was run"))
+    lines = list(run_points([spot.point for spot in spots], Crew(1)))
     assert all(line.endswith("done before") for line in lines)
     assert [spot.outcome for spot in spots[:3]] == ["stable", "warned", "stopped"]
 
@@ -94,7 +93,7 @@ def test_a_run_that_is_to_be_resumed_is_not_done_at_its_first_end(tmp_path: Path
 
 def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> None:
     for spot, figures in zip(spots, [DONE, WARNED, STOPPED, IDLE], strict=False):
-        made_up(spot.run, figures)
+        made_up(spot.point, figures)
     picture = stability.draw_map(spots, tmp_path / "map.png")
     pixels = matplotlib.image.imread(picture)[..., :3]
     assert 0.01 < (np.abs(pixels - pixels[0, 0]).max(axis=-1) > 0.1).mean() < 0.9
@@ -115,11 +114,11 @@ def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> 
 
 def test_masses_that_are_one_to_three_digits_are_refused(spots: list[stability.Spot]) -> None:
     """Their runs would have one folder, and both places of the map the outcome of the last one."""
-    heavier = replace(spots[0].run, words=(*spots[0].run.words, "--set", "title=another"))
+    heavier = replace(spots[0].point, words=(*spots[0].point.words, "--set", "title=another"))
     with pytest.raises(FolderUnusable, match="two different runs of this study have this folder"):
-        next(run_points([spots[0].run, heavier], Crew(1)))
-    made_up(spots[0].run, DONE)
-    assert len([*run_points([spots[0].run, spots[0].run], Crew(1))]) == 1  # one that is asked for twice
+        next(run_points([spots[0].point, heavier], Crew(1)))
+    made_up(spots[0].point, DONE)
+    assert len([*run_points([spots[0].point, spots[0].point], Crew(1))]) == 1  # one that is asked for twice
 
 
 @pytest.mark.process

@@ -145,7 +145,7 @@ def test_a_series_names_files_of_its_run_alone(tmp_path: Path, name: str) -> Non
 @pytest.mark.parametrize("text", ["[1]", "{}", "[" * 200_000])
 def test_a_damaged_trial_of_a_study_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "0001.trial.json").write_text(text)
-    with pytest.raises(UnreadableFile, match="0001"):
+    with pytest.raises((FolderUnusable, UnreadableFile), match="0001"):
         Journal(tmp_path).read()
 
 

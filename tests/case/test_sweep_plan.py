@@ -11,11 +11,12 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.cli.studies.sweep import command
 from orchestrator.figures.short_names import Value
-from orchestrator.studies.commands import sweep
 from orchestrator.studies.points import CaseStudy, parse_vary
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep
 from orchestrator.studies.sweep_results import SweptSetting, draw_results, results_table, short_keys
+from orchestrator.workbench import Picture
 from tests.runs.outside import ROOT
 
 SPEED, SLOPE = "screen.exciters.shaft.speed_rad_per_s", "screen.inclination_deg"
@@ -70,7 +71,7 @@ def test_values_are_given_back_in_the_units_in_which_they_came(tmp_path: Path, h
     points = plan.points(CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path))
     (faster,) = (point for point in points if plan.given_of(point) == {SPEED: "750 rpm"})
     assert faster.folder.name == "speed_rad_per_s-750_rpm_inclination_deg-15"
-    assert faster.loaded.case.screen.exciters["shaft"].speed_rad_per_s == pytest.approx(25 * math.pi)
+    assert faster.loaded.tables.screen.exciters["shaft"].speed_rad_per_s == pytest.approx(25 * math.pi)
     assert float(plan.setting_of(faster)[SPEED]) == pytest.approx(25 * math.pi)
     rows = [SweptSetting(plan.setting_of(p), "done", {}, (), plan.given_of(p)) for p in points]
     assert sorted(results_table(plan.keys, rows, []).columns[0].cells) == ["700 rpm", "750 rpm"]
@@ -93,7 +94,7 @@ def test_one_varied_key_gives_back_its_unit() -> None:
 
 def test_a_dry_sweep_lists_and_predicts_its_runs_and_writes_nothing(tmp_path: Path) -> None:
     study = CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path / "out")
-    lines = [*sweep.command(study, [f"{SPEED}=700:750:50 rpm"], dry=True)]
+    lines = [*command(study, [f"{SPEED}=700:750:50 rpm"], dry=True)]
     assert lines[0].startswith(f"{SPEED} = 700 rpm: ")
     assert lines[1].startswith(f"{SPEED} = 750 rpm: ")
     assert lines[2].startswith("2 of 2 runs are to be made, ")
@@ -105,7 +106,7 @@ def test_each_point_has_a_folder_of_its_own_and_its_keys(tmp_path: Path) -> None
     points = plan.points(CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path))
     assert len({point.folder for point in points}) == 4
     assert points[1].folder.name == "speed_rad_per_s-58.0_inclination_deg-15"
-    assert points[1].loaded.case.screen.inclination_deg == 15
+    assert points[1].loaded.tables.screen.inclination_deg == 15
     assert plan.setting_of(points[1]) == {SPEED: "58.0", SLOPE: "15"}
 
 
@@ -131,7 +132,7 @@ def test_a_range_of_no_numbers_is_refused(text: str) -> None:
 
 def test_a_table_that_the_case_lacks_is_named_with_the_nearest(tmp_path: Path) -> None:
     case = CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path / "out")
-    mistyped = sweep.command(case, ["screen.exciters.shft.speed_rad_per_s=58,84"])
+    mistyped = command(case, ["screen.exciters.shft.speed_rad_per_s=58,84"])
     with pytest.raises(
         CaseError, match=r'--vary .*: the case has no "shft" in screen\.exciters; did you mean "shaft"\?'
     ):
@@ -143,7 +144,7 @@ def test_the_folder_of_a_sweep_over_other_keys_is_refused(tmp_path: Path) -> Non
     (tmp_path / "sweep.csv").write_text(f"{SLOPE},status,settled\n", encoding="utf-8")
     case = CaseStudy(ROOT / "cases/empty-machine", "draft", out=tmp_path)
     with pytest.raises(FolderUnusable, match=r"sweep\.csv: is of a sweep over other keys; give another"):
-        next(sweep.command(case, [f"{SPEED}=58,84"]))
+        next(command(case, [f"{SPEED}=58,84"]))
 
 
 @pytest.mark.parametrize(
@@ -194,7 +195,7 @@ def test_a_transient_run_is_told_and_has_an_open_mark(
     assert [*table.columns[-1].cells] == ["done", "done, not settled", "doubtful, not settled, not steady"]
     assert [row.look for row in rows] == ["good", "open", "cross"]
     drawn: list[Any] = []
-    monkeypatch.setattr("orchestrator.studies.sweep_results.save", lambda fig, _: drawn.append(fig))
+    monkeypatch.setattr(Picture, "save", lambda picture, _: drawn.append(picture.figure))
     draw_results(["a.x_m"], rows, ["stroke"], tmp_path / "results.png")
     (axes,) = drawn[0].axes
     drawn[0].draw_without_rendering()

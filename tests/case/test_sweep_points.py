@@ -26,7 +26,7 @@ def done_point(folder: Path, stored: dict[str, Any]) -> Point:
 
 @pytest.fixture(scope="module")
 def now() -> dict[str, Any]:
-    return resolved_case(CaseStudy(EMPTY, "draft").check())
+    return resolved_case(CaseStudy(EMPTY, "draft").check().judged)
 
 
 def test_its_own_run_is_not_done_again(tmp_path: Path, now: dict[str, Any]) -> None:

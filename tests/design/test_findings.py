@@ -17,6 +17,7 @@ from orchestrator.studies.design.page import anova_tables, answers, borders, dou
 from orchestrator.studies.design.pictures import main_effects, strongest_pair
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.trials import Measured, Outcome, Prediction
+from orchestrator.workbench import Picture
 from tests.design.campaigns import belt, belt_truth, run_all
 
 
@@ -177,7 +178,7 @@ def test_runs_beyond_another_limit_are_open_but_not_those_that_lack_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[Any] = []
-    monkeypatch.setattr(pictures, "save", lambda picture, file: drawn.append(picture))
+    monkeypatch.setattr(Picture, "save", lambda picture, file: drawn.append(picture.figure))
     goals = {"goals": ["maximise speed", "maximise share"], "limits": ["pace <= 1.5"]}
     study = belt(
         tmp_path, **goals, **{"responses/pace": {"result": "results.pace"}, "plan/runs": 12, "search/runs": 0}

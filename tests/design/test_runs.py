@@ -12,7 +12,7 @@ import tomli_w
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.summary import SUMMARY_FORMAT
-from orchestrator.studies.design import runs as design_runs
+from orchestrator.output.results import run_reader
 from orchestrator.studies.design.runs import Runs
 from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.design.trials import Trial
@@ -29,7 +29,7 @@ def outcome_of(
 ) -> Any:
     """Return the outcome of a trial of the plates whose run has a summary."""
     study = read_study(write_plates(folder, *(others or [('unit = "m/s"', replaced)])))
-    monkeypatch.setattr(design_runs, "summary_of", lambda run: {"status": "done", **summary})
+    monkeypatch.setattr(run_reader, "summary_of", lambda run: {"status": "done", **summary})
     runs = Runs(study, CaseStudy(CASE, None, (), folder / "runs", Crew()))
     return next(
         iter(runs.finished([Trial(1, "plan", (0.0, 0.0), 0, values={"amplitude": 8.0, "rate": 70.0})]))
@@ -131,7 +131,7 @@ def test_a_run_of_another_duration_is_data_where_only_steady_runs_are(
     shorter = read_study(write_plates(tmp_path, ("duration_s=0.3", "duration_s=0.6")))
     stored = Runs(shorter, CaseStudy(CASE, None, (), tmp_path / "runs", Crew()))._point(trial)
     stored.folder.mkdir(parents=True)
-    (stored.folder / "case.toml").write_text(tomli_w.dumps(resolved_case(stored.loaded)))
+    (stored.folder / "case.toml").write_text(tomli_w.dumps(resolved_case(stored.loaded.judged)))
     summary = {"format_version": SUMMARY_FORMAT, "status": "done"}
     (stored.folder / "summary.json").write_text(json.dumps(summary))
     if is_steady:

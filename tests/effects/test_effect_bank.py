@@ -18,7 +18,6 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import Judged
 from orchestrator.preflight.judgement.pair import Change
 from orchestrator.preflight.scene.effect import Verdict
-from orchestrator.studies import points as sweep
 from tests.runs.outside import ROOT
 from tools.effect_bank import bank as banks
 from tools.effect_bank import confusion, tables
@@ -107,7 +106,9 @@ def test_two_scenes_are_run_once_and_a_verdict_turned_over_is_found(
     assert float(rows["slack"]["without"]) < 0.2 * float(rows["slack"]["with"])
     assert float(rows["high"]["change"]) < 0.1
 
-    monkeypatch.setattr(sweep, "python", lambda *words, **more: pytest.fail("it was run again"))
+    monkeypatch.setattr(
+        "orchestrator.workbench.run.python", lambda *words, **more: pytest.fail("it was run again")
+    )
     turned_over(monkeypatch)
     again = study(bank, "--out", out)
     assert again.exit_code == 4, again.output
@@ -118,7 +119,7 @@ def test_two_scenes_are_run_once_and_a_verdict_turned_over_is_found(
 
 
 def test_dry_says_what_would_be_run_and_runs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweep, "python", lambda *words, **more: pytest.fail("it was run"))
+    monkeypatch.setattr("orchestrator.workbench.run.python", lambda *words, **more: pytest.fail("it was run"))
     out = tmp_path / "out"
     result = study(tiny_bank(tmp_path), "--dry", "--out", out, "--scene", "high")
     assert result.exit_code == 0, result.output
@@ -170,7 +171,7 @@ def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
     scene = banks.read(tiny_bank(tmp_path))["high"]
     scene = scene.model_copy(update={"effects": ()})
     tried = try_scene("high", scene, tmp_path, tmp_path / "out")
-    kinds = {trial.without: trial.runs[0].loaded.case for trial in tried.trials}
+    kinds = {trial.without: trial.runs[0].loaded.tables for trial in tried.trials}
     assert kinds[""].panel.solver == "strip"
     assert kinds[""].materials["PU"].hyperelastic.maxwell
     assert kinds["panel-deformation"].panel.solver == "rigid"

@@ -18,8 +18,8 @@ from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, compute_change, key_of, recall, remember, share_pairs
 from orchestrator.preflight.judgement.weighing import measured_verdict
 from orchestrator.preflight.scene.effect import Verdict
-from orchestrator.studies import pairs
-from orchestrator.studies.pairs import try_effects
+from orchestrator.run.trials import pairs
+from orchestrator.run.trials.pairs import try_effects
 from tests.cases import CASE, case_folder, load_case, loaded
 
 SHORT = "duration_s=0.02"

@@ -20,7 +20,7 @@ from orchestrator.preflight.judgement.weighing import weigh_effects
 from orchestrator.preflight.scene.frame_modes import FrameMode, frame_modes
 from orchestrator.preflight.scene.scene import Scene, scene
 from orchestrator.preflight.scene.steadiness import doubt_of_steady_motion, on_the_way_up
-from orchestrator.studies.points import run_in_scratch
+from orchestrator.run.trials.scratch import run_in_scratch
 from tests.cases import case_folder, loaded
 
 CASES = Path(__file__).parents[2] / "cases"

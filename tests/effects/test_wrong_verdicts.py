@@ -26,7 +26,7 @@ from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.preflight.scene.moved_panel import stiffness_share
 from orchestrator.preflight.scene.observed import Observed
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.studies.pairs import Pairs
+from orchestrator.run.trials.pairs import Pairs
 from tests.cases import kinds, load_case, loaded
 from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED
 

@@ -14,8 +14,8 @@ import pytest
 
 from orchestrator.output.records.history import write_results
 from orchestrator.output.results.machine import why_not_settled
+from orchestrator.output.results.quantities import Question, number_of
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.studies.quantities import Question, number_of
 from tests.results.synthetic import (
     BIN_KG,
     CYCLE_S,

@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.cli.studies import corners
+from orchestrator.figures.short_names import Value
 from orchestrator.output.report.corners import CENTRE, FILE, corner_lines
-from orchestrator.studies.commands import corners
+from orchestrator.preflight.material_ranges import corner_sets, ranged_contacts
 from orchestrator.studies.points import CaseStudy, Point
 from tests.cases import CASE, case_folder
 
@@ -23,13 +25,13 @@ def study(folder: Path, case: str = CASE, sets: tuple[str, ...] = ()) -> CaseStu
 
 
 def contacts_of(point: Point) -> dict[frozenset[str], Any]:
-    return {frozenset(row.between): row for row in point.loaded.case.contacts}
+    return {frozenset(row.between): row for row in point.loaded.tables.contacts}
 
 
 def corner_points(given: CaseStudy, **own: tuple[float, float]) -> dict[str, Point]:
-    loaded = given.check()
-    ranged = [*corners._ranged(loaded, own)]
-    return {point.value: point for point in corners._corners(given, loaded, ranged)}
+    judged = given.check().judged
+    sets = corner_sets(judged, [*ranged_contacts(judged, own)])
+    return {name: given.point(name, [overlay]) for name, overlay in sets.items()}
 
 
 def test_the_corners_are_the_ends_of_the_library(tmp_path: Path) -> None:
@@ -77,15 +79,14 @@ def test_a_range_that_is_none_is_one_message(tmp_path: Path, text: str) -> None:
 
 def test_the_page_of_the_centre_says_what_was_found(tmp_path: Path) -> None:
     given = study(tmp_path, sets=(ANGULAR,))
-    loaded = given.check()
-    ranged = [*corners._ranged(loaded, {})]
-    points = [given.point(CENTRE), *corners._corners(given, loaded, ranged)]
+    ranged = [*ranged_contacts(given.check().judged, {})]
+    points = [given.point(CENTRE), *corner_points(given).values()]
     given.folder.mkdir()
-    values = {
-        point.value: {"efficiency": None, "velocity": Number(v)}
-        for point, v in zip(points, range(5), strict=True)
+    speeds = {
+        point.value: {"efficiency": None, "velocity": Value(float(number))}
+        for number, point in enumerate(points)
     }
-    corners._write(given, ranged, points, values)
+    corners.write_corners(given.folder, ranged, points, speeds)
     (line,) = corner_lines(given.folder / CENTRE)
     assert line.startswith(
         "velocity from 0 to 4.00 m/s within the ranges of the materials, by 5 runs of one seed each"
@@ -100,10 +101,3 @@ def test_the_page_of_the_centre_says_what_was_found(tmp_path: Path) -> None:
 def test_a_foreign_file_says_nothing(tmp_path: Path, content: str) -> None:
     (tmp_path / FILE).write_text(content)
     assert corner_lines(tmp_path / CENTRE) == []
-
-
-class Number:
-    """A value of a run."""
-
-    def __init__(self, value: float) -> None:
-        self.value = value

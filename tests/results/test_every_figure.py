@@ -21,12 +21,13 @@ from orchestrator.output.records.summary import write_summary
 from orchestrator.output.report.headline import headline
 from orchestrator.output.report.page import Film, page, shown
 from orchestrator.output.results.compute import compute_results
+from orchestrator.output.results.quantities import number_of
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.tidy import read_results
-from orchestrator.studies.commands.sweep import write_sweep
 from orchestrator.studies.criteria import Criterion
 from orchestrator.studies.points import Vary
-from orchestrator.studies.quantities import number_of
+from orchestrator.studies.sweep import write_sweep
+from orchestrator.workbench import Run
 from tests.results.synthetic import folder_of
 from tests.runs.outside import ROOT
 from tools.results_reference.__main__ import results_reference
@@ -137,7 +138,7 @@ def test_rows_names_and_columns_have_the_bits_of_the_summary(
 ) -> None:
     """``results`` and ``compare`` (tidy rows), paths, ``history.h5``, the sweep's table, and criteria."""
     rows = read_results([folder])[0]
-    point: Any = SimpleNamespace(value="78.5", folder=folder, status=lambda: "done")
+    point: Any = SimpleNamespace(value="78.5", folder=folder, run=Run(folder))
     vary = Vary("screen.exciters.shaft.speed_rad_per_s", ("78.5",))
     (swept,) = csv.DictReader(write_sweep(vary, [point], tmp_path)[0].read_text().splitlines())
     with h5py.File(folder / "history.h5") as history:

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from orchestrator.figures.short_names import SHORT_NAMES, value_at
+from orchestrator.output.results.quantities import MEASURES, measure
 from orchestrator.output.results.tidy import single_numbers
-from orchestrator.studies.quantities import MEASURES, measure
 from tests.cases import case_folder
 from tests.results.recomputed import Recomputed, by_chance, differences
 from tests.runs.outside import flipflow, run_words, summary

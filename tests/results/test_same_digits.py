@@ -20,12 +20,13 @@ from orchestrator.output.report.formatting import interval
 from orchestrator.output.report.headline import headline
 from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.observed import ObservedMotion
+from orchestrator.output.results.quantities import number_of
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.studies.commands.sweep import sweep_rows, write_sweep
 from orchestrator.studies.criteria import Criterion
 from orchestrator.studies.points import Vary
-from orchestrator.studies.quantities import number_of
+from orchestrator.studies.sweep import sweep_rows, write_sweep
+from orchestrator.workbench import Run
 from tests.results.synthetic import folder_of, parsed, results_table
 
 PAIR = "driven-driving"
@@ -75,7 +76,7 @@ def test_the_results_agree_with_themselves(folder: Path, along: dict[str, Any]) 
 def test_the_sweep_and_the_paper_have_the_same_bits(
     folder: Path, along: dict[str, Any], tmp_path: Path
 ) -> None:
-    point: Any = SimpleNamespace(value="78.5", folder=folder, status=lambda: "done")
+    point: Any = SimpleNamespace(value="78.5", folder=folder, run=Run(folder))
     (row,) = csv.DictReader(write_sweep(VARY, [point], tmp_path)[0].read_text().splitlines())
     assert float(row[f"{PAIR}.x_m"]) == along["value"]
     assert float(row[f"{PAIR}.x_m.half_width"]) == along["half_width"]
@@ -118,6 +119,6 @@ def test_another_settled_state_is_the_same_everywhere(folder: Path, tmp_path: Pa
         motion = run.summary["results"]["motion"]
     assert motion["is_settled"]
     assert not headline(parsed({"motion": motion}))[0].unsteady
-    point: Any = SimpleNamespace(value="78.5", folder=folder, status=lambda: "done")
+    point: Any = SimpleNamespace(value="78.5", folder=folder, run=Run(folder))
     (row,) = sweep_rows(VARY, [point])
     assert (row["settled"], row["drift"]) == ("yes", motion["drift"])

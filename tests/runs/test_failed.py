@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from orchestrator.studies.quantities import outcome
+from orchestrator.output.results.quantities import outcome
 from tests.runs.failures import failed
 from tests.runs.outside import (
     HANG_S,

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.cli import launch
-from orchestrator.studies.half_interval import try_half
+from orchestrator.run.trials.half_interval import try_half
 from tests.runs.outside import ROOT
 
 SETS = ["monitor.created_energy=warn", "coupling.scheme=particles-first", "output.pictures=false"]

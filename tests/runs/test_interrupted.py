@@ -15,6 +15,7 @@ import pytest
 
 from orchestrator.output.checkpoints import find_newest
 from orchestrator.studies.design.runs import has_ended
+from orchestrator.workbench import Run
 from tests.runs.outside import (
     HANG_S,
     QUICK,
@@ -123,7 +124,7 @@ def test_killed_before_its_results_are_made_it_is_not_done(tmp_path: Path) -> No
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["status"] == "interrupted"
     assert summary["reason"] == "stopped while its results were being made"
-    assert not has_ended(folder)
+    assert not has_ended(Run(folder))
     assert flipflow("resume", str(folder)).returncode == 0
     assert left_usable(folder, "done")["results"]["failed"] == {}
 

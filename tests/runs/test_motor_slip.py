@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.studies.frame_drives import drives
+from orchestrator.output.results.frame_drives import drives
 from tests.frames.test_motor import (
     MOTOR,
     DAMPING_N_s_per_m,

@@ -11,11 +11,11 @@ from orchestrator.cli.launch import run
 from orchestrator.coupling.ledger import created_shares
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
-from orchestrator.preflight.judge import load_judged
+from orchestrator.output.results.quantities import Unknown, outcome
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.criteria import Criterion, Runs, evaluate
-from orchestrator.studies.quantities import Unknown, outcome
+from orchestrator.workbench import Case
 from tests.runs.outside import ROOT, summary
 
 ONLY_WARN = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
@@ -125,6 +125,18 @@ def test_each_ground(key: str, worse: dict[str, Any], says: str) -> None:
     assert says in doubt
 
 
+def test_contacts_as_stiff_as_the_materials_may_be_deeper() -> None:
+    """Up to nine tenths of a radius a lump that presses a fine grain into rubber is a fact."""
+    own = {"effects": {"contact-stiffness": {"left_out": ""}}}
+    pressed = {"surface_per_diameter": 0.44}
+    table = GOOD | own | {"material": GOOD["material"] | {"deepest_overlaps": pressed}}
+    assert trust.doubts(table) == []
+    pressed["surface_per_diameter"] = 0.46
+    (doubt,) = trust.doubts(table)
+    assert "by 0.92 of a radius, more than 0.9" in doubt
+    assert "largest_youngs_modulus_Pa" not in doubt  # it would not help
+
+
 @pytest.mark.parametrize(
     ("key", "harmless"),
     [
@@ -155,14 +167,14 @@ def doubtful(tmp_path: Path) -> sweep.Point:
     """A run that came to its end and is not to be trusted."""
     (tmp_path / "run").mkdir()
     write_summary(tmp_path / "run", {"status": "doubtful"})
-    loaded = load_judged(ROOT / "cases/quickstart", "draft")
+    loaded = Case.load(ROOT / "cases/quickstart", "draft")
     return sweep.Point("1.0", loaded, (), tmp_path / "run")
 
 
 def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
     """Studies do not run it again, either: it would be as doubtful. Sweeps mark it as what it is
     (``tests/test_sweep_table.py``)."""
-    assert doubtful.ended(doubtful.folder)
+    assert doubtful.ended(doubtful.run)
     row = Criterion(what="a", run="one", measure="amplitude", of="driving")
     with pytest.raises(Unknown, match="run: doubtful"):  # what a paper is compared with
         evaluate(row, {"one": Runs((doubtful,))})

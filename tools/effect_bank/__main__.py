@@ -74,7 +74,7 @@ def _list(scenes: list[SceneTrials]) -> None:
     for one in scenes:
         CONSOLE.print(f"{one.name}: {one.scene.why}")
         for trial in one.trials:
-            todo = [run for run in trial.runs if not run.ended(run.folder)]
+            todo = [run for run in trial.runs if not run.ended(run.run)]
             what = f"without {trial.without}" if trial.without else "as it is"
             cost = f"{len(todo)} to be run, about {trial.predicted_s:.0f} s each"
             CONSOLE.print(f"  {what}: {trial.omitted or cost}")

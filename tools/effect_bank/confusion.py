@@ -127,7 +127,7 @@ def _compare(base: Trial, trial: Trial, asked: Sequence[str]) -> tuple[dict[str,
         return {}, CHANGED, "the run without it failed"
     if not base.has_ended or not trial.has_ended:
         return {}, NOT_RUN, ""
-    by_chance = is_random(base.runs[0].loaded.case)
+    by_chance = is_random(base.runs[0].loaded)
     changes = {name: change(name, base.summaries, trial.summaries, by_chance=by_chance) for name in asked}
     doubtful = "the run without it is doubtful" if trust.DOUBTFUL in trial.statuses else ""
     return changes, outcome(changes), doubtful

@@ -14,11 +14,12 @@ from typing import Any
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.ports.clock import sample_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
 from orchestrator.studies import points as sweep
-from orchestrator.studies.points import CaseStudy, sample_s, seed_sets
+from orchestrator.studies.points import CaseStudy, seed_sets
+from orchestrator.workbench import Case
 from tools.effect_bank.bank import Scene
 
 AS_IT_IS = ""
@@ -47,12 +48,12 @@ class Trial:
     @property
     def has_ended(self) -> bool:
         """Whether all its runs have come to their end, trusted or not."""
-        return all(one.ended(one.folder) for one in self.runs)
+        return all(one.ended(one.run) for one in self.runs)
 
     @property
     def summaries(self) -> list[dict[str, Any]]:
         """The contents of ``summary.json`` of the runs that came to their end, trusted or not."""
-        return [RunReader(one.folder).summary for one in self.runs if one.ended(one.folder)]
+        return [RunReader(one.folder).summary for one in self.runs if one.ended(one.run)]
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def try_scene(name: str, scene: Scene, folder: Path, out: Path) -> SceneTrials:
     case = folder / scene.case
     sets = _sets(load_judged(case, scene.level, scene.sets), scene)
     first = _trial(name, AS_IT_IS, case, scene, sets, out)
-    loaded = first.runs[0].loaded
+    loaded = first.runs[0].loaded.judged
     here = [one for one in EFFECTS if has_effect(loaded.described, one)]
     trials = [first]
     for effect in here:
@@ -108,13 +109,13 @@ def try_scene(name: str, scene: Scene, folder: Path, out: Path) -> SceneTrials:
 def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path) -> Trial:
     """Return the trial of a scene without an effect, checked.  Raises CaseError."""
     whole = f"{name}-without-{without}" if without else name
-    bare = load_judged(case, scene.level, sets).case
+    bare = Case(load_judged(case, scene.level, sets))
     study = CaseStudy(case, scene.level, tuple(sets), out)
     runs = tuple(
         study.point(whole, seed_sets(bare, number), f"{whole}-seed{number}" if number else whole)
         for number in range(scene.seeds)
     )
-    return Trial(name, without, runs, predicted_s(bare, particles_at_start(bare)))
+    return Trial(name, without, runs, bare.predicted_s)
 
 
 def _sets(loaded: JudgedCase, scene: Scene) -> list[str]:
@@ -150,7 +151,7 @@ def still_to_run(scenes: Sequence[SceneTrials]) -> dict[str, float]:
     return {
         run.folder.name: cost_s
         for run, cost_s in every_run(scenes)
-        if not run.ended(run.folder) and run.status() != "failed"
+        if not run.ended(run.run) and run.status() != "failed"
     }
 
 

@@ -29,6 +29,7 @@ COSINES = 6  # the fewest whose interval is right within a factor of two in 95 %
 FEWEST_INDEPENDENT = 5.0
 SLOWEST_DECAY = 0.9  # of a drift, from each third of the cycles to the next
 CONFIDENCE = 0.95
+NORMAL_95 = 1.96  # a 95 % interval in standard deviations
 ROUNDING = 1e-12  # of the largest value
 TOO_FEW = "too few cycles for an interval"
 

@@ -227,3 +227,14 @@ def cut_size_m(case: Case) -> float | None:
     if case.output.cut_size_m is not None:
         return case.output.cut_size_m * case.particles.coarse_graining
     return max(smaller_sides_m(case), default=None)
+
+
+def summary_of(folder: Path) -> Mapping[str, Any]:
+    """Return the content of ``summary.json`` in a run's folder, or {} without a readable file.
+
+    Raises OtherFormat where another version of flipflow wrote it.
+    """
+    try:
+        return RunReader(folder).summary
+    except (OSError, ValueError):
+        return {}

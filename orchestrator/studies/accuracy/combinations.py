@@ -10,22 +10,33 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from statistics import median
-from typing import Any
 
 import numpy as np
 from scipy.stats import t as student
 
-from orchestrator.case.tables.case import Case
-from orchestrator.output.records import trust
-from orchestrator.output.records.summary import worked_by_part_s
-from orchestrator.output.results.estimate import CONFIDENCE
-from orchestrator.ports.clock import exact
-from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.criteria import Criterion, answer_error
-from orchestrator.studies.points import CaseStudy, Point, sample_s, sampling_sets
-from orchestrator.studies.quantities import COMPARED, Metrics, is_over, measure, relative
+from orchestrator.studies.points import CaseStudy, Point, sampling_sets
+from orchestrator.workbench import Case, Metrics, Setting
+from orchestrator.workbench.vocabulary import CONFIDENCE, exact, sample_s
 
+COMPARED = tuple(name for name, quantity in Metrics.quantities.items() if not quantity.is_defect)
+DECISIVE = tuple(name for name, quantity in Metrics.quantities.items() if quantity.is_decisive)
+MOVING = tuple(name for name in DECISIVE if name != "clamp_rms_N")
+"""The quantities that show motion.  Clamps pull while nothing happens, too, so that only a change of their
+pull counts (``happens``)."""
+STEADY = 1e-6
+"""The share of its peak by which a pull may exceed its root mean square and still count as constant."""
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
+
+
+def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
+    """Return the ``--set`` overlays of joint settings by axis, in the order of the axes."""
+    return tuple(overlay for setting in settings.values() for overlay in setting.sets)
+
+
+def joint_label(settings: Mapping[str, Setting]) -> str:
+    """Return joint settings by axis in words."""
+    return "; ".join(f"{axis}: {setting.label}" for axis, setting in settings.items())
 
 
 @dataclass(frozen=True)
@@ -75,13 +86,13 @@ class Combination:
     @property
     def has_ended(self) -> bool:
         """Whether all runs have ended, successfully or not."""
-        return bool(self.runs) and all(is_over(run.folder) for run in self.runs)
+        return bool(self.runs) and all(run.run.is_over() for run in self.runs)
 
     def with_metrics(self) -> Combination:
         """Return the combination with the metrics of its runs, if all runs are done."""
-        if self.metrics or not self.runs or any(run.status() != trust.DONE for run in self.runs):
+        if self.metrics or not self.runs or not all(run.run.is_trusted for run in self.runs):
             return self
-        return replace(self, metrics=tuple(measure(run.folder) for run in self.runs))
+        return replace(self, metrics=tuple(run.run.metrics() for run in self.runs))
 
     def values(self, name: str) -> list[float]:
         """Return the values of a quantity, one for each seed with a defined value."""
@@ -111,19 +122,8 @@ class Combination:
     @property
     def processor_by_part_s(self) -> dict[str, float]:
         """The processor time in s by part of the program, as the mean over the seeds."""
-        every = [parts_s(of_run.summary) for of_run in self.metrics]
+        every = [of_run.processor_by_part_s for of_run in self.metrics]
         return {part: float(np.mean([parts[part] for parts in every])) for part in every[0]}
-
-
-def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Return the processor time of a run in s by part of the program.
-
-    The part "start" is the time before the wall time is measured.  The rest is divided in the proportions of
-    the wall time; what a scheme lets solvers repeat counts as theirs.
-    """
-    before_s = summary["processor_before_s"]
-    rate = (summary["processor_s"] - before_s) / summary["wall_s"]
-    return {"start": before_s} | {part: rate * time_s for part, time_s in worked_by_part_s(summary).items()}
 
 
 def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
@@ -134,12 +134,12 @@ def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
     warns, so that an interval has the length in its label.
     """
     every = sample_s(coarsest_s)
-    shortens = [name for name, then in case.monitor.model_dump().items() if then == "shorten"]
+    shortens = [name for name, then in case.tables.monitor.model_dump().items() if then == "shorten"]
     return (
         *(f"monitor.{name}=warn" for name in shortens),
         *sampling_sets(coarsest_s),
-        f"output.interval_s={_whole(exact(case.output.interval_s), every)!r}",
-        f"duration_s={_whole(exact(case.duration_s), every)!r}",
+        f"output.interval_s={_whole(exact(case.tables.output.interval_s), every)!r}",
+        f"duration_s={_whole(exact(case.tables.duration_s), every)!r}",
         "checkpoint.wall_min=0.0",
     )
 
@@ -180,8 +180,8 @@ def part_s(case: Case, parts: int) -> float:
 
     It lasts until all feeds have started, and then for one of ``parts`` equal parts of the remaining time.
     """
-    begun_s = max((feed.start_s for feed in case.bed.feeds.values()), default=0.0)
-    return begun_s + (case.duration_s - begun_s) / parts
+    begun_s = max((feed.start_s for feed in case.tables.bed.feeds.values()), default=0.0)
+    return begun_s + (case.tables.duration_s - begun_s) / parts
 
 
 @dataclass(frozen=True)
@@ -267,13 +267,30 @@ def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[
             difference = abs(ours - theirs) / abs(theirs)
             differences[name] = Error(difference, spread.half_width(name, seeds))
     pairs = [
-        relative(a.shapes_m, b.shapes_m)
+        a.shape_error(b)
         for a, b in zip(point.metrics, reference.metrics, strict=True)
         if a.shapes_m.size and a.shapes_m.shape == b.shapes_m.shape
     ]
     if pairs and np.isfinite(pairs).all():  # they are infinite where no panel bends
         differences["shape"] = Error(float(np.mean(pairs)), None if spread.random else 0.0)
     return differences
+
+
+def happens(values: Mapping[str, float | None]) -> bool:
+    """Return whether anything resolvable happens in a run with these ``values`` by name.
+
+    Something happens if anything moves, or if the pull of a clamp changes, as it does under a particle on a
+    rigid panel.
+    """
+    if any(
+        (value := values.get(name)) is not None and abs(value) > Metrics.quantities[name].floor
+        for name in MOVING
+    ):
+        return True
+    peak_N, rms_N = values.get("clamp_peak_N"), values.get("clamp_rms_N")
+    if peak_N is None or rms_N is None:
+        return False
+    return peak_N - rms_N > max(Metrics.quantities["clamp_peak_N"].floor, STEADY * peak_N)
 
 
 def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, float]:

@@ -15,7 +15,6 @@ from typing import Literal
 
 import numpy as np
 
-from orchestrator.ports import Array
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
@@ -26,8 +25,9 @@ from orchestrator.studies.accuracy.combinations import (
     errors,
     folder_name,
 )
-from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
 from orchestrator.studies.criteria import Criterion
+from orchestrator.workbench import RefinementSeries, Setting
+from orchestrator.workbench.vocabulary import Array
 
 LARGEST = 6.0  # the largest order that is tried
 BY_CHANCE = 0.5  # an observed order that is so much above the expected one is none

@@ -11,7 +11,6 @@ from typing import Any
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 from rich.table import Table
 
-from orchestrator.case.file.whole import write_json
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
@@ -22,21 +21,11 @@ from orchestrator.studies.accuracy.combinations import (
     Error,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
-from orchestrator.studies.accuracy.plan import FORMAT, NAME
-from orchestrator.studies.accuracy.refinement import PARAMETERS
+from orchestrator.studies.accuracy.stored import FORMAT, NAME
 from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting, Row
-from orchestrator.studies.quantities import QUANTITIES
-from orchestrator.studies.report import (
-    Cell,
-    align_rows,
-    console_table,
-    figure_parts,
-    percent,
-    write_csv,
-    write_page,
-    write_parquet,
-)
-from orchestrator.views.style import LINES, figure, save
+from orchestrator.studies.report import percent
+from orchestrator.workbench import Metrics, Picture, StudyFolder, console_table
+from orchestrator.workbench.vocabulary import Cell, align_rows
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
 DEEP = 1e4  # the ratio of the largest error to the least error that is drawn
@@ -47,25 +36,25 @@ RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 
 def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
     """Write the tables, the pictures and the page of a study, and return their files."""
-    lines, stored = entries(study), folder / NAME
-    tables = [write_csv(lines, folder / "accuracy.csv"), write_parquet(lines, folder / "accuracy.parquet")]
-    write_json(stored, as_json(study))
+    lines, into = entries(study), StudyFolder(folder)
+    tables = [into.write_csv("accuracy.csv", lines), into.write_parquet("accuracy.parquet", lines)]
+    stored = into.write_json(NAME, as_json(study))
     plot = draw_costs(study, folder / "work-precision.png")
     axes = [_axis(study, axis, folder) for axis in study.offer.titles]
-    known = {name: each for name, each in QUANTITIES.items() if not each.is_defect}
-    page = write_page(
+    known = {name: each for name, each in Metrics.quantities.items() if not each.is_defect}
+    page = into.write_page(
+        "accuracy.html",
         "accuracy/page.html",
-        folder / "accuracy.html",
         study=study,
         lacking=[row for row in study.rows if row.why],
         front={row.point.name: number for number, row in enumerate(study.front(), 1)},
         advice=[study.recommend(tolerance) for tolerance in RECOMMENDED],
         warnings=[*warnings(study)],
         quantities={k: q for k, q in known.items() if any(k in row.errors for row in study.rows)},
-        every=QUANTITIES,
-        defects={name: each for name, each in QUANTITIES.items() if each.is_defect},
+        every=Metrics.quantities,
+        defects={name: each for name, each in Metrics.quantities.items() if each.is_defect},
         answers={row.what: row for row in study.known},
-        titles={name: parameter.title for name, parameter in PARAMETERS.items()},
+        titles=study.offer.parameters,
         percent=percent,
         error=_error_in_words,
         plot=plot,
@@ -106,7 +95,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
         }
         if point.metrics:
             entry |= {"seeds": len(point.metrics), **point.cost}
-        for name in QUANTITIES:
+        for name in Metrics.quantities:
             if point.values(name):
                 entry[name] = point.mean(name)
             if name in row.errors:
@@ -129,7 +118,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
         "format_version": FORMAT,
         "case": study.loaded.name,
         "level": study.loaded.level,
-        "read": study.loaded.origin.read(),
+        "read": study.loaded.as_read,
         "sets": list(study.request.study.sets),
         "shared": list(study.shared),
         "duration_s": base.metrics[0].summary["simulated_s"],
@@ -233,7 +222,7 @@ def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
 def _words(name: str) -> str:
     if name == "energy_defect":
         return "energy created by the coupling"
-    return QUANTITIES[name].words.split(" / ")[0] if name in QUANTITIES else name
+    return Metrics.quantities[name].words.split(" / ")[0] if name in Metrics.quantities else name
 
 
 def _scales(axis: Any, across: str, upward: str) -> None:
@@ -258,9 +247,9 @@ def draw_convergence(every: Sequence[MeasuredSeries], judged_by: Sequence[str], 
     heights = [y for _, lines in shown for _, _, line_y, *_ in lines for y in line_y]
     if not heights:
         return None
-    drawn, parts = figure_parts(len(shown), 1, 8.4, 4.2)
+    drawn = Picture(len(shown), 1, 8.4, 4.2)
     lowest = max(min(heights), max(heights) / DEEP) / 2
-    for axis, (one, lines) in zip(parts, shown, strict=True):
+    for axis, (one, lines) in zip(drawn.parts, shown, strict=True):
         for (label, x, y, certain, style), mark in zip(lines, MARKS, strict=False):
             (line,) = axis.plot(x, y, style, marker=mark, ms=5, label=label)
             by_chance = [
@@ -277,14 +266,13 @@ def draw_convergence(every: Sequence[MeasuredSeries], judged_by: Sequence[str], 
         all_certain = all(each for _, _, _, certain, _ in lines for each in certain)
         _scales(axis, one.series.length, "error" + CHANCE * (not all_certain))
         axis.set_ylim(lowest, 3 * max(heights))
-        axis.set_title(one.series.variant or PARAMETERS[one.series.parameter].title)
+        axis.set_title(one.series.variant or one.series.title)
         axis.xaxis.set_major_locator(FixedLocator(lengths))
         axis.xaxis.set_major_formatter(lambda value, _: f"{value:.3g}")
         axis.tick_params(axis="x", rotation=30)
         if lines:
             axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
-    save(drawn, file)
-    return file
+    return drawn.save(file)
 
 
 def _lines(one: MeasuredSeries, judged_by: Sequence[str]) -> list[Line]:
@@ -317,7 +305,8 @@ def draw_models(models: Sequence[ComparedSetting], judged_by: Sequence[str], fil
     if not names:
         return None
     columns = min(len(names), 2)
-    drawn, parts = figure_parts(len(names), columns, 5.6, 4.2)
+    drawn = Picture(len(names), columns, 5.6, 4.2)
+    parts = drawn.parts
     variants = list(dict.fromkeys(each.series.variant for each in models))
     looks = [_look(variants.index(each.series.variant)) for each in others]
     for axis, name in zip(parts, names, strict=True):
@@ -336,17 +325,17 @@ def draw_models(models: Sequence[ComparedSetting], judged_by: Sequence[str], fil
     keys = [parts[columns - 1].scatter([], [], s=38, **look) for look in looks]
     labels = [f"{number}  {each.setting.label}" for number, each in enumerate(others, 1)]
     parts[columns - 1].legend(keys, labels, loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
-    save(drawn, file)
-    return file
+    return drawn.save(file)
 
 
 def _look(number: int) -> dict[str, str]:
-    return {"marker": MARKS[number % len(MARKS)], "color": LINES[number % len(LINES)]}
+    return {"marker": MARKS[number % len(MARKS)], "color": Picture.colours[number % len(Picture.colours)]}
 
 
 def draw_costs(study: AccuracyStudy, file: Path) -> Path:
     """Draw the error of all points over their cost, with a line through the points that no other beats."""
-    drawn, ((axis,),) = figure(width=9.6, height=5.6)
+    drawn = Picture(1, 1, 9.6, 5.6)
+    (axis,) = drawn.parts
     front, shown = study.front(), [row for row in study.rows if row.error is not None]
     if front:
         axis.plot(*_places(front), color=GREY, lw=1.2, zorder=1, label="nothing is better in both")
@@ -387,8 +376,7 @@ def draw_costs(study: AccuracyStudy, file: Path) -> Path:
     axis.margins(x=0.12, y=0.12)
     axis.set_title(f"What accuracy costs: {study.loaded.name}, down and left is better")
     axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
-    save(drawn, file)
-    return file
+    return drawn.save(file)
 
 
 def _places(rows: Sequence[Row]) -> tuple[list[float], list[float]]:

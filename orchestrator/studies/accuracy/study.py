@@ -13,15 +13,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, inf
 
-from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.tables.case import has_particles
-from orchestrator.ports.clock import exact
-from orchestrator.preflight.cost import particles_at_start, predicted_s
-from orchestrator.preflight.judge import NUMERICS, JudgedCase
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
     CALIBRATION,
+    COMPARED,
     EXACT,
     REFERENCE,
     TOGETHER,
@@ -33,6 +29,8 @@ from orchestrator.studies.accuracy.combinations import (
     answer_errors,
     errors,
     folder_name,
+    happens,
+    joint_sets,
     part_s,
     scatter,
     shared_sets,
@@ -47,11 +45,10 @@ from orchestrator.studies.accuracy.convergence import (
     measure_series,
 )
 from orchestrator.studies.accuracy.recommendation import recommend
-from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
-from orchestrator.studies.frame_drives import drives
 from orchestrator.studies.points import Point, is_random, run_points, seed_sets
-from orchestrator.studies.quantities import COMPARED, happens, is_over
+from orchestrator.workbench import Case, CaseError, CaseProblem, Offer, RefinementSeries, Run, Setting
+from orchestrator.workbench.vocabulary import exact
 
 TOLERANCES = (0.01, 0.02, 0.05, 0.1, 0.2)
 RECOMMENDED = (0.01, 0.05, 0.1)
@@ -122,7 +119,7 @@ class AccuracyStudy:
     """
 
     request: StudyRequest
-    loaded: JudgedCase
+    loaded: Case
     offer: Offer
     shared: tuple[str, ...]
     known: tuple[Criterion, ...]
@@ -135,18 +132,17 @@ class AccuracyStudy:
 
         Settings with which the case is wrong give a point without runs.
         """
-        name, case = folder_name(kind, settings), self.loaded.case
+        name, case = folder_name(kind, settings), self.loaded
         seeds = self.request.seeds if is_random(case) and kind != CALIBRATION else 1
         runs = []
         try:
             for number in range(seeds):
                 sets = (*self.shared, *joint_sets(settings), *seed_sets(case, number))
                 run = self.request.study.point(name, sets, f"{name}-seed{number}" if number else name)
-                runs.append(replace(run, ended=is_over))
+                runs.append(replace(run, ended=Run.is_over))
         except CaseError as error:
             return Combination(kind, name, settings, omitted=str(error.problems[0]))
-        first = runs[0].loaded.case
-        return Combination(kind, name, settings, tuple(runs), predicted_s(first, particles_at_start(first)))
+        return Combination(kind, name, settings, tuple(runs), runs[0].loaded.predicted_s)
 
     def run(self, points: Sequence[Combination]) -> Generator[str, None, AccuracyStudy]:
         """Run the points that are not done, yield a line for each run, and return the study.
@@ -184,15 +180,15 @@ class AccuracyStudy:
     @cached_property
     def spread(self) -> Scatter:
         """The chance scatter of the points, which is unknown for particles that were taken over."""
-        case = self.loaded.case
+        case = self.loaded
         return scatter(
-            self.measured.values(), is_random(case) or (case.bed.is_carried and has_particles(case))
+            self.measured.values(), is_random(case) or (case.tables.bed.is_carried and case.has_particles)
         )
 
     @property
     def would_tell(self) -> str:
         """What would tell how much is chance: other random numbers, or other particles to take over."""
-        return "more --seeds" if is_random(self.loaded.case) else "runs with another bed"
+        return "more --seeds" if is_random(self.loaded) else "runs with another bed"
 
     @cached_property
     def measured_series(self) -> list[MeasuredSeries]:
@@ -326,11 +322,11 @@ def plan_study(request: StudyRequest) -> AccuracyStudy:
     The first two points are the unchanged case and its short run.  Raises CaseError.
     """
     loaded = request.study.check()
-    offered = offer(loaded.case, request.parameters, request.values)
+    offered = loaded.refined(request.parameters, request.values)
     lengths_s = [one.h or 0.0 for series in offered.of("coupling") for one in series.settings]
-    shared = shared_sets(loaded.case, max([loaded.case.coupling.sync_interval_s, *lengths_s]))
+    shared = shared_sets(loaded, max([loaded.tables.coupling.sync_interval_s, *lengths_s]))
     # the answers are for the described case: overlays that change its physics make them invalid
-    numerics = all(overlay.partition(".")[0] in NUMERICS for overlay in request.study.sets)
+    numerics = all(map(Case.is_numeric, request.study.sets))
     study = AccuracyStudy(
         request, loaded, offered, shared, known_answers(request.study.case) if numerics else ()
     )
@@ -345,8 +341,8 @@ def plan_study(request: StudyRequest) -> AccuracyStudy:
 
 def _short(base: Combination) -> dict[str, Setting]:
     """Return the settings of the short run, which lasts a whole number of samples."""
-    case = base.runs[0].loaded.case
-    sample_s = exact(case.output.series_s)
+    case = base.runs[0].loaded
+    sample_s = exact(case.tables.output.series_s)
     short_s = float(ceil(exact(part_s(case, SHORT)) / sample_s) * sample_s)
     return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
 
@@ -415,7 +411,7 @@ def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
             if not setting.needs_drives:
                 continue
             try:
-                complete = replace(setting, sets=(*setting.sets, *drives(run.folder)))
+                complete = replace(setting, sets=(*setting.sets, *run.run.drives()))
                 yield study.combine(ALONE, {series.axis: complete})
             except CaseError as error:
                 settings = {series.axis: setting}

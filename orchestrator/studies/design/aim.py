@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
-from orchestrator.ports import Array
+from orchestrator.workbench.vocabulary import Array
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,6 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from orchestrator.case.file.folder import FolderUnusable
-from orchestrator.ports import Array
 from orchestrator.studies.design import plans
 from orchestrator.studies.design.aim import Aim
 from orchestrator.studies.design.data import Data
@@ -25,7 +23,8 @@ from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.surrogates import Fitted, Surrogate, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Evaluator, Journal, Outcome, Prediction, Stage, Trial
 from orchestrator.studies.design.two_levels import TwoLevels
-from orchestrator.studies.quantities import NORMAL_95
+from orchestrator.workbench import FolderUnusable
+from orchestrator.workbench.vocabulary import NORMAL_95, Array
 
 FOR_CONFIRMING = 0.2  # of the hours
 NARROW = 0.02  # of a goal's range over all data: half an interval that is narrow enough

@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.gaussian_process import likely_noise
 from orchestrator.studies.design.quadratic import model_matrix, quadratic_terms
 from orchestrator.studies.design.scales import Scale
 from orchestrator.studies.design.surrogates import settings_of
 from orchestrator.studies.design.trials import Outcome
+from orchestrator.workbench.vocabulary import Array
 
 UNLIKELY = 0.01  # replicates that scatter more than this probability allows are believed, not the intervals
 RESIDUALS_COUNT = 3  # degrees of freedom of which a surface's residuals are worth beside replicates

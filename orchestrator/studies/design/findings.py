@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from scipy import stats
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim
 from orchestrator.studies.design.campaign import BEST, NEEDS_ALL, SIMPLER, Campaign, explained, is_of, role_of
 from orchestrator.studies.design.data import Data
@@ -21,7 +20,7 @@ from orchestrator.studies.design.scales import Scale
 from orchestrator.studies.design.sensitivity import sobol_indices
 from orchestrator.studies.design.surrogates import Ensemble, Fitted, TooFewPoints, calibrated
 from orchestrator.studies.design.trials import Outcome
-from orchestrator.studies.quantities import NORMAL_95
+from orchestrator.workbench.vocabulary import NORMAL_95, Array
 
 EXACT = 1e-9  # of a value: half widths, and distances beyond a limit, below it are rounding
 ON_THE_FRONT = 40  # settings that are listed

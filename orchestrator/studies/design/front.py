@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports import Array
+from orchestrator.workbench.vocabulary import Array
 
 
 def nondominated(gains: Array, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:

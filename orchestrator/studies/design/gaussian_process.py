@@ -16,8 +16,8 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Kernel, Matern, WhiteKernel
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
+from orchestrator.workbench.vocabulary import Array
 
 LENGTHS = (0.4, 20.0)  # of the coded range of 2: shorter ones cannot be told from noise by so few points
 TREND = 100.0  # prior variance of the plane, in variances of the data: vague

@@ -15,8 +15,8 @@ import numpy.typing as npt
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
+from orchestrator.workbench.vocabulary import Array
 
 TRAINED, CHOSEN = 0.70, 0.15  # shares of the settings; the rest tests
 PENALTIES = (1e-3, 1e-2, 1e-1, 1.0)  # on the weights' squares; the share CHOSEN decides

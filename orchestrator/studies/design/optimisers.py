@@ -10,12 +10,12 @@ import numpy.typing as npt
 from scipy import stats
 from scipy.optimize import minimize
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim, Limit
 from orchestrator.studies.design.front import improvements, nondominated
 from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.surrogates import Fitted
 from orchestrator.studies.design.whale import whale_search
+from orchestrator.workbench.vocabulary import Array
 
 CANDIDATES = 150  # of each kind: all over the space, on its borders, around the best
 DRAWS = 128  # of all responses at the candidates

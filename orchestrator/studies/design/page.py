@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, SAME, SIMPLER, Campaign, role_of
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.surrogates import settings_of
 from orchestrator.studies.design.tables import effect_rows, point_rows, term_name
-from orchestrator.studies.report import align_rows, write_page
+from orchestrator.workbench import StudyFolder
+from orchestrator.workbench.vocabulary import Array, align_rows
 
 AT_THE_END = 0.95  # coded: from there on a setting is at the end of a range
 SURE = 0.005  # by which the probability that the limits are kept may miss the confidence: by the search
@@ -280,9 +280,9 @@ def scope(findings: Findings) -> str:
 def write_study_page(findings: Findings, pictures: dict[str, Path], folder: Path) -> Path:
     """Write ``design.html``, which holds its pictures."""
     study = findings.campaign.study
-    return write_page(
+    return StudyFolder(folder).write_page(
+        "design.html",
         "design/page.html",
-        folder / "design.html",
         title=study.file.title or f"Design study of {study.file.case or study.file.table}",
         answers=list(answers(findings)),
         borders=[*doubts(findings), *borders(findings)],

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, FEWEST_EXPLAINED, SIMPLER
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.optimisers import predict_each
-from orchestrator.studies.quantities import NORMAL_95
-from orchestrator.studies.report import figure_parts
-from orchestrator.views.style import LINES, figure, save
+from orchestrator.workbench import Picture
+from orchestrator.workbench.vocabulary import NORMAL_95, Array
 
-GREY, BLACK, RED, GREEN, BLUE = "#9aa3ad", "#222222", "#c1443c", "#6b7f1f", LINES[0]
+GREY, BLACK, RED, GREEN, BLUE = "#9aa3ad", "#222222", "#c1443c", "#6b7f1f", Picture.colours[0]
 BINS = 12  # of a factor's range, over which predictions are averaged
 GRID = 41  # settings along each side of a surface
 MARKS = {BEST: ("*", 15, RED), SIMPLER: ("D", 7, GREEN), CENTRE: ("s", 7, BLACK)}
@@ -26,7 +23,7 @@ def draw_all(findings: Findings, folder: Path) -> dict[str, Path]:
     """Write the pictures for which there are enough data, and return their files by name."""
     if findings.fitted is None:
         return {}
-    drawings: dict[str, Callable[[Findings], Any]] = {
+    drawings: dict[str, Callable[[Findings], Picture | None]] = {
         "trade_off": _trade_off,
         "effects": _effects,
         "surface": _surface,
@@ -38,7 +35,7 @@ def draw_all(findings: Findings, folder: Path) -> dict[str, Path]:
     for name, draw in drawings.items():
         if (drawn := draw(findings)) is not None:
             files[name] = folder / f"{name}.png"
-            save(drawn, files[name])
+            drawn.save(files[name])
     return files
 
 
@@ -62,7 +59,7 @@ def _own(findings: Findings, response: int, fitted: Array) -> Array:
     return findings.campaign.scales[findings.responses[response]].from_fit(fitted)
 
 
-def _trade_off(findings: Findings) -> Any:
+def _trade_off(findings: Findings) -> Picture | None:
     """Draw the front with its 95 % band, random settings, all runs, and the settings that were run again.
 
     Random settings that are expected to break a limit beside the trade-off are left out, and runs that do are
@@ -71,7 +68,8 @@ def _trade_off(findings: Findings) -> Any:
     if findings.trade_off is None or findings.fitted is None:
         return None
     first, second, *_ = findings.trade_off
-    drawn, ((axis,),) = figure(width=8.4, height=5.2)
+    drawn = Picture(1, 1, 8.4, 5.2)
+    (axis,) = drawn.parts
     mean, _ = predict_each(findings.fitted, findings.random_settings)
     mean = mean[:, findings.beside.kept(mean)]
     places = (_own(findings, response, mean[response]) for response in (second, first))
@@ -141,15 +139,14 @@ def main_effects(findings: Findings, factor: int) -> tuple[Array, Array, Array]:
     return in_units, curve - curve.mean(axis=0) + mean.mean(axis=1), widths
 
 
-def _effects(findings: Findings) -> Any:
+def _effects(findings: Findings) -> Picture:
     names, responses = list(findings.campaign.study.file.factors), findings.responses
-    drawn, grid = figure(
-        len(responses), len(names), 2.6 * len(names) + 0.8, 2.6 * len(responses), sharey="row", sharex="col"
-    )
+    count = len(responses) * len(names)
+    drawn = Picture(count, len(names), 2.6, 2.6, margin=0.8, sharey="row", sharex="col")
     for column, name in enumerate(names):
         place, mean, width = main_effects(findings, column)
         for row in range(len(responses)):
-            axis = grid[row, column]
+            axis = drawn.grid[row, column]
             low, middle, high = (_own(findings, row, mean[:, row] + s * width[:, row]) for s in (-1, 0, 1))
             axis.fill_between(place, low, high, color=BLUE, alpha=0.2, lw=0)
             axis.plot(place, middle, color=BLUE)
@@ -157,7 +154,7 @@ def _effects(findings: Findings) -> Any:
                 axis.set_ylabel(label_of(findings, row))
             if row == len(responses) - 1:
                 axis.set_xlabel(factor_label(findings, name))
-    drawn.suptitle(
+    drawn.figure.suptitle(
         "Main effects: averages over all other factors, with the 95 % band", fontsize=10, x=0.01, ha="left"
     )
     return drawn
@@ -175,7 +172,7 @@ def strongest_pair(findings: Findings) -> tuple[int, int] | None:
     return first, second
 
 
-def _surface(findings: Findings) -> Any:
+def _surface(findings: Findings) -> Picture | None:
     """Draw each response over the two strongest factors, the others as in the best setting; settings that
     miss a limit are hatched."""
     pair = strongest_pair(findings)
@@ -192,11 +189,11 @@ def _surface(findings: Findings) -> Any:
     names = list(study.file.factors)
     actual = study.space.actual(settings)
     x, y = (actual[:, factor].reshape(GRID, GRID) for factor in pair)
-    drawn, parts = figure_parts(len(findings.responses), min(2, len(findings.responses)), 5.2, 4.2)
-    for response, axis in enumerate(parts):
+    drawn = Picture(len(findings.responses), min(2, len(findings.responses)), 5.2, 4.2)
+    for response, axis in enumerate(drawn.parts):
         values = np.where(possible, _own(findings, response, mean[response]), np.nan).reshape(GRID, GRID)
         filled = axis.contourf(x, y, values, 12, cmap="viridis")
-        drawn.colorbar(filled, ax=axis)
+        drawn.figure.colorbar(filled, ax=axis)
         if missed.any():
             axis.contourf(x, y, missed.reshape(GRID, GRID), [0.5, 1.5], colors="none", hatches=["///"])
         if findings.best:
@@ -208,7 +205,7 @@ def _surface(findings: Findings) -> Any:
     return drawn
 
 
-def _sensitivity(findings: Findings) -> Any:
+def _sensitivity(findings: Findings) -> Picture | None:
     """Draw first-order and total Sobol indices with the 95 % intervals of their sampling.
 
     They are those of the surrogate; where it explains too little, that is said in their place.
@@ -218,9 +215,9 @@ def _sensitivity(findings: Findings) -> Any:
     own = findings.campaign.study.file.search.surrogate
     explained = next(each.explained for each in findings.surrogates if each.name == own)
     names = list(findings.campaign.study.file.factors)
-    drawn, parts = figure_parts(len(findings.responses), min(2, len(findings.responses)), 5.2, 3.2)
+    drawn = Picture(len(findings.responses), min(2, len(findings.responses)), 5.2, 3.2)
     place = np.arange(len(names))
-    for response, axis in enumerate(parts):
+    for response, axis in enumerate(drawn.parts):
         first, first_width, total, total_width = findings.sobol[response]
         axis.bar(place - 0.2, first, 0.38, yerr=first_width, color=BLUE, label="alone", capsize=2)
         axis.bar(place + 0.2, total, 0.38, yerr=total_width, color=GREY, label="with others", capsize=2)
@@ -233,16 +230,16 @@ def _sensitivity(findings: Findings) -> Any:
     return drawn
 
 
-def _parity(findings: Findings) -> Any:
+def _parity(findings: Findings) -> Picture | None:
     """Draw measured against predicted responses, each predicted without its own run, for every surrogate."""
     judged = [each for each in findings.surrogates if each.fitted is not None]
     responses = findings.responses
-    drawn, grid = figure(len(responses), len(judged), 3.5 * len(judged), 3.3 * len(responses))
+    drawn = Picture(len(responses) * len(judged), len(judged), 3.5, 3.3)
     for column, each in enumerate(judged):
         assert each.fitted is not None
         mean, deviation = each.fitted.left_out()
         for row in range(len(responses)):
-            axis = grid[row, column]
+            axis = drawn.grid[row, column]
             known = np.isfinite(findings.data.y[:, row]) & np.isfinite(mean[:, row])
             x, dx = _with_bars(findings, row, mean[known, row], NORMAL_95 * deviation[known, row])
             width = NORMAL_95 * np.sqrt(findings.data.variance[known, row])
@@ -271,12 +268,13 @@ def progress(findings: Findings) -> Iterator[tuple[int, float]]:
         yield int(number), float(goal.sign * best)
 
 
-def _progress(findings: Findings) -> Any:
+def _progress(findings: Findings) -> Picture | None:
     study = findings.campaign.study
     if not study.aim.goals:
         return None
     goal = study.aim.goals[0]
-    drawn, ((axis,),) = figure(width=8.4, height=3.2)
+    drawn = Picture(1, 1, 8.4, 3.2)
+    (axis,) = drawn.parts
     colours = {"centre": BLACK, "plan": GREY, "search": BLUE, "confirm": RED}
     stages = {each.trial.number: each.trial.stage for each in findings.campaign.outcomes}
     y = _own(findings, goal.response, findings.data.y[:, goal.response])

@@ -7,8 +7,8 @@ from itertools import combinations, product
 import numpy as np
 from scipy.stats import qmc
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.space import Space
+from orchestrator.workbench.vocabulary import Array
 
 # the factors that are moved together, of each block; two at a time up to five factors
 TRIPLES = {

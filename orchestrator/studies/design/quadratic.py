@@ -16,8 +16,8 @@ import numpy.typing as npt
 import statsmodels.api as sm
 from scipy import stats
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import TooFewPoints, settings_of
+from orchestrator.workbench.vocabulary import Array
 
 REPEATED = 1e-12  # of the response: repeated runs that scatter less are the same but for rounding
 NEEDED = 1e-8  # of leverage short of 1: without the point there are too few for the terms

@@ -6,24 +6,18 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.figures.results import entry_at, why_transient
-from orchestrator.figures.short_names import Value, part_of, value_at
-from orchestrator.output.records import trust
-from orchestrator.output.records.summary import worked_by_part_s
-from orchestrator.preflight.judge import JudgedCase
 from orchestrator.studies.design.formulas import BadFormula
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.trials import Measured, Outcome, Stage, Trial
-from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets, status, summary_of
-from orchestrator.studies.quantities import NORMAL_95
+from orchestrator.studies.points import CaseStudy, Point, run_point, seed_sets
 from orchestrator.studies.sweep_plan import check_names
+from orchestrator.workbench import Case, CaseError, CaseProblem, Run
+from orchestrator.workbench.vocabulary import NORMAL_95, Value
 
 UNFINISHED = ("missing", "interrupted")
 FROM_THE_BED = re.compile(
@@ -32,9 +26,9 @@ FROM_THE_BED = re.compile(
 """Results of panels and drives that the material makes."""
 
 
-def has_ended(folder: Path) -> bool:
-    """Return whether the run of a folder is over for good; a failed run would fail again."""
-    return status(folder) not in UNFINISHED
+def has_ended(run: Run) -> bool:
+    """Return whether a run is over for good; a failed run would fail again."""
+    return run.status not in UNFINISHED
 
 
 class Runs:
@@ -49,7 +43,7 @@ class Runs:
         return self._runs.crew.size()
 
     @cached_property
-    def centre(self) -> JudgedCase:
+    def centre(self) -> Case:
         """The case at the centre of the ranges.  Raises CaseError."""
         return self._runs.check(self._study.overlays(self._study.actual(np.zeros(self._study.space.factors))))
 
@@ -113,7 +107,7 @@ class Runs:
 
     def _point(self, trial: Trial) -> Point:
         runs, overlays = self._at_stage(trial.stage, trial.values)
-        seeds = seed_sets(self.centre.case, trial.seed)
+        seeds = seed_sets(self.centre, trial.seed)
         steady = all(table.steady for table in self._study.file.responses.values())
         free = ("duration_s",) if steady else ()  # short and long runs tell the same, each with its noise
         return replace(runs.point(trial.name, [*overlays, *seeds]), ended=has_ended, free=free)
@@ -127,25 +121,24 @@ class Runs:
         return replace(self._runs, level=cheap.level), [*overlays, *cheap.overrides]
 
     def _outcome(self, trial: Trial, point: Point) -> Outcome:
-        summary = summary_of(point.folder)
-        state = str(summary.get("status", "missing"))
-        cost = _cost(summary)
-        if state != trust.DONE:
+        run = point.run
+        summary, state, cost = run.summary, run.status, _cost(run)
+        if not run.is_trusted:
             why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or state)
             return Outcome(trial, state, why, **cost)
-        responses, unsteady = {}, not entry_at(summary, "results.steady.is_steady")  # of the material
+        responses, unsteady = {}, not run.entry("results.steady.is_steady")  # of the material
         for name, table in self._study.file.responses.items():
             if table.steady and unsteady:
                 continue
-            if (result := value_at(summary, table.result or name)) is not None:
+            if (result := run.result(table.result or name)) is not None:
                 responses[name] = Measured(result.value, _deviation(result) or table.noise)
         why = self._why_off_scale(responses) if responses else self._why_nothing(unsteady)
-        return Outcome(trial, state, why, responses, **cost, not_steady=self._not_steady(summary, responses))
+        return Outcome(trial, state, why, responses, **cost, not_steady=self._not_steady(run, responses))
 
-    def _not_steady(self, summary: Mapping[str, Any], responses: Iterable[str]) -> str:
+    def _not_steady(self, run: Run, responses: Iterable[str]) -> str:
         """Say why the bed, of which frames and panels tell nothing, or the machine is not steady."""
         results = [self._study.file.responses[name].result or name for name in responses]
-        bed, motion = why_transient(summary)
+        bed, motion = run.why_transient
         bed = bed if any(map(self._is_of_the_bed, results)) else ""
         return "; ".join(filter(None, (bed, motion and f"the machine has not settled: {motion}")))
 
@@ -153,7 +146,7 @@ class Runs:
         """Tell whether a result may depend on the material; the own probes of frames are in no table."""
         if FROM_THE_BED.fullmatch(result):
             return True
-        part = part_of(result, self.centre.case)
+        part = self.centre.part_of(result)
         return part == "particles" or not (part or result.startswith(("results.motion.", "probes.")))
 
     def _why_off_scale(self, responses: Mapping[str, Measured]) -> str:
@@ -182,9 +175,10 @@ def _deviation(result: Value) -> float | None:
     return result.half_width / NORMAL_95
 
 
-def _cost(summary: Mapping[str, Any]) -> dict[str, Any]:
+def _cost(run: Run) -> dict[str, Any]:
     """Return what a run cost, as ``Outcome`` has it."""
-    particles_s = worked_by_part_s(summary)["particles"] if "wall_by_part_s" in summary else 0.0
+    summary = run.summary
+    particles_s = run.worked_by_part_s["particles"] if "wall_by_part_s" in summary else 0.0
     return {
         "wall_s": float(summary.get("wall_s") or 0.0),
         "processor_s": float(summary.get("processor_s") or 0.0),

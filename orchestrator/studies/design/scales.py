@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from orchestrator.ports import Array
+from orchestrator.workbench.vocabulary import Array
 
 ENDS = 0.05  # percent: shares nearer to 0 and 100 are moved here, since their logit is not finite
 BEYOND = 10.0  # percent: a share of flows may lie so far beyond 0 and 100, by chance

@@ -8,9 +8,9 @@ import numpy as np
 from SALib.analyze import sobol as analysis
 from SALib.sample import sobol as sampling
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.surrogates import Fitted
+from orchestrator.workbench.vocabulary import Array
 
 CONSTANT = 1e-9  # range over size of a response that no factor changes
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
-from orchestrator.ports import Array
+from orchestrator.workbench.vocabulary import Array
 
 
 @dataclass(frozen=True)

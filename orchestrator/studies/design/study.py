@@ -8,12 +8,6 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from orchestrator.case.file.errors import CaseProblem
-from orchestrator.case.file.folder import FolderUnusable, admit
-from orchestrator.case.file.layers import read_toml
-from orchestrator.output.records.run_folder import study_folder
-from orchestrator.ports import Array
-from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import SAME, Campaign
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import answers, borders, doubts, write_study_page
@@ -24,7 +18,8 @@ from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.design.tables import term_name, write_recommended, write_tables
 from orchestrator.studies.design.trials import Journal, Outcome
 from orchestrator.studies.points import CaseStudy, Crew
-from orchestrator.studies.report import console_table
+from orchestrator.workbench import CaseProblem, FolderUnusable, StudyFolder, console_table
+from orchestrator.workbench.vocabulary import Array, in_words, read_toml
 
 RUNS = "runs"  # folder of the runs, in the study's folder
 
@@ -34,7 +29,7 @@ class DesignStudy:
 
     def __init__(self, study: Study, crew: Crew, out: Path | None) -> None:
         self.study = study
-        self.folder = admit(out or Path("runs") / study.name)
+        self.folder = StudyFolder(out or Path("runs") / study.name).admit()
         self._check_folder()
         self._case = CaseStudy(
             study.path(study.file.case), study.file.level or None, (), self.folder / RUNS, crew
@@ -70,7 +65,7 @@ class DesignStudy:
         Raises StudyError as :meth:`check`, and where the centre does not have a response.
         """
         self.check()
-        with study_folder(self.folder):
+        with StudyFolder(self.folder).lock():
             for outcome in self.campaign.run(search):
                 self._check_first(outcome)
                 yield self._line(outcome, search)

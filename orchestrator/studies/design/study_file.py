@@ -17,11 +17,6 @@ import numpy as np
 from annotated_types import Ge, Len, Lt
 from pydantic import Field, Strict, ValidationError
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation, show_value
-from orchestrator.case.file.layers import read_toml
-from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Table, Whole, same_unit
-from orchestrator.figures.short_names import SHORT_NAMES, named
-from orchestrator.ports import Array
 from orchestrator.studies.design import formulas, plans
 from orchestrator.studies.design.aim import Aim, Goal, Limit
 from orchestrator.studies.design.formulas import BadFormula
@@ -29,6 +24,22 @@ from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.space import SimplerSpace, Space
+from orchestrator.workbench import CaseError, CaseProblem, Run
+from orchestrator.workbench.vocabulary import (
+    Array,
+    Few,
+    Name,
+    Number,
+    OneLine,
+    Positive,
+    Table,
+    Whole,
+    did_you_mean,
+    from_validation,
+    read_toml,
+    same_unit,
+    show_value,
+)
 
 Seed = Annotated[int, Strict(), Ge(0), Lt(2**32)]  # what surrogates take
 NARROWEST = 1e-9  # of a range, over its larger end
@@ -389,8 +400,9 @@ def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProbl
     Raises KeyError where there is no such result.
     """
     result = response.result or name
-    unit = named(result).figure.unit
-    if unit == "1" or not (result in SHORT_NAMES or result.startswith(("results.", "probes."))):
+    known = Run.named(result)
+    unit = known.figure.unit
+    if unit == "1" or not (known.is_short or result.startswith(("results.", "probes."))):
         return
     if response.unit and not same_unit(response.unit, unit):
         what = f'"{response.unit}" is not the unit of {result}, which is in {unit}'

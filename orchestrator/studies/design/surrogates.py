@@ -12,7 +12,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports import Array
+from orchestrator.workbench.vocabulary import Array
 
 
 class Fitted(Protocol):

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from orchestrator.case.file.errors import CaseProblem, Key, did_you_mean
-from orchestrator.ports import Array
 from orchestrator.studies.design.scales import SCALES
 from orchestrator.studies.design.study_file import Study, StudyError
 from orchestrator.studies.design.trials import DONE, Measured, Outcome, Trial
+from orchestrator.workbench import CaseProblem
+from orchestrator.workbench.vocabulary import Array, Key, did_you_mean
 
 LARGEST = 1e100  # beyond it, and below one over it, squares are no numbers
 DEVIATION = " deviation"  # ends the name of the column with a response's standard deviation

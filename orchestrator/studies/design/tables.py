@@ -9,12 +9,6 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from orchestrator.case.file.errors import CaseProblem
-from orchestrator.case.file.whole import write_json, write_text
-from orchestrator.figures.figure import to_json
-from orchestrator.ports import Array
-from orchestrator.preflight.judge import JudgedCase
-from orchestrator.preflight.level_file import level_text
 from orchestrator.studies.design.campaign import BEST, role_of
 from orchestrator.studies.design.data import Data
 from orchestrator.studies.design.findings import ConfidenceInterval, Confirmed, Findings
@@ -23,8 +17,8 @@ from orchestrator.studies.design.study_file import StudyError
 from orchestrator.studies.design.surrogates import TooFewPoints
 from orchestrator.studies.design.table_data import read_published
 from orchestrator.studies.design.trials import Outcome
-from orchestrator.studies.quantities import NORMAL_95
-from orchestrator.studies.report import Cell, write_csv, write_parquet
+from orchestrator.workbench import Case, CaseProblem, StudyFolder
+from orchestrator.workbench.vocabulary import NORMAL_95, Array, Cell, to_json
 
 Row = dict[str, Cell]
 
@@ -38,24 +32,22 @@ def write_tables(findings: Findings, folder: Path) -> Iterator[Path]:
     for pattern in ("front.csv", "best.csv", "effects.csv", "recommended*.toml"):
         for old in folder.glob(pattern):
             old.unlink()
-    file, study = folder / "study.toml", findings.campaign.study
+    study, into = findings.campaign.study, StudyFolder(folder)
     if study.folder != folder.resolve():  # there, the file with its comments is the user's own
-        write_text(file, tomli_w.dumps(study.table_for(folder)))
-        yield file
+        yield into.write_text("study.toml", tomli_w.dumps(study.table_for(folder)))
     points = point_rows(findings)
-    yield write_csv(points, folder / "points.csv")
-    yield write_parquet(points, folder / "points.parquet")
-    yield write_csv(cost_rows(findings), folder / "costs.csv")
-    file = folder / "fit.json"
-    write_json(file, to_json(fit_table(findings)))  # what is not defined is no number in JSON
-    yield file
+    yield into.write_csv("points.csv", points)
+    yield into.write_parquet("points.parquet", points)
+    yield into.write_csv("costs.csv", cost_rows(findings))
+    # what is not defined is no number in JSON
+    yield into.write_json("fit.json", to_json(fit_table(findings)))
     if len(findings.front):
         rows = [{**study.actual(x), **_intervals(findings.predict(x), "")} for x in findings.front]
-        yield write_csv(rows, folder / "front.csv")
+        yield into.write_csv("front.csv", rows)
     if best := best_rows(findings):
-        yield write_csv(best, folder / "best.csv")
+        yield into.write_csv("best.csv", best)
     if effects := effect_rows(findings):
-        yield write_csv(effects, folder / "effects.csv")
+        yield into.write_csv("effects.csv", effects)
 
 
 def point_rows(findings: Findings) -> list[Row]:
@@ -238,16 +230,16 @@ def _published_effects(findings: Findings, response: str, outcomes: list[Outcome
         raise StudyError([CaseProblem(("published",), what)]) from None
 
 
-def write_recommended(findings: Findings, loaded: JudgedCase, folder: Path) -> Iterator[Path]:
+def write_recommended(findings: Findings, case: Case, folder: Path) -> Iterator[Path]:
     """Write a level file for each best setting that was confirmed, which ``flipflow run CASE --level FILE``
     takes."""
     study = findings.campaign.study
     for number, (name, setting) in enumerate(findings.best.items()):
         confirmed = [each for each in findings.confirmed if each.role == role_of(BEST, name)]
         if confirmed and not confirmed[0].why_not:
-            file = folder / f"recommended{f'-{number + 1}' if name else ''}.toml"
+            file = f"recommended{f'-{number + 1}' if name else ''}.toml"
             about = (
                 f"recommended by a design study{f' for {name}' if name else ''}, measured by runs of its own"
             )
-            write_text(file, level_text(loaded, study.overlays(study.actual(setting)), about))
-            yield file
+            level = case.level_text(study.overlays(study.actual(setting)), about)
+            yield StudyFolder(folder).write_text(file, level)

@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
-from orchestrator.case.file.folder import UnreadableFile, read_json
-from orchestrator.case.file.whole import write_json
+from orchestrator.workbench import FolderUnusable, StudyFolder
 
 Stage = Literal["centre", "cheap", "plan", "search", "confirm"]
 DONE = "done"
@@ -105,19 +104,22 @@ class Journal:
 
     def read(self) -> list[Trial]:
         """Read all trials, in order."""
-        return [_trial(file) for file in sorted(self.folder.glob("[0-9]*.trial.json"))]
+        folder = StudyFolder(self.folder)
+        return [
+            _trial(file, folder.read_json(file.name))
+            for file in sorted(self.folder.glob("[0-9]*.trial.json"))
+        ]
 
     def write(self, trial: Trial) -> None:
         """Write a trial down."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        write_json(self.folder / f"{trial.name}.trial.json", asdict(trial))
+        StudyFolder(self.folder).write_json(f"{trial.name}.trial.json", asdict(trial))
 
 
-def _trial(file: Path) -> Trial:
-    """Read a trial.  Raises UnreadableFile."""
+def _trial(file: Path, table: Any) -> Trial:
+    """Return the trial that a file holds.  Raises FolderUnusable."""
     try:
-        table = read_json(file)
         predicted = {name: Prediction(*told) for name, told in table.pop("predicted").items()}
         return Trial(**table | {"setting": tuple(table["setting"]), "predicted": predicted})
     except (KeyError, TypeError, AttributeError) as error:
-        raise UnreadableFile(f"{file}: is no trial of a study ({error})") from None
+        raise FolderUnusable(f"{file}: is no trial of a study ({error})") from None

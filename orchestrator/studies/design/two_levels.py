@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.surrogates import Fitted, Surrogate
+from orchestrator.workbench.vocabulary import Array
 
 NO_NOISE = 1e-8  # of the variance of the data: a case without random numbers has none
 

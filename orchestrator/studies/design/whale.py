@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from orchestrator.ports import Array
 from orchestrator.studies.design.space import Space
+from orchestrator.workbench.vocabulary import Array
 
 SPIRAL = 1.0  # b of Eq. 11
 

@@ -99,28 +99,13 @@ def case_study(
     return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
 
 
-KNOWN_BY = {"case.toml": "", "accuracy.csv": "accuracy", "sweep.csv": "sweep", "paper.csv": "paper"}
-KNOWN_BY |= {"stability.html": "stability", "points.csv": "design fit optimise"}
-"""Files by which the folder of a case, a run or a study is known, each with the studies that write it."""
-
-
-def check_folder(out: Path, name: str) -> None:
-    """Raise FolderUnusable for the folder of a case, of a run or of another study than ``name``."""
-    from orchestrator.case.file.folder import FolderUnusable
-
-    for file, studies in KNOWN_BY.items():
-        if (out / file).exists() and name not in studies.split():
-            what = f"has {file}, of a case, a run or another study; give another folder with --out"
-            raise FolderUnusable(f"{out}: {what}")
-
-
 def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[..., StudyOutput]:
     """Return a study's command as a function of single options, as Typer needs it.
 
     ``name`` is the name of the study.
     """
-    from orchestrator.case.file.folder import admit
     from orchestrator.studies.points import CaseStudy, Crew
+    from orchestrator.workbench import StudyFolder
 
     # the parameters of these functions are the options that replace a parameter of the type
     records: dict[Any, Callable[..., Any]] = {CaseStudy: case_study, Crew: crew}
@@ -139,12 +124,12 @@ def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[...
 
     def call(**given: Any) -> StudyOutput:
         if isinstance(out := given.get("out"), Path):
-            check_folder(admit(out), name)
+            StudyFolder(out).admit(name)
         for parameter, factory in factories.items():
             record = factory(**{key: given.pop(key) for key in inspect.signature(factory).parameters})
             if isinstance(record, CaseStudy):
                 record = replace(record, name=name)
-                admit(record.folder)
+                StudyFolder(record.folder).admit()
             given[parameter] = record
         return command(**given)
 

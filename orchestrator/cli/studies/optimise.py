@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from orchestrator.cli.options import Out, StudyOutput, StudyPath
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import read_study
-from orchestrator.studies.options import Out, StudyOutput, StudyPath
 from orchestrator.studies.points import Crew
 
 

@@ -1,4 +1,4 @@
-"""``flipflow study stability``: benchmarks (cases that are hard to couple) and the map of stability.
+"""Benchmarks, which are cases that are hard to couple, and the map of stability.
 
 A benchmark is a case whose ``criteria.toml`` describes the events and their expected consequences.  The map
 shows the stable combinations of coupling scheme, sync interval, and mass of the bed over the panel's mass.
@@ -14,31 +14,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
-import typer
 from annotated_types import Len
 from matplotlib.lines import Line2D
 from pydantic import ValidationError
 
-from orchestrator.case.file.errors import CaseError, CaseProblem, from_validation
-from orchestrator.case.file.layers import read_toml
-from orchestrator.case.tables.quantities import OneLine, Positive, Table
-from orchestrator.coupling.ledger import share_created
-from orchestrator.coupling.schemes import SCHEMES
-from orchestrator.output.records.run_folder import study_folder
-from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets
-from orchestrator.studies.options import StudyOutput, check_folder
-from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
-from orchestrator.studies.quantities import is_over, outcome
-from orchestrator.studies.report import figure_parts, write_csv, write_page
-from orchestrator.studies.verdicts import (
-    CaseCriteria,
-    CriterionResult,
-    case_criteria,
-    verdict_table,
-    write_verdicts,
-)
-from orchestrator.views.style import save
+from orchestrator.studies.points import CaseStudy, Point
+from orchestrator.studies.verdicts import CaseCriteria, CriterionResult, case_criteria
+from orchestrator.workbench import Case, CaseError, CaseProblem, Picture, Run, StudyFolder
+from orchestrator.workbench.vocabulary import OneLine, Positive, Table, from_validation, read_toml
 
 MAP_FILE = "map.toml"
 PLAIN = "particles-first"
@@ -53,53 +37,6 @@ SHOWN = {
 }
 
 
-def command(
-    crew: Crew,
-    cases: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="folder with the benchmarks")] = Path(
-        "cases/hard"
-    ),
-    part: Annotated[str, typer.Option("--part", help="hard, map, or both with a comma between")] = "hard,map",
-    base: Annotated[
-        str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")
-    ] = "interval",
-    out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
-) -> StudyOutput:
-    """Run all hard cases, and draw the map of stability.
-
-    Part "hard" makes every run of every case with criteria.toml and judges it by the criteria.  Part
-    "map" runs one case over coupling schemes, sync intervals and masses of the bed; each run is
-    stable, warned or stopped, or idle if no particle met a panel.  Called again, the command makes only
-    the missing runs; a run that was stopped with a reason is not missing.  The folder gets hard.csv,
-    hard.md, map.csv, stability-map.png and stability.html.
-
-    Exit code 4: a criterion is not met, a known failure is met, or a run of the map is missing or idle;
-    2: a case is wrong.
-    """
-    parts = {word.strip() for word in part.split(",")}
-    if unknown := parts - {"hard", "map"}:
-        raise CaseError(
-            [CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part", kind="unknown-name")]
-        )
-    benchmarks = find_benchmarks(cases, out / "hard") if "hard" in parts else []
-    spots = map_spots(cases / base, out / "map") if "map" in parts else []
-    points = [*(p for each in benchmarks for p in each.points), *(spot.run for spot in spots)]
-    with study_folder(out):
-        yield from run_points(points, crew)
-    results = {each.name: each.results() for each in benchmarks}
-    every = [result for of_case in results.values() for result in of_case]
-    picture = None
-    if every:
-        yield verdict_table("hard cases", every)
-        yield from write_verdicts(every, out, "hard")
-    if spots:
-        picture = draw_map(spots, out / "stability-map.png")
-        yield from (write_csv([spot.words for spot in spots], out / "map.csv"), picture)
-    yield write_stability_page([(each, results[each.name]) for each in benchmarks], spots, picture, out)
-    return all(each.is_good for each in every) and all(
-        spot.outcome not in ("not run", "idle") for spot in spots
-    )
-
-
 def write_stability_page(
     cases: Sequence[tuple[CaseCriteria, Sequence[CriterionResult]]],
     spots: Sequence[Spot],
@@ -108,9 +45,9 @@ def write_stability_page(
 ) -> Path:
     """Write ``stability.html``, and return the file."""
     verdicts = [result.verdict for _, results in cases for result in results]
-    return write_page(
-        "commands/stability.html",
-        folder / "stability.html",
+    return StudyFolder(folder).write_page(
+        "stability.html",
+        "stability.html",
         cases=cases,
         map_file=picture,
         spots=[spot.words for spot in spots],
@@ -126,7 +63,7 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
     """
     cases = [file.parent for file in sorted(folder.glob(f"*/{FILE}"))]
     for case in cases:
-        check_folder(out / case.name, "stability")
+        StudyFolder(out / case.name).admit("stability")
     benchmarks = [benchmark(case, out) for case in cases]
     if not benchmarks:
         raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder), kind="file")])
@@ -135,7 +72,7 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
 
 def benchmark(case: Path, out: Path) -> CaseCriteria:
     """Return a benchmark, at its default level, with the runs that it needs.  Raises CaseError."""
-    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
+    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), Run.is_over)
 
 
 class MapAxes(Table):
@@ -162,12 +99,12 @@ class Spot:
     scheme: str
     mass_ratio: float
     multiple: float
-    run: Point
+    point: Point
 
     @property
     def outcome(self) -> str:
         """The outcome of the run; "idle" if no particle met a panel, so that nothing could be unstable."""
-        state, summary = outcome(self.run.folder), summary_of(self.run.folder)
+        state, summary = self.point.run.outcome, self.point.run.summary
         met_J = summary.get("energy_exchanged_J", {}).get("particles-panel")
         return "idle" if state == "stable" and met_J == 0.0 else state
 
@@ -178,15 +115,15 @@ class Spot:
         It has the created energy over all energy exchanged and lost, the number of intervals that an iterated
         scheme did not solve to its tolerance, and the reason of an early end.
         """
-        summary = summary_of(self.run.folder)
-        interval_s = self.run.loaded.case.coupling.sync_interval_s
+        run = self.point.run
+        summary, interval_s = run.summary, self.point.loaded.tables.coupling.sync_interval_s
         return {
             "scheme": self.scheme,
             "bed / panel": f"{self.mass_ratio:.3g}",
             "interval / safe": f"{self.multiple:.3g}",
             "sync_interval_s": f"{interval_s:.3g}",
             "outcome": self.outcome,
-            "share created": f"{share_created(summary):+.1e}" if "energy_ledger_J" in summary else "",
+            "share created": f"{run.share_created:+.1e}" if "energy_ledger_J" in summary else "",
             "intervals not solved": str((summary.get("iterations") or {}).get("unsolved", "")),
             "why it was stopped": str(summary.get("reason", "")),
         }
@@ -201,19 +138,19 @@ def map_spots(folder: Path, out: Path) -> list[Spot]:
     study, spots = CaseStudy(folder, None, (*QUIET, *wanted.sets), out), []
     for value in wanted.values:
         mass = f"{wanted.key}={value!r}"
-        case = study.check([mass]).case
+        case = study.check([mass])
         panels_kg = (
             (panel.count * panel.length_m * panel.width_m * panel.thickness_m)
-            * case.materials[panel.material].density_kg_per_m3
-            for panel in case.screen.panels.values()
+            * case.tables.materials[panel.material].density_kg_per_m3
+            for panel in case.tables.screen.panels.values()
         )
-        mass_ratio = bed_kg(case) / sum(panels_kg)  # the panels between their clamps
+        mass_ratio = case.bed_kg / sum(panels_kg)  # the panels between their clamps
         for multiple in wanted.multiples:
             interval = interval_sets(study, [mass, f"coupling.scheme={PLAIN}"], multiple)
-            for scheme in SCHEMES:
+            for scheme in Case.schemes:
                 name = f"{scheme}-{mass_ratio:.3g}-{multiple:g}"
                 run = study.point(name, [mass, f"coupling.scheme={scheme}", *interval])
-                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=is_over)))
+                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=Run.is_over)))
     return spots
 
 
@@ -222,8 +159,8 @@ def draw_map(spots: Sequence[Spot], file: Path) -> Path:
     schemes = list(dict.fromkeys(spot.scheme for spot in spots))
     outcomes = [spot.outcome for spot in spots]
     multiples, ratios = (sorted({getattr(s, key) for s in spots}) for key in ("multiple", "mass_ratio"))
-    drawn, parts = figure_parts(len(schemes), min(3, len(schemes)), 3.75, 3.3)
-    for axis, scheme in zip(parts, schemes, strict=True):
+    drawn = Picture(len(schemes), min(3, len(schemes)), 3.75, 3.3)
+    for axis, scheme in zip(drawn.parts, schemes, strict=True):
         for spot, outcome_there in zip(spots, outcomes, strict=True):
             if spot.scheme == scheme:
                 colour, mark, _ = SHOWN[outcome_there]
@@ -241,8 +178,7 @@ def draw_map(spots: Sequence[Spot], file: Path) -> Path:
         for name, (colour, mark, text) in SHOWN.items()
         if name in outcomes
     ]
-    drawn.legend(handles=handles, loc="outside upper center", ncols=len(handles))
-    drawn.supxlabel("sync interval / largest safe one of the plain scheme", fontsize=10)
-    drawn.supylabel("mass of the bed / of the panel", fontsize=10)
-    save(drawn, file)
-    return file
+    drawn.figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    drawn.figure.supxlabel("sync interval / largest safe one of the plain scheme", fontsize=10)
+    drawn.figure.supylabel("mass of the bed / of the panel", fontsize=10)
+    return drawn.save(file)

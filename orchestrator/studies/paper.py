@@ -1,59 +1,18 @@
-"""``flipflow study paper``: a comparison of cases with the numbers of the papers that they come from."""
+"""A comparison of cases with the numbers of the papers that they come from."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from orchestrator.case.file.base import CASE_FILE
-from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.whole import write_text
-from orchestrator.output.records.run_folder import study_folder
-from orchestrator.studies.commands.sweep import write_sweep
 from orchestrator.studies.criteria import FILE, read_criteria
-from orchestrator.studies.options import StudyOutput, check_folder
 from orchestrator.studies.points import CaseStudy
-from orchestrator.studies.report import markdown_table, write_csv, write_page
-from orchestrator.studies.verdicts import CaseCriteria, CriterionResult, case_criteria, verdict_table
+from orchestrator.studies.report import markdown_table
+from orchestrator.studies.verdicts import CaseCriteria, CriterionResult, case_criteria
+from orchestrator.workbench import CaseError, CaseProblem, StudyFolder
 
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
-
-
-def command(
-    study: CaseStudy,
-    dry: Annotated[
-        bool, typer.Option("--dry", help="make no run, and judge the runs that are there")
-    ] = False,
-) -> StudyOutput:
-    """Compare cases with the papers they come from: printed number, computed number, and distance.
-
-    CASE is a case with criteria.toml, or a folder of cases: then all cases whose criteria.toml names a
-    source are compared, each at the level that it names.  The criteria have the paper's numbers, their
-    acceptance bands, and the runs that they need; finished runs are not made again.  A number that is
-    fitted, published or assumed proves nothing and is marked so.  The folder gets paper.csv, paper.md
-    and paper.html, and sweep.csv and sweep.png of every varied key.
-
-    Exit code 4: a run failed, or a predicted number is out of its band.
-    """
-    papers = find_papers(study)
-    if not dry:
-        yield from study.run([point for paper, _ in papers for point in paper.points])
-    results = [(paper, paper.results()) for paper, _ in papers]
-    for paper, of_case in results:
-        yield verdict_table(f"{paper.name}: {paper.criteria.source}", of_case)
-    with study_folder(study.folder):
-        for paper, folder in papers:
-            for name, runs in paper.runs.items():
-                if runs.vary and not dry:
-                    yield from write_sweep(runs.vary, runs.points, folder / name)
-        every = [result for _, of_case in results for result in of_case]
-        yield write_csv([each.cells for each in every], study.folder / "paper.csv")
-        yield from write_paper(results, study)
-    return all(result.is_good for result in every)
 
 
 def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
@@ -62,7 +21,7 @@ def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
     Each comes with the folder of its runs; nothing is run here.  Raises CaseError with the problems of all
     cases, or if there is no case to compare, and FolderUnusable where the runs would go into a case's folder.
     """
-    if study.case.is_file() or (study.case / CASE_FILE).is_file():
+    if study.case.is_file() or (study.case / "case.toml").is_file():
         return [(of_case(study), study.folder)]
     papers, problems = [], []
     for file in sorted(study.case.glob(f"*/{FILE}")):
@@ -70,7 +29,7 @@ def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
         try:
             if read_criteria(case).source:
                 own = replace(study, case=case, out=study.folder / case.name)
-                check_folder(own.folder, study.name)
+                StudyFolder(own.folder).admit(study.name)
                 papers.append((of_case(own), own.folder))
         except CaseError as error:
             problems += [replace(each, file=f"{case.name}: {each.file}") for each in error.problems]
@@ -109,11 +68,10 @@ def write_paper(
         level = f", level {paper.level}" if paper.level else ""
         text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {counted}"]
         text.append(markdown_table(HEAD, rows))
-    write_text(study.folder / "paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
-    page = write_page(
-        "commands/paper.html", study.folder / "paper.html", parts=parts, counts=counts(every), head=HEAD
-    )
-    return [study.folder / "paper.md", page]
+    folder = StudyFolder(study.folder)
+    file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
+    page = folder.write_page("paper.html", "paper.html", parts=parts, counts=counts(every), head=HEAD)
+    return [file, page]
 
 
 def row(result: CriterionResult) -> tuple[str, ...]:

@@ -6,14 +6,14 @@ from typing import Annotated
 
 import typer
 
-from orchestrator.preflight.cost import in_words, particles_at_start, predicted_s
+from orchestrator.cli.options import Out, StudyOutput, StudyPath
+from orchestrator.output.tables import console_table
+from orchestrator.preflight.cost import in_words
 from orchestrator.studies.design.campaign import planned_settings
 from orchestrator.studies.design.page import hours_in_words
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import read_study
-from orchestrator.studies.options import Out, StudyOutput, StudyPath
 from orchestrator.studies.points import Crew
-from orchestrator.studies.report import console_table
 
 
 def command(
@@ -53,8 +53,7 @@ def _foretell(design: DesignStudy) -> StudyOutput:
     ]
     yield "planned settings, after the centre:"
     yield console_table("", ["run", *file.factors], rows)
-    case = design.runs.centre.case
-    each_s = campaign.mean_wall_s() or predicted_s(case, particles_at_start(case))
+    each_s = campaign.mean_wall_s() or design.runs.centre.predicted_s
     left, count = campaign.planned_left, len(settings) + file.plan.centres
     sides = design.runs.side_by_side
     source = f"the mean of {len(campaign.outcomes)}" if campaign.outcomes else "predicted from the case"

@@ -9,10 +9,11 @@ from typing import Any
 
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output.records import trust
+from orchestrator.output.results.run_reader import summary_of
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.points import NoResult, run_in_scratch, summary_of
+from orchestrator.run.trials.scratch import NoResult, run_in_scratch
 
 KEY = "coupling.sync_interval_s"
 DEARER = 2.0

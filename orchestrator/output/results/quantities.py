@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -26,15 +26,16 @@ from orchestrator.figures.results import FIGURES, orbit_places, why_no_orbits
 from orchestrator.figures.short_names import Value, unit_at, value_at
 from orchestrator.output.cycles import cycle_numbers, cycle_s
 from orchestrator.output.records import trust
+from orchestrator.output.records.summary import processor_by_part_s
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import deck_area_m2
 from orchestrator.output.results.compute import interval_of
-from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.results.estimate import NORMAL_95
+from orchestrator.output.results.run_reader import RunReader, summary_of
 from orchestrator.ports import Array
 from orchestrator.ports.acceleration import acceleration_m_per_s2
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.shape_grid import ShapeGrid
-from orchestrator.studies.points import summary_of
 
 
 class Unknown(Exception):
@@ -56,8 +57,12 @@ class Question(Table):
     between_s: tuple[Number, Number] | None = None
     """The part of a series that counts, from its start to its end."""
 
+    @staticmethod
+    def words(key: Literal["measure", "take"]) -> list[str]:
+        """Return the words that a key may be."""
+        return [*(MEASURES if key == "measure" else TAKES)]
 
-NORMAL_95 = 1.96  # a 95 % interval in standard deviations
+
 AXES = {"x": 0, "y": 1, "z": 2}
 TAKES: dict[str, Callable[[Array, Array], float]] = {
     "first": lambda time_s, values: float(values[0]),
@@ -260,11 +265,6 @@ def outcome(run: Path) -> Outcome:
     return "warned" if has_warned or state == trust.DOUBTFUL else "stable"
 
 
-def is_over(run: Path) -> bool:
-    """Return whether a run is over; a stopped run is over, too, since the stop is its result."""
-    return outcome(run) != "not run"
-
-
 def _outcome_is(*wanted: Outcome) -> Callable[[Question, Path], float]:
     def measure(question: Question, run: Path) -> float:
         if (state := outcome(run)) == "not run":
@@ -331,14 +331,7 @@ _EVERY = (
     ),
 )
 QUANTITIES = {each.path.rpartition(".")[2]: each for each in _EVERY}
-COMPARED = tuple(name for name, quantity in QUANTITIES.items() if not quantity.is_defect)
-DECISIVE = tuple(name for name, quantity in QUANTITIES.items() if quantity.is_decisive)
-MOVING = tuple(name for name in DECISIVE if name != "clamp_rms_N")
-"""The quantities that show motion.  Clamps pull while nothing happens, too, so that only a change of their
-pull counts (``happens``)."""
 CYCLES = 4
-STEADY = 1e-6
-"""The share of its peak by which a pull may exceed its root mean square and still count as constant."""
 
 
 @dataclass(frozen=True)
@@ -353,6 +346,16 @@ class Metrics:
     values: dict[str, float]
     shapes_m: Array
     summary: Mapping[str, Any]
+    quantities: ClassVar[Mapping[str, Quantity]] = QUANTITIES
+
+    @property
+    def processor_by_part_s(self) -> dict[str, float]:
+        """The processor time of the run in s by part of the program."""
+        return processor_by_part_s(self.summary)
+
+    def shape_error(self, reference: Metrics) -> float:
+        """Return the relative difference of as many shapes; infinite where the reference's do not change."""
+        return relative(self.shapes_m, reference.shapes_m)
 
 
 def measure(folder: Path) -> Metrics:
@@ -382,20 +385,6 @@ def measure(folder: Path) -> Metrics:
 def is_resolved(name: str, value: float) -> bool:
     """Return whether the value of a quantity is more than rounding and the solvers' noise."""
     return abs(value) > QUANTITIES[name].floor
-
-
-def happens(values: Mapping[str, float | None]) -> bool:
-    """Return whether anything resolvable happens in a run with these ``values`` (by name of QUANTITIES).
-
-    Something happens if anything moves, or if the pull of a clamp changes, as it does under a particle on a
-    rigid panel.
-    """
-    if any((value := values.get(name)) is not None and is_resolved(name, value) for name in MOVING):
-        return True
-    peak_N, rms_N = values.get("clamp_peak_N"), values.get("clamp_rms_N")
-    if peak_N is None or rms_N is None:
-        return False
-    return peak_N - rms_N > max(QUANTITIES["clamp_peak_N"].floor, STEADY * peak_N)
 
 
 def relative(values: Array, reference: Array) -> float:

@@ -18,10 +18,10 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.file.slice import between_openings_m, full_width_m
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Case, damped_contacts, has_particles
-from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.checks.bed import FEWEST_DIAMETERS
+from orchestrator.preflight.cost import TRIES
 from orchestrator.preflight.stability.modes import largest_steps_s
 from orchestrator.preflight.stability.report import case_with_scheme
 
@@ -65,16 +65,6 @@ class Setting:
     needs_drives: bool = False
 
 
-def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
-    """Return the ``--set`` overlays of joint settings by axis, in the order of the axes."""
-    return tuple(overlay for setting in settings.values() for overlay in setting.sets)
-
-
-def joint_label(settings: Mapping[str, Setting]) -> str:
-    """Return joint settings by axis in words."""
-    return "; ".join(f"{axis}: {setting.label}" for axis, setting in settings.items())
-
-
 @dataclass(frozen=True)
 class RefinementSeries:
     """A series of settings from coarse to fine that converges to one answer.
@@ -95,6 +85,11 @@ class RefinementSeries:
     note: str = ""
     is_choice: bool = True
     parameter: str = ""
+
+    @property
+    def title(self) -> str:
+        """The parameter in words."""
+        return PARAMETERS[self.parameter].title
 
 
 class NotOffered(Exception):
@@ -121,6 +116,11 @@ class Offer:
     series: tuple[RefinementSeries, ...]
     missing: dict[str, str]
 
+    @property
+    def parameters(self) -> dict[str, str]:
+        """The titles of all parameters that there are, by name."""
+        return {name: parameter.title for name, parameter in PARAMETERS.items()}
+
     def of(self, axis: str) -> list[RefinementSeries]:
         """Return the series on an axis."""
         return [series for series in self.series if series.axis == axis]
@@ -130,7 +130,7 @@ class Offer:
         """The axes, each with its parameters in words."""
         titles: dict[str, list[str]] = {}
         for series in self.series:
-            titles.setdefault(series.axis, []).append(PARAMETERS[series.parameter].title)
+            titles.setdefault(series.axis, []).append(series.title)
         return {axis: " or ".join(dict.fromkeys(names)) for axis, names in titles.items()}
 
 
@@ -213,7 +213,7 @@ def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
     some, own = has_particles(case), case_with_scheme(case).coupling.scheme
     if not (case.screen.panels and (some or case.screen.frames)):
         raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
-    for name in SCHEMES:
+    for name in TRIES:
         if name != own and (some or name in WITHOUT_PARTICLES):
             overlay = (f"coupling.scheme={name}",)
             yield _intervals(case, name, overlay, overlay, points)

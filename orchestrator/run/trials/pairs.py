@@ -27,7 +27,7 @@ from orchestrator.case.turning import turning
 from orchestrator.figures.short_names import SHORT_NAMES
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
-from orchestrator.ports.clock import exact
+from orchestrator.ports.clock import exact, sample_s
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, known_pairs, load_judged
@@ -41,7 +41,7 @@ from orchestrator.preflight.judgement.catalogue import (
 from orchestrator.preflight.judgement.pair import Pair, key_of, recall, remember
 from orchestrator.preflight.judgement.weighing import is_undecided, weigh_effects
 from orchestrator.preflight.scene.effect import describe_verdict
-from orchestrator.studies.points import NoResult, run_in_scratch, sample_s
+from orchestrator.run.trials.scratch import NoResult, run_in_scratch
 
 LIMIT_S = 30.0
 """The largest predicted processor time of one run of a pair before a run with ``effects = "auto"``."""

@@ -9,14 +9,13 @@ from typing import Annotated
 import typer
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
-from orchestrator.output.records.run_folder import study_folder
-from orchestrator.studies.accuracy.combinations import StudyRequest, afford
-from orchestrator.studies.accuracy.refinement import PARAMETERS
+from orchestrator.cli.options import StudyOutput
+from orchestrator.preflight.refinement import PARAMETERS
+from orchestrator.studies.accuracy.combinations import COMPARED, DECISIVE, StudyRequest, afford
 from orchestrator.studies.accuracy.report import advice, cost_table, warnings, write_study
 from orchestrator.studies.accuracy.study import plan_study, run_study
-from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy
-from orchestrator.studies.quantities import COMPARED, DECISIVE, is_over
+from orchestrator.workbench import StudyFolder
 
 QUICK_VALUES, QUICK_SEEDS = 3, 1
 MOST_SEEDS = 100  # each run is checked first, in some hundredths of a second
@@ -65,7 +64,7 @@ def command(
     if dry:
         yield from _predictions(request)
         return True
-    with study_folder(study.folder):
+    with StudyFolder(study.folder).lock():
         completed = yield from run_study(request)
     yield cost_table(completed)
     yield from (f"not compared: {row.point.label}: {row.why}" for row in completed.rows if row.why)
@@ -94,7 +93,7 @@ def _predictions(request: StudyRequest) -> Iterator[str]:
     start = [one.with_metrics() for one in study.points[:2]]
     total_s = 0.0
     for each in afford([*start, *study.points[2:]], request.budget_s):
-        todo = [run for run in each.runs if not is_over(run.folder)]
+        todo = [run for run in each.runs if not run.run.is_over()]
         total_s += each.predicted_s * len(todo)
         what = each.omitted or f"predicted {each.predicted_s:.0f} s each, {len(todo)} to be run"
         yield f"{each.name}: {what}"

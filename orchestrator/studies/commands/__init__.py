@@ -1,1 +1,0 @@
-"""The commands of ``flipflow study``, one module each."""
