@@ -76,6 +76,38 @@ class Engine:
     ) -> None:
         """Create particles; each rank takes those whose place it owns."""
 
+    def set_shapes(
+        self,
+        *,
+        count: Ints,
+        spheres: Array,
+        volume: Array,
+        inertia: Array,
+        bounding_radius: Array,
+        reach_m: float,
+    ) -> None:
+        """Let particles be bodies, whose motion is `fix motion all bodies/flipflow`: of each shape (k,) the
+        number of its spheres, which follow each other in (n, 4), and the numbers of ``Shape``.  ``reach_m``:
+        how far from the centre of the largest body spheres reach at most."""
+
+    def create_bodies(
+        self,
+        *,
+        position_m: Array,
+        velocity_m_per_s: Array,
+        spin_rad_per_s: Array,
+        size_m: Array,
+        density_kg_per_m3: Array,
+        type: Ints,
+        shape: Ints,
+        first_id: int,
+    ) -> None:
+        """Create upright bodies, (n,) and (n, 3) each, with ids in order from ``first_id``."""
+
+    def bodies(self) -> dict[str, Any]:
+        """Return copies of this rank's bodies: tag, shape, type, size, density, rmass (n,), x, v, omega, f,
+        angular_momentum (n, 3) and turn (n, 4), the quaternion from the principal axes to the world."""
+
     def repeat_surface(self, *, period_m: float, joined_triangles: Ints) -> None:
         """Repeat the surface after a period along y; ``joined_triangles`` (m, 3) are the triangles
         with one number for vertices that are one period apart and the same place."""

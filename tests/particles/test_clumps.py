@@ -11,16 +11,24 @@ import numpy.typing as npt
 import pytest
 
 from orchestrator.case import solvers
-from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.grains import Shape, ShapeTable
 from orchestrator.ports.plans import ParticleFeed, ParticleList, ParticlesPlan
 from tests.docs.pages import code_on
 from tests.particles import test_contract
-from tests.particles.contract import G_M_PER_S2, WEIGHTLESS, Run, energy_defect_J, particles, plan, plate
+from tests.particles.contract import (
+    G_M_PER_S2,
+    SOLVERS,
+    WEIGHTLESS,
+    Run,
+    energy_defect_J,
+    particles,
+    plan,
+    plate,
+)
 from tests.particles.test_contract import OnceAt
 
-ASKED = ["spheres"]
+ASKED = SOLVERS
 Build = Callable[[ParticlesPlan], Run]
 DUMBBELL = solvers.shape("dumbbell")
 D_M = 0.01
@@ -179,20 +187,15 @@ def test_a_feed_looks_at_each_sphere(build: Build) -> None:
     assert feed.accepted == [True, False, True]
 
 
-def test_it_goes_on_bit_for_bit_after_a_restore(module: ParticlesAdapter) -> None:
+def test_it_goes_on_bit_for_bit_after_a_restore(build: Build) -> None:
     given = particles([[0, 0, 0.0101], [0.004, 0.003, 0.033]], [0.3, 0.1, -0.5], [5.0, -9.0, 3.0])
     wanted = dumbbells(DUMBBELL, plan(plate(0.03, 3), given))
-    first, second = (Run(module.build(wanted), wanted) for _ in range(2))
+    first, second = build(wanted), build(wanted)
     first.advance(20)
     second.solver.restore(first.solver.save())
     second.index = first.index
     for run in (first, second):
-        run.advance(20)
+        run.advance(60)
     for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
         mine, its = (getattr(run.solver.snapshot(), name) for run in (first, second))
         np.testing.assert_array_equal(mine, its)
-
-
-def test_liggghts_says_that_it_takes_spheres_alone() -> None:
-    takes = {name: solvers.adapter("particles", name).clumps for name in ("liggghts", "spheres")}
-    assert takes == {"liggghts": False, "spheres": True}

@@ -42,8 +42,8 @@ fix gravity     all gravity 9.81 vector 0.0 0.0 -1.0
 # run with LIGGGHTS alone, write wall/gran and place the plane).
 fix surface     all wall/gran/flipflow model hertz tangential history rolling_friction epsd2 \
 primitive type 1 zplane 0.0
-fix exits       all exits/flipflow  # takes particles out; where, it is told from memory
 fix motion      all nve/sphere
+fix exits       all exits/flipflow  # takes particles out; where, it is told from memory
 timestep        1e-06
 # The surface's points and the particles follow from memory, then the first force evaluation:
 """

@@ -50,19 +50,26 @@ class DeckContacts {
     if (width_ && row(i)[kState] < kTouched) mutable_row(i)[kState] += kTouched;
   }
 
-  // At the end of an interval of `length_s`.
-  void observe(const SurfacePath &surface, const double *const *position_m, const double *radius_m, int count,
-               double length_s) {
+  struct Grain {
+    int row;
+    Vec3 position_m;
+    double radius_m;
+  };
+
+  // At the end of an interval of `length_s`: `grain(k)` is the k-th of `count`.
+  template <class GrainAt>
+  void observe(const SurfacePath &surface, int count, GrainAt grain, double length_s) {
     if (!width_) return;
     find_line(surface);
     const int panels = line_.panels();
-    for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < count; ++k) {
+      const auto [i, position_m, radius_m] = grain(k);
       double *row = mutable_row(i);
       const bool touched = row[kState] >= kTouched;
       bool counted = is_counted(row);
-      const Place place = locate(from(position_m[i]));
-      const double gap_m = place.height_m - radius_m[i];
-      const bool through = place.height_m < -radius_m[i];
+      const Place place = locate(position_m);
+      const double gap_m = place.height_m - radius_m;
+      const bool through = place.height_m < -radius_m;
       if (place.inside) {
         if (!counted && (through || (touched && place.open))) {
           count_contact(row, place.panel);
@@ -73,7 +80,7 @@ class DeckContacts {
           if (gap_m < line_.reach_m) row[kFirst + 2 * panels + place.panel] += length_s;
         }
       }
-      if (!touched && gap_m >= kOver * 2.0 * radius_m[i]) counted = false;
+      if (!touched && gap_m >= kOver * 2.0 * radius_m) counted = false;
       row[kState] = counted ? kCounted : 0.0;
     }
   }

@@ -82,6 +82,7 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
   styles["wall/gran/flipflow"] = &create_fix<FixSurface>;
   styles["exits/flipflow"] = &create_fix<FixExits>;
   styles["air/flipflow"] = &create_fix<FixAir>;
+  styles["bodies/flipflow"] = &create_fix<FixBodies>;
 }
 
 // After an error LIGGGHTS's parts may contradict each other: a small leak is better than a crash.
@@ -116,6 +117,21 @@ FixAir *Engine::air() {
   return lammps_->modify->find_fix("air") < 0 ? nullptr : &find_fix<FixAir>(*lammps_, "air");
 }
 
+// The fix of motion is either LIGGGHTS's own or ours.
+FixBodies *Engine::bodies() {
+  const int number = lammps_->modify->find_fix("motion");
+  return number < 0 ? nullptr : dynamic_cast<FixBodies *>(lammps_->modify->fix[number]);
+}
+
+void Engine::set_shapes(std::vector<BodyShape> shapes, double reach_m) {
+  FixBodies &bodies = find_fix<FixBodies>(*lammps_, "motion");
+  bodies.set_shapes(std::move(shapes), reach_m);
+  static_cast<PairLists *>(lammps_->neighbor)->know(&bodies);
+  surface().know(&bodies);
+  exits().know(&bodies);
+  if (FixAir *air = this->air()) air->know(&bodies);
+}
+
 void Engine::set_laws(const ContactLaws &laws) {
   laws_ = laws;
   surface().set_laws(laws);
@@ -144,6 +160,34 @@ void Engine::create(const Particles &particles, int first_id) {
     std::copy_n(particles.spin_rad_per_s + 3 * k, 3, atom.omega[i]);
   }
   atom.natoms += particles.count;
+}
+
+// The ids of spheres follow from those of their bodies, as many for each as the largest shape needs.
+void Engine::create_bodies(const Particles &particles, const int *shape, int first_id) {
+  FixBodies &bodies = *this->bodies();
+  Atom &atom = *lammps_->atom;
+  int spheres = 0, most = 1;
+  for (const BodyShape &of : bodies.shapes()) most = std::max(most, static_cast<int>(of.spheres.size()));
+  for (int k = 0; k < particles.count; ++k) {
+    const BodyShape &of = bodies.shapes()[shape[k]];
+    const int first = (first_id + k - 1) * most + 1;
+    spheres += static_cast<int>(of.spheres.size());
+    if (!is_mine(particles.position_m + 3 * k)) continue;
+    FixBodies::Row body = {};
+    body.id = first_id + k;
+    body.shape = shape[k];
+    body.size_m = particles.diameter_m[k];
+    body.place = from(particles.position_m + 3 * k);
+    body.velocity = from(particles.velocity_m_per_s + 3 * k);
+    body.turn[0] = 1.0;
+    body.momentum =
+        bodies.momentum(body, from(particles.spin_rad_per_s + 3 * k), particles.density_kg_per_m3[k]);
+    for (int part = 0; part < static_cast<int>(of.spheres.size()); ++part)
+      bodies.add(add_particle(*lammps_, first + part, particles.type[k], particles.position_m + 3 * k,
+                              body.size_m * of.spheres[part].radius, particles.density_kg_per_m3[k]),
+                 body, part);
+  }
+  atom.natoms += spheres;
 }
 
 std::vector<bool> Engine::overlaps(const double *position_m, const double *diameter_m,
@@ -186,6 +230,7 @@ std::vector<bool> Engine::overlaps(const double *position_m, const double *diame
 
 void Engine::store_history() {
   guarded([&] { lammps_->modify->setup_pre_exchange(); });
+  if (FixBodies *bodies = this->bodies()) bodies->carry_all();
 }
 
 void Engine::prepare() {
@@ -245,6 +290,7 @@ SavedState Engine::save() {
   save_particles(*lammps_, saved);
   surface().save(saved);
   if (const FixAir *air = this->air()) air->save(saved);
+  if (const FixBodies *bodies = this->bodies()) bodies->save(saved);
   return saved;
 }
 
@@ -256,6 +302,7 @@ void Engine::restore(const SavedState &saved) {
     next_cuts_ = {};
     if (!cut_as_saved) cut(then);
     guarded([&] { place_as_listed(*lammps_, saved); });
+    if (FixBodies *bodies = this->bodies()) bodies->place_as_listed(saved);
     list_and_evaluate();
   }
   cut_later({saved.real(kNextCuts[0]), saved.real(kNextCuts[1]), saved.real(kNextCuts[2])});
@@ -263,6 +310,7 @@ void Engine::restore(const SavedState &saved) {
     go_on_as_saved(*lammps_, saved);
     surface().restore(saved);
     if (FixAir *air = this->air()) air->restore(saved);
+    if (FixBodies *bodies = this->bodies()) bodies->restore(saved);
   });
 }
 

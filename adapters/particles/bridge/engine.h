@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fix_air.h"
+#include "fix_bodies.h"
 #include "fix_exits.h"
 #include "fix_surface.h"
 #include "saved_state.h"
@@ -45,6 +46,9 @@ class Engine {
   };
   void create(const Particles &particles, int first_id);
 
+  // New bodies, upright, with ids in order from `first_id`; the diameters are sieve sizes.
+  void create_bodies(const Particles &particles, const int *shape, int first_id);
+
   // Which of the places would overlap the surface or one of this rank's particles.
   std::vector<bool> overlaps(const double *position_m, const double *diameter_m, int count);
 
@@ -75,6 +79,10 @@ class Engine {
   FixSurface &surface();
   FixExits &exits();
   FixAir *air();  // null: the input has none
+  FixBodies *bodies();  // null: all particles are single spheres
+
+  // Before the first particle (see FixBodies).
+  void set_shapes(std::vector<BodyShape> shapes, double reach_m);
 
   void set_laws(const ContactLaws &laws);
   const ContactLaws &laws() const { return laws_; }

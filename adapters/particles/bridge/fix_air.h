@@ -9,6 +9,7 @@
 #include "update.h"
 
 #include "../../vec3.h"
+#include "fix_bodies.h"
 #include "saved_state.h"
 
 namespace flipflow {
@@ -23,6 +24,9 @@ class FixAir : public LAMMPS_NS::Fix {
   FixAir(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg)
       : Fix(lmp, narg, arg), density_kg_per_m3_(std::atof(arg[3])), viscosity_Pa_s_(std::atof(arg[4])) {}
 
+  // A body has the drag of the sphere of its volume, at its centre.
+  void know(const FixBodies *bodies) { bodies_ = bodies; }
+
   int setmask() override { return LAMMPS_NS::FixConst::POST_FORCE; }
   void setup(int flag) override { post_force(flag); }
 
@@ -32,7 +36,8 @@ class FixAir : public LAMMPS_NS::Fix {
   void post_force(int) override {
     const double step = update->setupflag ? 0.0 : update->dt;
     now_ = {};
-    for (int i = 0; i < atom->nlocal; ++i) {
+    for (int b = 0; bodies_ && b < bodies_->count(); ++b) resist(b, step);
+    for (int i = 0; !bodies_ && i < atom->nlocal; ++i) {
       const Vec3 v = from(atom->v[i]);
       const Vec3 drag = -resistance(2.0 * atom->radius[i], norm(v)) * v;
       add_to(atom->f[i], drag);
@@ -79,6 +84,18 @@ class FixAir : public LAMMPS_NS::Fix {
     }
   };
 
+  // On the first sphere of a body, with the couple that moves the force to the centre.
+  void resist(int b, double step) {
+    const FixBodies::Row &body = bodies_->row(b);
+    const int lead = bodies_->lead(b);
+    const Vec3 drag = -resistance(bodies_->equivalent_diameter_m(b), norm(body.velocity)) * body.velocity;
+    const Vec3 without = bodies_->force_now_N(b);
+    add_to(atom->f[lead], drag);
+    add_to(atom->torque[lead], -1.0 * cross(from(atom->x[lead]) - body.place, drag));
+    const Vec3 v_now = body.velocity + (0.5 * step / atom->rmass[lead]) * (without + drag);
+    now_.add(1.0, {drag, cross(body.place, drag), dot(drag, v_now)});
+  }
+
   // Drag over speed.
   double resistance(double diameter_m, double speed_m_per_s) const {
     const double stokes = 3.0 * M_PI * viscosity_Pa_s_ * diameter_m;
@@ -87,6 +104,7 @@ class FixAir : public LAMMPS_NS::Fix {
   }
 
   double density_kg_per_m3_, viscosity_Pa_s_;
+  const FixBodies *bodies_ = nullptr;
   Sums now_, given_;  // of the last evaluation; since t = 0
 };
 

@@ -14,6 +14,7 @@
 
 #include "../../vec3.h"
 #include "deck_contacts.h"
+#include "fix_bodies.h"
 #include "surface_path.h"
 #include "triangle.h"
 
@@ -59,6 +60,7 @@ class FixExits : public LAMMPS_NS::Fix {
     Vec3 position_m, velocity_m_per_s, spin_rad_per_s;
     double radius_m, density_kg_per_m3, mass_kg;
     std::vector<double> deck;  // its row of DeckContacts
+    FixBodies::Row body;       // of single spheres nothing
   };
 
   FixExits(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
@@ -73,6 +75,9 @@ class FixExits : public LAMMPS_NS::Fix {
     surface_ = &surface;
     contacts_ = &contacts;
   }
+
+  // Bodies, all of whose spheres are at the centre by now, go as a whole.
+  void know(const FixBodies *bodies) { bodies_ = bodies; }
 
   // What else is to be done before particles go to other ranks.
   void before_exchange(std::function<void()> act) { before_exchange_ = std::move(act); }
@@ -99,19 +104,26 @@ class FixExits : public LAMMPS_NS::Fix {
   void take_out(double velocity_behind) {
     in_exit_.assign(exits_.size(), {});
     const size_t before = removed_.size();
+    long spheres = 0;  // besides the first ones of bodies
     for (int i = atom->nlocal - 1; i >= 0; --i) {
       const Vec3 place = from(atom->x[i]);
       const int exit = exit_of(place);
       if (exit == kStays) continue;
+      if (bodies_ && !bodies_->is_lead(i)) {
+        remove(i);
+        ++spheres;
+        continue;
+      }
       if (exit != kLost && exits_[exit].below_deck) contacts_->passes(*surface_, i, place);
       const double *deck = contacts_->row(i);
       removed_.push_back({atom->tag[i], atom->type[i], exit, update->ntimestep, velocity_behind, place,
                           from(atom->v[i]), from(atom->omega[i]), atom->radius[i],
                           atom->density[i], atom->rmass[i],
-                          std::vector<double>(deck, deck + contacts_->width())});
+                          std::vector<double>(deck, deck + contacts_->width()),
+                          bodies_ ? bodies_->row_of_atom(i) : FixBodies::Row{}});
       remove(i);
     }
-    long gone = static_cast<long>(removed_.size() - before);
+    long gone = static_cast<long>(removed_.size() - before) + spheres;
     MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_LONG, MPI_SUM, world);
     atom->natoms -= gone;
     before_exchange_();
@@ -172,6 +184,7 @@ class FixExits : public LAMMPS_NS::Fix {
   std::vector<Triangle> deck_;
   const SurfacePath *surface_ = nullptr;
   DeckContacts *contacts_ = nullptr;
+  const FixBodies *bodies_ = nullptr;
   std::vector<DeckInExit> in_exit_;  // of each exit, found anew each time that particles are taken out
   Vec3 low_{}, high_{};
   std::vector<Removed> removed_;

@@ -143,7 +143,9 @@ void FixSurface::restore(const SavedState &saved) {
 // Sum of mass times place, by which gravity gives the particles angular momentum.
 void FixSurface::weigh(double step_s) {
   Vec3 sum = {0, 0, 0};
-  for (int i = 0; i < atom->nlocal; ++i) sum = sum + atom->rmass[i] * from(atom->x[i]);
+  for (int b = 0; bodies_ && b < bodies_->count(); ++b)
+    sum = sum + bodies_->mass_kg(b) * bodies_->row(b).place;
+  for (int i = 0; !bodies_ && i < atom->nlocal; ++i) sum = sum + atom->rmass[i] * from(atom->x[i]);
   mass_moment_ = sum;
   mass_moment_time_ = mass_moment_time_ + step_s * sum;
 }
@@ -157,7 +159,15 @@ void FixSurface::end_sums(double step_s) {
   load_.end(step_s);
   mass_moment_time_ = mass_moment_time_ - 0.5 * step_s * mass_moment_;
   const double length_s = step_s * static_cast<double>(last_step_ - first_step_);
-  deck_contacts_.observe(surface_, atom->x, atom->radius, atom->nlocal, length_s);
+  using Grain = DeckContacts::Grain;
+  const auto body = [this](int b) -> Grain {
+    return {bodies_->lead(b), bodies_->row(b).place, bodies_->bounding_radius_m(b)};
+  };
+  const auto sphere = [this](int i) -> Grain { return {i, from(atom->x[i]), atom->radius[i]}; };
+  if (bodies_)
+    deck_contacts_.observe(surface_, bodies_->count(), body, length_s);
+  else
+    deck_contacts_.observe(surface_, atom->nlocal, sphere, length_s);
 }
 
 void FixSurface::post_integrate() {
@@ -329,7 +339,8 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   load_.add(surface_, corner, on_corners, step);
   deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
-    if (!on_deck_.empty() && on_deck_[touch.triangle] && !update->setupflag) deck_contacts_.touched(i);
+    if (!on_deck_.empty() && on_deck_[touch.triangle] && !update->setupflag)
+      deck_contacts_.touched(bodies_ ? bodies_->lead_of_atom(i) : i);
     if (tangent_wanted_now_) add_tangent(touch, contact, history, unshared, turned);
     worn.after(before, contact, history, corner, w, touch.weight, step);
     if (last_evaluation_)
@@ -406,7 +417,7 @@ void FixSurface::find_far_crossings() {
 }
 
 void FixSurface::add_crossing(int i) {
-  const int tag = atom->tag[i];
+  const int tag = bodies_ ? static_cast<int>(bodies_->row_of_atom(i).id) : atom->tag[i];
   const bigint step = update->ntimestep;
   const bool known =
       std::any_of(crossings_.begin(), crossings_.end(),

@@ -15,6 +15,7 @@
 #include "contact_search.h"
 #include "deck_contacts.h"
 #include "deepest_overlap.h"
+#include "fix_bodies.h"
 #include "jkr.h"
 #include "surface_load.h"
 #include "surface_path.h"
@@ -37,6 +38,9 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void set_surface(SurfacePath surface, std::vector<Triangle> triangles, std::vector<int> type,
                    double largest_radius_m);
   void set_laws(const ContactLaws &laws) { laws_ = laws; }
+
+  // Particles are the spheres of bodies, which are counted and weighed as wholes.
+  void know(const FixBodies *bodies) { bodies_ = bodies; }
   void set_wear(Wear wear);
 
   // Counts contacts with a deck; `on_deck` tells of each triangle whether it belongs to a panel.
@@ -144,6 +148,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   double largest_radius_ = 0.0;
   ContactLaws laws_;
 
+  const FixBodies *bodies_ = nullptr;
   ContactSearch search_;
   std::vector<Touch> touches_;
   ContactHistory history_;

@@ -87,6 +87,74 @@ py::dict particles(py::object self) {
                   "tag"_a = column(atom.tag));
 }
 
+// This rank's bodies, whose arrays have the names of those of single spheres; copies.
+template <class Get>
+Doubles table_of(int count, int columns, Get get) {
+  Doubles array({static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(columns)});
+  for (int b = 0; b < count; ++b) get(b, array.mutable_data(b, 0));
+  return array;
+}
+
+py::dict bodies(Engine &engine) {
+  using flipflow::put;
+  const flipflow::FixBodies &all = *engine.bodies();
+  const LAMMPS_NS::Atom &atom = *engine.lammps().atom;
+  const int n = all.count();
+  const auto number = [&](auto get) {
+    std::vector<double> values(n);
+    for (int b = 0; b < n; ++b) values[b] = get(b);
+    return array_of(values, {n});
+  };
+  const auto whole = [&](auto get) {
+    std::vector<int> values(n);
+    for (int b = 0; b < n; ++b) values[b] = static_cast<int>(get(b));
+    return array_of(values, {n});
+  };
+  const auto vectors = [&](auto get) {
+    return table_of(n, 3, [&](int b, double *row) { put(row, get(b)); });
+  };
+  return py::dict("tag"_a = whole([&](int b) { return all.row(b).id; }),
+                  "shape"_a = whole([&](int b) { return all.row(b).shape; }),
+                  "type"_a = whole([&](int b) { return atom.type[all.lead(b)]; }),
+                  "size"_a = number([&](int b) { return all.row(b).size_m; }),
+                  "density"_a = number([&](int b) { return atom.density[all.lead(b)]; }),
+                  "rmass"_a = number([&](int b) { return all.mass_kg(b); }),
+                  "x"_a = vectors([&](int b) { return all.row(b).place; }),
+                  "v"_a = vectors([&](int b) { return all.row(b).velocity; }),
+                  "omega"_a = vectors([&](int b) { return all.spin(b); }),
+                  "f"_a = vectors([&](int b) { return all.force_N(b); }),
+                  "angular_momentum"_a = vectors([&](int b) { return all.row(b).momentum; }),
+                  "turn"_a = table_of(n, 4, [&](int b, double *row) { std::copy_n(all.row(b).turn, 4, row); }));
+}
+
+// Of this rank's bodies the sum over their spheres of a number of each sphere.
+py::array_t<std::int64_t> by_body(Engine &engine, const std::vector<std::int64_t> &of_sphere) {
+  const flipflow::FixBodies &all = *engine.bodies();
+  std::vector<std::int64_t> sums(all.count(), 0);
+  for (int b = 0; b < all.count(); ++b)
+    for (const int i : all.spheres(b)) sums[b] += of_sphere[i];
+  return array_of(sums, {all.count()});
+}
+
+void set_shapes(Engine &engine, const Ints &count, const Doubles &spheres, const Doubles &volume,
+                const Doubles &inertia, const Doubles &bounding_radius, double reach_m) {
+  check_shape("count", count, {kAny});
+  check_shape("spheres", spheres, {kAny, 4});
+  check_shape("volume", volume, {count.size()});
+  check_shape("inertia", inertia, {count.size(), 3});
+  check_shape("bounding_radius", bounding_radius, {count.size()});
+  std::vector<flipflow::BodyShape> shapes(count.size());
+  py::ssize_t sphere = 0;
+  for (size_t s = 0; s < shapes.size(); ++s) {
+    for (int k = 0; k < count.at(s); ++k, ++sphere)
+      shapes[s].spheres.push_back({flipflow::from(spheres.data(sphere, 0)), spheres.at(sphere, 3)});
+    shapes[s].volume = volume.at(s);
+    shapes[s].bounding_radius = bounding_radius.at(s);
+    std::copy_n(inertia.data(s, 0), 3, shapes[s].inertia);
+  }
+  engine.set_shapes(std::move(shapes), reach_m);
+}
+
 std::vector<flipflow::Triangle> corners_of(const char *name, const Ints &triangles, int points) {
   check_shape(name, triangles, {kAny, 3});
   std::vector<flipflow::Triangle> corners(triangles.shape(0));
@@ -119,9 +187,9 @@ void set_surface(Engine &engine, const Doubles &position_m, const Ints &rigid_fi
                                {type.data(), type.data() + type.size()}, largest_radius_m);
 }
 
-void create_particles(Engine &engine, const Doubles &position_m, const Doubles &velocity_m_per_s,
-                      const Doubles &spin_rad_per_s, const Doubles &diameter_m,
-                      const Doubles &density_kg_per_m3, const Ints &type, int first_id) {
+Engine::Particles checked(const Doubles &position_m, const Doubles &velocity_m_per_s,
+                          const Doubles &spin_rad_per_s, const Doubles &diameter_m,
+                          const Doubles &density_kg_per_m3, const Ints &type) {
   check_shape("position_m", position_m, {kAny, 3});
   const py::ssize_t count = position_m.shape(0);
   check_shape("velocity_m_per_s", velocity_m_per_s, {count, 3});
@@ -129,9 +197,24 @@ void create_particles(Engine &engine, const Doubles &position_m, const Doubles &
   check_shape("diameter_m", diameter_m, {count});
   check_shape("density_kg_per_m3", density_kg_per_m3, {count});
   check_shape("type", type, {count});
-  engine.create({position_m.data(), velocity_m_per_s.data(), spin_rad_per_s.data(), diameter_m.data(),
-                 density_kg_per_m3.data(), type.data(), static_cast<int>(count)},
+  return {position_m.data(), velocity_m_per_s.data(), spin_rad_per_s.data(), diameter_m.data(),
+          density_kg_per_m3.data(), type.data(), static_cast<int>(count)};
+}
+
+void create_particles(Engine &engine, const Doubles &position_m, const Doubles &velocity_m_per_s,
+                      const Doubles &spin_rad_per_s, const Doubles &diameter_m,
+                      const Doubles &density_kg_per_m3, const Ints &type, int first_id) {
+  engine.create(checked(position_m, velocity_m_per_s, spin_rad_per_s, diameter_m, density_kg_per_m3, type),
                 first_id);
+}
+
+void create_bodies(Engine &engine, const Doubles &position_m, const Doubles &velocity_m_per_s,
+                  const Doubles &spin_rad_per_s, const Doubles &size_m, const Doubles &density_kg_per_m3,
+                  const Ints &type, const Ints &shape, int first_id) {
+  check_shape("shape", shape, {position_m.shape(0)});
+  engine.create_bodies(
+      checked(position_m, velocity_m_per_s, spin_rad_per_s, size_m, density_kg_per_m3, type), shape.data(),
+      first_id);
 }
 
 std::vector<bool> overlaps(Engine &engine, const Doubles &position_m, const Doubles &diameter_m) {
@@ -205,7 +288,8 @@ py::array_t<std::int64_t> tally(Engine &engine) {
     const double *const x = atom.x[i], *const v = atom.v[i];
     nowhere += !std::isfinite(x[0] + x[1] + x[2] + v[0] + v[1] + v[2]);
   }
-  return array_of(std::vector<std::int64_t>{atom.nlocal, nowhere, engine.exits().removed(),
+  const int here = engine.bodies() ? engine.bodies()->count() : atom.nlocal;
+  return array_of(std::vector<std::int64_t>{here, nowhere, engine.exits().removed(),
                                             engine.surface().crossings()}, {4});
 }
 
@@ -233,18 +317,25 @@ py::dict take_removed(Engine &engine) {
   const auto rows = engine.exits().take();
   const int panels = engine.surface().deck_contacts().panels();
   const auto before = engine.surface().first_step();
-  return py::dict("x"_a = column3(rows, [](const Row &r) { return r.position_m; }),
-                  "v"_a = column3(rows, [](const Row &r) { return r.velocity_m_per_s; }),
+  const bool whole = engine.bodies();  // single spheres have no body
+  py::dict arrays("x"_a = column3(rows, [](const Row &r) { return r.position_m; }),
+                  "v"_a = column3(rows, [=](const Row &r) { return whole ? r.body.velocity : r.velocity_m_per_s; }),
                   "omega"_a = column3(rows, [](const Row &r) { return r.spin_rad_per_s; }),
                   "radius"_a = column<double>(rows, [](const Row &r) { return r.radius_m; }),
                   "rmass"_a = column<double>(rows, [](const Row &r) { return r.mass_kg; }),
                   "density"_a = column<double>(rows, [](const Row &r) { return r.density_kg_per_m3; }),
                   "type"_a = column<int>(rows, [](const Row &r) { return r.type; }),
-                  "tag"_a = column<int>(rows, [](const Row &r) { return r.tag; }),
+                  "tag"_a = column<int>(rows, [=](const Row &r) { return whole ? r.body.id : r.tag; }),
                   "deck"_a = deck_rows(rows, panels),
                   "exit"_a = column<int>(rows, [](const Row &r) { return r.exit; }),
                   "velocity_behind"_a = column<double>(rows, [](const Row &r) { return r.velocity_behind; }),
                   "step"_a = column<int>(rows, [=](const Row &r) { return r.step - before; }));
+  if (whole) {
+    arrays["angular_momentum"] = column3(rows, [](const Row &r) { return r.body.momentum; });
+    arrays["size"] = column<double>(rows, [](const Row &r) { return r.body.size_m; });
+    arrays["shape"] = column<int>(rows, [](const Row &r) { return r.body.shape; });
+  }
+  return arrays;
 }
 
 py::dict take_crossings(Engine &engine) {
@@ -403,6 +494,12 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("create", &create_particles, by_keyword, exactly("position_m"), exactly("velocity_m_per_s"),
            exactly("spin_rad_per_s"), exactly("diameter_m"), exactly("density_kg_per_m3"),
            exactly("type"), py::arg("first_id"))
+      .def("set_shapes", &set_shapes, by_keyword, exactly("count"), exactly("spheres"), exactly("volume"),
+           exactly("inertia"), exactly("bounding_radius"), py::arg("reach_m"))
+      .def("create_bodies", &create_bodies, by_keyword, exactly("position_m"), exactly("velocity_m_per_s"),
+           exactly("spin_rad_per_s"), exactly("size_m"), exactly("density_kg_per_m3"), exactly("type"),
+           exactly("shape"), py::arg("first_id"))
+      .def("bodies", &bodies)
       .def("repeat_surface", &repeat_surface, by_keyword, py::arg("period_m"),
            exactly("joined_triangles"))
       .def("set_exits", &set_exits, by_keyword, exactly("center_m"), exactly("axes"),
@@ -449,6 +546,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("contact_numbers",
            [](Engine &e) {
              const auto numbers = flipflow::contact_numbers(e.lammps(), e.laws());
+             if (e.bodies()) return by_body(e, numbers);
              return array_of(numbers, {static_cast<py::ssize_t>(numbers.size())});
            })
       .def("pair_energy_J",

@@ -41,7 +41,8 @@ void PairLists::list_pairs(NeighList *list) {
     list->listgranhistory->dpage->reset();
   }
   for (int i = 0; i < atom->nlocal; ++i) {
-    const int count = find_neighbours(i);
+    int count = find_neighbours(i);
+    if (bodies_) count = without_own_body(i, count);
     if (count > list->oneatom)
       error->one(FLERR, "a particle has more neighbours than LIGGGHTS lists for one: sizes differ too much");
     list->ilist[i] = i;
@@ -115,6 +116,13 @@ int PairLists::find_neighbours(int i) {
       }
     }
   return found;
+}
+
+// The number of neighbours that are left.  A body is whole on its rank, so no ghost belongs to it.
+int PairLists::without_own_body(int i, int count) {
+  const auto is_own = [&](int j) { return j < atom->nlocal && bodies_->same_body(i, j); };
+  const auto first = neighbours_.begin();
+  return static_cast<int>(std::remove_if(first, first + count, is_own) - first);
 }
 
 // A pair has the history of the contact that it had, unless it has come apart.

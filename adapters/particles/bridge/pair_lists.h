@@ -6,6 +6,7 @@
 #include "neighbor.h"
 
 #include "../../vec3.h"
+#include "fix_bodies.h"
 
 namespace flipflow {
 
@@ -19,6 +20,9 @@ class PairLists : public LAMMPS_NS::Neighbor {
  public:
   using Neighbor::Neighbor;
 
+  // Spheres of one body are no neighbours.
+  void know(const FixBodies *bodies) { bodies_ = bodies; }
+
  private:
   struct Copy {
     Vec3 position_m;
@@ -31,12 +35,14 @@ class PairLists : public LAMMPS_NS::Neighbor {
   void sort_into_cells(int particles);
   int cell_at(const double *place_m) const;
   int find_neighbours(int particle);
+  int without_own_body(int particle, int count);
   void recall_histories(LAMMPS_NS::NeighList &list, int particle, int neighbours) const;
 
   double low_m_[3], cell_m_[3];
   int count_[3];
   std::vector<int> cell_, first_, number_;  // each particle's cell, each cell's first copy, each copy's number
   std::vector<Copy> copies_;
+  const FixBodies *bodies_ = nullptr;  // null: particles are single spheres
   std::vector<int> neighbours_;  // of one particle
 };
 

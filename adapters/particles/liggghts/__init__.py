@@ -38,5 +38,4 @@ ADAPTER = ParticlesAdapter(
     cost=cost,
     needs=("adapters.particles.liggghts.particles",),
     fidelity=2,
-    clumps=False,
 )

@@ -16,6 +16,7 @@ from adapters.particles.liggghts.domain_cuts import first_cuts
 from adapters.particles.liggghts.input import (
     FIRST_EVALUATION,
     cutoff_m,
+    has_bodies,
     has_sliding,
     input_text,
     smallest_box_m,
@@ -60,6 +61,8 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         type=ints(plan.surface.material + 1),
         largest_radius_m=plan.largest_radius_m,
     )
+    if has_bodies(plan):
+        _set_shapes(engine, plan)
     _set_laws(engine, plan)
     if plan.wear_m3_per_N_m is not None:
         engine.set_wear(floats(plan.wear_m3_per_N_m))
@@ -114,6 +117,37 @@ def create_particles(engine: Engine, new: ParticleList, first_id: int) -> None:
         density_kg_per_m3=floats(new.grains.density_kg_per_m3),
         type=ints(new.grains.material + 1),
         first_id=first_id,
+    )
+
+
+def create_bodies(engine: Engine, new: ParticleList, first_id: int) -> None:
+    """Create upright bodies from memory, with ids in order from ``first_id``."""
+    engine.create_bodies(
+        position_m=floats(new.position_m),
+        velocity_m_per_s=floats(new.velocity_m_per_s),
+        spin_rad_per_s=floats(new.spin_rad_per_s),
+        size_m=floats(new.grains.sieve_size_m),
+        density_kg_per_m3=floats(new.grains.density_kg_per_m3),
+        type=ints(new.grains.material + 1),
+        shape=ints(new.grains.shape),
+        first_id=first_id,
+    )
+
+
+def _set_shapes(engine: Engine, plan: ParticlesPlan) -> None:
+    """Tell the engine what bodies are made of, and how far from a centre it must look for spheres."""
+    spheres = [np.array(shape.spheres) for shape in plan.shapes]
+    reaches = [
+        (np.linalg.norm(each[:, :3], axis=1).max() + each[:, 3].max()) / shape.bounding_radius
+        for each, shape in zip(spheres, plan.shapes, strict=True)
+    ]
+    engine.set_shapes(
+        count=ints([len(each) for each in spheres]),
+        spheres=floats(np.concatenate(spheres)),
+        volume=floats([shape.volume for shape in plan.shapes]),
+        inertia=floats([shape.inertia for shape in plan.shapes]),
+        bounding_radius=floats([shape.bounding_radius for shape in plan.shapes]),
+        reach_m=max(reaches) * plan.largest_radius_m * contact_distance_factor(plan),
     )
 
 

@@ -53,8 +53,8 @@ pair_coeff      * *
 # contact model named here.  The plane only satisfies the stock syntax and is not used (for a
 # run with LIGGGHTS alone, write wall/gran and place the plane).
 fix surface     all wall/gran/flipflow {model} primitive type 1 zplane 0.0
-{air}fix exits       all exits/flipflow  # takes particles out; where, it is told from memory
-fix motion      all nve/sphere
+{air}fix motion      all {motion}
+fix exits       all exits/flipflow  # takes particles out; where, it is told from memory
 timestep        {step}
 # The surface's points and the particles follow from memory, then the first force evaluation:
 """
@@ -75,6 +75,11 @@ def has_sliding(plan: ParticlesPlan) -> bool:
 def has_rolling(plan: ParticlesPlan) -> bool:
     """Return whether a contact of the plan has rolling friction."""
     return bool(np.any(plan.rolling_friction > 0))
+
+
+def has_bodies(plan: ParticlesPlan) -> bool:
+    """Return whether a grain of the plan may be made of several spheres; all of them are bodies then."""
+    return any(len(shape.spheres) > 1 for shape in plan.shapes)
 
 
 def contact_model(plan: ParticlesPlan) -> str:
@@ -153,7 +158,8 @@ def input_text(plan: ParticlesPlan) -> str:
         restitution=words(_constant_restitution(plan)),
         tables=_tables(plan),
         model=contact_model(plan),
-        gravity=_gravity(plan.gravity_m_per_s2),
+        gravity="" if has_bodies(plan) else _gravity(plan.gravity_m_per_s2),
+        motion=f"bodies/flipflow {words(plan.gravity_m_per_s2)}" if has_bodies(plan) else "nve/sphere",
         air=_air(plan.air),
         step=words(np.array(plan.sync_interval_s / steps_in(plan.sync_interval_s, plan.step_s))),
     )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from adapters.particles.liggghts.input import has_bodies
 from orchestrator.ports import Account, AngularAccount, Array
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
 from orchestrator.ports.state import SavedAttributes
@@ -16,58 +17,58 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class SolidSpheres:
-    """The properties of n solid spheres, a row each; their moment of inertia is 2/5 m r^2."""
+class Bodies:
+    """The properties of n rigid bodies, a row each."""
 
     mass_kg: Array  # (n,)
-    radius_m: Array  # (n,)
     position_m: Array  # (n, 3)
     velocity_m_per_s: Array  # (n, 3)
     spin_rad_per_s: Array  # (n, 3)
+    own_kg_m2_per_s: Array  # (n, 3) angular momentum about the centre of mass
 
     def __len__(self) -> int:
         return len(self.mass_kg)
 
-    @property
-    def inertia_kg_m2(self) -> Array:
-        return 0.4 * self.mass_kg * self.radius_m**2
-
     def momentum_kg_m_per_s(self) -> Array:
-        """Return the momentum (3,) of all spheres."""
+        """Return the momentum (3,) of all bodies."""
         return self.mass_kg @ self.velocity_m_per_s
 
     def moved_N_s(self) -> float:
-        """Return the sum of the sizes of the spheres' momenta."""
+        """Return the sum of the sizes of the bodies' momenta."""
         return float(self.mass_kg @ np.linalg.norm(self.velocity_m_per_s, axis=1))
 
     def angular_momentum_kg_m2_per_s(self) -> Array:
-        """Return the angular momentum (3,) of all spheres about the world's origin."""
+        """Return the angular momentum (3,) of all bodies about the world's origin."""
         orbital = self.mass_kg @ np.cross(self.position_m, self.velocity_m_per_s)
-        return np.asarray(orbital + self.inertia_kg_m2 @ self.spin_rad_per_s)
+        return np.asarray(orbital + self.own_kg_m2_per_s.sum(axis=0))
 
     def kinetic_J(self) -> float:
-        """Return the kinetic energy of all spheres, rotation included."""
+        """Return the kinetic energy of all bodies, rotation included."""
         moving = self.mass_kg @ np.sum(self.velocity_m_per_s**2, axis=1)
-        return float(moving + self.inertia_kg_m2 @ np.sum(self.spin_rad_per_s**2, axis=1)) / 2.0
+        return float(moving + np.vdot(self.own_kg_m2_per_s, self.spin_rad_per_s)) / 2.0
 
     def gravitational_J(self, gravity_m_per_s2: Array) -> float:
-        """Return the potential energy of all spheres, zero at the world's origin."""
+        """Return the potential energy of all bodies, zero at the world's origin."""
         return -float(self.mass_kg @ (self.position_m @ gravity_m_per_s2))
 
     def mechanical_J(self, gravity_m_per_s2: Array) -> float:
-        """Return the kinetic and potential energy of all spheres."""
+        """Return the kinetic and potential energy of all bodies."""
         return self.kinetic_J() + self.gravitational_J(gravity_m_per_s2)
 
 
-def _listed(particles: ParticleList) -> SolidSpheres:
-    """Return the spheres of a list that the orchestrator made."""
+def _listed(particles: ParticleList) -> Bodies:
+    """Return the upright bodies of a list that the orchestrator made."""
     motion = (particles.position_m, particles.velocity_m_per_s, particles.spin_rad_per_s)
-    return SolidSpheres(particles.grains.mass_kg, particles.grains.bounding_radius_m, *motion)
+    own = particles.grains.inertia_kg_m2 * particles.spin_rad_per_s
+    return Bodies(particles.grains.mass_kg, *motion, own)
 
 
-def _owned(arrays: dict[str, Any]) -> SolidSpheres:
-    """Return the spheres of LIGGGHTS's arrays."""
-    return SolidSpheres(*(arrays[name] for name in ("rmass", "radius", "x", "v", "omega")))
+def _owned(arrays: dict[str, Any]) -> Bodies:
+    """Return the bodies of the engine's arrays; those of single spheres have no angular momentum in them."""
+    mass_kg, spin = arrays["rmass"], arrays["omega"]
+    if (own := arrays.get("angular_momentum")) is None:
+        own = (0.4 * mass_kg * arrays["radius"] ** 2)[:, None] * spin
+    return Bodies(mass_kg, arrays["x"], arrays["v"], spin, own)
 
 
 class ParticleLedger(SavedAttributes):
@@ -89,11 +90,15 @@ class ParticleLedger(SavedAttributes):
         self._gravity_m_per_s2 = plan.gravity_m_per_s2
         self._adhesive = plan.adhesion is not None
         self._periodic = plan.periodic_y
+        self._has_bodies = has_bodies(plan)
         self._airy = plan.air is not None
         self._mass_kg = float(_listed(plan.particles).mass_kg.sum())
         self._impulse_N_s, self._came_kg_m2_per_s = np.zeros((2, 3))
         self._fed_J = self._removed_J = self._first_J = self._moved_N_s = 0.0
         self.removed_count = 0
+
+    def _present(self, engine: Engine) -> Bodies:
+        return _owned(engine.bodies() if self._has_bodies else engine.particles())
 
     def open(self, engine: Engine) -> None:
         """Store the energy at t = 0."""
@@ -134,7 +139,7 @@ class ParticleLedger(SavedAttributes):
 
     def account(self, engine: Engine) -> Account:
         """Return the present account."""
-        mine = _owned(engine.particles())
+        mine = self._present(engine)
         stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))
         gained_J = sum(stored_J.values()) - self._first_J
@@ -162,7 +167,7 @@ class ParticleLedger(SavedAttributes):
 
     def _angular(self, engine: Engine, air_N_m_s: Array) -> AngularAccount:
         """Return the angular momentum, which would jump for particles moved across periodic sides."""
-        momentum = _owned(engine.particles()).angular_momentum_kg_m2_per_s()
+        momentum = self._present(engine).angular_momentum_kg_m2_per_s()
         given, moment = engine.angular_impulse_N_m_s(), engine.mass_moment_time_kg_m_s()
         momentum, given, moment = self._comm.allreduce(np.array([momentum, given, moment]))
         fell = np.cross(moment, self._gravity_m_per_s2)
@@ -170,7 +175,7 @@ class ParticleLedger(SavedAttributes):
         return AngularAccount(momentum, outside, {"surface": -given})
 
     def _stored_J(self, engine: Engine) -> dict[str, float]:
-        mine = _owned(engine.particles())
+        mine = self._present(engine)
         surface, pairs = engine.surface_energy_J(), engine.pair_energy_J()
         contacts_J = [surface[part] + pairs[part] for part in ("elastic_J", "adhesion_J")]
         motion_J = (mine.kinetic_J(), mine.gravitational_J(self._gravity_m_per_s2))

@@ -26,6 +26,7 @@ from orchestrator.ports import (
     ContactTangent,
     Crossings,
     HermitePath,
+    Indices,
     Load,
     Overlaps,
     ParticleSnapshot,
@@ -41,8 +42,15 @@ from orchestrator.ports.state import as_arrays, like
 try:
     from mpi4py import MPI
 
-    from adapters.particles.liggghts.engine import begin_path, create_particles, floats, parts, start_engine
-    from adapters.particles.liggghts.input import cutoff_m
+    from adapters.particles.liggghts.engine import (
+        begin_path,
+        create_bodies,
+        create_particles,
+        floats,
+        parts,
+        start_engine,
+    )
+    from adapters.particles.liggghts.input import cutoff_m, has_bodies
 except ImportError as missing:
     raise SolverMissing(
         f"the particles by LIGGGHTS need their compiled part, which docker/setup.sh builds: {missing}"
@@ -65,6 +73,7 @@ class Liggghts:
         self._comm: Any = plan.communicator or MPI.COMM_SELF
         self._ledger = ParticleLedger(plan, self._comm)
         self._created = 0
+        self._has_bodies = has_bodies(plan)
         self._deepest, self._crossings = Overlaps(), Crossings.none()
         self._unprepared = False
         self._removed: list[Removed] = []
@@ -85,7 +94,8 @@ class Liggghts:
             self._opened = opened.pop_all()
 
     def _create(self, new: ParticleList) -> None:
-        create_particles(self._engine, new, self._created + 1)
+        create = create_bodies if self._has_bodies else create_particles
+        create(self._engine, new, self._created + 1)
         self._created += len(new)
 
     def initial(self) -> Load:
@@ -120,14 +130,15 @@ class Liggghts:
     def snapshot(self) -> ParticleSnapshot:
         """Return all particles in the order of their ids, on the first rank; none on the others."""
         self._prepare()
-        names = ("tag", "x", "v", "omega", "radius", "density", "type", "f")
-        of_all = self._engine.particles()
-        mine = [*(np.array(of_all[name]) for name in names), self._engine.contact_numbers()]
+        columns = ("size", "shape") if self._has_bodies else ("radius",)
+        names = ("tag", "x", "v", "omega", "f", "density", "type", *columns)
+        of_all = self._engine.bodies() if self._has_bodies else self._engine.particles()
+        mine = [self._engine.contact_numbers(), *(np.array(of_all[name]) for name in names)]
         ranks = self._comm.gather(mine)
         if self._comm.rank != 0:
             ranks = [[values[:0] for values in mine]]
-        order = np.argsort(np.concatenate([values[0] for values in ranks]))
-        tag, x, v, omega, radius, density, kind, force, contacts = (
+        order = np.argsort(np.concatenate([values[1] for values in ranks]))
+        contacts, tag, x, v, omega, force, *grains = (
             np.concatenate(parts).take(order, axis=0) for parts in zip(*ranks, strict=True)
         )
         return ParticleSnapshot(
@@ -135,7 +146,7 @@ class Liggghts:
             position_m=x,
             velocity_m_per_s=v,
             spin_rad_per_s=omega,
-            grains=self._spheres(radius, density, kind),
+            grains=self._grains(dict(zip(names[5:], grains, strict=True))),
             force_N=force,
             contacts=contacts,
         )
@@ -199,11 +210,15 @@ class Liggghts:
         del self._engine
         self._opened.close()
 
-    def _spheres(self, radius_m: Array, density_kg_per_m3: Array, type: npt.NDArray[Any]) -> Grains:
-        """Return the grains of LIGGGHTS's columns (n,)."""
-        material = type.astype(np.int64) - 1
+    def _grains(self, columns: Arrays) -> Grains:
+        """Return the grains of the engine's columns (n,), of bodies or of single spheres."""
+        material = columns["type"].astype(np.int64) - 1
         shapes = self._plan.particles.grains.shapes
-        return Grain(2.0 * radius_m, density_kg_per_m3, material, np.zeros_like(material), shapes)
+        if self._has_bodies:
+            size_m, shape = columns["size"], columns["shape"].astype(np.int64)
+        else:
+            size_m, shape = 2.0 * columns["radius"], np.zeros_like(material)
+        return Grain(size_m, columns["density"], material, shape, shapes)
 
     def _sorted(self, removed: Iterable[Removed]) -> Removed:
         plan = self._plan
@@ -240,8 +255,9 @@ class Liggghts:
         offer = self._plan.feed.due(interval)
         if len(offer) == 0:
             return
-        place_m, diameter_m = floats(offer.position_m), floats(offer.grains.sieve_size_m)
-        blocked = np.array(self._engine.overlaps(position_m=place_m, diameter_m=diameter_m))
+        grain, place_m, diameter_m = self._spheres_of(offer)
+        overlapping = np.array(self._engine.overlaps(position_m=place_m, diameter_m=diameter_m))
+        blocked = np.bincount(grain, overlapping, minlength=len(offer)) > 0
         self._comm.Allreduce(MPI.IN_PLACE, blocked, MPI.LOR)
         accepted = ~blocked
         if accepted.any():
@@ -251,6 +267,14 @@ class Liggghts:
             self._ledger.add_fed(new)
             self._unprepared = True
         self._plan.feed.settle(accepted)
+
+    def _spheres_of(self, offer: ParticleList) -> tuple[Indices, Array, Array]:
+        """Return the spheres of upright grains: each one's row in the offer, place (n, 3) and diameter."""
+        grains = offer.grains
+        table = [np.array(shape.spheres) for shape in self._plan.shapes]
+        grain = np.repeat(np.arange(len(offer)), [len(table[shape]) for shape in grains.shape])
+        own = np.concatenate([table[shape] for shape in grains.shape]) * grains.sieve_size_m[grain, None]
+        return grain, floats(offer.position_m[grain] + own[:, :3]), floats(2.0 * own[:, 3])
 
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()
@@ -266,7 +290,7 @@ class Liggghts:
                 time_s=interval.start_s + step_s * mine["step"],
                 position_m=mine["x"],
                 velocity_m_per_s=mine["v"],
-                grains=self._spheres(mine["radius"], mine["density"], mine["type"]),
+                grains=self._grains(mine),
                 exit=mine["exit"].astype(np.int64),
                 contacts=contacts.astype(np.int32),
                 over_s=over_s.astype(np.float32),

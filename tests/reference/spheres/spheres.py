@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from adapters.particles.liggghts.ledger import SolidSpheres
 from orchestrator.ports import Array, Indices
 
 
 @dataclass
-class Spheres(SolidSpheres):
+class Spheres:
     """n spheres, those of one grain after those of the other.
 
     Masses and ids are those of the grains, whose row is ``body`` (n,); ``own_m`` (n, 3) is the place in the
     grain's principal axes.
     """
 
+    mass_kg: Array
+    radius_m: Array
+    position_m: Array
+    velocity_m_per_s: Array
+    spin_rad_per_s: Array
     id: Indices
     material: Indices
     body: Indices
     own_m: Array
+
+    def __len__(self) -> int:
+        return len(self.mass_kg)
