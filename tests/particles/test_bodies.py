@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
+from contextlib import closing
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from orchestrator.case import solvers
+from orchestrator.ports.clock import Interval
 from orchestrator.ports.grains import ShapeTable
-from tests.particles.contract import LIGGGHTS_ALONE, WEIGHTLESS, particles, plan, plate
+from tests.particles.clump_bed import clump_plan
+from tests.particles.contract import LIGGGHTS_ALONE, WEIGHTLESS, particles, plan, plate, solver_adapter
+from tests.particles.liggghts_bed import PERIODIC, WET, counted, wave
+from tests.particles.liggghts_plans import INTERVAL_S, travel
+from tests.particles.restored_bed import OPEN_END, astray, resumed
 from tests.particles.test_clumps import DUMBBELL, Build, dumbbells
+from tests.particles.test_saved import AIRY
+from tests.saved_states import differences
 
 ASKED = LIGGGHTS_ALONE
 
@@ -53,3 +66,58 @@ def test_bodies_of_one_sphere_are_spheres(build: Build) -> None:
         np.testing.assert_allclose(getattr(got, name), want, atol=1e-12 * np.abs(want).max(), rtol=0)
     energy_J = [run.solver.account().stored_J["kinetic"] for run in (spheres, bodies)]
     assert energy_J[1] == pytest.approx(energy_J[0], rel=1e-11)
+
+
+CHANGES: dict[str, dict[str, Any]] = {
+    "dry": {},
+    "periodic, wet, counted": {**PERIODIC, **WET, "exits": (OPEN_END,), **counted()},
+    "airy": AIRY,
+}
+
+
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
+def test_a_bed_of_clumps_goes_on_bit_for_bit(changes: dict[str, Any]) -> None:
+    assert resumed("liggghts", clump_plan(**changes), 37, 60) == []
+
+
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
+def test_a_bed_of_clumps_steps_back_bit_for_bit(changes: dict[str, Any]) -> None:
+    """Astray in each interval: neighbours are listed anew on the way, and particles leave or come."""
+    straight, hesitant = (solver_adapter("liggghts").build(clump_plan(**changes)) for _ in range(2))
+    with closing(straight), closing(hesitant):
+        for index in range(40):
+            saved = hesitant.save()
+            hesitant.advance(Interval(index, INTERVAL_S), astray(Interval(index, INTERVAL_S)))
+            hesitant.restore(saved)
+            loads = [travel(each, wave, range(index, index + 1)) for each in (straight, hesitant)]
+            np.testing.assert_array_equal(*loads)
+        assert differences(straight.save(), hesitant.save(), "state") == []
+
+
+def ranks(n: int, *words: str) -> Any:
+    command = ["mpirun", "-n", str(n), "--oversubscribe", "--allow-run-as-root", sys.executable]
+    command += ["-m", "tests.particles.clump_bed", *words]
+    own = ("OMPI_", "PMIX_", "ORTE_", "PMI_")  # this process has started MPI itself
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(own)}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_two_ranks_move_clumps_as_one_does() -> None:
+    """Bodies cross the border between ranks, which is moved now and then; the order of sums differs."""
+    single, double = ranks(1), ranks(2)
+    assert min(double["owned"]) > 50
+    for name in ("ids", "shapes", "contacts", "removed"):
+        assert double[name] == single[name], name
+    assert len(single["removed"]) > 0
+    for name in ("impulse", "momentum", "stored", "angular"):
+        np.testing.assert_allclose(double[name], single[name], rtol=1e-8, atol=1e-11, err_msg=name)
+    for books in (single, double):  # of all that came, left and met the sheet
+        gained = np.subtract(books["momentum"], books["before"]) - books["outside"] + books["impulse"]
+        np.testing.assert_allclose(gained, 0.0, atol=1e-12 * books["moved"])
+        np.testing.assert_allclose(books["turned"], 0.0, atol=1e-13 * books["moved"])
+
+
+def test_two_ranks_of_clumps_go_on_bit_for_bit() -> None:
+    assert ranks(2, "resumed") == [[], []]

@@ -135,6 +135,7 @@ void FixSurface::restore(const SavedState &saved) {
   energy_ = {energy[0], energy[1]};
   deepest_ = {};
   crossings_.clear();
+  next_reneighbor = -1;  // a step that listed neighbours may come again, and list none
   const double *moments = saved.real("mass_moments").data();
   mass_moment_ = from(moments);
   mass_moment_time_ = from(moments + 3);
