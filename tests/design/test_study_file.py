@@ -10,6 +10,7 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.studies.design.study_file import read_study
+from tests.cases import keys_and_kinds
 from tests.design.campaigns import belt, write_study
 from tests.docs.pages import code_on
 
@@ -230,7 +231,9 @@ def test_eight_factors_are_too_many_for_a_box_behnken_plan(tmp_path: Path) -> No
         "set": {f"screen.{name}": name for name in names},
         "plan/kind": "box-behnken",
     }
-    assert "3 to 7 factors, not 8; sobol has any" in complaint(write_study(tmp_path, **changes))
+    with pytest.raises(CaseError) as refused:
+        read_study(write_study(tmp_path, **changes))
+    assert keys_and_kinds(refused.value.problems) == ["plan.kind: conflict"]
 
 
 def test_all_mistakes_stand_in_one_message(tmp_path: Path) -> None:
