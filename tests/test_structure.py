@@ -45,3 +45,14 @@ def test_no_file_of_the_orchestrator_stands_in_an_import_circle() -> None:
                 wanted = {name if name in files else node.module for name in inner}
                 imports.setdefault(module, set()).update(wanted & files.keys())
     assert list(TopologicalSorter(imports).static_order())  # raises CycleError, which names the circle
+
+
+def test_names_in_tests_say_what_they_hold() -> None:
+    """A variable is a problem, a message or a pressure; found, said, told and one could be anything."""
+    vague = {"found", "said", "told", "one"}
+    for file in ROOT.glob("tests/**/*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.arg):
+                assert node.arg not in vague, f"{file}:{node.lineno}"
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                assert node.id not in vague, f"{file}:{node.lineno}"
