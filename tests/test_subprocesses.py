@@ -19,9 +19,8 @@ python("-c", "import os, time; print(os.getpid(), flush=True); time.sleep(60)")
 """
 WORKER = """
 import os, time
-from concurrent.futures import ProcessPoolExecutor
-from orchestrator.output.subprocesses import end_with_parent
-with ProcessPoolExecutor(1, initializer=end_with_parent) as pool:
+from orchestrator.views.worker import worker
+with worker() as pool:
     print(pool.submit(os.getpid).result(), flush=True)
     pool.submit(time.sleep, 60).result()
 """

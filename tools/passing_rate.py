@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 import pandas
 
-from orchestrator.output.drawing import WIDE, figure, save
 from orchestrator.output.results.contacts import fit_rate
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
+from orchestrator.views.style import WIDE, figure, save
 
 EXPONENTS = (0.0, 0.5)
 """Of the velocity, by which a rate falls with it."""

@@ -92,7 +92,7 @@ def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_
     return FramesPlan(
         bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
         bushings=tuple(bushings(case)) if forces else (),
-        exciters=tuple(_exciters(case)) if forces else (),
+        exciters=tuple(exciters(case)) if forces else (),
         drives=tuple(_drive(case, name, row.drive) for name, row in frames.items() if row.drive),
         gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         points_m=points_m,
@@ -154,7 +154,7 @@ def _hysteresis(bushing: tables.Bushing) -> Iterator[HysteresisPlan]:
             yield HysteresisPlan("xyz".index(axis), elements.elastic_N_per_m, *friction, *maxwell)
 
 
-def _exciters(case: Case) -> list[ExciterPlan]:
+def exciters(case: Case) -> list[ExciterPlan]:
     """Return the plans of the exciters, in world axes, with motors if the frames' solver has them."""
     motors = case.frames.adapter.motors
     return [
@@ -326,7 +326,7 @@ def _make_room(particles: ParticleList, surface: TriangleSurface, case: Case) ->
     gravity_m_per_s2 = np.array(case.gravity_m_per_s2)
     size = float(np.linalg.norm(gravity_m_per_s2))
     up = -gravity_m_per_s2 / size if size else np.array([0.0, 0.0, 1.0])
-    pushed = push_out(particles, surface.vertices_m[surface.triangles], up, period_m(case))
+    pushed = push_out(particles, surface.corners_m, up, period_m(case))
     moved_m = np.linalg.norm(pushed.position_m - particles.position_m, axis=1)
     if moved_m.any():
         count, mean_m = int((moved_m > 0).sum()), moved_m[moved_m > 0].mean()

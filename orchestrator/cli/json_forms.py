@@ -7,7 +7,6 @@ error, and the exit code tells its kind; ``check`` has the problems of a case as
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
@@ -15,6 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
+
+from orchestrator.figures.figure import to_json
 
 if TYPE_CHECKING:
     from orchestrator.preflight.judge import JudgedCase
@@ -27,19 +28,8 @@ FORMAT = 1
 def print_json(table: Mapping[str, Any]) -> None:
     """Print a table as JSON on standard output, with ``format_version`` first; numbers that are not finite
     become null, and characters that a terminal could obey are escaped."""
-    text = json.dumps(_finite({"format_version": FORMAT, **table}), indent=2, ensure_ascii=False)
+    text = json.dumps(to_json({"format_version": FORMAT, **table}), indent=2, ensure_ascii=False)
     typer.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
-
-
-def _finite(value: Any) -> Any:
-    """Return a table in which None stands for every number that JSON cannot have."""
-    if isinstance(value, dict):
-        return {str(key): _finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(inner) for inner in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def check_form(loaded: JudgedCase) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from rich.console import Console
 from orchestrator.case import provenance
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, open_hdf5
+from orchestrator.case.file.whole import write_json
 from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, TextConsole, find_all_problems
 from orchestrator.cli.overview import adhesion_lines
 from orchestrator.coupling import mpi
@@ -43,7 +44,6 @@ from orchestrator.output.records.run_folder import (
     is_at_work,
     lock,
     write_case,
-    write_json,
 )
 from orchestrator.output.report.headline import headline_lines
 from orchestrator.ports.plans import SolverFailed, SolverMissing

@@ -8,9 +8,9 @@ from orchestrator.case.deck.stl import UnreadableStl
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import find_all_problems, refuse
 from orchestrator.output.records.run_folder import write_page
-from orchestrator.output.views.page import CheckFindings, Views
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase
+from orchestrator.views.page import CheckFindings, Views
 
 RUNS = Path("runs")
 

@@ -6,16 +6,13 @@ case may have put any file.
 
 from __future__ import annotations
 
-import ctypes
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-PR_SET_PDEATHSIG = 1  # of Linux's <sys/prctl.h>
 
 
 LAUNCHERS = ("OMPI_", "ORTE_", "PMI_", "PMIX_")
@@ -56,11 +53,6 @@ def python(
         finally:
             _RUNNING.discard(process)
     return subprocess.CompletedProcess(command, process.returncode, *written)
-
-
-def end_with_parent() -> None:
-    """Have this process killed when the process that started it dies; for the workers of a pool."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def stop_all() -> None:

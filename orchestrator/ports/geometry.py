@@ -57,6 +57,13 @@ class Rectangle:
             places_m = places_m + coordinates_m[:, 2:] * self._normals(np.sign(beyond))
         return np.asarray(places_m)
 
+    def corners_m(self, clamp_m: float = 0.0) -> Array:
+        """Return the corners (4, 3), one after the other, of the straight panel and ``clamp_m`` beyond its
+        ends."""
+        first_m, last_m, across_m = -clamp_m, self.length_m + clamp_m, self.width_m
+        around_m = [(first_m, 0.0), (last_m, 0.0), (last_m, across_m), (first_m, across_m)]
+        return self.mounted(np.array(around_m))
+
     def _normals(self, clamp: Array) -> Array:
         """Return the normals (n, 3) of the straight panel: -1 in the first clamp, 0 between them, 1 in the
         second one, as ``clamp`` (n,) says."""
@@ -269,6 +276,17 @@ class TriangleSurface:
     def vertices_m(self) -> Array:
         """The places (vertices, 3) of all vertices at t = 0."""
         return self.rigid.at(self.position_m)
+
+    @property
+    def corners_m(self) -> Array:
+        """The corners (m, 3, 3) of all triangles at t = 0."""
+        return np.asarray(self.vertices_m[self.triangles])
+
+
+def area_vectors_m2(corners_m: Array) -> Array:
+    """Return the area vectors (m, 3) of triangles (m, 3, 3), along their normals."""
+    first_m, second_m, third_m = (corners_m[:, k] for k in range(3))
+    return np.asarray(np.cross(second_m - first_m, third_m - first_m) / 2)
 
 
 @dataclass(frozen=True)

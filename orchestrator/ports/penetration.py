@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import RigidVertices, foot_on_triangle, shares_in
+from orchestrator.ports.geometry import RigidVertices, area_vectors_m2, foot_on_triangle, shares_in
 
 IN_PLANE = 1e-3  # of its thickness: a panel drawn nearer to a surface's plane is on neither side
 FAR = 20  # thicknesses: pairs are not listed for longer motions, since they would be too many
@@ -107,7 +107,7 @@ class RigidPairs:
         self._ends, self._pairs, self._row = pairs.ends[which], pairs.part(order), row[order]
         corners_m = edge_m * shares[order]
         self._carriers, self._edge_m = slice(first, first + 4), edge_m
-        normal = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+        normal = area_vectors_m2(corners_m)
         self._normal = normal / np.linalg.norm(normal, axis=1)[:, None]
         self._at_m = np.einsum("nk,nk->n", self._normal, corners_m[:, 0])
         self._crossed = np.zeros(len(row), dtype=np.bool_)
@@ -322,7 +322,6 @@ def height_m(corners_m: Array, triangle: Indices, place_m: Array) -> Array:
 
     ``triangle`` (n,) has the numbers of these triangles in ``corners_m`` (m, 3, 3).
     """
-    first, second, third = (corners_m[:, k] for k in range(3))
-    normal = np.cross(second - first, third - first)
+    normal = area_vectors_m2(corners_m)
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    return np.asarray(np.einsum("nk,nk->n", normal[triangle], place_m - first[triangle]))
+    return np.asarray(np.einsum("nk,nk->n", normal[triangle], place_m - corners_m[triangle, 0]))

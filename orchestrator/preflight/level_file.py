@@ -12,7 +12,7 @@ from orchestrator.case.file.base import read_level
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import CaseError, CaseProblem, show_value
 from orchestrator.case.file.layers import Layers, is_outside, parse_override
-from orchestrator.case.file.whole import written_whole
+from orchestrator.case.file.whole import write_text
 from orchestrator.case.load import read_tables
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
@@ -38,8 +38,7 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
         raise CaseError([CaseProblem((), "lies outside of the case's folder", file=str(file), kind="file")])
     text = level_text(loaded, sets, about)
     file.parent.mkdir(exist_ok=True)
-    with written_whole(file) as aside:
-        aside.write_text(text, encoding="utf-8")
+    write_text(file, text)
     return file
 
 

@@ -16,6 +16,7 @@ from typing import Any
 from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.file.errors import show_value
 from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.case.file.leaves import leaves
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
 from orchestrator.output.records.run_folder import resolved_case
@@ -86,11 +87,9 @@ def _may_change(key: str, before: Any, after: Any, simulated_s: float) -> bool:
     return key.split(".")[0] in FREE and key not in EVEN
 
 
-def _flatten(value: Any, within: str = "") -> dict[str, Any]:
-    if isinstance(value, Mapping):
-        parts = [(f"{within}.{key}" if within else str(key), inner) for key, inner in value.items()]
-    elif isinstance(value, list | tuple):
-        parts = [(f"{within}.{number}", inner) for number, inner in enumerate(value, start=1)]
-    else:
-        return {within: value}
-    return {key: inner for name, part in parts for key, inner in _flatten(part, name).items()}
+def _flatten(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of a table by dotted keys; elements of lists are counted from 1."""
+    return {
+        ".".join(str(word + 1 if isinstance(word, int) else word) for word in key): value
+        for key, value in leaves(table)
+    }

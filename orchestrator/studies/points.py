@@ -28,16 +28,11 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable, read_json
 from orchestrator.case.file.layers import find_changes
 from orchestrator.case.file.units import NUMBER_ALONE, parse_quantity, split_quantity
+from orchestrator.case.file.whole import write_json
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import (
-    changed_files,
-    is_at_work,
-    resolved_case,
-    study_folder,
-    write_json,
-)
+from orchestrator.output.records.run_folder import changed_files, is_at_work, resolved_case, study_folder
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact

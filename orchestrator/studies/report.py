@@ -11,9 +11,8 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from orchestrator.case.file.whole import written_whole
-from orchestrator.output.drawing import data_uri, figure, fill_template
-from orchestrator.output.records.run_folder import write_text
+from orchestrator.case.file.whole import write_text, written_whole
+from orchestrator.views.style import data_uri, figure, fill_template
 
 Cell = str | float | int | None
 

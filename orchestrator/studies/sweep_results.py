@@ -14,11 +14,11 @@ from rich.table import Table
 from orchestrator.figures.figure import in_unit
 from orchestrator.figures.results import why_transient
 from orchestrator.figures.short_names import Value, named
-from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
 from orchestrator.output.report.formatting import interval
 from orchestrator.studies.points import Point, summary_of
 from orchestrator.studies.report import console_table, figure_parts
+from orchestrator.views.style import save
 
 LOOKS: dict[str, dict[str, Any]] = {
     "good": {"marker": "o", "ms": 4},

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from orchestrator.output.records.run_folder import write_text
+from orchestrator.case.file.whole import write_text
 from orchestrator.studies.criteria import (
     UNITS,
     Criteria,

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.output.records.run_folder import write_json
+from orchestrator.case.file.whole import write_json
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.accuracy.combinations import part_s

@@ -21,12 +21,12 @@ from orchestrator.case.file.errors import dotted_key
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.output.records.run_folder import changed_files, create_run_folder, resolved_case
 from orchestrator.output.records.snapshots import Series, particle_mesh
-from orchestrator.output.views.openings import sizes_m
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.ports.geometry import overlap_m
 from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.scene.scene import bed_kg
+from orchestrator.views.openings import sizes_m
 from tests.cases import (
     CASE,
     case_folder,

@@ -17,10 +17,10 @@ from orchestrator.case.file import folder as folders
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, open_hdf5, read_json
 from orchestrator.output.report.rendering import snapshots
-from orchestrator.output.views.page import CheckFindings, Views
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.design.trials import Journal
+from orchestrator.views.page import CheckFindings, Views
 from tests.cases import LEVEL, case_folder
 
 PVD = '<VTKFile type="Collection"><Collection><DataSet timestep="0" file="{}"/></Collection></VTKFile>'

@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from orchestrator.output.drawing import data_uri
 from orchestrator.studies.design.campaign import Campaign
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.page import doubts, write_study_page
@@ -20,6 +19,7 @@ from orchestrator.studies.design.pictures import draw_all
 from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.design.tables import write_tables
 from orchestrator.studies.design.trials import Outcome
+from orchestrator.views.style import data_uri
 from tests.design.campaigns import NoisyFunction, belt, run_all
 
 PICTURES = ["trade_off", "effects", "surface", "sensitivity", "parity", "progress"]

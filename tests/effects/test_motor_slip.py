@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from orchestrator.case.solver_plans import frames_plan
-from orchestrator.case.tables.frames import Exciter
-from orchestrator.output.results.observed import angle_rad
+from orchestrator.ports.plans import ExciterPlan
+from orchestrator.ports.unbalance import Unbalance
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from orchestrator.preflight.scene.observed import ExciterLoad, Observed
 from orchestrator.preflight.scene.scene import scene
@@ -79,15 +79,9 @@ def test_slip_that_is_not_named_takes_the_motor_away(tmp_path: Path) -> None:
 
 def test_a_shaft_that_runs_up_has_turned_half_as_far() -> None:
     """Half a cosine: the mean speed of the run-up is half of the full one."""
-    exciter = Exciter(
-        frame="driving",
-        position_m=(0.0, 0.0, 0.0),
-        mass_moment_kg_m=1.0,
-        speed_rad_per_s=80.0,
-        run_up_s=0.2,
-        start_s=0.1,
-    )
-    turned = angle_rad(np.array([0.0, 0.1, 0.2, 0.3, 0.4]), exciter)
+    along, _, across = np.eye(3)
+    exciter = ExciterPlan("driving", np.zeros(3), across, along, 1.0, 80.0, run_up_s=0.2, start_s=0.1)
+    turned, _, _ = Unbalance(exciter).turning(np.array([0.0, 0.1, 0.2, 0.3, 0.4]))
     half_way = 80.0 * (0.1 / 2 - 0.2 / (2 * np.pi))
     np.testing.assert_allclose(turned, [0.0, 0.0, half_way, 8.0, 16.0], atol=1e-12)
 

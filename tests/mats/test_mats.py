@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from orchestrator.cli.overview import overview
-from orchestrator.output.views.mats import draw_mats
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.mats import mats
 from orchestrator.preflight.mats.mats import find_mats, mat_lines, mat_tables, trials_of
 from orchestrator.preflight.mats.trial import SETTLING_TURNS
 from orchestrator.preflight.scene.scene import scene
+from orchestrator.views.mats import draw_mats
 from tests.cases import CASE, load_case
 
 DRIVEN = (

@@ -20,11 +20,11 @@ import h5py
 import numpy as np
 
 from orchestrator.case.deck.panels import axes, single_panels
+from orchestrator.case.file.whole import write_json
 from orchestrator.case.tables.case import Case
 from orchestrator.figures.figure import to_json
 from orchestrator.figures.results import Results, parse_results
 from orchestrator.output.records.history import History
-from orchestrator.output.records.run_folder import write_json
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
 from orchestrator.output.records.summary import write_summary
 from orchestrator.output.records.wear_record import PATCHES

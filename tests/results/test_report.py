@@ -24,7 +24,6 @@ from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.figures.estimate import Estimate
 from orchestrator.figures.machine import PanelWear
 from orchestrator.figures.material import Section
-from orchestrator.output.drawing import figure
 from orchestrator.output.records.run_folder import RUN_LOCK, lock
 from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
@@ -33,6 +32,7 @@ from orchestrator.output.report.pictures import draw_bushing_loops, draw_energy,
 from orchestrator.output.report.rendering import last_snapshots
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.run_reader import RunReader
+from orchestrator.views.style import figure
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
 from tests.runs.outside import flipflow, said_plainly

@@ -19,7 +19,10 @@ from typer.testing import CliRunner
 
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.cli.main import app
-from orchestrator.output.views.drawings import (
+from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.scene.frame_modes import frame_modes
+from orchestrator.preflight.scene.scene import scene
+from orchestrator.views.drawings import (
     FRONT,
     SIDE,
     TOP,
@@ -29,13 +32,10 @@ from orchestrator.output.views.drawings import (
     draw_view,
     stiffness_text,
 )
-from orchestrator.output.views.modes import modes_svg
-from orchestrator.output.views.openings import draw_openings, sizes_m
-from orchestrator.output.views.outline import MOST_DRAWN, MachineOutline, face_edges_m, outline, simplified
-from orchestrator.output.views.page import Views
-from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.scene.frame_modes import frame_modes
-from orchestrator.preflight.scene.scene import scene
+from orchestrator.views.modes import modes_svg
+from orchestrator.views.openings import draw_openings, sizes_m
+from orchestrator.views.outline import MOST_DRAWN, MachineOutline, face_edges_m, outline, simplified
+from orchestrator.views.page import Views
 from tests.cases import CASE, case_folder
 
 CASES = Path(__file__).parents[2] / "cases"

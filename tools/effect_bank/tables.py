@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from orchestrator.output.records.run_folder import write_text
+from orchestrator.case.file.whole import write_text
 from orchestrator.preflight.judgement.pair import Change
 from tools.effect_bank.confusion import MAY_GO, MOST_FALSE_ALARMS, OUTCOMES, PREDICTIONS, Confusion, Row
 

@@ -15,9 +15,9 @@ from mkdocs.commands.build import build
 from mkdocs.config import load_config
 from mkdocs.structure.pages import Page
 
-from orchestrator.output.views.drawings import SIDE, draw_view
-from orchestrator.output.views.outline import outline
 from orchestrator.preflight.judge import load_judged
+from orchestrator.views.drawings import SIDE, draw_view
+from orchestrator.views.outline import outline
 
 ROOT = Path(__file__).parents[2]
 FRONT = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")

@@ -16,6 +16,7 @@ from orchestrator.ports import Array, Known, Motion, Pose
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.linear_frames import driven, skew
 from orchestrator.ports.plans import DrivePlan, FramesPlan
+from orchestrator.ports.unbalance import run_up
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -139,17 +140,8 @@ def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
 
 def _harmonic(drive: DrivePlan, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
     """Return value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
-    ramp, ramp_1_s = (one[:, None] for one in _ramp(drive.run_up_s, time_s))
+    ramp, ramp_1_s = (one[:, None] for one in run_up(time_s, drive.run_up_s))
     angle = drive.speed_rad_per_s * time_s[:, None] + phase_rad
     value = ramp * size * np.sin(angle)
     rate = size * (ramp_1_s * np.sin(angle) + ramp * drive.speed_rad_per_s * np.cos(angle))
     return value, rate
-
-
-def _ramp(run_up_s: float, time_s: Array) -> tuple[Array, Array]:
-    """Return value and rate (n,) of  (1 - cos(pi t / run_up_s)) / 2  until ``run_up_s``, then 1."""
-    if run_up_s <= 0:
-        return np.ones_like(time_s), np.zeros_like(time_s)
-    angle = np.pi * np.minimum(time_s / run_up_s, 1.0)
-    rate = np.where(time_s < run_up_s, np.pi / (2 * run_up_s) * np.sin(angle), 0.0)
-    return (1 - np.cos(angle)) / 2, rate

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from adapters.frames.common.drive import DrivenPoints
-from adapters.frames.common.exciter import Shaft, Unbalance
+from adapters.frames.common.exciter import Shaft
 from adapters.frames.common.hysteresis import Hysteresis
 from adapters.frames.common.ledger import FramesLedger
 from orchestrator.ports import Array, Indices, Known, Saved
@@ -18,6 +18,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.linear_frames import LinearMachine, free, linearise, numbers
 from orchestrator.ports.plans import DrivePlan, ExciterPlan, FramesPlan
 from orchestrator.ports.state import SavedAttributes
+from orchestrator.ports.unbalance import Unbalance
 
 ELEMENT_STEP_RAD = 0.1
 """Largest angle by which the machine's fastest rate turns in a step, with friction and Maxwell elements."""

@@ -12,10 +12,10 @@ import exudyn
 import numpy as np
 
 from adapters.frames.common.drive import driving
-from adapters.frames.common.exciter import Unbalance
 from adapters.frames.exudyn.poses import turning
 from orchestrator.ports import Array, Saved, linear_frames
 from orchestrator.ports.plans import BodyPlan, BushingPlan, DrivePlan, FramesPlan, SolverFailed
+from orchestrator.ports.unbalance import Unbalance
 
 items: Any = exudyn.itemInterface
 homogeneous: Any = exudyn.HT

@@ -24,7 +24,7 @@ from scipy.sparse.linalg import splu
 from adapters.panel.finite_element.compiled import assembled_matrix, form, function_space
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern
-from orchestrator.ports.meshing import gmsh_session
+from orchestrator.ports.meshing import closed_line, gmsh_session, made_triangles
 
 TRIANGLES_PER_LAND = 6
 MOST_TRIANGLES = 6_000
@@ -164,7 +164,7 @@ def cell_triangles(apertures: AperturePattern) -> tuple[Array, Indices]:
 def _meshed(gmsh: Any, apertures: AperturePattern) -> tuple[Array, Indices]:
     model, (along_m, across_m) = gmsh.model.occ, cell_m(apertures)
     box = model.addRectangle(0.0, 0.0, 0.0, along_m, across_m)
-    holes = [(2, _polygon(model, outline)) for outline in _outlines(apertures)]
+    holes = [(2, model.addPlaneSurface([closed_line(model, outline)])) for outline in _outlines(apertures)]
     model.cut([(2, box)], holes)
     model.synchronize()
     for axis, period_m in ((0, along_m), (1, across_m)):
@@ -175,12 +175,9 @@ def _meshed(gmsh: Any, apertures: AperturePattern) -> tuple[Array, Indices]:
     gmsh.option.setNumber("Mesh.MeshSizeMin", size_m)
     gmsh.option.setNumber("Mesh.MeshSizeMax", size_m)
     gmsh.model.mesh.generate(2)
-    tags, places, _ = gmsh.model.mesh.getNodes()
-    _, _, corners = gmsh.model.mesh.getElements(2)
-    order = np.argsort(tags)
-    triangles = np.searchsorted(tags[order], corners[0].reshape(-1, 3)).astype(np.int64)
+    points_m, triangles = made_triangles(gmsh)
     used, triangles = np.unique(triangles, return_inverse=True)
-    return places.reshape(-1, 3)[order][used, :2], triangles.reshape(-1, 3)
+    return points_m[used], triangles.reshape(-1, 3)
 
 
 def _outlines(apertures: AperturePattern) -> list[Array]:
@@ -193,12 +190,6 @@ def _outlines(apertures: AperturePattern) -> list[Array]:
         for row, shift in enumerate(rows)
         for image in ((0, -1) if shift else (0,))
     ]
-
-
-def _polygon(model: Any, outline: Array) -> int:
-    points = [model.addPoint(s, y, 0.0) for s, y in outline]
-    lines = [model.addLine(one, two) for one, two in zip(points, [*points[1:], points[0]], strict=True)]
-    return int(model.addPlaneSurface([model.addCurveLoop(lines)]))
 
 
 def _match(gmsh: Any, axis: int, period_m: float) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from orchestrator.ports import Array
 from orchestrator.ports.decomposition import BORDER_COST, Grid, bordering_share, grids
+from orchestrator.ports.geometry import area_vectors_m2
 from orchestrator.ports.plans import ParticlesPlan
 
 Cuts = list[list[float]]
@@ -40,8 +41,8 @@ class Places:
     @classmethod
     def on_deck(cls, plan: ParticlesPlan) -> Places:
         """Return the middles of the surface's triangles, with their shares of the area seen along gravity."""
-        corners_m = plan.surface.vertices_m[plan.surface.triangles]
-        area_m2 = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0]) / 2.0
+        corners_m = plan.surface.corners_m
+        area_m2 = area_vectors_m2(corners_m)
         seen = np.abs(area_m2 @ plan.gravity_m_per_s2)
         seen = seen if seen.sum() > 0.0 else np.linalg.norm(area_m2, axis=1)
         return cls(corners_m.mean(axis=1), seen / seen.sum() if len(seen) else seen)

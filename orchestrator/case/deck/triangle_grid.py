@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern, Rectangle
-from orchestrator.ports.meshing import gmsh_session
+from orchestrator.ports.meshing import closed_line, gmsh_session, made_triangles
 
 
 @dataclass(frozen=True)
@@ -166,12 +165,7 @@ def _triangulate(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
     with gmsh_session() as gmsh:
         gmsh.option.setNumber("Mesh.Algorithm", GIVEN_POINTS_ONLY)
         model, mesh = gmsh.model.geo, gmsh.model.mesh
-        numbers = []
-        for loop in loops:
-            points = [model.addPoint(s, y, 0.0) for s, y in loop]
-            lines = [model.addLine(start, end) for start, end in pairwise([*points, points[0]])]
-            numbers.append(model.addCurveLoop(lines))
-        area = model.addPlaneSurface(numbers)
+        area = model.addPlaneSurface([closed_line(model, loop) for loop in loops])
         free = [model.addPoint(s, y, 0.0) for s, y in inner]
         model.synchronize()
         if free:
@@ -179,12 +173,7 @@ def _triangulate(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
         for _, line in gmsh.model.getEntities(1):
             mesh.setTransfiniteCurve(line, 2)
         mesh.generate(2)
-        tags, places, _ = mesh.getNodes()
-        _, _, corners = mesh.getElements(2, area)
-    order = np.argsort(tags)
-    points = places.reshape(-1, 3)[order, :2]
-    triangles = np.searchsorted(tags[order], corners[0].reshape(-1, 3))
-    return points, triangles.astype(np.int64)
+        return made_triangles(gmsh)
 
 
 def _add_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tuple[Array, Indices]:

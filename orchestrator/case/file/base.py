@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -64,9 +65,13 @@ def read_chain(file: Path) -> tuple[CaseFile, ...]:
 def read_data_files(table: dict[str, Any], folder: Path, source: str) -> dict[str, Any]:
     """Return a case's table with what stands in the files of data that it names in a folder.
 
-    Raises CaseError with all mistakes in the files of the first kind that has any.
+    Raises CaseError with all mistakes in the files.
     """
-    return read_sieve_analyses(read_curve_files(table, folder, source), folder, source)
+    table = deepcopy(table)
+    readers = (read_curve_files, read_sieve_analyses)
+    if problems := [problem for read in readers for problem in read(table, folder, source)]:
+        raise CaseError(problems)
+    return table
 
 
 def case_folders(folder: Path) -> tuple[Path, ...]:

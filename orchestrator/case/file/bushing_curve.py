@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
 from io import StringIO
@@ -137,13 +136,11 @@ def fit_bushing_curves(case: Case) -> Case:
     return case.model_copy(update={"screen": case.screen.model_copy(update={"bushings": rows})})
 
 
-def read_curve_files(table: dict[str, Any], folder: Path, source: str) -> dict[str, Any]:
-    """Return a case's table with the points of every bushing's curve that names a file.
+def read_curve_files(table: dict[str, Any], folder: Path, source: str) -> Iterator[CaseProblem]:
+    """Put the points of each file that a bushing's curve names into a case's table, in the place of its name.
 
-    The file's rows replace the points, and the key ``file`` goes.  Raises CaseError with all mistakes in the
-    files; a table of another form is left to the check of the tables.
+    Yield all mistakes in the files; a table of another form is left to the check of the tables.
     """
-    table, problems = deepcopy(table), list[CaseProblem]()
     rows = table.get("screen", {}).get("bushings", {}) if isinstance(table.get("screen", {}), dict) else {}
     for name, bushing in rows.items() if isinstance(rows, dict) else ():
         curves = bushing.get("curves", []) if isinstance(bushing, dict) else []
@@ -154,10 +151,7 @@ def read_curve_files(table: dict[str, Any], folder: Path, source: str) -> dict[s
                     curve["points"] = _read_points(folder, curve["file"], key, source)
                     del curve["file"]
                 except CaseError as error:
-                    problems += error.problems
-    if problems:
-        raise CaseError(problems)
-    return table
+                    yield from error.problems
 
 
 @cache

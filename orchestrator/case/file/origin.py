@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.base import find_level, read_level
+from orchestrator.case.file.leaves import leaves
 
 CHEAP_LEVEL = "draft"
 """The level at which a case is tried out if it has a level of this name."""
@@ -52,7 +53,8 @@ class Origin:
             {key: value for key, value in table.items() if key not in OF_EFFECTS}
             for table in (self.given, *levels.values())
         ]
-        named = {word for table in [*tables, *self.others] for word in _words(table)}
+        texts = [value for _, value in leaves([*tables, self.others]) if isinstance(value, str)]
+        named = {text.rpartition("=")[2].strip().strip("\"'") for text in texts}  # an override, or a value
         return {
             "level": self.level,
             "given": tables[0],
@@ -78,12 +80,3 @@ class Origin:
             if beds := sorted(place.glob(LAST_STATES)):
                 return beds[-1]
         return None
-
-
-def _words(value: Any) -> set[str]:
-    """Return all strings in a table; from an override, return its value."""
-    if isinstance(value, Mapping):
-        return {word for inner in value.values() for word in _words(inner)}
-    if isinstance(value, list | tuple):
-        return {word for inner in value for word in _words(inner)}
-    return {value.rpartition("=")[2].strip().strip("\"'")} if isinstance(value, str) else set()

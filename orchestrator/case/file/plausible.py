@@ -9,9 +9,9 @@ value out of its range may be intended, for example the stiffness of a steel pan
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from orchestrator.case.file.errors import CaseProblem, Key, dotted_key
+from orchestrator.case.file.leaves import leaves
 from orchestrator.case.tables.case import Case
 
 Limits = tuple[float, float]
@@ -114,21 +114,15 @@ def unusual_sizes(case: Case) -> Iterator[str]:
 
 def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:
     """Yield key, value, range and hint of each value out of its range, and whether to refuse it."""
-    for key, value in _floats(case.model_dump(), ()):
+    for key, value in leaves(case.model_dump()):
+        if not isinstance(value, float):
+            continue
         name = next(part for part in reversed(key) if isinstance(part, str))
         limits = (RANGES | OF_APERTURES if "apertures" in key else RANGES).get(name)
         if limits is not None and value != 0 and not _inside(value, limits):
             hint = _hint(name, value, limits)
             widened = (limits[0] / ABSURD, limits[1] * ABSURD)
             yield key, value, limits, hint, bool(hint) or name in IMPOSSIBLE or not _inside(value, widened)
-
-
-def _floats(value: Any, key: Key) -> Iterator[tuple[Key, float]]:
-    if isinstance(value, float):
-        yield key, value
-    elif isinstance(value, dict | tuple):
-        for part, inner in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from _floats(inner, (*key, part))
 
 
 def _inside(value: float, limits: Limits) -> bool:

@@ -16,7 +16,6 @@ import csv
 import math
 import re
 from collections.abc import Iterator, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -73,33 +72,22 @@ class _Column:
     sums: str
 
 
-def read_sieve_analyses(table: dict[str, Any], folder: Path, source: str) -> dict[str, Any]:
-    """Return a case's table with the points of every block's and feed's curve that names a file.
+def read_sieve_analyses(table: dict[str, Any], folder: Path, source: str) -> Iterator[CaseProblem]:
+    """Put the points of each file that a block's or feed's curve names into a case's table, in its place.
 
-    Raises CaseError with all mistakes in the files; a table of another form is left to the check of the
-    tables.
+    Yield all mistakes in the files; a table of another form is left to the check of the tables.
     """
-    table, problems = deepcopy(table), list[CaseProblem]()
-    for key, row in _sources(table):
-        curve = row.get("curve")
-        if not isinstance(curve, dict) or not isinstance(curve.get("file"), str):
-            continue
-        try:
-            row["curve"] = read_sieve_analysis(folder, curve["file"], (*key, "curve", "file"), source)
-        except CaseError as error:
-            problems += error.problems
-    if problems:
-        raise CaseError(problems)
-    return table
-
-
-def _sources(table: dict[str, Any]) -> Iterator[tuple[Key, dict[str, Any]]]:
     bed = table.get("bed")
     for kind in ("blocks", "feeds"):
         rows = bed.get(kind) if isinstance(bed, dict) else None
         for name, row in rows.items() if isinstance(rows, dict) else ():
-            if isinstance(row, dict):
-                yield ("bed", kind, name), row
+            curve = row.get("curve") if isinstance(row, dict) else None
+            if isinstance(curve, dict) and isinstance(curve.get("file"), str):
+                key: Key = ("bed", kind, name, "curve", "file")
+                try:
+                    row["curve"] = read_sieve_analysis(folder, curve["file"], key, source)
+                except CaseError as error:
+                    yield from error.problems
 
 
 def read_sieve_analysis(folder: Path, name: str, key: Key, source: str) -> list[dict[str, float]]:

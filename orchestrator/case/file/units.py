@@ -17,6 +17,7 @@ from tokenize import TokenError
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.case.file import hardness
+from orchestrator.case.file.leaves import leaves
 from orchestrator.case.tables.quantities import unit_of
 
 if TYPE_CHECKING:
@@ -66,15 +67,13 @@ def in_own_units(table: Mapping[str, Any], key: str = "") -> dict[str, Any]:
     return {word: _converted(value, key if word.isdecimal() else word) for word, value in table.items()}
 
 
-def keys_with_units(table: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Yield the keys, as tuples of words below ``key``, whose numbers a table gives as texts with units."""
-    if isinstance(table, Mapping | list):
-        for word, value in table.items() if isinstance(table, Mapping) else enumerate(table):
-            yield from keys_with_units(value, (*key, str(word)))
-    elif isinstance(table, str):
-        name = next((word for word in reversed(key) if not word.isdecimal()), "")
-        if not isinstance(_converted(table, name), str):
-            yield key
+def keys_with_units(table: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
+    """Yield the keys, as tuples of words, whose numbers a table gives as texts with units."""
+    for key, value in leaves(table):
+        words = tuple(map(str, key))
+        name = next((word for word in reversed(words) if not word.isdecimal()), "")
+        if isinstance(value, str) and not isinstance(_converted(value, name), str):
+            yield words
 
 
 def _converted(value: Any, key: str) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import fcntl
 import hashlib
-import json
 import logging
 import math
 import os
@@ -23,7 +22,7 @@ from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.file.printable import escape_unprintable
-from orchestrator.case.file.whole import written_whole
+from orchestrator.case.file.whole import write_json, write_text
 from orchestrator.case.provenance import provenance, read_provenance
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
@@ -208,17 +207,6 @@ def logging_to(folder: Path, first: bool) -> Iterator[None]:
     finally:
         LOG.removeHandler(handler)
         handler.close()
-
-
-def write_json(path: Path, value: Any) -> None:
-    """Write a table as a JSON file, whole or not at all."""
-    write_text(path, json.dumps(value, indent=2, default=float) + "\n")
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file, whole or not at all."""
-    with written_whole(path) as aside:
-        aside.write_text(text, encoding="utf-8")
 
 
 PAGES = (".html", ".htm")

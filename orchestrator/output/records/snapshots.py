@@ -17,7 +17,7 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.output.records.run_folder import write_text
+from orchestrator.case.file.whole import write_text
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 from orchestrator.ports.geometry import TriangleSurface
 

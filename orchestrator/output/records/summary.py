@@ -11,9 +11,10 @@ from typing import Any
 
 from rich.table import Table
 
+from orchestrator.case.file.whole import write_json
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.metered import Stopwatch
-from orchestrator.output.records.run_folder import SUMMARY, write_json
+from orchestrator.output.records.run_folder import SUMMARY
 
 SUMMARY_FORMAT = 3
 """The version of the table's format (docs/run-folder.md, "summary.json"); the oldest files have none."""

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from orchestrator.ports import Array, Indices, Load, Motion
+from orchestrator.ports.geometry import area_vectors_m2
 
 
 class SurfaceFields:
@@ -60,9 +61,7 @@ class SurfaceFields:
 
     def _area_vectors_m2(self, position_m: Array) -> Array:
         """Return for each point a third of the summed area vectors of its triangles, (points, 3)."""
-        first, second, third = np.moveaxis(position_m[self._triangles], 1, 0)
-        of_triangle_m2 = np.cross(second - first, third - first) / 2
-        return np.asarray(self._thirds @ of_triangle_m2)
+        return np.asarray(self._thirds @ area_vectors_m2(position_m[self._triangles]))
 
 
 def _metric_m2(corners_m: Array) -> Array:

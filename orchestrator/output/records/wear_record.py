@@ -8,7 +8,7 @@ import numpy as np
 
 from orchestrator.coupling.machine import PanelPoints
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Rectangle, TriangleSurface
+from orchestrator.ports.geometry import Rectangle, TriangleSurface, area_vectors_m2
 
 PATCHES = (8, 4)  # along and across a panel: each patch is large enough to be hit often
 PARTS = 8  # of each side of a triangle, by the middles of which its area is divided among patches
@@ -54,8 +54,7 @@ class WearRecord:
 
 def vertex_area_m2(surface: TriangleSurface) -> Array:
     """Return the area (vertices,) of the vertices: a third of the area of the triangles around each."""
-    a, b, c = (surface.vertices_m[surface.triangles[:, k]] for k in range(3))
-    area_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    area_m2 = np.linalg.norm(area_vectors_m2(surface.corners_m), axis=1)
     points, thirds_m2 = surface.triangles.ravel(), np.repeat(area_m2 / 3, 3)
     return np.bincount(points, thirds_m2, len(surface.vertices_m)).astype(np.float64)
 
@@ -66,10 +65,9 @@ def _area_of_patches_m2(surface: TriangleSurface, points: slice, at: Rectangle) 
     number[points] = np.arange(len(number[points]))
     corners = number[surface.triangles]
     corners = corners[(corners >= 0).all(axis=1)]
-    a, b, c = (surface.vertices_m[points][corners[:, k]] for k in range(3))
-    triangle_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-    weights = _middles()
-    patch = _patch(weights @ np.stack([a, b, c], axis=1), at)
+    corners_m, weights = surface.vertices_m[points][corners], _middles()
+    triangle_m2 = np.linalg.norm(area_vectors_m2(corners_m), axis=1)
+    patch = _patch(weights @ corners_m, at)
     shape = (PATCHES[0] * PATCHES[1], len(number[points]))
     place = patch[..., None] * shape[1] + corners[:, None, :]
     shares_m2 = triangle_m2[:, None, None] / len(weights) * weights

@@ -12,13 +12,13 @@ import numpy as np
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable
-from orchestrator.output.drawing import LINES, WIDE, data_uri, embed, figure, fill_template
 from orchestrator.output.records.run_folder import write_page
 from orchestrator.output.report.formatting import NONE
 from orchestrator.output.report.formatting import interval as in_words
 from orchestrator.output.results.comparison import Comparison
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.tidy import Result
+from orchestrator.views.style import LINES, WIDE, data_uri, embed, figure, fill_template
 
 BESIDE = {
     "The deck at the end": "deck.png",

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -18,26 +16,28 @@ from jinja2 import UndefinedError
 from orchestrator.case.deck.stl import UnreadableStl
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, admit
+from orchestrator.case.file.whole import write_text
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 from orchestrator.figures.estimate import Estimate
 from orchestrator.figures.machine import Orbit
 from orchestrator.figures.results import FIGURES, Results
 from orchestrator.output import checkpoints
-from orchestrator.output.drawing import data_uri, embed, fill_template
-from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, is_at_work, write_text
+from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, is_at_work
 from orchestrator.output.report import facts
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
-from orchestrator.output.subprocesses import end_with_parent, python
-from orchestrator.output.views.drawings import SIDE, draw_view
-from orchestrator.output.views.mats import draw_mats
-from orchestrator.output.views.outline import outline
+from orchestrator.output.subprocesses import python
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.sheet.sheet import RULE
+from orchestrator.views.drawings import SIDE, draw_view
+from orchestrator.views.mats import draw_mats
+from orchestrator.views.outline import outline
+from orchestrator.views.style import data_uri, embed, fill_template
+from orchestrator.views.worker import worker
 
 FILM_CYCLES = 3
 MATS = "mats-"  # before the names of pictures of how mats flip
@@ -58,9 +58,7 @@ def report(folder: Path) -> Path:
         raise FolderUnusable(f"{folder}: {why_open(folder)}")
     if missing:
         raise FolderUnusable(f"{folder}: no run, or a damaged one: it has no {', '.join(missing)}")
-    with ProcessPoolExecutor(
-        1, get_context("fork"), end_with_parent
-    ) as apart:  # HDF5 crashes on some damaged files
+    with worker() as apart:  # HDF5 crashes on some damaged files
         try:
             return apart.submit(_write_page, folder).result()
         except BrokenProcessPool:

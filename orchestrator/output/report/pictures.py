@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -35,9 +34,9 @@ from orchestrator.figures.material import (
     Steady,
 )
 from orchestrator.figures.results import FIGURES, Results
-from orchestrator.output.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.output.subprocesses import end_with_parent
+from orchestrator.views.style import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
+from orchestrator.views.worker import worker
 
 COLUMNS = 4  # panels or bushings side by side
 LOWEST = 3.8  # inches: least height, at which a single row of panels is legible
@@ -426,7 +425,7 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
 
 def write_pictures(folder: Path) -> None:
     """Write all pictures for which the folder of a run has data, that of the deck beside the others."""
-    with ProcessPoolExecutor(1, initializer=end_with_parent) as renderer, RunReader(folder) as run:
+    with worker() as renderer, RunReader(folder) as run:
         deck = renderer.submit(_write_deck, folder, run.end_s)
         for name, fig in draw_machine(run):
             save(fig, folder / f"{name}.png")

@@ -6,7 +6,6 @@ results' motion.  The shapes of panels are extremes over all sync points in this
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -16,8 +15,8 @@ import numpy as np
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.loss_curve import moduli
+from orchestrator.case.solver_plans import exciters
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.frames import Exciter
 from orchestrator.figures.results import Results
 from orchestrator.output.cycles import count_whole_cycles
 from orchestrator.output.records.panel_lines import panel_pull_N
@@ -26,6 +25,7 @@ from orchestrator.output.results.harmonics import Phasors, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
+from orchestrator.ports.unbalance import Unbalance
 from orchestrator.preflight.judgement.account import Entry
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from orchestrator.preflight.scene.clamp_motion import clamp_arms_m
@@ -224,14 +224,15 @@ class ObservedMotion:
         Return None without exciters, with a motor, whose lag would be part of the power, or with too few
         output times.
         """
-        exciters = list(self._run.case.screen.exciters.values())
+        shafts = exciters(self._run.case)
         path = "energy/supplied.frames.exciter_J"
-        if not exciters or not self._run.has(path) or any(exciter.motor for exciter in exciters):
+        if not shafts or not self._run.has(path) or any(shaft.motor for shaft in shafts):
             return None
         time_s, given_J = self._run.read("energy/time_s"), self._run.read(path)
         start_s, end_s = self._window_s
         inside = (time_s >= start_s - 1e-12) & (time_s <= end_s + 1e-12)
-        turned_rad = angle_rad(time_s, min(exciters, key=lambda exciter: exciter.speed_rad_per_s))
+        slowest = min(shafts, key=lambda shaft: shaft.speed_rad_per_s)
+        turned_rad = Unbalance(slowest).turning(time_s)[0] - slowest.phase_rad
         before_rad = turned_rad - 2 * np.pi
         before_J = np.interp(before_rad, turned_rad, given_J)
         torque_N_m = (given_J - before_J)[before_rad >= 0] / (2 * np.pi)
@@ -308,18 +309,3 @@ def loss_factor(panel: MovedPanel, time_s: Array, pull_N: Array) -> float | None
         return None
     factors = moduli(panel.material.branches, speed_rad_per_s[1:])[1]
     return float(np.average(factors, weights=power_N2[1:]))
-
-
-def angle_rad(time_s: Array, exciter: Exciter) -> Array:
-    """Return the angle of a shaft in rad, whose speed rises and falls as half a cosine."""
-    stop_s = math.inf if exciter.stop_s is None else exciter.stop_s
-    since_s = np.maximum(np.minimum(time_s, stop_s) - exciter.start_s, 0.0)
-    run_up_s = exciter.run_up_s
-    rising_s = np.minimum(since_s, run_up_s)
-    lag_s = run_up_s / np.pi * np.sin(np.pi * rising_s / run_up_s) if run_up_s else 0.0
-    turning_s = (rising_s - lag_s) / 2 + (since_s - rising_s)
-    run_down_s = exciter.run_down_s
-    falling_s = np.clip(time_s - stop_s, 0.0, run_down_s)
-    lead_s = run_down_s / np.pi * np.sin(np.pi * falling_s / run_down_s) if run_down_s else 0.0
-    turning_s = turning_s + (falling_s + lead_s) / 2
-    return np.asarray(exciter.speed_rad_per_s * turning_s)

@@ -15,16 +15,17 @@ import numpy.typing as npt
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck import stl
-from orchestrator.case.deck.panels import SinglePanel, axes, plate_corners_m, single_panels, to_world, walls
+from orchestrator.case.deck.panels import axes, plate_corners_m, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid, surface_grids
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.slice import bounds_m, period_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Rectangle, TriangleSurface, overlap_m, reach_into
+from orchestrator.ports.geometry import Rectangle, TriangleSurface, area_vectors_m2, overlap_m, reach_into
 from orchestrator.ports.penetration import IN_PLANE, Penetrations
 from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.checks.names import rows
+from orchestrator.preflight.scene.flight import intersect
 
 ENLARGE = "enlarge domain_m"
 LEAVE_OUT = 'bed.outside = "leave-out" leaves them out'
@@ -73,7 +74,7 @@ def panels_inside(case: Case) -> Iterator[CaseProblem]:
         if outside := _outside(case, to_world(case, plate_corners_m(surface))):
             yield CaseProblem((*key, "corner_m"), f"surface {key[-1]}: {outside}", ENLARGE, kind="misplaced")
     for panel in single_panels(case):
-        if outside := _outside(case, _outline_m(panel)):
+        if outside := _outside(case, panel.rectangle.corners_m(panel.rectangle.clamp_m)):
             panel_key: Key = ("screen", "panels", panel.table_name, "corner_m")
             yield CaseProblem(panel_key, f"panel {panel.name}: {outside}", ENLARGE, kind="misplaced")
 
@@ -89,7 +90,8 @@ def parts_in_one_place(case: Case) -> Iterator[CaseProblem]:
     A plate through a panel is taken as meant; in a panel's plane, nothing tells on which side the panel is.
     """
     panels = single_panels(case)
-    outlines_m = np.array([_outline_m(panel)[HALVES] for panel in panels]).reshape(-1, 3, 3)
+    outlines_m = np.array([r.corners_m(r.clamp_m)[HALVES] for r in (panel.rectangle for panel in panels)])
+    outlines_m = outlines_m.reshape(-1, 3, 3)
     for number, one in enumerate(panels):
         clamp_m, half_m = one.rectangle.clamp_m, one.table.thickness_m / 2
         met = _reach_into_panel(one.rectangle, outlines_m[2 * number + 2 :], clamp_m, half_m)
@@ -107,13 +109,6 @@ def parts_in_one_place(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, "corner_m"), what, "move it above or below the panel", kind="misplaced")
 
 
-def _outline_m(panel: SinglePanel) -> Array:
-    """Return the corners (4, 3) of a panel with its clamps, in the world."""
-    r = panel.rectangle
-    first_m, last_m = -r.clamp_m, r.length_m + r.clamp_m
-    return r.mounted(np.array([(first_m, 0.0), (last_m, 0.0), (last_m, r.width_m), (first_m, r.width_m)]))
-
-
 def _reach_into_panel(
     r: Rectangle, corners_m: Array, clamp_m: float, height_m: float
 ) -> npt.NDArray[np.bool_]:
@@ -128,7 +123,7 @@ def _reach_into_panel(
 def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
     """Yield a description and a remedy for each fault of a triangulation."""
     corners = facets.position_m[facets.triangles]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = 2 * area_vectors_m2(corners)
     size = np.ptp(corners.reshape(-1, 3), axis=0).max()
     flat = np.flatnonzero(np.linalg.norm(normal, axis=1) <= 1e-10 * size**2)
     if len(flat):
@@ -242,7 +237,7 @@ def hanging_panels(
 
     Check as well that particles that were pushed out have found room.
     """
-    corners_m = surface.vertices_m[surface.triangles]
+    corners_m = surface.corners_m
     for number, panel in enumerate(single_panels(case)):
         at_rest = f"panel {panel.name} as it hangs at rest"
         own_m = corners_m[panel_of_triangle == number]
@@ -328,22 +323,9 @@ def _is_closed(triangles: Indices) -> bool:
 
 
 def _times_met(place_m: Array, corners_m: Array) -> int:
-    """Return how many triangles (m, 3, 3) a ray from a place (3,) goes through.
-
-    Moeller, T., Trumbore, B., Journal of Graphics Tools 2, 1997, 21-28, doi 10.1080/10867651.1997.10487468.
-    """
-    first, second = corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0]
-    normal = np.cross(RAY, second)
-    size = np.einsum("ij,ij->i", first, normal)
-    ahead = np.abs(size) > 0.0
-    first, second, normal, size = first[ahead], second[ahead], normal[ahead], size[ahead]
-    away_m = place_m - corners_m[ahead, 0]
-    along_first = np.einsum("ij,ij->i", away_m, normal) / size
-    across_m = np.cross(away_m, first)
-    along_second = across_m @ RAY / size
-    way_m = np.einsum("ij,ij->i", second, across_m) / size
-    met = (along_first >= 0.0) & (along_second >= 0.0) & (along_first + along_second <= 1.0) & (way_m > 0.0)
-    return int(met.sum())
+    """Return how many triangles (m, 3, 3) a ray from a place (3,) between them goes through."""
+    beyond_m = np.ptp(corners_m, axis=(0, 1)).max() / RAY.min() * RAY
+    return int(np.isfinite(intersect(place_m[None], beyond_m[None], corners_m)).sum())
 
 
 def _surfaces(

@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case.file.whole import write_text
 from orchestrator.figures.short_names import Value, named
 from orchestrator.preflight.scene.effect import TENTH
 
@@ -160,6 +161,4 @@ def remember(key: str, pair: Pair) -> None:
     with suppress(OSError):
         folder = _memory()
         folder.mkdir(parents=True, exist_ok=True)
-        aside = folder / f".{key}.{os.getpid()}"
-        aside.write_text(json.dumps(asdict(pair)), encoding="utf-8")
-        aside.replace(folder / f"{key}.json")
+        write_text(folder / f"{key}.json", json.dumps(asdict(pair)))

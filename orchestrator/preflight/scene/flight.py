@@ -57,8 +57,6 @@ def first_hits(start_m: Array, step_m: Array, corners_m: Array) -> tuple[Array, 
 
     ``start_m`` and ``step_m`` (n, 3) are the beginnings and the whole steps.  The result is the share of
     each step before the hit (n,), infinite without one, and the triangle's number (n,), -1 without one.
-    Moeller, T. and Trumbore, B., Journal of Graphics Tools 2, 1997, 21-28,
-    doi 10.1080/10867651.1997.10487468.
     """
     share, number = np.full(len(start_m), np.inf), np.full(len(start_m), -1)
     if not len(corners_m):
@@ -66,15 +64,19 @@ def first_hits(start_m: Array, step_m: Array, corners_m: Array) -> tuple[Array, 
     chunk = max(1, AT_ONCE // len(corners_m))
     for first in range(0, len(start_m), chunk):
         part = slice(first, first + chunk)
-        shares = _intersect(start_m[part], step_m[part], corners_m)
+        shares = intersect(start_m[part], step_m[part], corners_m)
         nearest = shares.argmin(axis=1)
         share[part] = shares[np.arange(len(shares)), nearest]
         number[part] = np.where(np.isfinite(share[part]), nearest, -1)
     return share, number
 
 
-def _intersect(start_m: Array, step_m: Array, corners_m: Array) -> Array:
-    """Return the share of each step (n, 3) at which it meets each triangle (m, 3, 3), infinite if never."""
+def intersect(start_m: Array, step_m: Array, corners_m: Array) -> Array:
+    """Return the share (n, m) of each step (n, 3) at which it meets triangles (m, 3, 3); infinite if never.
+
+    Moeller, T. and Trumbore, B., Journal of Graphics Tools 2, 1997, 21-28,
+    doi 10.1080/10867651.1997.10487468.
+    """
     a = corners_m[:, 0]
     one, two = corners_m[:, 1] - a, corners_m[:, 2] - a
     across = np.cross(step_m[:, None], two)

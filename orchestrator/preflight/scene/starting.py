@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan
+from orchestrator.ports.unbalance import Unbalance, run_up
 from orchestrator.preflight.scene.shaking import PanelSpring, Shaking, carry_panels, free_frames
 
 STEPS, FINE = 50, 200
@@ -57,9 +59,8 @@ def find_transients_m(
     columns = np.add.outer(3 * np.array([names.index(name) for name in free], dtype=int), [0, 1, 2]).ravel()
     for drive in plan.drives:
         if drive.speed_rad_per_s == speed:
-            run_up_s = min(drive.run_up_s, longest_s)
-            share = np.minimum(time_s / run_up_s, 1.0)[:, None] if run_up_s else np.ones((len(time_s), 1))
-            place_m[drive.body] = steady_m[drive.body] * (1 - np.cos(math.pi * share)) / 2
+            share, _ = run_up(time_s, min(drive.run_up_s, longest_s))
+            place_m[drive.body] = share[:, None] * steady_m[drive.body]
     if free:
         driven_m = np.hstack([place_m[name] for name in names])
         driven_m_per_s = np.gradient(driven_m, time_s[1], axis=0)
@@ -73,18 +74,9 @@ def find_transients_m(
 
 def _exciter_N(exciter: ExciterPlan, run_up_s: float, time_s: Array) -> Array:
     """Return the forces (times, 3) of an unbalance whose shaft runs up from time 0 on."""
-    speed, rising = exciter.speed_rad_per_s, time_s < run_up_s
-    phase = math.pi * np.minimum(time_s / run_up_s, 1.0) if run_up_s else np.full(len(time_s), math.pi)
-    angle_rad = speed * (time_s - run_up_s / 2)
-    lag_s = run_up_s / math.pi * np.sin(phase)
-    angle_rad[rising] = speed * (time_s - lag_s)[rising] / 2
-    turned = np.exp(1j * (angle_rad + speed * run_up_s / 2 + exciter.phase_rad))
-    turns_rad_per_s = speed * (1 - np.cos(phase)) / 2
-    faster_rad_per_s2 = speed * math.pi / (2 * run_up_s) * np.sin(phase) if run_up_s else 0.0 * phase
-    # speed^2 radial - d(speed)/dt tangential; a quarter of a turn ahead of the radial is the tangential
-    size = exciter.mass_moment_kg_m * turned * (turns_rad_per_s**2 - 1j * faster_rad_per_s2)
-    ahead = np.cross(exciter.axis, exciter.start)
-    return np.asarray(np.outer(size.real, exciter.start) + np.outer(size.imag, ahead), dtype=np.float64)
+    phase_rad = exciter.phase_rad + exciter.speed_rad_per_s * run_up_s / 2
+    plan = replace(exciter, run_up_s=run_up_s, phase_rad=phase_rad, start_s=0.0, stop_s=math.inf)
+    return Unbalance(plan).force_N(time_s)
 
 
 def _from_rest(machine: linear_frames.LinearMachine, columns: Array, load_N: Array, time_s: Array) -> Array:

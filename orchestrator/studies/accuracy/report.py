@@ -11,8 +11,7 @@ from typing import Any
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 from rich.table import Table
 
-from orchestrator.output.drawing import LINES, figure, save
-from orchestrator.output.records.run_folder import write_json
+from orchestrator.case.file.whole import write_json
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
@@ -37,6 +36,7 @@ from orchestrator.studies.report import (
     write_page,
     write_parquet,
 )
+from orchestrator.views.style import LINES, figure, save
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
 DEEP = 1e4  # the ratio of the largest error to the least error that is drawn

@@ -11,7 +11,8 @@ import typer
 
 from orchestrator.case.file.base import CASE_FILE
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.output.records.run_folder import study_folder, write_text
+from orchestrator.case.file.whole import write_text
+from orchestrator.output.records.run_folder import study_folder
 from orchestrator.studies.commands.sweep import write_sweep
 from orchestrator.studies.criteria import FILE, read_criteria
 from orchestrator.studies.options import StudyOutput, check_folder

@@ -24,7 +24,6 @@ from orchestrator.case.file.layers import read_toml
 from orchestrator.case.tables.quantities import OneLine, Positive, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
-from orchestrator.output.drawing import save
 from orchestrator.output.records.run_folder import study_folder
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets
@@ -39,6 +38,7 @@ from orchestrator.studies.verdicts import (
     verdict_table,
     write_verdicts,
 )
+from orchestrator.views.style import save
 
 MAP_FILE = "map.toml"
 PLAIN = "particles-first"

@@ -14,7 +14,6 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.figures.results import FIGURES, entry_at, orbit_places, why_no_orbits
 from orchestrator.figures.short_names import named, value_at
-from orchestrator.output.drawing import save
 from orchestrator.output.records import trust
 from orchestrator.output.results.machine import LARGEST_DRIFT
 from orchestrator.output.results.tidy import single_numbers
@@ -32,6 +31,7 @@ from orchestrator.studies.sweep_results import (
     show_given_units,
     transient_words,
 )
+from orchestrator.views.style import save
 
 AXES = {0: "x", 2: "z"}
 SETTLED, NOT_SETTLED = "yes", "no"

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.output.drawing import LINES, figure, save
 from orchestrator.ports import Array
 from orchestrator.studies.design.campaign import BEST, CENTRE, FEWEST_EXPLAINED, SIMPLER
 from orchestrator.studies.design.findings import Findings
 from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.quantities import NORMAL_95
 from orchestrator.studies.report import figure_parts
+from orchestrator.views.style import LINES, figure, save
 
 GREY, BLACK, RED, GREEN, BLUE = "#9aa3ad", "#222222", "#c1443c", "#6b7f1f", LINES[0]
 BINS = 12  # of a factor's range, over which predictions are averaged

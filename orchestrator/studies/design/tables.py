@@ -10,8 +10,8 @@ import numpy as np
 import tomli_w
 
 from orchestrator.case.file.errors import CaseProblem
+from orchestrator.case.file.whole import write_json, write_text
 from orchestrator.figures.figure import to_json
-from orchestrator.output.records.run_folder import write_json, write_text
 from orchestrator.ports import Array
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.level_file import level_text

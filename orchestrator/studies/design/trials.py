@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple, Protocol
 
 from orchestrator.case.file.folder import UnreadableFile, read_json
-from orchestrator.output.records.run_folder import write_json
+from orchestrator.case.file.whole import write_json
 
 Stage = Literal["centre", "cheap", "plan", "search", "confirm"]
 DONE = "done"

@@ -20,9 +20,9 @@ from vtkmodules.vtkCommonCore import vtkLogger
 from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.tables.case import has_particles
-from orchestrator.output.views.drawings import BLOCK, EXIT, FEED, PANEL_COLORS, SPRING, frame_color
-from orchestrator.output.views.outline import MachineOutline, PanelOutline
 from orchestrator.ports import Array, Indices
+from orchestrator.views.drawings import BLOCK, EXIT, FEED, PANEL_COLORS, SPRING, frame_color
+from orchestrator.views.outline import MachineOutline, PanelOutline
 
 MOST_OPENINGS, MOST_PARTICLES = 20_000, 1500
 VIEW = (0.45, -1.0, 0.6)  # From the side, the upper end and above.

@@ -1,4 +1,7 @@
-"""The common style of all figures and pages of the program, and the embedding of figures in pages."""
+"""The common style of all figures and pages of the program, and the embedding of figures in pages.
+
+It stands in the lowest room that draws, because all rooms above it draw in it.
+"""
 
 from __future__ import annotations
 

@@ -14,10 +14,10 @@ from matplotlib.patches import Arc, Circle, Polygon, Wedge
 from orchestrator.case.deck.panels import to_world
 from orchestrator.case.tables.frames import Drive
 from orchestrator.case.tables.quantities import GROUND
-from orchestrator.output.drawing import LINES, figure
-from orchestrator.output.views.labels import Labels
-from orchestrator.output.views.outline import BoxOutline, MachineOutline, carried_points_m
 from orchestrator.ports import Array
+from orchestrator.views.labels import Labels
+from orchestrator.views.outline import BoxOutline, MachineOutline, carried_points_m
+from orchestrator.views.style import LINES, figure
 
 PANEL_COLORS = ("#c79a1e", "#8f6a0f")  # Neighbouring panels differ.
 WALL, FEED, EXIT, BLOCK, DIMENSION = "#7d8b99", "#2e7d32", "#c1443c", "#6b7f1f", "#444444"

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Patch, Rectangle
 
-from orchestrator.output.drawing import WIDE, figure
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.mats.chart import Chart, make_chart
 from orchestrator.preflight.mats.mats import Mats, mats_or_reason
 from orchestrator.preflight.scene.scene import Scene
+from orchestrator.views.style import WIDE, figure
 
 COLORS = {"down": "#bfe3dd", "both": "#f3c3bd", "up": "#f7dcb5", "taut": "#e3e6ea"}
 WORDS = {

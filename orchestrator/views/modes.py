@@ -14,10 +14,10 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from orchestrator.case.deck.panels import to_world
-from orchestrator.output.views.drawings import FRONT, PANEL_COLORS, SIDE, TOP, View, convex_hull, frame_color
-from orchestrator.output.views.outline import MachineOutline, carried_points_m
 from orchestrator.ports import Array
 from orchestrator.preflight.scene.frame_modes import FrameMode
+from orchestrator.views.drawings import FRONT, PANEL_COLORS, SIDE, TOP, View, convex_hull, frame_color
+from orchestrator.views.outline import MachineOutline, carried_points_m
 
 CELL_PX, COLUMNS, MARGIN_PX, HEAD_PX = (360, 230), 3, 22, 46
 STROKE = 0.075  # Largest displacement over the size of the machine.

@@ -12,8 +12,8 @@ from matplotlib.patches import Circle, Polygon
 from orchestrator.case.bed.size_distribution import classes
 from orchestrator.case.deck.panels import SinglePanel, perforated_panels
 from orchestrator.case.tables.case import Case, has_particles
-from orchestrator.output.drawing import LINES, figure
 from orchestrator.ports import Array
+from orchestrator.views.style import LINES, figure
 
 PITCHES = 4.6  # of the pattern along the panel that are shown
 ACROSS = 0.4  # of the length shown: the width shown, but at least as many pitches

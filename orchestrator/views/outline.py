@@ -17,6 +17,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.case.tables.screen import Exit
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import area_vectors_m2
 from orchestrator.ports.grains import Grain
 
 FLAT_DEG = 20.0  # Neighbouring triangles that bend less make one face.
@@ -130,7 +131,11 @@ def outline(
     screen = case.screen
     return MachineOutline(
         case=case,
-        panels=tuple(_panel(panel) for panel in single_panels(case)),
+        panels=tuple(
+            PanelOutline(panel, r.corners_m(r.clamp_m), r.corners_m())
+            for panel in single_panels(case)
+            for r in [panel.rectangle]
+        ),
         walls=tuple(
             WallOutline(wall.name, wall.frame, at_m[triangles], face_edges_m(at_m, triangles))
             for wall in walls(case, folder)
@@ -175,17 +180,6 @@ def _feed_in_words(row: Feed, whole_kg_per_s: float | None) -> str:
     return f"{whole_kg_per_s:.4g} kg/s of {row.material} (this level feeds {row.rate_kg_per_s:.4g})"
 
 
-def _panel(panel: SinglePanel) -> PanelOutline:
-    r = panel.rectangle
-
-    def corners_m(clamp_m: float) -> Array:
-        ends_m = (-clamp_m, r.length_m + clamp_m)
-        around = [(ends_m[0], 0.0), (ends_m[1], 0.0), (ends_m[1], r.width_m), (ends_m[0], r.width_m)]
-        return r.mounted(np.array(around))
-
-    return PanelOutline(panel, corners_m(r.clamp_m), corners_m(0.0))
-
-
 def _box(case: Case, name: str, text: str, row: Feed | Block | Exit) -> BoxOutline:
     corners_m = np.array(list(product(*zip(*row.box_m, strict=True))))
     velocity = np.zeros(3) if isinstance(row, Exit) else np.array(row.velocity_m_per_s)
@@ -208,8 +202,7 @@ def simplified(position_m: Array, triangles: Indices) -> tuple[Array, Indices]:
 
 def face_edges_m(position_m: Array, triangles: Indices) -> Array:
     """Return the edges (n, 2, 3) of a surface that belong to one triangle only or to a bend."""
-    corners_m = position_m[triangles]
-    normal = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+    normal = area_vectors_m2(position_m[triangles])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     distinct, which, sharing = np.unique(edges, axis=0, return_inverse=True, return_counts=True)

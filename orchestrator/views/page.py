@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.folder import admit
+from orchestrator.case.file.whole import write_text
 from orchestrator.case.tables.case import Case
-from orchestrator.output.drawing import data_uri, draw_svg, embed, fill_template
-from orchestrator.output.records.run_folder import write_text
-from orchestrator.output.subprocesses import end_with_parent
-from orchestrator.output.views.drawings import SIDE, TOP, draw_view
-from orchestrator.output.views.mats import draw_mats
-from orchestrator.output.views.modes import modes_svg
-from orchestrator.output.views.openings import draw_openings
-from orchestrator.output.views.outline import MachineOutline, outline
 from orchestrator.preflight.checks.bed import rates_above_the_level
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.scene.frame_modes import frame_modes
 from orchestrator.preflight.scene.scene import scene
+from orchestrator.views.drawings import SIDE, TOP, draw_view
+from orchestrator.views.mats import draw_mats
+from orchestrator.views.modes import modes_svg
+from orchestrator.views.openings import draw_openings
+from orchestrator.views.outline import MachineOutline, outline
+from orchestrator.views.style import data_uri, draw_svg, embed, fill_template
+from orchestrator.views.worker import worker
 
 DPI = 130
 PAGE, MODEL, MODES = "machine.html", "model.html", "modes.svg"
@@ -97,7 +95,7 @@ class Views:
 
     def _page(self, findings: CheckFindings, drawings: dict[str, str], modes: str, model: str) -> str:
         return fill_template(
-            "output/views/page.html",
+            "views/page.html",
             loaded=self._loaded,
             case=self._case,
             findings=findings,
@@ -114,7 +112,7 @@ def made_apart(machine: MachineOutline) -> Iterator[Callable[[], str]]:
     LIGGGHTS brings another VTK, which cannot share a process with this one.  The function returns "" if the
     process crashed.
     """
-    with ProcessPoolExecutor(1, get_context("spawn"), end_with_parent) as apart:
+    with worker("spawn") as apart:
         made = apart.submit(_model_page, machine)
 
         def model() -> str:
@@ -128,6 +126,6 @@ def made_apart(machine: MachineOutline) -> Iterator[Callable[[], str]]:
 
 def _model_page(machine: MachineOutline) -> str:
     """Return the model's page; only the process that makes it loads VTK."""
-    from orchestrator.output.views.model import model_page
+    from orchestrator.views.model import model_page
 
     return model_page(machine)
