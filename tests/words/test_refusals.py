@@ -17,6 +17,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.sieve_analysis import curve_of
 from orchestrator.preflight.check import warnings
 from orchestrator.studies.criteria import read_criteria
+from orchestrator.studies.design.study_file import read_study
 from orchestrator.studies.points import parse_vary
 from orchestrator.studies.sweep_plan import Arrangement, plan_sweep
 from tests import test_paper
@@ -32,6 +33,8 @@ from tests.case import (
     test_units,
 )
 from tests.cases import CASE, FEED, LEVEL, case_folder, complaints, loaded
+from tests.design import test_study_file
+from tests.design.campaigns import write_study
 from tests.effects import test_choice
 from tests.particles import test_size_distribution
 from tests.words.test_commands import rows
@@ -113,6 +116,14 @@ def test_sweeps(tmp_path: Path, snapshot: SnapshotAssertion) -> None:
     units = parameters(test_units.test_sweeps_with_wrong_units)
     texts = plans | {text: refusal(lambda text=text: parse_vary(text), tmp_path) for text in units}
     assert texts == snapshot
+
+
+def test_studies(tmp_path: Path, snapshot: SnapshotAssertion) -> None:
+    messages = {}
+    for name, (changes, _) in test_study_file.WRONG.items():
+        file = write_study(tmp_path, **changes)
+        messages[name] = refusal(lambda file=file: read_study(file), tmp_path)
+    assert messages == snapshot
 
 
 def parameters(test: Callable[..., None]) -> list[Any]:
