@@ -176,7 +176,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
 
 @pytest.mark.parametrize(("changes", "kind"), WRONG.values(), ids=list(WRONG))
 def test_one_message_names_file_key_and_value_of(changes: dict[str, Any], kind: str, tmp_path: Path) -> None:
-    """The words are in tests/words."""
+    """The words stand in tests/words."""
     file = write_study(tmp_path, **changes)
     with pytest.raises(CaseError) as refused:
         read_study(file)

@@ -15,6 +15,8 @@ from syrupy.assertion import SnapshotAssertion
 from orchestrator.case.bed.size_distribution import faults
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.sieve_analysis import curve_of
+from orchestrator.cli.proposal.propose import propose
+from orchestrator.cli.proposal.wishes import read_wishes
 from orchestrator.preflight.check import warnings
 from orchestrator.studies.criteria import read_criteria
 from orchestrator.studies.design.study_file import read_study
@@ -28,6 +30,7 @@ from tests.case import (
     test_carried_bed,
     test_deck,
     test_levels,
+    test_new,
     test_sieve_analysis,
     test_sweep_plan,
     test_units,
@@ -123,6 +126,14 @@ def test_studies(tmp_path: Path, snapshot: SnapshotAssertion) -> None:
     for name, (changes, _) in test_study_file.WRONG.items():
         file = write_study(tmp_path, **changes)
         messages[name] = refusal(lambda file=file: read_study(file), tmp_path)
+    assert messages == snapshot
+
+
+def test_wishes(tmp_path: Path, snapshot: SnapshotAssertion) -> None:
+    messages = {
+        name: refusal(lambda wish=wish: propose(read_wishes(*wish[:2]), "mine"), tmp_path)
+        for name, wish in test_new.IMPOSSIBLE.items()
+    }
     assert messages == snapshot
 
 
