@@ -15,6 +15,7 @@ from flipflow.run import Run, make_run
 from orchestrator.case import shipped
 from orchestrator.case.file.base import CASE_FILE, lay_chain, level_names, read_chain
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.nested import value_at
 from orchestrator.case.load import choose_level
 from orchestrator.cli.console import find_all_problems, find_all_problems_when_open
 from orchestrator.output.records.run_folder import resolved_case
@@ -71,12 +72,9 @@ class Case:
 
     def __getitem__(self, key: str) -> Any:
         """Return the value of a key with dots.  Raises KeyError if there is no such key."""
-        value: Any = self.settings
-        for word in key.split("."):
-            try:
-                value = value[int(word) if isinstance(value, list) else word]
-            except (KeyError, IndexError, ValueError, TypeError):
-                raise KeyError(key) from None
+        value = value_at(self.settings, key.split("."))
+        if value is None:
+            raise KeyError(key)
         return value
 
     def check(self) -> list[str]:

@@ -14,18 +14,16 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import Any, Literal, cast
 
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticKnownError
 from pydantic_core.core_schema import no_info_after_validator_function, str_schema
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.ports.adapters import Adapter
 from orchestrator.ports.failures import SolverMissing, solver_failure_context
-
-if TYPE_CHECKING:
-    from orchestrator.ports.adapters import Adapter
-    from orchestrator.ports.grains import Shape
+from orchestrator.ports.grains import Shape
 
 Port = Literal["panel", "frames", "particles"]
 Door = Port | Literal["shapes"]

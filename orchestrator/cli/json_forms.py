@@ -11,15 +11,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
 from orchestrator.figures.figure import to_json
-
-if TYPE_CHECKING:
-    from orchestrator.preflight.judge import JudgedCase
-    from orchestrator.preflight.judgement.catalogue import Judged
+from orchestrator.preflight.judge import JudgedCase
+from orchestrator.preflight.judgement.catalogue import Judged
 
 FORMAT = 1
 """Version of all these forms, their entry ``format_version``."""

@@ -8,11 +8,12 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from orchestrator.coupling._kernel import add_handed_over
-from orchestrator.coupling.wrappers import FramesWrapper, PanelWrapper, ParticlesWrapper
+from orchestrator.coupling.wrappers import FramesWrapper, PanelWrapper, ParticlesWrapper, Wrapped, Wrapper
 from orchestrator.ports import (
     Array,
     ContactTangent,
@@ -114,7 +115,20 @@ class Meter:
         return float(self.sums[6])
 
 
-class MeteredFrames(FramesWrapper):
+class Booked(Wrapper[Wrapped]):
+    """A wrapper that saves its own ``BOOKS`` beside the state of its solver."""
+
+    BOOKS: ClassVar[tuple[str, ...]]
+
+    def save(self) -> Saved:
+        return save_attributes(self, *self.BOOKS) | {"inner": super().save()}
+
+    def restore(self, saved: Saved) -> None:
+        restore_attributes(self, saved, *self.BOOKS)
+        super().restore(saved["inner"])
+
+
+class MeteredFrames(Booked[Frames], FramesWrapper):
     """Frames with a meter.
 
     ``received`` meters the panels' load on the frames; ``last`` has the last load, and the motion to which it
@@ -152,13 +166,6 @@ class MeteredFrames(FramesWrapper):
     def ahead(self, interval: Interval) -> Known | None:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             return super().ahead(interval)
-
-    def save(self) -> Saved:
-        return save_attributes(self, *self.BOOKS) | {"inner": super().save()}
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *self.BOOKS)
-        super().restore(saved["inner"])
 
 
 class TimedPanel(PanelWrapper):
@@ -198,7 +205,7 @@ class TimedPanel(PanelWrapper):
         return advance
 
 
-class MeteredPanel(TimedPanel):
+class MeteredPanel(Booked[Panel], TimedPanel):
     """A panel with a meter.
 
     ``received`` meters the particles' load, and ``given`` the load on the frames; ``last`` has the last
@@ -231,15 +238,8 @@ class MeteredPanel(TimedPanel):
         """The sum of the sizes of the impulses that crossed, on both sides."""
         return self.received.through_N_s + self.given.through_N_s
 
-    def save(self) -> Saved:
-        return save_attributes(self, *self.BOOKS) | {"inner": super().save()}
 
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *self.BOOKS)
-        super().restore(saved["inner"])
-
-
-class MeteredParticles(ParticlesWrapper):
+class MeteredParticles(Booked[Particles], ParticlesWrapper):
     """Particles with a meter.
 
     ``given`` meters their load on the surface; ``last`` has the last path of the surface, and the load on it.
@@ -247,6 +247,7 @@ class MeteredParticles(ParticlesWrapper):
     run, including those that were taken back.
     """
 
+    BOOKS = ("given",)
     last: tuple[HermitePath, Load]
 
     def __init__(self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch) -> None:
@@ -276,12 +277,10 @@ class MeteredParticles(ParticlesWrapper):
             return super().contact_tangent(length_s)
 
     def save(self) -> Saved:
-        inner = {"inner": super().save(), "feed": self._feed.save()}
-        return save_attributes(self, "given") | inner
+        return super().save() | {"feed": self._feed.save()}
 
     def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "given")
-        super().restore(saved["inner"])
+        super().restore(saved)
         self._feed.restore(saved["feed"])
 
 

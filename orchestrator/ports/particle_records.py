@@ -14,9 +14,18 @@ from orchestrator.ports.interface_records import Array, Indices
 from orchestrator.ports.rows import Rows
 
 LARGEST_CARRIED_OVERLAP = 0.5
-"""A share of a radius.  Contact laws are for contacts that are small against the bodies; the area of one
-that is half a radius deep has 0.7 of the particle's own radius (Hertz: sqrt(r overlap)), and at one
-radius the centre is through the surface."""
+"""A share of a radius, of contacts that are softer than their materials.  Contact laws are for contacts that
+are small against the bodies; the area of one that is half a radius deep has 0.7 of the particle's own radius
+(Hertz: sqrt(r overlap)), and at one radius the centre is through the surface."""
+LARGEST_OWN_OVERLAP = 0.9
+"""A share of a radius, of contacts as stiff as their materials, for which a deep contact is a fact: a lump
+presses a fine grain into a mat of rubber.  Hertz's force is then 10 % above that of a rigid sphere in an
+elastic half space (I. N. Sneddon, Int. J. Engng Sci. 3, 1965, 47, doi 10.1016/0020-7225(65)90019-4)."""
+
+
+def largest_overlap(softened: bool) -> float:
+    """Return the share of a radius beyond which a contact is not to be trusted."""
+    return LARGEST_CARRIED_OVERLAP if softened else LARGEST_OWN_OVERLAP
 
 
 @dataclass(frozen=True)

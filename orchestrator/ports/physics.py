@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from orchestrator.ports import Array
-    from orchestrator.ports.plans import MotorPlan
+from orchestrator.ports import Array
+from orchestrator.ports.plans import MotorPlan
 
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 """The acceleration that is called 1 g (3rd General Conference on Weights and Measures, 1901)."""

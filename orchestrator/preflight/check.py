@@ -8,12 +8,15 @@ shapes at rest are known.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from orchestrator.case.bed.work_of_adhesion import move_to_given_key
 from orchestrator.case.file.deck_layout import move_to_deck
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.plausible import unusual_sizes
+from orchestrator.ports import Indices
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.penetration import Penetrations
+from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.checks import (
     TABLE_RULES,
     bed,
@@ -26,16 +29,10 @@ from orchestrator.preflight.checks import (
     steps,
     surfaces,
 )
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.mats.mats import mat_warnings
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.sheet.sheet import duty_of, too_small_decks
-
-if TYPE_CHECKING:
-    from orchestrator.ports import Indices
-    from orchestrator.ports.geometry import TriangleSurface
-    from orchestrator.ports.penetration import Penetrations
-    from orchestrator.ports.plans import ParticleList
-    from orchestrator.preflight.judge import JudgedCase
 
 
 def find_problems(loaded: JudgedCase) -> list[CaseProblem]:

@@ -16,7 +16,7 @@ from typing import Any
 from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.file.errors import show_value
 from orchestrator.case.file.folder import FolderUnusable
-from orchestrator.case.file.leaves import leaves
+from orchestrator.case.file.nested import leaves
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
 from orchestrator.output.records.run_folder import resolved_case

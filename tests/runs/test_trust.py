@@ -125,6 +125,18 @@ def test_each_ground(key: str, worse: dict[str, Any], says: str) -> None:
     assert says in doubt
 
 
+def test_contacts_as_stiff_as_the_materials_may_be_deeper() -> None:
+    """Up to nine tenths of a radius a lump that presses a fine grain into rubber is a fact."""
+    own = {"effects": {"contact-stiffness": {"left_out": ""}}}
+    pressed = {"surface_per_diameter": 0.44}
+    table = GOOD | own | {"material": GOOD["material"] | {"deepest_overlaps": pressed}}
+    assert trust.doubts(table) == []
+    pressed["surface_per_diameter"] = 0.46
+    (doubt,) = trust.doubts(table)
+    assert "by 0.92 of a radius, more than 0.9" in doubt
+    assert "largest_youngs_modulus_Pa" not in doubt  # it would not help
+
+
 @pytest.mark.parametrize(
     ("key", "harmless"),
     [

@@ -11,12 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import (
-    contact_moduli,
-    hertz_s,
-    impact_speed_m_per_s,
-    reduced_modulus_Pa,
-)
+from orchestrator.case.bed.contact_times import hertz_s, impact_speed_m_per_s, pair_modulus_Pa
 from orchestrator.case.bed.grains import sieve_sizes_m, smallest_grains
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
@@ -112,18 +107,12 @@ def _sticky_contact(case: Case, number: int, one: Body, two: Body) -> StickyCont
     return StickyContact(
         contact=number,
         work_J_per_m2=softened_work_J_per_m2(case, number),
-        reduced_Pa=_reduced_Pa(case, contact.between, case.particles.largest_youngs_modulus_Pa),
+        reduced_Pa=pair_modulus_Pa(case, contact.between),
         reduced_kg=1 / (1 / one[1] + 1 / two[1]),
         reduced_m=1 / (1 / one[0] + 1 / two[0]),
         radius_m=min(one[0], two[0]),
         grain_kg=min(one[1], two[1]),
     )
-
-
-def _reduced_Pa(case: Case, between: tuple[str, str], cap_Pa: float | None) -> float:
-    """Return the reduced modulus of two materials whose Young's moduli are at most ``cap_Pa``."""
-    one, two = (contact_moduli(case.materials[name], cap_Pa) for name in between)
-    return reduced_modulus_Pa(one, two)
 
 
 def softened_work_J_per_m2(case: Case, number: int) -> float:
@@ -138,8 +127,8 @@ def softened_work_J_per_m2(case: Case, number: int) -> float:
     contact = case.contacts[number]
     if case.particles.softened_adhesion == "pull-off":
         return contact.work_of_adhesion_J_per_m2
-    cap_Pa = case.particles.largest_youngs_modulus_Pa
-    ratio = _reduced_Pa(case, contact.between, cap_Pa) / _reduced_Pa(case, contact.between, None)
+    own_Pa = pair_modulus_Pa(case, contact.between, is_softened=False)
+    ratio = pair_modulus_Pa(case, contact.between) / own_Pa
     return contact.work_of_adhesion_J_per_m2 * math.pow(ratio, 0.4)
 
 
@@ -227,7 +216,7 @@ def _energy_density_J_per_m3(case: Case, number: int, work_J_per_m2: float) -> f
     radius_m = sjkr_diameter_m(case) / 2
     if not surface_materials(case) & set(between):
         radius_m /= 2  # This is the reduced radius of two equal particles.
-    reduced_Pa = _reduced_Pa(case, between, case.particles.largest_youngs_modulus_Pa)
+    reduced_Pa = pair_modulus_Pa(case, between)
     return math.pow(9 * work_J_per_m2 * reduced_Pa**2 / (4 * math.pi**2 * radius_m), 1 / 3)
 
 

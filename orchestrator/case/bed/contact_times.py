@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -32,6 +33,13 @@ def contact_moduli(material: Material, largest_youngs_modulus_Pa: float | None) 
 def reduced_modulus_Pa(one: tuple[float, float], two: tuple[float, float]) -> float:
     """Return the reduced modulus E* of two bodies (E, nu): 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
     return 1 / ((1 - one[1] ** 2) / one[0] + (1 - two[1] ** 2) / two[0])
+
+
+def pair_modulus_Pa(case: Case, between: Iterable[str], is_softened: bool = True) -> float:
+    """Return the reduced modulus of two materials, at most as stiff as the case lets particles be, or as
+    they are."""
+    cap_Pa = case.particles.largest_youngs_modulus_Pa if is_softened else None
+    return reduced_modulus_Pa(*(contact_moduli(case.materials[name], cap_Pa) for name in between))
 
 
 def rayleigh_s(

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.bed.grains import sieve_sizes_m
-from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels
+from orchestrator.case.deck.panels import perforated_panels, single_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle
@@ -15,17 +15,9 @@ from orchestrator.ports.geometry import AperturePattern, Rectangle
 
 def openings_m(case: Case) -> Array:
     """Return the centres of all openings (n, 3), on the straight line between the clamps."""
-    return np.vstack([np.empty((0, 3)), *(_centres_m(panel) for panel in single_panels(case))])
-
-
-def _centres_m(panel: SinglePanel) -> Array:
-    """Return the centres of the openings of a panel (n, 3), in the world."""
-    if panel.apertures is None:
-        return np.empty((0, 3))
-    at = panel.rectangle
-    s, y = panel.apertures.centres_m(at).T
-    along = np.outer(s * at.span_m / at.length_m, at.along)
-    return np.asarray(at.corner_m + along + np.outer(y, at.across))
+    rows = [(panel.rectangle, panel.apertures) for panel in single_panels(case)]
+    centres_m = [at.mounted(pattern.centres_m(at)) for at, pattern in rows if pattern is not None]
+    return np.vstack([np.empty((0, 3)), *centres_m])
 
 
 def smaller_sides_m(case: Case) -> Iterator[float]:

@@ -17,6 +17,7 @@ from typing import Any
 from orchestrator.case.file.bushing_curve import read_curve_files
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
 from orchestrator.case.file.layers import Layers, read_toml
+from orchestrator.case.file.nested import nested, value_at
 from orchestrator.case.file.sieve_analysis import read_sieve_analyses
 
 CASE_FILE = "case.toml"
@@ -128,13 +129,9 @@ def with_files_at(table: Mapping[str, Any], written: Path, folder: Path) -> dict
         return dict(table)
     at = Layers(table, "")
     for key in _file_keys(table):
-        words, name = key[:-1], _value_at(table, key)
-        if key in BEDS and not (written / name).exists():
-            continue
-        overlay: dict[str, Any] = {key[-1]: os.path.relpath(written / name, folder)}
-        for word in reversed(words):
-            overlay = {word: overlay}
-        at.lay(overlay, "")
+        file = written / value_at(table, key)
+        if key not in BEDS or file.exists():
+            at.lay(nested(key, os.path.relpath(file, folder)), "")
     return at.merged
 
 
@@ -144,13 +141,7 @@ def _file_keys(table: Mapping[str, Any]) -> list[tuple[str, ...]]:
     surfaces = screen.get("surfaces") if isinstance(screen, Mapping) else None
     names = [*surfaces] if isinstance(surfaces, Mapping) else []
     keys = [*BEDS, *(("screen", "surfaces", name, "stl") for name in names)]
-    return [key for key in keys if isinstance(_value_at(table, key), str)]
-
-
-def _value_at(table: Any, key: tuple[str, ...]) -> Any:
-    for word in key:
-        table = table.get(word) if isinstance(table, Mapping) else None
-    return table
+    return [key for key in keys if isinstance(value_at(table, key), str)]
 
 
 def _base_folder(base: Any, folder: Path, source: str) -> Path:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
+from orchestrator.case.file.nested import nested, value_at
 from orchestrator.case.file.units import in_own_units, keys_with_units
 
 DEEPEST = 20  # So many tables may lie in each other; the case format has 7.
@@ -118,7 +119,7 @@ class Layers:
         words = tuple(str(part) for part in key)
         below = [self._source[words[:end]] for end in range(len(words), 0, -1) if words[:end] in self._source]
         own = below[0] if below else self._first
-        if not isinstance(self._value(words), list):
+        if not isinstance(value_at(self.merged, words), list):
             return own
         changed = [source for other, source in self._source.items() if other[: len(words)] == words]
         return ", ".join(dict.fromkeys((own, *changed)))
@@ -130,15 +131,6 @@ class Layers:
             for m in problems
         ]
         return [m if m.file else replace(m, file=self.source(m.key)) for m in told]
-
-    def _value(self, words: Sequence[str]) -> Any:
-        value: Any = self.merged
-        for word in words:
-            if isinstance(value, list) and word.isdecimal() and int(word) < len(value):
-                value = value[int(word)]
-            else:
-                value = value.get(word) if isinstance(value, Mapping) else None
-        return value
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
         """Return ``overlay`` merged over ``below`` at ``key``, and change neither of them."""
@@ -198,12 +190,10 @@ def parse_override(override: str) -> dict[str, Any]:
     if not equals or not all(words):
         hint = "for example --set panel.solver=rigid"
         raise CaseError([CaseProblem((), "is not key=value", hint, f"--set {override}", kind="wrong-type")])
-    value: Any = _value(text.strip())
-    for word in reversed(words):
-        value = {word: value}
-    if is_too_deep(value):
+    overlay = nested(words, _value(text.strip()))
+    if is_too_deep(overlay):
         raise CaseError([CaseProblem((), TOO_DEEP, file=f"--set {override}", kind="wrong-type")])
-    return dict(value)
+    return overlay
 
 
 def _value(text: str) -> Any:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.base import find_level, read_level
-from orchestrator.case.file.leaves import leaves
+from orchestrator.case.file.nested import leaves
 
 CHEAP_LEVEL = "draft"
 """The level at which a case is tried out if it has a level of this name."""

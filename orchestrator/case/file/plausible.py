@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from orchestrator.case.file.errors import CaseProblem, Key, dotted_key
-from orchestrator.case.file.leaves import leaves
+from orchestrator.case.file.nested import leaves
 from orchestrator.case.tables.case import Case
 
 Limits = tuple[float, float]

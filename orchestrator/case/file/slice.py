@@ -30,10 +30,13 @@ ENOUGH_DIAMETERS = 5.0  # A slice as wide as so many of the largest particles is
 
 def share(case: Case) -> float:
     """Return the slice's share of the whole machine's width; 1 without a slice."""
-    if case.slice is None:
-        return 1.0
+    return 1.0 if case.slice is None else case.slice.width_m / whole_width_m(case)
+
+
+def whole_width_m(case: Case) -> float:
+    """Return the width of all panels.  Raises CaseError if the panels do not agree."""
     low, high = full_width_m(case)
-    return case.slice.width_m / (high - low)
+    return high - low
 
 
 def full_width_m(case: Case) -> tuple[float, float]:
@@ -82,8 +85,7 @@ def joins_sides(case: Case, length_m: float) -> bool:
     """
     if not period_m(case) or case.slice is None:
         return False
-    low, high = full_width_m(case.whole_machine)
-    width_m = high - low
+    width_m = whole_width_m(case.whole_machine)
     return case.slice.width_m < width_m * (1 - 1e-9) and width_m >= WIDE * length_m
 
 
@@ -92,10 +94,7 @@ def hindered_share(case: Case, panel: Rectangle) -> float:
 
     With it, a panel in which nothing varies across pulls as the whole machine's does, in a slice, too.
     """
-    width_m = panel.width_m
-    if case.slice is not None:
-        low, high = full_width_m(case.whole_machine)
-        width_m = high - low
+    width_m = panel.width_m if case.slice is None else whole_width_m(case.whole_machine)
     return hindered_share_of(width_m / panel.length_m)
 
 
@@ -110,8 +109,7 @@ def stretched_stiffness_error(case: Case, length_m: float, joined: bool) -> floa
     The sheet has a free length of ``length_m``; negative is softer.  Openings make it less.
     """
     assert case.slice is not None
-    low, high = full_width_m(case.whole_machine)
-    widths_m = np.array([case.slice.width_m, high - low])
+    widths_m = np.array([case.slice.width_m, whole_width_m(case.whole_machine)])
     part, whole = np.interp(widths_m / length_m, WIDTHS_OVER_LENGTHS, STIFFENING)
     return float((PURE_SHEAR if joined else part) / whole - 1)
 
@@ -123,8 +121,8 @@ def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Arra
     """
     if case.slice is None or case.whole_machine is case:
         return position_m, triangles
-    low, high = full_width_m(case.whole_machine)
-    move_in_m = (high - low - case.slice.width_m) / 2.0 if case.slice.sides == "walls" else None
+    beside_m = whole_width_m(case.whole_machine) - case.slice.width_m
+    move_in_m = beside_m / 2.0 if case.slice.sides == "walls" else None
     return cut_triangles(position_m, triangles, bounds_m(case.whole_machine), move_in_m)
 
 
@@ -158,9 +156,8 @@ def _problems(case: Case) -> list[CaseProblem]:
             problems.append(CaseProblem(key, "a slice wants panels that run across along y"))
     if problems:
         return problems
-    low, high = full_width_m(case)
-    if case.slice.width_m > (high - low) * (1 + 1e-9):
-        what = f"{case.slice.width_m:g} m is wider than the machine's {high - low:g} m"
+    if case.slice.width_m > (whole_m := whole_width_m(case)) * (1 + 1e-9):
+        what = f"{case.slice.width_m:g} m is wider than the machine's {whole_m:g} m"
         problems.append(CaseProblem(("slice", "width_m"), what, kind="out-of-range"))
         return problems
     y_m = bounds_m(case)

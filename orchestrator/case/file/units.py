@@ -17,7 +17,7 @@ from tokenize import TokenError
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.case.file import hardness
-from orchestrator.case.file.leaves import leaves
+from orchestrator.case.file.nested import leaves
 from orchestrator.case.tables.quantities import unit_of
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ merges them.  docs/case-format.md lists every key.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, PrivateAttr, Strict
@@ -35,9 +35,7 @@ from orchestrator.case.tables.quantities import (
     Vector,
 )
 from orchestrator.case.tables.screen import Screen
-
-if TYPE_CHECKING:
-    from orchestrator.ports.adapters import Adapter
+from orchestrator.ports.adapters import Adapter
 
 
 class Slice(Table):

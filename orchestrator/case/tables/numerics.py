@@ -5,16 +5,14 @@ These tables usually stand in a level (``levels/<level>.toml``).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import Annotated, Literal, cast
 
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, Strict
 
 from orchestrator.case.solvers import NONE, SolverName, adapter
 from orchestrator.case.tables.quantities import Cells, Name, NotNegative, Positive, Switch, Table
-
-if TYPE_CHECKING:
-    from orchestrator.ports.adapters import FramesAdapter, PanelAdapter, ParticlesAdapter
+from orchestrator.ports.adapters import FramesAdapter, PanelAdapter, ParticlesAdapter
 
 
 class PanelSolver(Table):

@@ -5,24 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
 from orchestrator.case.materials.library import shapes
 from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.cli.proposal.deck_size import deck_m2_of, needed_m2_of
+from orchestrator.cli.proposal.layout import Layout
 from orchestrator.cli.proposal.levels import DRAFT_S
 from orchestrator.cli.proposal.machine import round_to
 from orchestrator.cli.proposal.mounting import LEAST_G, MOST_G, Choice
 from orchestrator.cli.proposal.proposal import Proposal, panels_N_per_m
+from orchestrator.cli.proposal.wishes import Wishes
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.scene.frame_modes import NEAR, frame_modes
 from orchestrator.preflight.sheet.sheet import DEEPEST, EFFICIENCY, PACKED, RULE, bed_depth_m
-
-if TYPE_CHECKING:
-    from orchestrator.cli.proposal.layout import Layout
-    from orchestrator.cli.proposal.wishes import Wishes
 
 USUAL_STRAINS, USUAL_SHAKE_G = (0.005, 0.03), 6.0
 USUAL_SLOPES_DEG = (5.0, 35.0)

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from orchestrator.coupling.ledger import defect_shares, share_created
-from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
+from orchestrator.ports.particle_records import largest_overlap
 
 DONE, DOUBTFUL, INCOMPLETE = "done", "doubtful", "incomplete"
 AT_THE_END = (DONE, DOUBTFUL, INCOMPLETE)
@@ -179,14 +179,18 @@ def _material(summary: Summary) -> Iterator[str]:
             "particles.largest_youngs_modulus_Pa, or shorten particles.step_s."
         )
     deepest = material.get("deepest_overlaps", {})
+    stiffness = summary.get("effects", {}).get("contact-stiffness", {"left_out": "not told"})
+    softened = bool(stiffness["left_out"])
+    limit = largest_overlap(softened)
+    help_ = (
+        "; raise particles.largest_youngs_modulus_Pa, or shorten particles.step_s."
+        if softened
+        else ", with the materials' own stiffness: lumps press the finest grains in; leave these out."
+    )
     for key, what in (("surface", "the surface"), ("between", "each other")):
         overlap = 2.0 * deepest.get(f"{key}_per_diameter", 0.0)
-        if overlap > LARGEST_CARRIED_OVERLAP:
-            yield (
-                f"Particles sank into {what} by {overlap:.2g} of a radius, more than "
-                f"{LARGEST_CARRIED_OVERLAP:g}; raise particles.largest_youngs_modulus_Pa, or "
-                "shorten particles.step_s."
-            )
+        if overlap > limit:
+            yield f"Particles sank into {what} by {overlap:.2g} of a radius, more than {limit:g}{help_}"
 
 
 GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (

@@ -19,6 +19,7 @@ from typing import Any
 from orchestrator.case.file.errors import CaseError, show_value
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.file.layers import find_changes, read_toml
+from orchestrator.case.file.nested import value_at
 from orchestrator.case.provenance import read_provenance
 from orchestrator.output.results.tidy import OF_THE_WIDTH, Result, RunResults, doubtful, read_results
 
@@ -236,11 +237,10 @@ def _with_checksums(table: MutableMapping[str, Any], folder: Path) -> MutableMap
 
 
 def _value_at(table: Any, folder: Path, key: Sequence[str]) -> str:
-    for word in key:
-        table = table.get(word) if isinstance(table, dict) else None
-    if table is None:
+    value = value_at(table, key)
+    if value is None:
         return MISSING
-    text = f"{table:.10g}" if isinstance(table, float) else show_value(table)
+    text = f"{value:.10g}" if isinstance(value, float) else show_value(value)
     return text + (_origin_of_bed(folder) if key == ("bed", "table") else "")
 
 

@@ -34,7 +34,7 @@ from orchestrator.case.materials.library import no_grains, rolling_friction_of, 
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
-from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
+from orchestrator.ports.particle_records import largest_overlap
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.preflight.checks.names import rows
 from orchestrator.preflight.scene.contacts import compute_softness, rolling_on_deck
@@ -328,12 +328,13 @@ def soft_contacts(case: Case) -> Iterator[str]:
     if not has_particles(case):
         return
     soft = compute_softness(scene(case))
-    if soft.overlap > LARGEST_CARRIED_OVERLAP:
-        why = soft.in_words(LARGEST_CARRIED_OVERLAP)
+    limit = largest_overlap(soft.softened)
+    if soft.overlap > limit:
+        why = soft.in_words(limit)
+        help_ = "; raise particles.largest_youngs_modulus_Pa" if soft.softened else ""
         yield (
             f"particles are expected to sink into what they meet by {soft.overlap:.2g} of a "
-            f"radius ({why}): beyond {LARGEST_CARRIED_OVERLAP:g} no contact law holds, at 1 they "
-            "go through panels; raise particles.largest_youngs_modulus_Pa"
+            f"radius ({why}): beyond {limit:g} no contact law holds, at 1 they go through panels{help_}"
         )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from orchestrator.case.bed.contact_times import contact_moduli, hertz_static_overlap_m, reduced_modulus_Pa
+from orchestrator.case.bed.contact_times import hertz_static_overlap_m, pair_modulus_Pa
 from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.bed.size_distribution import share_between
 from orchestrator.case.tables.bed import SizeClass
@@ -47,14 +47,12 @@ def judge(scene: Scene) -> Verdict | None:
 
 def _pressed_overlap_m(scene: Scene, size_m: float) -> float:
     """Return the overlap of particles of a size with a panel, for the softest pair, by weight and throw."""
-    case, cap_Pa = scene.case, scene.case.particles.largest_youngs_modulus_Pa
     overlaps_m = [0.0]
-    for name, smallest in smallest_grains(case).items():
+    for name, smallest in smallest_grains(scene.case).items():
         grain = smallest.resized(size_m)
         force_N = grain.mass_kg * scene.gravity_m_per_s2 * (1 + scene.throw)
         for panel in {row.panel.table.material for row in scene.panels}:
-            moduli = (contact_moduli(case.materials[each], cap_Pa) for each in (name, panel))
-            reduced_Pa = reduced_modulus_Pa(*moduli)
+            reduced_Pa = pair_modulus_Pa(scene.case, (name, panel))
             overlaps_m.append(hertz_static_overlap_m(force_N, grain.contact_radius_m, reduced_Pa))
     return max(overlaps_m)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from orchestrator.case.bed.adhesion import surface_materials
-from orchestrator.case.bed.contact_times import contact_moduli, hertz_overlap_m, reduced_modulus_Pa
+from orchestrator.case.bed.contact_times import contact_moduli, hertz_overlap_m, pair_modulus_Pa
 from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.tables.case import Case, Contact, has_particles
 from orchestrator.preflight.scene.effect import Effect, Judge
@@ -124,13 +124,9 @@ def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
 
     The spheres have a radius of 1 m.
     """
-    case = scene.case
-    cap_Pa = case.particles.largest_youngs_modulus_Pa
-    reduced_Pa = reduced_modulus_Pa(
-        *(contact_moduli(case.materials[name], cap_Pa) for name in (grain, other))
-    )
+    reduced_Pa = pair_modulus_Pa(scene.case, (grain, other))
     half = 0.5 if both else 1.0
-    unit = smallest_grains(case)[grain].resized(2.0)
+    unit = smallest_grains(scene.case)[grain].resized(2.0)
     mass_kg, radius_m = half * unit.mass_kg, half * unit.contact_radius_m
     return hertz_overlap_m(mass_kg, radius_m, reduced_Pa, scene.impact_m_per_s)
 

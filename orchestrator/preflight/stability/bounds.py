@@ -15,11 +15,10 @@ from functools import cache, partial
 from typing import Literal, NamedTuple
 
 from orchestrator.case.bed.contact_times import (
-    contact_moduli,
     hertz_overlap_m,
     hertz_s,
     hertz_static_overlap_m,
-    reduced_modulus_Pa,
+    pair_modulus_Pa,
 )
 from orchestrator.case.bed.grains import largest_grains, smallest_grains
 from orchestrator.case.tables.quantities import GROUND
@@ -105,10 +104,7 @@ def touches(scene: Scene, surface_material: str) -> list[Touch]:
 
 def _touch(scene: Scene, name: str, grain: Grain[float], surface_material: str) -> Touch:
     case, speed_m_per_s = scene.case, scene.impact_m_per_s
-    cap_Pa = case.particles.largest_youngs_modulus_Pa
-    reduced_Pa = reduced_modulus_Pa(
-        *(contact_moduli(case.materials[each], cap_Pa) for each in (name, surface_material))
-    )
+    reduced_Pa = pair_modulus_Pa(case, (name, surface_material))
     mass_kg, radius_m = grain.mass_kg, grain.contact_radius_m
     area_m2 = math.sqrt(3) / 2 * (2 * grain.bounding_radius_m) ** 2  # side by side, in hexagons
     bed_Pa = scene.bed_kg_per_m2 * scene.gravity_m_per_s2
