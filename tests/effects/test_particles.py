@@ -4,6 +4,7 @@ follows from it."""
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -269,7 +270,7 @@ def test_spheres_without_their_law_of_rolling_run_ever_faster(tmp_path: Path) ->
 
 def test_check_tells_shapes_and_rolling_frictions(tmp_path: Path) -> None:
     row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
-    plain = list(rolling_lines(load_case(tmp_path, STILL_CASE, [row]).case))
-    assert plain == ["  shape      coal: not given; rolling friction 0.09 on PU, 0 on coal"]
-    shaped = load_case(tmp_path, STILL_CASE, [row, "materials.coal.shape=angular"]).case
-    assert next(rolling_lines(shaped)).startswith("  shape      coal: angular; rolling friction 0.09")
+    (plain,) = rolling_lines(load_case(tmp_path, STILL_CASE, [row]).case)
+    assert re.findall(r"([\d.]+) on (\w+)", plain) == [("0.09", "PU"), ("0", "coal")]
+    shaped = next(rolling_lines(load_case(tmp_path, STILL_CASE, [row, "materials.coal.shape=angular"]).case))
+    assert {"angular;", "0.09"} <= {*shaped.split()}
