@@ -194,12 +194,12 @@ def test_a_case_gives_a_number_or_points(tmp_path: Any) -> None:
     case = loaded(tmp_path, [f"contacts.0.restitution={POINTS}".replace("'", '"'), BLOCK]).case
     given = particles_plan(case, plate(0.1, 1))
     assert given is not None
-    (found,) = given.rebounds
-    np.testing.assert_array_equal(found.speed_m_per_s, [0.5, 2.0])
-    np.testing.assert_array_equal(found.restitution, [0.8, 0.04])
+    (curve,) = given.rebounds
+    np.testing.assert_array_equal(curve.speed_m_per_s, [0.5, 2.0])
+    np.testing.assert_array_equal(curve.restitution, [0.8, 0.04])
     names = [material.name for material in given.materials]
-    assert {names[number] for number in found.materials} == {"PU", "coal"}
-    assert given.restitution[found.materials] == 0.8
+    assert {names[number] for number in curve.materials} == {"PU", "coal"}
+    assert given.restitution[curve.materials] == 0.8
     assert [case.contacts[0].restitution_at(speed) for speed in (0.1, 1.25, 9.0)] == pytest.approx(
         [0.8, 0.42, 0.04]
     )
