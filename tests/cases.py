@@ -7,7 +7,7 @@ a user's case is read, and ``complaints`` are what a user would be told.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -128,9 +128,14 @@ def problems(folder: Path, *overrides: str) -> list[CaseProblem]:
         return [*error.problems]
 
 
+def keys_and_kinds(problems: Iterable[CaseProblem]) -> list[str]:
+    """Return the key and the kind of each problem, such as "duration_s: out-of-range"."""
+    return [f"{dotted_key(problem.key)}: {problem.kind}" for problem in problems]
+
+
 def kinds(folder: Path, *overrides: str) -> list[str]:
-    """Return the key and the kind of each of these problems, such as "duration_s: out-of-range"."""
-    return [f"{dotted_key(problem.key)}: {problem.kind}" for problem in problems(folder, *overrides)]
+    """Return the keys and kinds of the problems of the test case with some keys changed."""
+    return keys_and_kinds(problems(folder, *overrides))
 
 
 def complaints(folder: Path, *overrides: str) -> list[str]:

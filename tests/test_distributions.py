@@ -100,23 +100,25 @@ def test_the_provenance_of_a_run_tells_the_same() -> None:
 
 
 @pytest.mark.parametrize(
-    ("distribution", "message"),
+    ("distribution", "pinned"),
     [
-        (Distribution("meshio", "5.0.0", PYPI), "meshio is 5.0.0 from PyPI, but 5.3.5 is pinned"),
-        (Distribution("meshio", "5.3.5", "/usr/lib/python3/dist-packages"), "no pin of docker/"),
-        (Distribution("pandas", "1.5.3", DEBIAN, "python3-pandas 1.5.3-1"), "no pin of docker/"),
-        (Distribution("numpy", "1.24.2", PYPI), "numpy is 1.24.2 from PyPI, and no pin"),
+        (Distribution("meshio", "5.0.0", PYPI), "5.3.5"),
+        (Distribution("meshio", "5.3.5", "/usr/lib/python3/dist-packages"), ""),
+        (Distribution("pandas", "1.5.3", DEBIAN, "python3-pandas 1.5.3-1"), ""),
+        (Distribution("numpy", "1.24.2", PYPI), ""),
     ],
 )
-def test_what_is_not_as_pinned_is_said(distribution: Distribution, message: str) -> None:
+def test_what_is_not_as_pinned_is_said(distribution: Distribution, pinned: str) -> None:
     (sentence,) = departures(known.distributions() | {distribution.name: distribution})
-    assert message in sentence
+    assert {distribution.name, distribution.version} <= {*sentence.split()}
+    assert pinned in sentence
 
 
 def test_what_is_not_there_is_said() -> None:
     distributions = dict(known.distributions())
     distributions.pop("petsc4py")
-    assert departures(distributions) == ["petsc4py is not there, docker/debian.txt names it"]
+    (sentence,) = departures(distributions)
+    assert {"petsc4py", "docker/debian.txt"} <= {*sentence.split()}
 
 
 def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from orchestrator.studies.criteria import Runs, read_criteria, wanted_runs
 from orchestrator.studies.paper import find_papers
 from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.verdicts import CriterionResult, judge, write_verdicts
-from tests.cases import CASE, case_folder
+from tests.cases import CASE, case_folder, keys_and_kinds
 
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
 DRIVEN = (
@@ -243,24 +243,25 @@ def test_a_run_that_failed_is_no_value(case: Path) -> None:
     compared(case, ROW)
     write_summary(case.parent / "out/speed/speed_rad_per_s-70", {"status": "failed"})
     (line,) = compared(case, ROW)
-    assert (line.value_in_words, line.verdict) == ("speed_rad_per_s-70: failed", "no number")
+    assert line.measured is None
+    assert {"speed_rad_per_s-70:", "failed"} <= {*line.value_in_words.split()}
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "kind"),
     [
-        (('run = "speed"', 'run = "load"'), 'criteria.0.run: no run "load"'),
-        (("amplitude", "amplitudes"), 'no measure "amplitudes"'),
-        (('what = "a"\n', ""), "what: missing"),
-        (("what = ", "whut = "), 'did you mean "what"?'),
-        (('unit = "mm"', 'unit = "mm"\naxis = "size"'), 'criteria.0.axis: "size" is wrong for an amplitude'),
-        (('unit = "mm"', 'unit = "N"'), 'unit: "N" is wrong for an amplitude, one of m, mm is wanted'),
+        (('run = "speed"', 'run = "load"'), "criteria.0.run: unknown-name"),
+        (("amplitude", "amplitudes"), "criteria.0.measure: unknown-name"),
+        (('what = "a"\n', ""), "criteria.0.what: missing"),
+        (("what = ", "whut = "), "criteria.0.whut: unknown-key"),
+        (('unit = "mm"', 'unit = "mm"\naxis = "size"'), "criteria.0.axis: wrong-type"),
+        (('unit = "mm"', 'unit = "N"'), "criteria.0.unit: wrong-type"),
     ],
 )
-def test_a_wrong_table_is_said(case: Path, change: tuple[str, str], message: str) -> None:
+def test_a_wrong_table_is_said(case: Path, change: tuple[str, str], kind: str) -> None:
     with pytest.raises(CaseError) as caught:
         compared(case, ROW.replace(*change))
-    assert message in str(caught.value)
+    assert keys_and_kinds(caught.value.problems) == [kind]
 
 
 def test_the_file_has_every_row(case: Path) -> None:

@@ -21,7 +21,7 @@ from tests.grains import one_sphere
 def test_what_is_no_number_cannot_cross(bad: float) -> None:
     velocity_m_per_s = np.zeros((4, 3))
     velocity_m_per_s[2, 1] = bad
-    with pytest.raises(BrokenRecord, match=r"Motion\.velocity_m_per_s: point 2 is"):
+    with pytest.raises(BrokenRecord, match=r"^Motion\.velocity_m_per_s:.*\b2\b"):
         Motion(np.zeros((4, 3)), velocity_m_per_s)
 
 

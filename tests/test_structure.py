@@ -54,3 +54,14 @@ def test_studies_know_few_names_of_the_rest() -> None:
     """Each is a class or function with a docstring, or the module of general words."""
     assert len(workbench.__all__) <= MOST_NAMES_OF_STUDIES
     assert all(getattr(workbench, name).__doc__ for name in workbench.__all__)
+
+
+def test_names_in_tests_say_what_they_hold() -> None:
+    """A variable is a problem, a message or a pressure; found, said, told and one could be anything."""
+    vague = {"found", "said", "told", "one"}
+    for file in ROOT.glob("tests/**/*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.arg):
+                assert node.arg not in vague, f"{file}:{node.lineno}"
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                assert node.id not in vague, f"{file}:{node.lineno}"

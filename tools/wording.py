@@ -3,9 +3,10 @@
     python -m tools.wording [FOLDER] [--list]
 
 An assertion is about wording if it looks for a text with a space in another text (``"no run" in
-output``), or compares, begins or ends with such a text, and so is ``pytest.raises(match="...")``. A test
-compares wording alone if all that it asserts is of that kind. The key and the kind of a problem are no
-words. Assertions in functions that a test calls are not followed.
+output``), or compares, begins or ends with such a text, or matches a raised error with it. A test compares
+wording alone if all that it asserts is of that kind. The key and the kind of a problem, numbers and the name
+of an argument (``match="^force_N:"``) are no words. Assertions in functions that a test calls are not
+followed.
 """
 
 from __future__ import annotations
@@ -66,7 +67,8 @@ def _assertions(function: ast.FunctionDef) -> Iterator[bool]:
             parts = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
             yield from (_is_wording(part, loops) for part in parts)
         elif isinstance(node, ast.Call) and _name(node.func) == "raises":
-            yield from (True for keyword in node.keywords if keyword.arg == "match")
+            matched = (keyword.value for keyword in node.keywords if keyword.arg == "match")
+            yield from (_is_text(word) or _name(word) in loops for word in matched)
 
 
 def _words_of_loops(function: ast.FunctionDef) -> set[str]:

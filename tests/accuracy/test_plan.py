@@ -168,8 +168,10 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
 
 
 def test_a_study_whose_short_run_was_doubtful_has_no_times() -> None:
-    with pytest.raises(CaseError, match="not to be trusted"):
+    with pytest.raises(CaseError) as refused:
         time_by_study(study(), ROOT / "cases/quickstart", "draft")
+    (problem,) = refused.value.problems
+    assert (problem.file, problem.kind) == ("accuracy.json", "file")
 
 
 def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def test_values_arrive_as_they_are(value: object, same: object) -> None:
 def test_another_file_is_not_taken_for_the_case_beside_it(tmp_path: Path) -> None:
     case_folder(tmp_path)
     (tmp_path / "other.toml").write_text(CASE.replace("a test", "another"))
-    with pytest.raises(flipflow.CaseError, match=r"other\.toml: is no case\.toml"):
+    with pytest.raises(flipflow.CaseError, match=r"other\.toml:"):
         flipflow.load(tmp_path / "other.toml")
 
 
@@ -156,7 +156,7 @@ def test_runs_that_begin_together_have_folders_of_their_own(
 
 def test_a_run_has_one_process_or_more(tmp_path: Path) -> None:
     """``mpirun -n 0`` takes as many processes as there are cores."""
-    with pytest.raises(ValueError, match="one process or more"):
+    with pytest.raises(ValueError, match="process"):
         flipflow.load(EMPTY, "draft").run(tmp_path / "run", ranks=0)
 
 
@@ -228,7 +228,7 @@ def test_a_killed_run_says_what_goes_on_with_it(run: flipflow.Run, tmp_path: Pat
     """A killed run has no summary, so that there is no run to open and to resume from Python."""
     killed = Path(shutil.copytree(run.folder, tmp_path / "killed"))
     (killed / "summary.json").unlink()
-    goes_on = f"`flipflow resume {killed}` goes on from t = 0.24 s"
+    goes_on = rf"{killed}\b.*\b0\.24\b"
     with pytest.raises(flipflow.FolderUnusable, match=goes_on):
         flipflow.open_run(killed)
     with pytest.raises(flipflow.RunInterrupted, match=goes_on):
@@ -239,18 +239,18 @@ def test_a_message_of_many_lines_keeps_its_first(tmp_path: Path, monkeypatch: py
     """The last five lines of mpirun on too many ranks do not say what is wrong."""
     words = "not enough slots\n" + "what to do\n" * 12
     say(monkeypatch, f"sys.stderr.write({words!r}); sys.exit(1)")
-    with pytest.raises(flipflow.RunFailed, match="not enough slots"):
+    with pytest.raises(flipflow.RunFailed, match="slots"):
         flipflow.load(EMPTY, "draft").run(tmp_path / "run")
 
 
 def test_any_bytes_on_standard_error_are_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     say(monkeypatch, r"os.write(2, b'\xff is no UTF-8\n'); sys.exit(4)")
-    with pytest.raises(flipflow.RunFailed, match="is no UTF-8"):
+    with pytest.raises(flipflow.RunFailed, match="UTF-8"):
         flipflow.load(EMPTY, "draft").run(tmp_path / "run")
 
 
 def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(flipflow.FolderUnusable, match="no run that has ended"):
+    with pytest.raises(flipflow.FolderUnusable, match=str(tmp_path)):
         flipflow.open_run(tmp_path)
 
 

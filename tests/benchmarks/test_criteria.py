@@ -27,6 +27,7 @@ from orchestrator.studies.criteria import (
 )
 from orchestrator.studies.points import Point, Vary
 from orchestrator.studies.verdicts import CriterionResult, judge, verdict_markdown
+from tests.cases import keys_and_kinds
 from tests.results.synthetic import BIN_KG, CYCLE_S, VELOCITY_M_S, folder_of
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"
@@ -193,19 +194,20 @@ def test_verdicts(measured: float | None, given: dict[str, object], verdict: str
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "kind"),
     [
-        (HEAD + ROW.replace("series", "serie"), 'no measure "serie"'),
-        (HEAD + ROW.replace('"one"', '"three"'), 'no run "three"'),
-        (HEAD + ROW + "bands = 3\n", "bands"),
-        (HEAD, "criteria"),
-        (HEAD + ROW.replace("band", "ratio"), "reference, which is missing"),
+        (HEAD + ROW.replace("series", "serie"), "criteria.0.measure: unknown-name"),
+        (HEAD + ROW.replace('"one"', '"three"'), "criteria.0.run: unknown-name"),
+        (HEAD + ROW + "bands = 3\n", "criteria.0.bands: unknown-key"),
+        (HEAD, "criteria: missing"),
+        (HEAD + ROW.replace("band", "ratio"), "criteria.0.ratio: missing"),
     ],
 )
-def test_a_wrong_file_is_refused(tmp_path: Path, text: str, message: str) -> None:
+def test_a_wrong_file_is_refused(tmp_path: Path, text: str, kind: str) -> None:
     (tmp_path / "criteria.toml").write_text(text)
-    with pytest.raises(CaseError, match=message):
+    with pytest.raises(CaseError) as refused:
         read_criteria(tmp_path)
+    assert keys_and_kinds(refused.value.problems) == [kind]
 
 
 def test_every_hard_case_is_read_and_has_its_page() -> None:

@@ -138,7 +138,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, words: tuple[str, ...], message: 
 
 
 def test_an_interval_where_nothing_limits_it_is_refused() -> None:
-    with pytest.raises(CaseError, match="largest safe sync interval is inf"):
+    with pytest.raises(CaseError, match=r"\binf\b"):
         interval_sets(CaseStudy(HARD / "snapping"), (), 1.0)
 
 

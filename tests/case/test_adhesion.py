@@ -29,7 +29,17 @@ from orchestrator.preflight.effects.adhesion import EFFECT
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import find_left_out
 from orchestrator.preflight.scene.scene import scene
-from tests.cases import BLOCK, CASE, case_folder, complaints, kinds, load_case, loaded, only_complaint
+from tests.cases import (
+    BLOCK,
+    CASE,
+    case_folder,
+    complaints,
+    keys_and_kinds,
+    kinds,
+    load_case,
+    loaded,
+    only_complaint,
+)
 
 WET = ("contacts.0.work_of_adhesion_J_per_m2=0.1", "contacts.1.work_of_adhesion_J_per_m2=0.2")
 
@@ -328,8 +338,9 @@ def test_a_later_layer_may_give_adhesion_in_another_way(tmp_path: Path) -> None:
 def test_a_level_that_leaves_out_adhesion_by_bond_number_must_say_so(tmp_path: Path) -> None:
     wet = CASE.replace("restitution = 0.13", "restitution = 0.13\nbond_number = 5")
     folder = case_folder(tmp_path, wet, draft='[particles]\nadhesion = "none"\n')
-    with pytest.raises(CaseError, match='"adhesion" must be named'):
+    with pytest.raises(CaseError, match='"adhesion"') as refused:
         load_judged(folder, "draft")
+    assert keys_and_kinds(refused.value.problems) == ["without: conflict"]
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,17 @@ from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.stability.report import stability_report
-from tests.cases import BLOCK, CASE, FEED, case_folder, complaints, kinds, loaded, only_complaint
+from tests.cases import (
+    BLOCK,
+    CASE,
+    FEED,
+    case_folder,
+    complaints,
+    keys_and_kinds,
+    kinds,
+    loaded,
+    only_complaint,
+)
 from tests.runs.outside import ROOT
 
 EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'
@@ -167,10 +178,8 @@ def test_a_share_of_the_rayleigh_time_above_the_limit_is_refused(tmp_path: Path)
 
 
 def test_a_hinge_holds_no_angle(tmp_path: Path) -> None:
-    complaint = only_complaint(
-        tmp_path, "screen.panels.deck.clamp_m=0.0", "screen.panels.deck.clamp_angle_deg=5"
-    )
-    assert "deck.clamp_angle_deg: is the angle of a clamp, and clamp_m = 0 is a hinge" in complaint
+    sets = ("screen.panels.deck.clamp_m=0.0", "screen.panels.deck.clamp_angle_deg=5")
+    assert kinds(tmp_path, *sets) == ["screen.panels.deck.clamp_angle_deg: conflict"]
 
 
 def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
@@ -374,16 +383,14 @@ def test_exits_are_apart_but_may_share_a_face(tmp_path: Path) -> None:
 def test_fines_left_out_are_said(tmp_path: Path) -> None:
     feed = FEED.replace("sizes", "smallest_fed_m=0.015, sizes")
     lines = warnings(loaded(tmp_path, [feed]))
-    assert any("chute: 27.1% of the mass is finer than" in line for line in lines)
+    assert any({"chute:", "27.1%"} <= {*line.split()} for line in lines)
 
 
 def test_what_a_sample_leaves_out_is_said(tmp_path: Path) -> None:
     feed = FEED.replace("sizes", "sampled_below_m=0.015, sampled_as_m=0.02, sizes")
     lines = warnings(loaded(tmp_path, [feed]))
-    (line,) = (line for line in lines if "is sampled" in line)
-    assert "chute: 27.1% of the mass, of 10 to 15 mm, is sampled: one in 3.94 of its particles" in line
-    assert "the others, 20.2% of the mass or" in line
-    assert "kg/s, are left out" in line
+    (line,) = (line for line in lines if line.startswith("chute:"))
+    assert re.findall(r"[\d.]+", line)[:5] == ["27.1", "10", "15", "3.94", "20.2"]
 
 
 def test_a_sample_that_cannot_be_is_refused(tmp_path: Path) -> None:
@@ -498,14 +505,14 @@ def test_a_probe_on_a_particle_that_never_comes_is_said(
 
 def test_a_feed_whose_last_batch_is_long_before_the_end_is_said(tmp_path: Path) -> None:
     lines = warned(tmp_path, FEED, "particles.feed_interval_s=0.06")
-    (warning,) = [line for line in lines if 'feed "chute"' in line]
-    assert 'feed "chute" feeds 0.06 of the 0.1 kg that are due in 0.1 s' in warning
+    (warning,) = [line for line in lines if '"chute"' in line]
+    assert re.findall(r"[\d.]+", warning)[:3] == ["0.06", "0.1", "0.1"]
 
 
 def test_a_feed_interval_that_is_rounded_is_said(tmp_path: Path) -> None:
     sets = (FEED, "particles.feed_interval_s=7e-5", "coupling.sync_interval_s=5e-5")
     (warning,) = [line for line in warned(tmp_path, *sets) if "feed_interval_s" in line]
-    assert "particles.feed_interval_s = 7e-05 s is taken as 5e-05 s" in warning
+    assert re.findall(r"\S+e-05", warning) == ["7e-05", "5e-05", *re.findall(r"\S+e-05", warning)[2:]]
 
 
 def test_a_drive_without_run_up_under_a_panel_is_said(tmp_path: Path) -> None:
@@ -532,15 +539,13 @@ def test_contacts_that_cannot_carry_an_impact_are_a_warning(
 
 def test_times_that_are_rounded_to_sync_intervals_are_said(tmp_path: Path) -> None:
     sets = ("coupling.sync_interval_s=1.3e-4", "output.series_s=7e-4", "output.interval_s=0.0143")
-    lines = [line for line in warned(tmp_path, *sets) if "is taken as" in line]
-    assert lines == [
-        "output.series_s = 0.0007 s is taken as 0.00078 s, a whole number of sync intervals of 0.00013 s"
-    ]
+    (line,) = [line for line in warned(tmp_path, *sets) if line.startswith("output.")]
+    assert {"output.series_s", "0.0007", "0.00078", "0.00013"} <= {*line.split()}
 
 
 @pytest.mark.parametrize("solver", ["exudyn", "two-mass"])
 def test_a_solver_of_frames_wants_frames(solver: str) -> None:
     """The strip is clamped to the ground on both sides."""
     strip = ROOT / "tools/bench/scenes/strip-drop"
-    (refusal,) = find_problems(load_judged(strip, None, [f"frames.solver={solver}"]))
-    assert f"frames.solver: {solver} has no frame to move; frames.solver = " in str(refusal)
+    refused = find_problems(load_judged(strip, None, [f"frames.solver={solver}"]))
+    assert keys_and_kinds(refused) == ["frames.solver: solver"]

@@ -35,28 +35,28 @@ def test_a_folder_of_own_files_is_admitted_also_by_a_link(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("make", "fault"),
+    "make",
     [
-        (lambda file: file.symlink_to("/etc/passwd"), "is a link"),
-        (lambda file: file.symlink_to("nowhere"), "is a link"),
-        (lambda file: file.symlink_to(".."), "is a link"),
-        (os.mkfifo, "is no file"),
+        lambda file: file.symlink_to("/etc/passwd"),
+        lambda file: file.symlink_to("nowhere"),
+        lambda file: file.symlink_to(".."),
+        os.mkfifo,
     ],
     ids=["file", "nowhere", "folder", "pipe"],
 )
-def test_foreign_things_are_named(tmp_path: Path, make: Callable[[Path], None], fault: str) -> None:
+def test_foreign_things_are_named(tmp_path: Path, make: Callable[[Path], None]) -> None:
     (tmp_path / "checkpoints").mkdir()
     make(tmp_path / "checkpoints/x")
-    with pytest.raises(FolderUnusable, match="holds links, pipes or devices") as refused:
+    with pytest.raises(FolderUnusable, match=f"{tmp_path}/checkpoints/x"):
         admit(tmp_path)
-    assert f"{tmp_path}/checkpoints/x {fault}" in str(refused.value)
 
 
 def test_of_many_foreign_things_some_are_named(tmp_path: Path) -> None:
     for number in range(40):
         (tmp_path / f"{number:02d}").symlink_to("x")
-    with pytest.raises(FolderUnusable, match="and 30 more"):
+    with pytest.raises(FolderUnusable, match=r"\b30\b") as refused:
         admit(tmp_path)
+    assert str(refused.value).count(str(tmp_path)) == 11  # the folder, and ten of its links
 
 
 def test_a_large_folder_is_looked_through_quickly_and_a_huge_one_is_refused(
@@ -76,7 +76,7 @@ def test_a_large_folder_is_looked_through_quickly_and_a_huge_one_is_refused(
 
 def test_a_folder_without_end_is_refused(tmp_path: Path) -> None:
     (tmp_path / "/".join("x" * 30)).mkdir(parents=True)
-    with pytest.raises(FolderUnusable, match="folders in another"):
+    with pytest.raises(FolderUnusable):
         admit(tmp_path)
 
 
@@ -136,9 +136,9 @@ def test_a_series_names_files_of_its_run_alone(tmp_path: Path, name: str) -> Non
     for file in ("case.toml", "provenance.json"):
         (tmp_path / file).touch()
     (tmp_path / "particles.pvd").write_text(PVD.format(name))
-    with pytest.raises(UnreadableBed, match="names a file elsewhere"):
+    with pytest.raises(UnreadableBed, match="elsewhere"):
         read_run(tmp_path, None)
-    with pytest.raises(UnreadableFile, match="names a file elsewhere"):
+    with pytest.raises(UnreadableFile, match="elsewhere"):
         snapshots(tmp_path, "particles")
 
 

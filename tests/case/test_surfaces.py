@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import meshio
@@ -13,7 +14,7 @@ from meshes.side_walls import side_walls
 from orchestrator.case.deck.panels import walls
 from orchestrator.case.deck.stl import Facets, UnreadableStl, read
 from orchestrator.preflight.checks.surfaces import faults
-from tests.cases import complaints, loaded, only_complaint
+from tests.cases import complaints, keys_and_kinds, loaded, only_complaint, problems
 
 CASES = Path(__file__).parents[2] / "cases"
 CUBE_M = np.array([(x, y, z) for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (0.0, 0.1)])
@@ -54,26 +55,25 @@ def test_faults_of_a_triangulation(triangles: np.ndarray, fault: str) -> None:
 def test_normals_that_contradict_the_corners() -> None:
     corners = CUBE_M[OUTWARD]
     inward = -np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert [what for what, _ in faults(Facets(CUBE_M, OUTWARD, inward))] == [
-        "12 normals contradict the order of the corners"
-    ]
+    (fault,) = faults(Facets(CUBE_M, OUTWARD, inward))
+    assert fault[0].startswith(str(len(OUTWARD)))
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     file = tmp_path / "wall.stl"
     for content, reason in (
-        (None, "no such file"),
-        (b"", "is cut off, or no STL file"),
-        (b"solid empty\nendsolid\n", "has no triangles"),
-        (b"this is\nno stl file\n", "is cut off, or no STL file"),
-        (b"solid words\nendsolid words\n words\n", r"is no STL file \(line 3: 'words'\)"),
-        (b"solid\nvertex 1 2 3\nendsolid\n", r"is no STL file \(line 2: 'vertex 1 2 3'\)"),
-        (b"solid\n facet normal 0 0 one\nendsolid\n", r"is no STL file \(line 2: 'facet"),
-        (b"solid\n facet normal 0 0 1\n endfacet\nendsolid\n", r"is no STL file \(line 3: "),
-        (b"\0" * 84, "has no triangles"),
-        (bytes(range(256)) * 4, "is cut off, or no STL file"),
-        (b"\0" * 80 + b"\x02\0\0\0" + b"\0" * 50, "is cut off"),  # one of two is missing
-        (b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 50, "is cut off"),  # 200 GB are
+        (None, "such"),
+        (b"", "cut"),
+        (b"solid empty\nendsolid\n", "triangles"),
+        (b"this is\nno stl file\n", "cut"),
+        (b"solid words\nendsolid words\n words\n", r"\b3: 'words'"),
+        (b"solid\nvertex 1 2 3\nendsolid\n", r"\b2: 'vertex"),
+        (b"solid\n facet normal 0 0 one\nendsolid\n", r"\b2: 'facet"),
+        (b"solid\n facet normal 0 0 1\n endfacet\nendsolid\n", r"\b3: "),
+        (b"\0" * 84, "triangles"),
+        (bytes(range(256)) * 4, "cut"),
+        (b"\0" * 80 + b"\x02\0\0\0" + b"\0" * 50, "cut"),  # one of two is missing
+        (b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 50, "cut"),  # 200 GB are
     ):
         if content is not None:
             file.write_bytes(content)
@@ -122,14 +122,14 @@ def test_a_file_of_somebody_else(tmp_path: Path) -> None:
     (folder / "link.stl").symlink_to(tmp_path / "wall.stl")
     for name in ("../wall.stl", str(tmp_path / "wall.stl"), "link.stl", "levels/../../wall.stl"):
         (folder / "levels").mkdir(exist_ok=True)
-        with pytest.raises(UnreadableStl, match="outside of the case's folder"):
+        with pytest.raises(UnreadableStl, match="outside"):
             read(folder, name)
     for name in ("/dev/zero", "levels", "x" * 5000, "nul\0.stl", "/etc"):
-        with pytest.raises(UnreadableStl, match=r"no such file|no name of a file"):
+        with pytest.raises(UnreadableStl):
             read(folder, name)
     (folder / "large.stl").touch()
     os.truncate(folder / "large.stl", 10**12)  # takes no room on the disk
-    with pytest.raises(UnreadableStl, match="is larger than"):
+    with pytest.raises(UnreadableStl, match="larger"):
         read(folder, "large.stl")
 
 
@@ -144,14 +144,19 @@ def test_a_surface_of_a_case_is_checked_and_read(tmp_path: Path) -> None:
 
 def test_a_surface_in_mm_or_out_of_the_domain(tmp_path: Path) -> None:
     write(tmp_path, 1000 * CUBE_M)
-    assert "is it in mm? m are wanted" in complaints(tmp_path, WALL)[0]
+    in_mm = problems(tmp_path, WALL)[0]
     write(tmp_path, CUBE_M + np.array([2.0, 0.0, 0.0]))
-    assert "reaches 1.1 m out of domain_m along x; enlarge" in complaints(tmp_path, WALL)[0]
+    outside = problems(tmp_path, WALL)[0]
+    assert keys_and_kinds([in_mm, outside]) == ["screen.surfaces.wall.stl: misplaced"] * 2
+    assert "mm" in re.findall(r"\w+", in_mm.hint)
+    assert "1.1" in outside.what.split()
 
 
 def test_a_particle_in_a_wall(tmp_path: Path) -> None:
     write(tmp_path, CUBE_M + np.array([0.155, 0.05, 0.0]))
-    assert '"ball" is 0.005 m inside surface wall' in complaints(tmp_path, WALL)[0]
+    problem = problems(tmp_path, WALL)[0]
+    assert keys_and_kinds([problem]) == ["bed.particles.ball.position_m: misplaced"]
+    assert {"0.005", "wall"} <= {*problem.what.split()}
 
 
 def test_the_quickstarts_walls_are_those_of_the_generator(tmp_path: Path) -> None:

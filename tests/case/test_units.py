@@ -178,10 +178,7 @@ def test_a_unit_is_not_guessed_at_where_one_was_given(tmp_path: Path) -> None:
 
 
 def test_units_of_keys_that_no_table_has_are_named(tmp_path: Path) -> None:
-    assert any(
-        "unknown key (its value: '12 Hz'" in complaint
-        for complaint in complaints(tmp_path, "duration_h=12 Hz")
-    )
+    assert kinds(tmp_path, "duration_h=12 Hz") == ["duration_h: unknown-key"]
 
 
 def test_all_wrong_units_come_in_one_message(tmp_path: Path) -> None:
@@ -240,17 +237,19 @@ def test_random_sweeps_take_units(ends: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("screen.panels.deck.thickness_m=4 mm:6 cm:1 mm", "has several units"),
-        ("screen.panels.deck.thickness_m=4,5 mm,0.6 cm", "has several units, and a number without one"),
-        ("screen.panels.deck.thickness_m=4 mm,0.4 cm", "has an empty value or one twice"),
-        ("title=a b,a_b", "has two values whose folders would have the same name"),
+        "screen.panels.deck.thickness_m=4 mm:6 cm:1 mm",  # several units
+        "screen.panels.deck.thickness_m=4,5 mm,0.6 cm",  # several units, and a number without one
+        "screen.panels.deck.thickness_m=4 mm,0.4 cm",  # one value twice
+        "title=a b,a_b",  # folders of one name
     ],
 )
-def test_sweeps_with_wrong_units(text: str, message: str) -> None:
-    with pytest.raises(CaseError, match=message):
+def test_sweeps_with_wrong_units(text: str) -> None:
+    with pytest.raises(CaseError) as refused:
         parse_vary(text)
+    (problem,) = refused.value.problems
+    assert (problem.file, problem.kind) == (f"--vary {text}", "wrong-type")
 
 
 @pytest.mark.process

@@ -344,8 +344,8 @@ def test_a_mode_near_the_excitation_is_named_by_its_shape(tmp_path: Path) -> Non
     pitch_Hz = math.sqrt((2 * 4e4 * 0.4**2) / 6.0) / (2 * math.pi)
     speed = f"{SHAFT}.speed_rad_per_s={2 * math.pi * pitch_Hz}"
     free = 'screen.panels.deck.frames=["ground", "ground"]'
-    (warning,) = [line for line in warnings(loaded(tmp_path, [speed, free])) if "within 15%" in line]
-    assert f"pitch of the driving frame, {pitch_Hz:.3g} Hz" in warning
+    (warning,) = [line for line in warnings(loaded(tmp_path, [speed, free])) if "15%" in line]
+    assert {"pitch", "driving", f"{pitch_Hz:.3g}"} <= {*warning.split()}
 
 
 def test_defaults_that_decide_about_the_physics_are_named(tmp_path: Path) -> None:

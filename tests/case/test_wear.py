@@ -11,7 +11,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticlesPlan
 from orchestrator.preflight.judgement.catalogue import find_left_out
-from tests.cases import loaded, only_complaint
+from tests.cases import loaded, only_complaint, problems
 
 WEARS = "contacts.0.specific_wear_m3_per_N_m=2e-12"
 
@@ -48,4 +48,6 @@ def test_particles_do_not_wear_each_other(tmp_path: Path) -> None:
 
 
 def test_the_unit_is_guessed(tmp_path: Path) -> None:
-    assert "mm3/(N m)" in only_complaint(tmp_path, "contacts.0.specific_wear_m3_per_N_m=1e-3")
+    (problem,) = problems(tmp_path, "contacts.0.specific_wear_m3_per_N_m=1e-3")
+    assert problem.guesses_unit
+    assert "mm3/(N" in problem.hint

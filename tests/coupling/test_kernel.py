@@ -35,16 +35,16 @@ def test_a_matrix_gives_the_products_of_scipy_to_the_bit() -> None:
 
 def test_matrices_that_are_none_and_values_of_another_shape_are_refused() -> None:
     entries = np.ones(2)
-    with pytest.raises(ValueError, match="columns: no column has the number 4"):
+    with pytest.raises(ValueError, match=r"^columns:"):
         _kernel.PointMatrix(np.array([0, 2]), np.array([0, 4]), entries, 4)
-    with pytest.raises(ValueError, match="starts, columns, entries"):
+    with pytest.raises(ValueError, match=r"^starts,"):
         _kernel.PointMatrix(np.array([0, 1]), np.array([0, 3]), entries, 4)
-    with pytest.raises(ValueError, match="starts: not ascending"):
+    with pytest.raises(ValueError, match=r"^starts:"):
         _kernel.PointMatrix(np.array([0, 2, 1, 2]), np.array([0, 3]), entries, 4)
     matrix = _kernel.PointMatrix(np.array([0, 2]), np.array([0, 3]), entries, 4)
-    with pytest.raises(ValueError, match=r"values: shape \(4, 3\) wanted"):
+    with pytest.raises(ValueError, match=r"^values:"):
         matrix.times(np.ones((3, 4)))
-    with pytest.raises(ValueError, match=r"values: shape \(1, 3\) wanted"):
+    with pytest.raises(ValueError, match=r"^values:"):
         matrix.transposed_times(np.ones((4, 3)))
 
 
@@ -98,12 +98,12 @@ def test_offsets_of_another_number_of_points_are_refused() -> None:
     single = _kernel.PointMatrix(np.array([0, 2]), np.array([0, 3]), np.ones(2), 4)
     double = _kernel.PointMatrix(np.array([0, 1, 2]), np.array([0, 3]), np.ones(2), 4)
     for matrices, points in (((single, double), 1), ((single, single), 2)):
-        with pytest.raises(ValueError, match="along, across, offset_m: of different numbers of points"):
+        with pytest.raises(ValueError, match=r"^along,"):
             _kernel.NormalOffsets(*matrices, np.ones(points))
     good = _kernel.NormalOffsets(single, single, np.ones(1))
-    with pytest.raises(ValueError, match=r"position_m: shape \(1, 3\) wanted"):
+    with pytest.raises(ValueError, match=r"^position_m:"):
         good.add_motion(np.ones((4, 3)), np.ones((4, 3)), np.ones((2, 3)), np.ones((1, 3)))
-    with pytest.raises(ValueError, match=r"own_force_N: shape \(4, 3\) wanted"):
+    with pytest.raises(ValueError, match=r"^own_force_N:"):
         good.add_load(np.ones((4, 3)), np.ones((1, 3)), np.ones((1, 3)))
 
 
@@ -206,7 +206,7 @@ def test_sizes_and_second_differences_of_values() -> None:
         for v, d in zip(values[2:], np.diff(values, 2, axis=0), strict=True)
     ]
     np.testing.assert_allclose(_kernel.sizes_and_changes(values), expected, rtol=1e-12)
-    with pytest.raises(ValueError, match=r"^values: shape \(39, 3\) wanted"):
+    with pytest.raises(ValueError, match=r"^values:"):
         _kernel.sizes_and_changes([*values[:2], values[2][:-1], values[3]])
 
 
@@ -215,9 +215,9 @@ def test_sizes_and_second_differences_of_values() -> None:
 )
 def test_an_array_of_another_shape_is_refused_by_its_name(works: Any, given: dict[str, Any]) -> None:
     for name in given.keys() - {"before_m"}:
-        with pytest.raises(ValueError, match=rf"^{name}: shape \(\d+, 3\) wanted"):
+        with pytest.raises(ValueError, match=f"^{name}:"):
             works(INTERVALS, **given | {name: given[name][:-1]}, **SLOW)
-    with pytest.raises(ValueError, match=r"^force_N: shape \(39, 3\) wanted"):
+    with pytest.raises(ValueError, match=r"^force_N:"):
         works(INTERVALS, **{name: each[:-1] for name, each in given.items()}, **SLOW)
-    with pytest.raises(ValueError, match=r"^counted: more than there are points"):
+    with pytest.raises(ValueError, match=r"^counted:"):
         works(INTERVALS, **given, **SLOW | {"counted": len(given["before_m"]) + 1})

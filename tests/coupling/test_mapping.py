@@ -134,5 +134,5 @@ def test_a_surface_without_a_normal_is_refused() -> None:
     """Its three corners lie on one line."""
     folded_m = CORNERS_M * [1.0, 0.0, 0.0]
     seen = mapped(StillPanel(Motion(folded_m, np.zeros((3, 3)))), above_a_line(0.2))
-    with pytest.raises(BrokenRecord, match=r"Motion\.position_m: point 0 is \[nan, nan, nan\]"):
+    with pytest.raises(BrokenRecord, match=r"^Motion\.position_m:"):
         seen.initial()

@@ -155,5 +155,5 @@ def test_table_5_is_predicted_about_as_well_as_by_its_quadratic(response: str) -
 
 
 def test_a_plane_and_its_process_need_points() -> None:
-    with pytest.raises(TooFewPoints, match="3 settings for a plane of 3 terms"):
+    with pytest.raises(TooFewPoints, match=r"\b3\b.*\b3\b"):
         GaussianProcess().fit(SIX[:3], VALUES[:3, None], NOISE[:3, None], 1)

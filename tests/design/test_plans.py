@@ -77,7 +77,7 @@ def test_table_5_is_the_whole_box_behnken_design_of_five_factors() -> None:
 
 @pytest.mark.parametrize("factors", [1, 2, 8])
 def test_there_is_no_box_behnken_design_of_other_numbers_of_factors(factors: int) -> None:
-    with pytest.raises(ValueError, match=f"3 to 7 factors, not {factors}"):
+    with pytest.raises(ValueError, match=rf"\b3\b.*\b7\b.*\b{factors}\b"):
         box_behnken(factors)
 
 

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import Study
 from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.points import Crew
+from tests.cases import keys_and_kinds
 from tests.design.campaigns import belt
 
 HEAD = "slope,stroke,speed,share\n"
@@ -27,11 +28,16 @@ def study_of(folder: Path, text: str, **changes: object) -> Study:
     return belt(folder, **{"case": None, "table": "belt.csv", "set": {}, **own, **changes})
 
 
+def refused(study: Study) -> tuple[CaseProblem, ...]:
+    """Return the problems of a table."""
+    with pytest.raises(CaseError) as raised:
+        read_table(study)
+    return raised.value.problems
+
+
 def complaint(study: Study) -> str:
     """Return the message about a table."""
-    with pytest.raises(CaseError) as refused:
-        read_table(study)
-    return str(refused.value)
+    return str(CaseError(refused(study)))
 
 
 def test_each_row_is_a_trial(tmp_path: Path) -> None:
@@ -104,17 +110,21 @@ def test_a_table_is_refused_for(text: str, words: list[str], tmp_path: Path) -> 
 @pytest.mark.parametrize(("scale", "share"), [("percent", 130.0), ("percent", -11.0), ("logarithm", 0.0)])
 def test_values_that_a_scale_does_not_have_are_refused(scale: str, share: float, tmp_path: Path) -> None:
     study = study_of(tmp_path, HEAD + f"10,2,0.5,{share}\n", **{"responses/share/scale": scale})
-    assert f'row 1 of belt.csv: share = {share:g} is not on the scale "{scale}"' in complaint(study)
+    (problem,) = refused(study)
+    assert keys_and_kinds([problem]) == ["table: out-of-range"]
+    assert {"1", "belt.csv:", "share", f"{share:g}", f'"{scale}"'} <= {*problem.what.split()}
 
 
 def test_all_wrong_cells_stand_in_one_message(tmp_path: Path) -> None:
-    assert complaint(study_of(tmp_path, HEAD + "a,2,b,80\n1,2,3,c\n")).startswith("3 problems")
+    problems = refused(study_of(tmp_path, HEAD + "a,2,b,80\n1,2,3,c\n"))
+    assert keys_and_kinds(problems) == ["table: wrong-type"] * 3
+    assert [problem.what.split('"')[1] for problem in problems] == ["a", "b", "c"]
 
 
 def test_a_missing_table_is_told(tmp_path: Path) -> None:
     study = study_of(tmp_path, "")
     (tmp_path / "belt.csv").unlink()
-    assert "belt.csv cannot be read" in complaint(study)
+    assert keys_and_kinds(refused(study)) == ["table: file"]
 
 
 def test_the_data_of_a_table_are_not_run(tmp_path: Path) -> None:
@@ -154,8 +164,10 @@ def test_data_out_of_all_ranges_have_no_optimum(tmp_path: Path) -> None:
 def test_a_missing_published_table_is_told_before_anything_is_written(tmp_path: Path) -> None:
     published = [{"source": "Table 5", "response": "speed", "table": "printed.csv"}]
     study = study_of(tmp_path, HEAD + ROWS, published=published)
-    with pytest.raises(CaseError, match=r"published\.0\.table: .*printed\.csv cannot be read"):
+    with pytest.raises(CaseError, match=r"printed\.csv") as refused:
         DesignStudy(study, Crew(), tmp_path / "out").load_finished()
+    assert keys_and_kinds(refused.value.problems) == ["published.0.table: file"]
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_study_that_names_its_case_from_inside_goes_on(tmp_path: Path) -> None:
@@ -168,7 +180,7 @@ def test_a_study_that_names_its_case_from_inside_goes_on(tmp_path: Path) -> None
     file = study.file.model_copy(update={"table": "", "case": ".."})
     DesignStudy(replace(study, file=file), Crew(), out)
     file = study.file.model_copy(update={"table": "", "case": "../other"})
-    with pytest.raises(FolderUnusable, match="is the folder of a study of"):
+    with pytest.raises(FolderUnusable, match=str(out)):
         DesignStudy(replace(study, file=file), Crew(), out)
 
 
@@ -178,7 +190,7 @@ def test_the_folder_of_a_study_of_another_table_is_refused(tmp_path: Path) -> No
     stored.write_text('table = "../belt.csv"\n')
     DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
     stored.write_text('table = "../others.csv"\n')
-    with pytest.raises(FolderUnusable, match=r"out: is the folder of a study of \.\./others\.csv; give ano"):
+    with pytest.raises(FolderUnusable, match=r"out: .*\.\./others\.csv"):
         DesignStudy(study_of(tmp_path, HEAD + ROWS), Crew(), tmp_path / "out")
 
 
@@ -213,10 +225,12 @@ def test_a_pipe_is_no_table(tmp_path: Path) -> None:
     study = study_of(tmp_path, HEAD + ROWS)
     (tmp_path / "belt.csv").unlink()
     os.mkfifo(tmp_path / "belt.csv")
-    assert "belt.csv cannot be read: it is no file" in complaint(study)
+    assert keys_and_kinds(refused(study)) == ["table: file"]
 
 
 def test_a_simpler_design_without_a_value_is_refused_with_the_file(tmp_path: Path) -> None:
     """The design is refused for a table as for a case, at a corner of the ranges: slope is 10 there."""
-    with pytest.raises(CaseError, match=r"simpler: slope = 10, stroke = 2: .* has no value"):
+    with pytest.raises(CaseError, match=r"\b10,.*\b2:") as refused:
         study_of(tmp_path, HEAD + ROWS, simpler={"stroke": "4 + 0 / (slope - 10)"})
+    (problem,) = refused.value.problems
+    assert (Path(problem.file).name, problem.key, problem.kind) == ("study.toml", ("simpler",), "conflict")

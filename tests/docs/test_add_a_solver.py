@@ -83,12 +83,13 @@ def test_an_installed_package_brings_it(package: Path) -> None:
 def test_check_explain_and_run_know_it(package: Path, tmp_path: Path) -> None:
     case = ["cases/empty-machine", "--set", "panel.solver=springs", "--set", "duration_s=0.05"]
     checked = flipflow(package, "check", *case)
-    assert "2 (springs)" in checked
-    assert "panel.solver springs: nothing varies across" in checked
+    assert "(springs)" in checked
+    left_out = r"panel\.solver springs: .*across"
+    assert re.search(left_out, checked)
     assert re.search(r"variation-across +no ", flipflow(package, "explain", *case))
     flipflow(package, "run", *case, "--out", str(tmp_path / "run"))
     flipflow(package, "report", str(tmp_path / "run"))
-    assert "panel.solver springs: nothing varies across" in (tmp_path / "run/report.html").read_text()
+    assert re.search(left_out, (tmp_path / "run/report.html").read_text())
 
 
 @pytest.mark.process

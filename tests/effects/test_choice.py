@@ -15,7 +15,7 @@ from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import account, lines_at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect, with_dependents
-from tests.cases import BLOCK, CASE, FEED, LEVEL, case_folder, complaints, kinds, load_case, only_complaint
+from tests.cases import BLOCK, CASE, FEED, LEVEL, case_folder, complaints, kinds, load_case, problems
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
 
 STICKY = "rolling_friction = 0.05\nwork_of_adhesion_J_per_m2 = 1.0"
@@ -101,21 +101,21 @@ def test_an_empty_list_leaves_out_all_that_can_be(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("names", "expected"),
+    ("names", "kind", "name"),
     [
-        ('["adhesoin"]', "no effect 'adhesoin'; did you mean \"adhesion\"?"),
-        ('["sjkrr"]', 'did you mean "sjkr"?'),
-        ('["jkr", "sjkr"]', '"jkr" and "sjkr" exclude each other: both are laws of adhesion'),
-        ('["cdt", "epsd2"]', "both are laws of rolling-friction"),
-        ('["frame-rotation"]', '"frame-rotation" needs "frame-dynamics", which is not named'),
-        ("autp", "'autp' is wrong, \"auto\" or a list of names is wanted"),
-        ("[1]", '"auto" or a list of names is wanted'),
+        ('["adhesoin"]', "unknown-name", '"adhesion"'),
+        ('["sjkrr"]', "unknown-name", '"sjkr"'),
+        ('["jkr", "sjkr"]', "conflict", "adhesion"),
+        ('["cdt", "epsd2"]', "conflict", "rolling-friction"),
+        ('["frame-rotation"]', "conflict", '"frame-dynamics"'),
+        ("autp", "wrong-type", '"auto"'),
+        ("[1]", "wrong-type", '"auto"'),
     ],
 )
-def test_names_that_cannot_be(tmp_path: Path, names: str, expected: str) -> None:
-    message = only_complaint(tmp_path, f"effects={names}")
-    assert message.startswith("--set effects: ")
-    assert expected in message
+def test_names_that_cannot_be(tmp_path: Path, names: str, kind: str, name: str) -> None:
+    (problem,) = problems(tmp_path, f"effects={names}")
+    assert (problem.file, problem.key, problem.kind) == ("--set", ("effects",), kind)
+    assert name in problem.what_helps
 
 
 def test_what_is_named_and_not_described_is_a_mistake(tmp_path: Path) -> None:
@@ -200,7 +200,8 @@ def test_frames_that_no_force_moves_are_prescribed(tmp_path: Path) -> None:
 
 
 def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:
-    assert "no material" in "".join(complaints(tmp_path, "effects=auto", "screen.panels.deck.material=XX"))
+    refused = kinds(tmp_path, "effects=auto", "screen.panels.deck.material=XX")
+    assert refused == ["screen.panels.deck.material: unknown-name"]
 
 
 @pytest.mark.parametrize("effects", ["auto", '["panel-deformation", "frame-dynamics"]'])

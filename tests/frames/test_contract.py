@@ -171,7 +171,7 @@ def test_a_restored_solver_goes_on_bit_for_bit(case: Case) -> None:
 @every_adapter
 def test_a_wrong_number_of_points_is_refused(case: Case) -> None:
     frames = case.open(case.still())
-    with pytest.raises(BrokenRecord, match=r"4 points wanted, got 3"):
+    with pytest.raises(BrokenRecord, match=r"\b4\b.*\b3\b"):
         frames.advance(Interval(0, INTERVAL_S), Load.zero(3))
 
 

@@ -155,13 +155,13 @@ def test_the_drive_feeds_what_the_bushing_loses() -> None:
 @pytest.mark.parametrize(
     ("broken", "named"),
     [
-        (replace(one_driven(0.0), drives=(drive("ground"),)), "ground cannot be driven"),
+        (replace(one_driven(0.0), drives=(drive("ground"),)), "ground"),
         (replace(one_driven(0.0), drives=(drive("drivne"),)), "drivne"),
-        (replace(one_driven(0.0), drives=(drive("driving"),) * 2), "one drive per body"),
-        (replace(one_driven(0.0), exciters=(exciter(),)), r"driven and excited: \['driving'\]"),
+        (replace(one_driven(0.0), drives=(drive("driving"),) * 2), "driving.*driving"),
+        (replace(one_driven(0.0), exciters=(exciter(),)), r"\['driving'\]"),
         (
             replace(one_driven(0.0), drives=(replace(drive("driving"), rotation_rad=GRAVITY),)),
-            "may turn it by 9.81 rad; the limit is 1.4 rad",
+            r"'driving'.*\b9\.81\b.*\b1\.4\b",
         ),
     ],
 )
@@ -171,5 +171,5 @@ def test_drives_that_make_no_sense_are_refused(broken: FramesPlan, named: str) -
 
 
 def test_two_mass_refuses_drives_and_names_who_takes_them() -> None:
-    with pytest.raises(ValueError, match="the drive of 'driving' needs exudyn or"):
+    with pytest.raises(ValueError, match=r"'driving'.*exudyn"):
         two_mass.build(one_driven(0.0))

@@ -122,5 +122,5 @@ def test_the_stiffness_falls_with_the_amplitude() -> None:
 
 
 def test_two_mass_refuses_elements() -> None:
-    with pytest.raises(ValueError, match="measured curves need exudyn"):
+    with pytest.raises(ValueError, match="exudyn"):
         two_mass.build(replace(plate(), drives=()))

@@ -156,11 +156,11 @@ def test_what_pushes_across_moves_nothing() -> None:
 @pytest.mark.parametrize(
     ("broken", "named"),
     [
-        (replace(one_driven(0.0), drives=(drive("ground"),)), "ground cannot be driven"),
-        (replace(one_driven(0.0), exciters=(exciter(),)), r"driven and excited: \['driving'\]"),
-        (driven(replace(drive(), rotation_rad=0.1 * UP)), "'driven' leaves the vertical plane"),
-        (driven(replace(drive(), amplitude_m=0.1 * ACROSS)), "'driven' leaves the vertical plane"),
-        (replace(two_bodies(), bushings=two_bodies().bushings[:4]), "cannot hold"),
+        (replace(one_driven(0.0), drives=(drive("ground"),)), "ground"),
+        (replace(one_driven(0.0), exciters=(exciter(),)), r"\['driving'\]"),
+        (driven(replace(drive(), rotation_rad=0.1 * UP)), "'driven'.*plane"),
+        (driven(replace(drive(), amplitude_m=0.1 * ACROSS)), "'driven'.*plane"),
+        (replace(two_bodies(), bushings=two_bodies().bushings[:4]), "hold"),
     ],
 )
 def test_plans_that_make_no_sense_are_refused(broken: FramesPlan, named: str) -> None:
@@ -173,5 +173,5 @@ def test_rounds_that_do_not_end_stop_the_run_with_its_time() -> None:
     plan = replace(two_bodies(drawn_at_rest=False), bodies=(body("driving"),), bushings=())
     plan = replace(plan, carrier=("driving",) * 4, points_m=POINTS_M)
     frames = planar.build(plan)
-    with pytest.raises(SolverFailed, match=r"planar frames at 0\.\d+ s: .* a smaller frames"):
+    with pytest.raises(SolverFailed, match=r"planar.*\b0\.\d+\b.*frames\.step_s"):
         end_of(frames, 100, 1e-3, Load(1e10 * np.array([UP, -UP, 0 * UP, 0 * UP])))

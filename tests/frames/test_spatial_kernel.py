@@ -100,5 +100,5 @@ def test_arrays_go_to_the_kernel_by_name_and_size() -> None:
     sag_m = np.zeros((len(plan.bushings), 3))
     carrier = linear_frames.numbers(plan, plan.carrier)
     bodies = CompiledBodies(plan, carrier, np.zeros((2, 3)), sag_m)
-    with pytest.raises(ValueError, match="rates: 12 numbers wanted, got 6"):
+    with pytest.raises(ValueError, match=r"^rates:.*\b12\b.*\b6$"):
         bodies.kernel.start(coordinates=np.zeros(12), rates=np.zeros(6))

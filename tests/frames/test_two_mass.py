@@ -151,7 +151,7 @@ def test_a_free_body_falls_by_half_g_t2() -> None:
 
 def test_bushings_that_cannot_hold_the_weight_are_refused() -> None:
     plan = replace(two_bodies(), bushings=two_bodies().bushings[:4])
-    with pytest.raises(ValueError, match="cannot hold"):
+    with pytest.raises(ValueError, match="hold"):
         build(plan)
 
 

@@ -147,5 +147,6 @@ def test_a_stroke_at_which_no_mat_hangs_is_refused_with_one_at_which_some_do(
     with pytest.raises(ImpossibleWishes) as refused:
         propose(read_wishes("flip-flow", {}), "mine")
     (problem,) = refused.value.problems
-    assert "no mat that was tried hangs down in every turn at 6 mm and 750 rpm" in str(problem)
-    assert "some do up to 4.2 mm, or take a lower --speed" in str(problem)
+    assert (problem.file, problem.kind) == ("--stroke", "out-of-range")
+    assert {"6", "750"} <= {*problem.what.split()}  # mm, rpm
+    assert "4.2" in problem.what_helps.split()

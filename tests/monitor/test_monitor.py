@@ -212,5 +212,5 @@ def test_a_point_is_as_fast_as_its_velocity_is_long(speed_m_per_s: float, stops:
     moved = Motion(np.zeros((1, 3)), np.full((1, 3), speed_m_per_s))
     still = Load(np.zeros((1, 3)))
     state = State(moved, np.zeros((1, 3)), PanelState(moved, still), still)
-    with pytest.raises(SolverFailed, match="became unstable") if stops else nullcontext():
+    with pytest.raises(SolverFailed, match="unstable") if stops else nullcontext():
         check_speeds(state, 0.0, str)

@@ -41,9 +41,9 @@ def test_books_are_those_of_a_massless_body() -> None:
 
 def test_wrong_numbers_of_points_are_refused() -> None:
     wall = build(POINTS_M, ("driving",) * 3)
-    with pytest.raises(BrokenRecord, match="3 points wanted, got 2"):
+    with pytest.raises(BrokenRecord, match=r"\b3\b.*\b2\b"):
         wall.advance(Interval(0, INTERVAL_S), held(wall), Load.zero(2))
-    with pytest.raises(BrokenRecord, match="3 points wanted, got 2"):
+    with pytest.raises(BrokenRecord, match=r"\b3\b.*\b2\b"):
         wall.advance(Interval(0, INTERVAL_S), held(wall).part(slice(2)), Load.zero(3))
     wall.close()
     wall.close()

@@ -94,7 +94,8 @@ def test_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "fenics").write_text("in the way")
     program = started(tmp_path)
     errors = program.communicate(timeout=TOGETHER_S)[1]
-    assert "SolverFailed: a panel's form cannot be compiled in" in errors.splitlines()[-1]
+    assert "SolverFailed:" in errors.splitlines()[-1]
+    assert str(tmp_path / "fenics") in errors.splitlines()[-1]
 
 
 @contextmanager

@@ -105,7 +105,7 @@ def test_a_blow_up_is_reported_also_when_nothing_is_a_number():
     panel = sheet.build(given(SLOTS))
     load = Load.zero(len(panel.initial().surface))
     panel._body.memory["strain_stress"][0, 0, 0, 0, 0] = np.nan
-    with pytest.raises(SolverFailed, match=r"panel panel 1, t = 0.0001 s: unstable"):
+    with pytest.raises(SolverFailed, match=r"\b1,.*\b0\.0001\b"):
         panel.advance(Interval(0, 1e-4), shaken(panel, 1e-4), load)
     panel.close()
 
@@ -169,7 +169,7 @@ def test_arrays_of_a_wrong_size_or_type_are_refused():
         "impulse_N_s": held,
     }
     wanted = steps["outside_N"].size
-    with pytest.raises(ValueError, match=f"outside_N: {wanted} numbers wanted, got 3"):
+    with pytest.raises(ValueError, match=rf"^outside_N:.*\b{wanted}\b.*\b3$"):
         kernel.advance(**steps | {"outside_N": np.zeros(3)})
     with pytest.raises(TypeError):
         kernel.advance(**steps | {"impulse_N_s": held.astype(np.float32)})
@@ -225,18 +225,18 @@ def test_arrays_of_equal_size_cannot_be_exchanged_unnoticed(pair):
     "pair", [("strain", "strain_stress"), ("energy_J", "lost_J"), ("solid", "mobility_1_kg")]
 )
 def test_arrays_of_unequal_size_exchanged_are_named(pair):
-    with pytest.raises(ValueError, match=rf"({'|'.join(pair)}): \d+ numbers wanted"):
+    with pytest.raises(ValueError, match=rf"^({'|'.join(pair)}):"):
         bound({pair[0]: pair[1], pair[1]: pair[0]})
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "name"),
     [
-        ({"flat_m": None}, "missing argument flat_m"),
-        ({"flat": np.zeros(3)}, "unknown argument flat"),
-        ({"flat_m": np.zeros((2, 3), dtype=np.float32)}, "flat_m: not a contiguous array"),
+        ({"flat_m": None}, "flat_m"),
+        ({"flat": np.zeros(3)}, "flat"),
+        ({"flat_m": np.zeros((2, 3), dtype=np.float32)}, "flat_m"),
     ],
 )
-def test_names_and_types_of_arrays_are_checked_when_they_are_bound(change, message):
-    with pytest.raises(TypeError, match=message):
+def test_names_and_types_of_arrays_are_checked_when_they_are_bound(change, name):
+    with pytest.raises(TypeError, match=rf"\b{name}\b"):
         bound({}, change)

@@ -168,9 +168,9 @@ def test_a_load_beside_a_bent_panel_keeps_its_force_its_moment_and_its_power(cas
 
 @every_adapter
 def test_coordinates_of_another_kind_are_refused(case: Case) -> None:
-    with pytest.raises(ValueError, match=r"shape \(n, 2\) or \(n, 3\) wanted, got \(5, 4\)"):
+    with pytest.raises(ValueError, match=r"\(5,\s4\)"):
         case.open().interpolation(np.zeros((5, 4)))
-    with pytest.raises(ValueError, match="offset of a material coordinate: nan m"):
+    with pytest.raises(ValueError, match="nan"):
         case.open().interpolation(np.array([[0.01, 0.01, np.nan]]))
 
 
@@ -275,10 +275,10 @@ def test_a_panel_steps_back_bit_for_bit(case: Case) -> None:
 def test_wrong_numbers_of_points_are_refused(case: Case) -> None:
     panel = case.open()
     points, clamps = len(panel.initial().surface), len(panel.mount.frame)
-    with pytest.raises(BrokenRecord, match=rf"{points} points wanted, got {points + 1}"):
+    with pytest.raises(BrokenRecord, match=rf"\b{points}\b.*\b{points + 1}\b"):
         panel.advance(Interval(0, INTERVAL_S), held(panel), Load.zero(points + 1))
     short = held(panel).part(slice(1, None))
-    with pytest.raises(BrokenRecord, match=rf"{clamps} points wanted, got {clamps - 1}"):
+    with pytest.raises(BrokenRecord, match=rf"\b{clamps}\b.*\b{clamps - 1}\b"):
         panel.advance(Interval(0, INTERVAL_S), short, Load.zero(points))
 
 

@@ -17,7 +17,7 @@ from orchestrator.output.report import pictures
 from orchestrator.ports.plans import PanelPlan, PointMass
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
-from tests.cases import CASE, case_folder, complaints
+from tests.cases import CASE, case_folder, kinds
 from tests.panel.elastic_plans import plan
 
 SENSOR_KG = 0.02
@@ -71,13 +71,9 @@ def test_a_probe_with_a_sensor(tmp_path: Path) -> None:
 
 def test_sensors_that_have_no_place(tmp_path: Path) -> None:
     on_frame = 'probes.p={frame="driving", point_m=[0, 0, 0], sensor_kg=0.02}'
-    assert complaints(tmp_path, on_frame) == [
-        "--set probes.p.sensor_kg: is for a probe on a panel; add its mass to the frame's"
-    ]
-    messages = complaints(
-        tmp_path, 'probes.p={panel="deck", at=[0.5, 0.5], sensor_kg=0.02}', "slice.width_m=0.05"
-    )
-    assert any("of which a slice of the width has no share" in line for line in messages)
+    assert kinds(tmp_path, on_frame) == ["probes.p.sensor_kg: conflict"]
+    on_panel = 'probes.p={panel="deck", at=[0.5, 0.5], sensor_kg=0.02}'
+    assert "probes.p.sensor_kg: conflict" in kinds(tmp_path, on_panel, "slice.width_m=0.05")
 
 
 def test_a_panel_with_probes_is_drawn_at_four_instants(tmp_path: Path) -> None:

@@ -44,5 +44,5 @@ def test_loss_per_cycle():
 
 
 def test_refuses_a_branch_without_time():
-    with pytest.raises(ValueError, match="positive pairs"):
+    with pytest.raises(ValueError, match="positive"):
         Branches(((0.1, 0.0),), 3)

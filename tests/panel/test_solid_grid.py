@@ -109,11 +109,11 @@ def test_size_before_the_mesh_is_made():
 
 
 def test_round_ends_are_refused():
-    with pytest.raises(ValueError, match=r'round ends.*take shape = "rectangle"'):
+    with pytest.raises(ValueError, match='"rectangle"'):
         solid_grid(given(replace(SLOTS, shape="slot")))
 
 
 def test_refused_when_no_machine_carries_the_mesh():
-    """Cells of 0.3 x 0.07 mm: 216 GiB."""
-    with pytest.raises(ValueError, match=r"cells need some .* GiB; at most 64 GiB are allowed"):
+    """Cells of 0.3 x 0.07 mm: 171 GiB."""
+    with pytest.raises(ValueError, match=r"\b171\b.*\b64\b"):
         bearable_grid(given(cells=(1000, 600)))

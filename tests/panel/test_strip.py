@@ -325,9 +325,9 @@ def test_maxwell_branch_relaxes_the_pull() -> None:
 
 def test_too_large_a_step_is_refused_with_the_value_to_use() -> None:
     limit_s = strip.largest_step_s(taut())
-    with pytest.raises(ValueError, match=rf"{limit_s:.3g} s; take {0.8 * limit_s:.3g} s"):
+    with pytest.raises(ValueError, match=rf"{limit_s:.3g}\b.*\b{0.8 * limit_s:.3g}\b"):
         strip.build(taut(step_s=1.01 * limit_s))
-    with pytest.raises(ValueError, match="explicit only"):
+    with pytest.raises(ValueError, match="explicit"):
         strip.build(taut(integrator="implicit"))
 
 

@@ -438,7 +438,7 @@ def test_initial_load_is_the_force_at_the_start(build: Build) -> None:
 def test_a_wrong_number_of_surface_points_is_refused(build: Build) -> None:
     run = build(plan(plate(0.02, 2), particles([0, 0, 0.1])))
     wrong = at_rest(plate(0.02, 3))
-    with pytest.raises(BrokenRecord, match=r"9 .*16"):
+    with pytest.raises(BrokenRecord, match=r"\b9\b.*\b16\b"):
         run.solver.advance(Interval(0, 1e-3), HermitePath(wrong, wrong, 1e-3))
 
 
@@ -446,5 +446,5 @@ def test_a_surface_with_a_nan_cannot_cross() -> None:
     still = at_rest(plate(0.02, 2))
     position_m = still.position_m.copy()
     position_m[4, 1] = np.nan
-    with pytest.raises(BrokenRecord, match="point 4"):
+    with pytest.raises(BrokenRecord, match=r"\b4\b"):
         Motion(position_m, still.velocity_m_per_s)

@@ -259,7 +259,7 @@ def test_a_sampled_feed_goes_on_the_same_from_a_checkpoint() -> None:
 def test_answers_must_fit_the_offer() -> None:
     feed = RateFeed(INLET)
     offered = len(feed.due(Interval(30, 1e-3)))
-    with pytest.raises(ValueError, match=f"{offered} particles offered, 0 answers"):
+    with pytest.raises(ValueError, match=rf"\b{offered}\b.*\b0\b"):
         feed.settle(np.zeros(0, dtype=bool))
 
 
@@ -282,5 +282,5 @@ def test_several_feeds_are_one() -> None:
 
 
 def test_feeds_through_one_box_are_refused() -> None:
-    with pytest.raises(ValueError, match="feed boxes overlap"):
+    with pytest.raises(ValueError, match="overlap"):
         Feeds([INLET, replace(INLET, box_m=INLET.box_m + 0.05)])

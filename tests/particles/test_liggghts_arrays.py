@@ -52,7 +52,7 @@ def engine() -> Any:
 
 @pytest.mark.parametrize("call", CALLS)
 def test_arrays_without_a_name_are_refused(engine: Any, call: str) -> None:
-    with pytest.raises(TypeError, match="incompatible function arguments"):
+    with pytest.raises(TypeError, match="incompatible"):
         getattr(engine, call)(*CALLS[call].values())
 
 
@@ -61,7 +61,7 @@ def test_a_name_too_few_or_another_one_is_refused(engine: Any, call: str) -> Non
     for name, value in CALLS[call].items():
         others = {key: other for key, other in CALLS[call].items() if key != name}
         for wrong in (others, others | {name + "s": value}):
-            with pytest.raises(TypeError, match="incompatible function arguments"):
+            with pytest.raises(TypeError, match="incompatible"):
                 getattr(engine, call)(**wrong)
 
 
@@ -86,7 +86,7 @@ def test_two_arrays_of_other_shapes_that_change_names_are_refused(engine: Any, c
 
 def test_an_array_of_another_size_is_named(engine: Any) -> None:
     for name in ("start_m", "start_m_per_s", "end_m", "end_m_per_s"):
-        with pytest.raises(ValueError, match=rf"^{name}: an array of shape \({POINTS}, 3\) is wanted"):
+        with pytest.raises(ValueError, match=rf"^{name}:.*\b{POINTS}\b"):
             engine.begin_path(**PATH | {name: np.zeros((POINTS + 1, 3))})
 
 
@@ -96,5 +96,5 @@ def test_numbers_of_another_kind_are_not_converted(engine: Any) -> None:
         np.zeros((3, POINTS)).T,
         np.zeros((POINTS, 3), int),
     ):
-        with pytest.raises(TypeError, match="incompatible function arguments"):
+        with pytest.raises(TypeError, match="incompatible"):
             engine.begin_path(**PATH | {"end_m": wrong})

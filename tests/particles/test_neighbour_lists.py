@@ -80,7 +80,7 @@ def test_more_neighbours_than_can_be_listed_are_refused(tmp_path: Path) -> None:
     diameter_m = np.full(6001, 1e-3)
     diameter_m[0] = 0.05
     ball = spheres(np.vstack([0.0 * UP, 0.0254 * shell]) + 0.05 * UP, diameter_m=diameter_m)
-    with pytest.raises(SolverFailed, match="more neighbours than LIGGGHTS lists for one: sizes differ"):
+    with pytest.raises(SolverFailed, match="neighbours"):
         solver_adapter("liggghts").build(make_plan(flat(), ball, folder=tmp_path))
 
 

@@ -70,17 +70,17 @@ def test_the_same_seed_gives_the_same_block() -> None:
 
 def test_a_full_box_is_an_error() -> None:
     small_m = np.array([[0.0, 0.0, 0.0], [0.02, 0.02, 0.02]])
-    with pytest.raises(ValueError, match=r"room for \d+ of 100 particles"):
+    with pytest.raises(ValueError, match=r"\b100\b"):
         filled((size_class(0.005, 0.005, 1.0),), 100, small_m)
 
 
 def test_limits_out_of_order_are_refused() -> None:
-    with pytest.raises(ValueError, match="size class"):
+    with pytest.raises(ValueError, match=r"\b0\.2\b.*\b0\.1\b"):
         shares((size_class(0.2, 0.1, 1.0),))
 
 
 def test_shares_must_add_up_to_one() -> None:
-    with pytest.raises(ValueError, match="add up to 1"):
+    with pytest.raises(ValueError, match=r"\b0\.4\b.*\b0\.5\b"):
         shares((size_class(0.1, 0.2, 0.4), size_class(0.2, 0.3, 0.5)))
 
 

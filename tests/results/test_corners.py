@@ -37,30 +37,30 @@ def corner_points(given: CaseStudy, **own: tuple[float, float]) -> dict[str, Poi
 def test_the_corners_are_the_ends_of_the_library(tmp_path: Path) -> None:
     """Coal: restitution 0.1 to 0.5, on polyurethane 0.2 to 0.5; angular grains roll with 0.15 to 0.4."""
     sets = (*OF_LIBRARY, "materials.coal.like=coal")
-    found = corner_points(study(tmp_path, CASE, (*sets, ANGULAR, "contacts=[]")))
-    assert len(found) == 4
-    rows = contacts_of(found["low-restitution-high-rolling-friction"])
+    corner = corner_points(study(tmp_path, CASE, (*sets, ANGULAR, "contacts=[]")))
+    assert len(corner) == 4
+    rows = contacts_of(corner["low-restitution-high-rolling-friction"])
     own, deck = rows[frozenset({"coal"})], rows[frozenset({"coal", "polyurethane-85-Shore-A"})]
     assert (own.restitution, own.rolling_friction) == (0.1, 0.4)
     assert (deck.restitution, deck.rolling_friction) == (0.2, 0.4)
     assert deck.sliding_friction > 0  # that of the library
-    rows = contacts_of(found["high-restitution-low-rolling-friction"])
+    rows = contacts_of(corner["high-restitution-low-rolling-friction"])
     assert (rows[frozenset({"coal"})].restitution, rows[frozenset({"coal"})].rolling_friction) == (0.5, 0.15)
 
 
 def test_what_has_no_range_stays_as_it_is_given(tmp_path: Path) -> None:
     """The library does not know PU, and coal of the case has no shape: two runs for coal among coal."""
-    found = corner_points(study(tmp_path))
-    assert sorted(found) == ["high-restitution", "low-restitution"]
-    rows = contacts_of(found["low-restitution"])
+    corner = corner_points(study(tmp_path))
+    assert sorted(corner) == ["high-restitution", "low-restitution"]
+    rows = contacts_of(corner["low-restitution"])
     assert rows[frozenset({"coal"})].restitution == 0.1
     assert rows[frozenset({"coal", "PU"})].restitution == 0.34
     assert rows[frozenset({"coal"})].sliding_friction == 0.36
 
 
 def test_own_ranges_hold_for_all_grains(tmp_path: Path) -> None:
-    found = corner_points(study(tmp_path), restitution=(0.2, 0.3), rolling_friction=(0.05, 0.35))
-    rows = contacts_of(found["high-restitution-low-rolling-friction"])
+    corner = corner_points(study(tmp_path), restitution=(0.2, 0.3), rolling_friction=(0.05, 0.35))
+    rows = contacts_of(corner["high-restitution-low-rolling-friction"])
     assert {(row.restitution, row.rolling_friction) for row in rows.values()} == {(0.3, 0.05)}
 
 

@@ -63,7 +63,7 @@ def test_the_manual_has_the_schema_of_the_history() -> None:
 def test_what_is_not_in_the_schema_is_not_written(tmp_path: Path) -> None:
     history = History(tmp_path / "history.h5")
     history.add("bed", 0.0, {"mas_kg": 1.0})
-    with pytest.raises(KeyError, match="bed/mas_kg is not in the schema"):
+    with pytest.raises(KeyError, match="bed/mas_kg"):
         history.flush()
 
 
@@ -72,8 +72,7 @@ def test_what_is_not_in_the_schema_is_not_written(tmp_path: Path) -> None:
 def test_another_version_of_a_runs_file_is_refused(tmp_path: Path, name: str, version: int | None) -> None:
     folder = folder_of(tmp_path / "run", particles=False, cycles=2)
     _set_version(folder / name, version)
-    has = f"format {version}"
-    with RunReader(folder) as run, pytest.raises(OtherFormat, match=f"{name}: has {has}.*run the case again"):
+    with RunReader(folder) as run, pytest.raises(OtherFormat, match=rf"{name}:.*\b{version}\b"):
         getattr(run, "history" if name == "history.h5" else "summary")
 
 

@@ -166,19 +166,16 @@ def test_the_acceleration_is_the_mean_peak_of_a_cycle_and_the_rms_of_one_panel(
     for point in points.values():
         point |= place | {"cycle_peak_100_Hz_g": calm | {"value": 40.0}}
     tiles = tiles_of(steady | {"motion": steady["motion"] | {"panel_points": points}})
-    texts = {name: tile.line.split(" (")[0] for name, tile in tiles.items() if "acceleration" in name}
-    assert list(texts.values()) == [
-        "panel acceleration at two, mean peak of a cycle: 60.0 ± 4.0 g",
-        "panel acceleration at two, mean peak of a cycle below 100 Hz: 40.0 ± 4.0 g",
-        "panel acceleration at two, RMS: 20.0 ± 4.0 g",
+    lines = [tile.line for name, tile in tiles.items() if "acceleration" in name]
+    assert all("two" in re.findall(r"\w+", line) for line in lines)
+    assert [re.findall(r": ([\d.]+ ± [\d.]+) g", line) for line in lines] == [
+        [f"{g}.0 ± 4.0"] for g in (60, 40, 20)
     ]
 
 
 def test_the_speed_of_a_shaft_with_a_motor_is_told(steady: dict[str, Any]) -> None:
     tiles = tiles_of(steady | {"motion": steady["motion"] | {"shafts_rad_per_s": {"main": 77.23}}})
-    assert tiles["speed of the shaft main"].line.startswith(
-        "speed of the shaft main: 77.2 rad/s (over 50 cycles"
-    )
+    assert {"77.2", "rad/s"} <= {*tiles["speed of the shaft main"].line.split()}
 
 
 def test_what_is_scaled_from_a_slice_says_so(steady: dict[str, Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import h5py
@@ -46,13 +47,14 @@ def test_a_mat_that_begins_to_arch_up_has_not_settled(tmp_path: Path) -> None:
     up = np.array([True] * 2 + [False] * 13 + [False] * 2 + [True] * 13)
     run = read(tmp_path / "run", np.where(up, -0.002, -0.03), np.where(up, 0.03, 0.002))
     reason = why_not_settled(run, *span(run, 30))
-    assert reason == "mat deck-1 arches up in 2 of the first 15 turns and in 13 of the last 15"
+    assert "deck-1" in reason
+    assert re.findall(r"\b\d+\b", reason.partition("deck-1")[2]) == ["2", "15", "13", "15"]
 
 
 def test_a_mat_whose_range_grows_has_not_settled(tmp_path: Path) -> None:
     least_m = -np.repeat([0.02, 0.025], 10) - 1e-4 * np.tile([0.0, 1.0], 10)
     run = read(tmp_path / "run", least_m, np.full(20, 0.002))
-    assert "the range of mat deck-1 in a turn still changes: by 23%" in why_not_settled(run, *span(run, 20))
+    assert {"deck-1", "23%"} <= {*re.findall(r"[\w%-]+", why_not_settled(run, *span(run, 20)))}
 
 
 def test_chance_is_no_change(tmp_path: Path) -> None:

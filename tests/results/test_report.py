@@ -236,10 +236,11 @@ def test_what_is_no_run(tmp_path: Path) -> None:
 def test_a_run_that_has_not_ended(tmp_path: Path) -> None:
     folder = folder_of(tmp_path / "run", cycles=15)
     (folder / "summary.json").unlink()
-    with pytest.raises(FolderUnusable, match=r"was killed .* nothing had been saved"):
+    with pytest.raises(FolderUnusable, match="killed"):
         report(folder)
-    with lock(folder / RUN_LOCK), pytest.raises(FolderUnusable, match="is still going on"):
+    with lock(folder / RUN_LOCK), pytest.raises(FolderUnusable, match="going"):
         report(folder)
+    assert not (folder / "report.html").exists()
 
 
 def test_a_damaged_file(tmp_path: Path) -> None:
@@ -256,7 +257,7 @@ def test_a_file_that_crashes_its_library(tmp_path: Path, monkeypatch: pytest.Mon
     folder = folder_of(tmp_path / "run", cycles=15)
     crash = lambda _: os.kill(os.getpid(), signal.SIGKILL)  # noqa: E731
     monkeypatch.setattr("orchestrator.output.report.page.compute_results", crash)
-    with pytest.raises(FolderUnusable, match=r"reading history\.h5 crashed"):
+    with pytest.raises(FolderUnusable, match=r"\bhistory\.h5\b"):
         report(folder)
 
 

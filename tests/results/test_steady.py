@@ -115,8 +115,8 @@ def test_a_feed_that_stops_ends_it() -> None:
 
 
 def test_batches_and_short_runs_are_not_steady() -> None:
-    assert "nothing is fed" in steady(np.zeros(100), np.ones(100), 200.0).reason
-    assert "20 are needed" in steady(np.ones(19), np.ones(19), 1.0).reason
+    assert "fed" in steady(np.zeros(100), np.ones(100), 200.0).reason
+    assert "20" in steady(np.ones(19), np.ones(19), 1.0).reason.split()
 
 
 def test_truncation_of_a_step() -> None:

@@ -257,7 +257,7 @@ def test_words_of_a_path_do_not_control_the_terminal(stranger: Stranger) -> None
 
 def test_python_refuses_it_too(stranger: Stranger) -> None:
     link_beside_page(stranger)
-    with pytest.raises(FolderUnusable, match="holds links"):
+    with pytest.raises(FolderUnusable, match="links"):
         open_run(stranger.run)
 
 

@@ -22,7 +22,7 @@ from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.sheet.feed_shares import shares_at
 from orchestrator.preflight.sheet.sheet import bed_depth_m, duty_of, sheet, too_small_decks
 from orchestrator.preflight.sheet.supports import power_W, support_forces
-from tests.cases import loaded
+from tests.cases import keys_and_kinds, loaded
 
 CASES = Path(__file__).parents[2] / "cases"
 COAL = {"feed": "0-50 mm", "cut": "6 mm", "material": "coal", "throughput": "250 t/h", "width": "2.4 m"}
@@ -104,23 +104,18 @@ def test_wishes_for_panels_or_a_length_are_kept() -> None:
 
 
 @pytest.mark.parametrize(
-    ("answers", "reason"),
+    ("answers", "area_m2", "options"),
     [
-        (
-            {"throughput": "400 t/h", "width": "0.9 m", "panels": "10"},
-            r"--throughput: the deck of 2.7 m2 is far too small: 400 t/h want .* m2 .*VSMA \(rule, not "
-            r"result\); take \d+ --panels, a larger --width or at most \d+ t/h",
-        ),
-        (
-            {"throughput": "200 t/h", "width": "1 m", "opening": "1 mm", "feed": "0-10 mm"},
-            "--throughput: the deck .*take several machines",
-        ),
-        ({**COAL, "length": "1.4 m"}, "--throughput: the deck .*a --length of .* with more --panels"),
+        ({"throughput": "400 t/h", "width": "0.9 m", "panels": "10"}, "2.7", {"--panels", "--width"}),
+        ({"throughput": "200 t/h", "width": "1 m", "opening": "1 mm", "feed": "0-10 mm"}, "12", {"--width"}),
+        ({**COAL, "length": "1.4 m"}, "3", {"--length", "--panels", "--width"}),
     ],
 )
-def test_a_deck_far_too_small_is_refused(answers: dict[str, str], reason: str) -> None:
+def test_a_deck_far_too_small_is_refused(answers: dict[str, str], area_m2: str, options: set[str]) -> None:
     (refusal,) = find_refusals("flip-flow", answers)
-    assert re.search(reason, str(refusal))
+    assert (refusal.file, refusal.kind) == ("--throughput", "out-of-range")
+    assert area_m2 in refusal.what.split()
+    assert {*re.findall(r"--\w+", refusal.hint)} == options
 
 
 def test_what_a_refusal_of_a_small_deck_offers_is_accepted() -> None:
@@ -188,14 +183,10 @@ def test_bearings_of_an_exciter(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "reason"),
-    [
-        ("stop_s=0.05", "stop_s: 0.05 s is before the end of the run-up at 0.3 s"),
-        ("run_down_s=2.0", "run_down_s: is of no use without stop_s"),
-    ],
+    ("given", "kind"), [("stop_s=0.05", "stop_s: out-of-range"), ("run_down_s=2.0", "run_down_s: conflict")]
 )
-def test_a_stop_before_the_run_up_ends_is_refused(given: str, reason: str) -> None:
+def test_a_stop_before_the_run_up_ends_is_refused(given: str, kind: str) -> None:
     from orchestrator.preflight.check import find_problems
 
     judged = load_judged(CASES / "ffs0827-empty", None, [f"screen.exciters.shaft.{given}"])
-    assert any(reason in str(row) for row in find_problems(judged))
+    assert f"screen.exciters.shaft.{kind}" in keys_and_kinds(find_problems(judged))

@@ -234,11 +234,11 @@ class Laws:
 
     def _damping_ratio(self, contacts: Contacts, approach_m_per_s: Array) -> Array:
         """The damping ratio (n,) of the linear oscillator with the same restitution."""
-        one, other = contacts.materials
-        restitution = self.restitution[one, other]
+        materials, others = contacts.materials
+        restitution = self.restitution[materials, others]
         for rebound in self.rebounds:
             first, second = rebound.materials
-            pair = ((one == first) & (other == second)) | ((one == second) & (other == first))
+            pair = ((materials == first) & (others == second)) | ((materials == second) & (others == first))
             at = np.interp(approach_m_per_s, rebound.speed_m_per_s, rebound.restitution)
             restitution = np.where(pair, at, restitution)
         log_e = np.log(restitution)
