@@ -197,7 +197,8 @@ SHORT_NAMES = {
     "wear": largest("wear.panels.*.largest_m_per_h", "largest depth worn off a panel"),
     "stretch": largest("motion.panels.*.stretch_largest_percent", "largest stretch of a panel"),
     "efficiency": replace(
-        at("screening.efficiency_percent", "screening efficiency of the whole feed"), take=_efficiency
+        at("screening.whole_feed.efficiency_percent", "screening efficiency of the whole feed"),
+        take=_efficiency,
     ),
     "computed_efficiency": replace(
         at("screening.efficiency_percent", "screening efficiency of the sizes that are computed"),
