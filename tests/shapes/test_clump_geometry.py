@@ -26,8 +26,8 @@ def placed(spheres: list[tuple[float, ...]], turn: Array = TURN) -> Array:
 
 
 def test_a_clump_of_one_sphere_is_the_sphere() -> None:
-    one, sphere = clump("sphere", "", [(3.0, -1.0, 2.0, 0.7)]), solvers.shape("sphere")
-    assert (one.spheres, one.volume, one.inertia) == (sphere.spheres, sphere.volume, sphere.inertia)
+    made, sphere = clump("sphere", "", [(3.0, -1.0, 2.0, 0.7)]), solvers.shape("sphere")
+    assert (made.spheres, made.volume, made.inertia) == (sphere.spheres, sphere.volume, sphere.inertia)
 
 
 def test_two_spheres_that_touch_are_the_dumbbell() -> None:
@@ -144,9 +144,9 @@ def test_no_attitude_of_many_passes_a_smaller_opening(seed: int) -> None:
     turns = Rotation.random(200_000, random_state=seed).as_matrix()[:, :2]
     heights = turns @ spheres[:, :3].T
     low, high = (heights - spheres[:, 3]).min(axis=2), (heights + spheres[:, 3]).max(axis=2)
-    found = float((high - low).max(axis=1).min())
+    tried = float((high - low).max(axis=1).min())
     size = sieve_size(spheres)
-    assert found * (1 - 0.02) < size <= found
+    assert tried * (1 - 0.02) < size <= tried
 
 
 @pytest.mark.parametrize("name", ["rod", "stone", "flake"])
