@@ -37,7 +37,7 @@ def run_and_sample(out: Path, more: list[str]) -> int:
     sets = [word for key in QUICK for word in ("--set", key)]
     words = ["run", "cases/quickstart", "--level", "hour", "--out", str(out), *sets, *more]
     log = out.with_suffix(".log").open("w")  # a pipe would be full after an hour
-    run, start = started(*words, said=log), time.monotonic()
+    run, start = started(*words, output=log), time.monotonic()
     with log, out.with_suffix(".csv").open("w", newline="") as file:
         rows = csv.writer(file)
         rows.writerow(COLUMNS)

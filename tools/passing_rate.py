@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pandas
 
+from orchestrator.figures.material import Contacts
 from orchestrator.output.results.contacts import fit_rate
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
@@ -53,20 +54,20 @@ def read_rows(table: Path) -> tuple[Array, Array]:
     return rows["velocity"].to_numpy(float), rows["efficiency"].to_numpy(float) / 100.0
 
 
-def draw(time_s: Array, efficiency: Array, rate_per_s: float, runs: dict[str, dict[str, Any]]) -> Any:
+def draw(time_s: Array, efficiency: Array, rate_per_s: float, runs: dict[str, Contacts]) -> Any:
     """Draw the rows over L / v with their curve, and what of each run has passed at each panel's end."""
     fig, ((axes,),) = figure(1, 1, WIDE, 4.0)
     axes.plot(
         time_s, 100.0 * efficiency, "o", color="#8a8f98", ms=4, label=f"published, {len(time_s)} rows: L / v"
     )
-    longest_s = max([float(time_s.max()), *(run["fit"]["time_s"][-1] for run in runs.values())])
+    longest_s = max([float(time_s.max()), *(run.fit.time_s[-1] for run in runs.values())])
     times_s = np.linspace(0.0, longest_s, 200)
     label = f"1 − exp(−k L / v), k = {rate_per_s:.2f} 1/s"
     axes.plot(times_s, -100.0 * np.expm1(-rate_per_s * times_s), color="#8a8f98", label=label)
     for name, run in runs.items():
-        passed = [row["passed_percent"] for row in run["along"]]
-        label = f"{name}: panel by panel, k = {run['fit']['rate_per_s']:.2f} 1/s"
-        axes.plot(run["fit"]["time_s"], passed, "s-", ms=4, label=label)
+        passed = [row.passed_percent for row in run.along]
+        label = f"{name}: panel by panel, k = {run.fit.rate_per_s:.2f} 1/s"
+        axes.plot(run.fit.time_s, passed, "s-", ms=4, label=label)
     axes.set(xlabel="time over the deck / s", ylabel="fines that have passed, efficiency / %")
     axes.set_ylim(0, 105)
     axes.legend(loc="lower right")
@@ -86,17 +87,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for fit in fits:
         law = f"k v^-{fit.exponent:g}" if fit.exponent else "k"
         print(f"{law}: k {fit.rate:.3f}, R2 {fit.r_squared:.3f}, rms {100 * fit.rms:.1f} points")
-    runs = {}
+    runs: dict[str, Contacts] = {}
     for folder in given.runs:
         with RunReader(folder) as run:
-            if "contacts" not in run.results:
-                raise SystemExit(f"{folder}: has no results.contacts: {run.results.get('missing', {})}")
-            runs[folder.name] = why = run.results["contacts"]
-        rate, fit = why["rate_per_s"]["value"], why["fit"]
+            why = run.results.contacts
+            if why is None:
+                raise SystemExit(f"{folder}: has no results.contacts: {run.results.missing}")
+        runs[folder.name] = why
         print(
-            f"{folder.name}: passed over time {rate:.3f} 1/s, fit {fit['rate_per_s']:.3f} 1/s within "
-            f"{fit['rms_percent']:.1f} points; counted {why['counted_percent']:.1f} %, "
-            f"rebuilt {why['rebuilt_percent']:.1f} %"
+            f"{folder.name}: passed over time {why.rate_per_s.value:.3f} 1/s, "
+            f"fit {why.fit.rate_per_s:.3f} 1/s within {why.fit.rms_percent:.1f} points; "
+            f"counted {why.counted_percent:.1f} %, rebuilt {why.rebuilt_percent:.1f} %"
         )
     if given.out:
         time_s = given.deck_length_m / velocity_m_per_s

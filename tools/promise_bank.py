@@ -279,7 +279,7 @@ def lasting_s(case: dict[str, Any], loaded: JudgedCase, interval_s: float) -> fl
         block["count"] for block in bed.get("blocks", {}).values()
     )
     steps_per_s = (particles + 20) / particle_step_s(loaded.case)
-    return min(DURATION_S, MOST_INTERVALS * interval_s, MOST_PARTICLE_STEPS / steps_per_s)
+    return float(min(DURATION_S, MOST_INTERVALS * interval_s, MOST_PARTICLE_STEPS / steps_per_s))
 
 
 def trial(seed: int, scheme: str, share: float, out: Path | None) -> dict[str, Any]:

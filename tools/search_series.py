@@ -12,12 +12,13 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim, Goal, Limit
-from orchestrator.studies.design.front import hypervolume
+from orchestrator.studies.design.front import improvements
 from orchestrator.studies.design.gaussian_process import GaussianProcess
 from orchestrator.studies.design.models import SURROGATES
 from orchestrator.studies.design.optimisers import OPTIMISERS, Whale
@@ -53,25 +54,11 @@ def main(seeds: int) -> None:
     )
     print("|---|---|---|---|---|---|---|")
     for screen in SCREENS:
-        _print(
-            f"screen, {screen}", 27, "Box-Behnken, quadratic, whale", seeds, lambda s, n=screen: _paper(n, s)
-        )
+        _print(f"screen, {screen}", 27, "Box-Behnken, quadratic, whale", seeds, partial(_paper, screen))
         for names in METHODS:
-            _print(
-                f"screen, {screen}",
-                27,
-                ", ".join(names),
-                seeds,
-                lambda s, n=screen, m=names: _screen(n, m, s),
-            )
+            _print(f"screen, {screen}", 27, ", ".join(names), seeds, partial(_screen, screen, names))
     for name, problem, best, start, total in GIVEN:
-        _print(
-            name,
-            total,
-            ", ".join(METHODS[0]),
-            seeds,
-            lambda s, a=(problem, best, start, total): _given(*a, s),
-        )
+        _print(name, total, ", ".join(METHODS[0]), seeds, partial(_given, problem, best, start, total))
     for name, problem, reference, volume, start in FRONTS:
         for seed in range(1, 4):
             x, _, _ = study(
@@ -83,13 +70,20 @@ def main(seeds: int) -> None:
                 seed,
             )
             y = problem.truth(problem.space.actual(x))
-            share = hypervolume(problem.aim.gains(y)[:, problem.aim.kept(y)], np.array(reference)) / volume
+            share = _area(problem.aim.gains(y)[:, problem.aim.kept(y)], np.array(reference)) / volume
             print(
                 f"| {name} | 60 | hypervolume over the exact one, seed {seed} | {share:.4f} | | | |",
                 flush=True,
             )
     print()
     print_levels(seeds)
+
+
+def _area(gains: Array, reference: Array) -> float:
+    """Return the area between points, (2, n), and a reference, (2,): what a corner beyond all of them would
+    not add."""
+    corner = gains.max(axis=1)
+    return float(np.prod(corner - reference) - improvements(gains, reference, corner[:, None])[0])
 
 
 def print_levels(seeds: int) -> None:

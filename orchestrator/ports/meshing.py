@@ -13,9 +13,8 @@ import numpy as np
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.failures import SolverMissing
 
-ONE_MODEL = (
-    Lock()
-)  # gmsh keeps one model in a process, and the cases of a study are checked on several threads.
+# gmsh keeps one model in a process, and the cases of a study are checked on several threads.
+ONE_MODEL = Lock()
 
 
 @contextmanager

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.results.synthetic import folder_of, results_table
 from tools.passing_rate import collapse, main, read_rows
 
 TABLE = Path(__file__).parents[2] / "cases" / "ffs0827-effects" / "studies" / "table5.csv"
@@ -34,3 +36,15 @@ def test_the_command_prints_what_the_case_s_page_says(capsys: pytest.CaptureFixt
     assert printed == ["k: k 0.771, R2 0.873, rms 5.0 points", "k v^-0.5: k 0.943, R2 0.945, rms 3.3 points"]
     page = (TABLE.parents[1] / "README.md").read_text()
     assert all(number in page for number in ("0.77 1/s", "0.873", "0.945", "5.0 points", "3.3 points"))
+
+
+def test_a_run_stands_beside_the_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder, picture = folder_of(tmp_path), tmp_path / "rates.png"
+    contacts = results_table(folder)["contacts"]
+    file = folder / "summary.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"results": results_table(folder)}))
+    main([str(TABLE), str(DECK_M), str(folder), "--out", str(picture)])
+    (printed,) = capsys.readouterr().out.splitlines()[2:]
+    assert f"passed over time {contacts['rate_per_s']['value']:.3f} 1/s" in printed
+    assert f"counted {contacts['counted_percent']:.1f} %" in printed
+    assert picture.stat().st_size > 10_000

@@ -65,7 +65,7 @@ def started(
     *words: str, before: str = "", ranks: int = 1, cwd: Path = ROOT, output: TextIO | int = subprocess.PIPE
 ) -> subprocess.Popen[str]:
     """Starts and returns at once; what it says can be read at the end (64 kB at most), or is
-    written to the file ``said``."""
+    written to the file ``output``."""
     return subprocess.Popen(
         command(*words, before=before, ranks=ranks),
         cwd=cwd,

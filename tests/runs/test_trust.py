@@ -12,6 +12,8 @@ from orchestrator.coupling.ledger import created_shares
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
 from orchestrator.output.results.quantities import Unknown, outcome
+from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.judgement.account import account
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.criteria import Criterion, Runs, evaluate
@@ -125,16 +127,22 @@ def test_each_ground(key: str, worse: dict[str, Any], says: str) -> None:
     assert says in doubt
 
 
-def test_contacts_as_stiff_as_the_materials_may_be_deeper() -> None:
-    """Up to nine tenths of a radius a lump that presses a fine grain into rubber is a fact."""
-    own = {"effects": {"contact-stiffness": {"left_out": ""}}}
-    pressed = {"surface_per_diameter": 0.44}
-    table = GOOD | own | {"material": GOOD["material"] | {"deepest_overlaps": pressed}}
-    assert trust.doubts(table) == []
-    pressed["surface_per_diameter"] = 0.46
-    (doubt,) = trust.doubts(table)
-    assert "by 0.92 of a radius, more than 0.9" in doubt
-    assert "largest_youngs_modulus_Pa" not in doubt  # it would not help
+@pytest.mark.parametrize(("level", "largest"), [("dry", 0.5), ("fine", 0.9)])
+def test_contacts_as_stiff_as_the_materials_may_be_deeper(level: str, largest: float) -> None:
+    """Of the two levels, ``fine`` has the materials' own stiffness, so that a lump that presses a fine grain
+    into rubber is a fact; ``dry`` has softer contacts."""
+    judged = load_judged(ROOT / "cases/ffs0827-effects", level, ())
+    entries = account(judged.described, judged.left_out)
+    effects = {name: entry.figures() for name, entry in entries.items()}
+
+    def doubts(overlap: float) -> list[str]:
+        material = GOOD["material"] | {"deepest_overlaps": {"surface_per_diameter": overlap / 2}}
+        return trust.doubts(GOOD | {"effects": effects, "material": material})
+
+    assert doubts(largest - 0.02) == []
+    (doubt,) = doubts(largest + 0.02)
+    assert f"of a radius, more than {largest:g}" in doubt
+    assert ("largest_youngs_modulus_Pa" in doubt) is (level == "dry")  # it helps there alone
 
 
 @pytest.mark.parametrize(

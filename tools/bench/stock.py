@@ -205,7 +205,7 @@ def _divided(corners_m: Array) -> Array:
     edges_m = np.linalg.norm(corners_m - np.roll(corners_m, 1, axis=1), axis=2).max(axis=1, initial=0.0)
     large, small = corners_m[edges_m > LARGEST_M], corners_m[edges_m <= LARGEST_M]
     if not len(large):
-        return small
+        return np.asarray(small)
     a, b, c = (large[:, corner] for corner in range(3))
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     four = [np.stack(parts, axis=1) for parts in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]

@@ -51,7 +51,7 @@ class Trial:
         return all(one.ended(one.run) for one in self.runs)
 
     @property
-    def summaries(self) -> list[dict[str, Any]]:
+    def summaries(self) -> list[Mapping[str, Any]]:
         """The contents of ``summary.json`` of the runs that came to their end, trusted or not."""
         return [RunReader(one.folder).summary for one in self.runs if one.ended(one.run)]
 

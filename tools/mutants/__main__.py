@@ -239,8 +239,7 @@ def read(report: Path) -> dict[str, dict[str, Any]]:
         kind, why = "passed", ""
         for child in case:
             if child.tag in ("failure", "error", "skipped"):
-                kind, why = child.tag, (child.get("message") or "").splitlines()[0:1]
-                why = why[0][:200] if why else ""
+                kind, why = child.tag, (child.get("message") or "").partition("\n")[0][:200]
         place = case.get("file") or case.get("classname", "")
         name = f"{place}::{case.get('name')}"
         if name in outcomes and outcomes[name]["kind"] != "passed":
@@ -252,7 +251,8 @@ def read(report: Path) -> dict[str, dict[str, Any]]:
 def describe(outcome: dict[str, Any]) -> str:
     """Return the outcome of a run of tests in words."""
     what = f"{outcome['tests_run']} tests, {outcome['seconds']} s, exit {outcome['exit']}"
-    return what + (f", failed: {'; '.join(outcome['failed'])}" if outcome["failed"] else "") + outcome["tail"]
+    failed = f", failed: {'; '.join(outcome['failed'])}" if outcome["failed"] else ""
+    return f"{what}{failed}{outcome['tail']}"
 
 
 def verdict(results: dict[str, Any], outcome: dict[str, Any]) -> str:

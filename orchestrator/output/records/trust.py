@@ -179,8 +179,7 @@ def _material(summary: Summary) -> Iterator[str]:
             "particles.largest_youngs_modulus_Pa, or shorten particles.step_s."
         )
     deepest = material.get("deepest_overlaps", {})
-    stiffness = summary.get("effects", {}).get("contact-stiffness", {"left_out": "not told"})
-    softened = bool(stiffness["left_out"])
+    softened = not summary.get("effects", {}).get("contact-stiffness", {}).get("present", False)
     limit = largest_overlap(softened)
     help_ = (
         "; raise particles.largest_youngs_modulus_Pa, or shorten particles.step_s."
