@@ -27,3 +27,8 @@ class Spheres:
 
     def __len__(self) -> int:
         return len(self.mass_kg)
+
+    @property
+    def inertia_kg_m2(self) -> Array:
+        """The moments of inertia (n,) of grains of one sphere each about their centres."""
+        return 0.4 * self.mass_kg * self.radius_m**2
