@@ -163,7 +163,8 @@ void Engine::create(const Particles &particles, int first_id) {
 }
 
 // The ids of spheres follow from those of their bodies, as many for each as the largest shape needs.
-void Engine::create_bodies(const Particles &particles, const int *shape, int first_id) {
+void Engine::create_bodies(const Particles &particles, const int *shape, const double *turn,
+                           int first_id) {
   FixBodies &bodies = *this->bodies();
   Atom &atom = *lammps_->atom;
   int spheres = 0, most = 1;
@@ -179,7 +180,7 @@ void Engine::create_bodies(const Particles &particles, const int *shape, int fir
     body.size_m = particles.diameter_m[k];
     body.place = from(particles.position_m + 3 * k);
     body.velocity = from(particles.velocity_m_per_s + 3 * k);
-    body.turn[0] = 1.0;
+    std::copy_n(turn + 4 * k, 4, body.turn);
     body.momentum =
         bodies.momentum(body, from(particles.spin_rad_per_s + 3 * k), particles.density_kg_per_m3[k]);
     for (int part = 0; part < static_cast<int>(of.spheres.size()); ++part)

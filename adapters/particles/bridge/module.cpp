@@ -210,11 +210,12 @@ void create_particles(Engine &engine, const Doubles &position_m, const Doubles &
 
 void create_bodies(Engine &engine, const Doubles &position_m, const Doubles &velocity_m_per_s,
                   const Doubles &spin_rad_per_s, const Doubles &size_m, const Doubles &density_kg_per_m3,
-                  const Ints &type, const Ints &shape, int first_id) {
+                  const Ints &type, const Ints &shape, const Doubles &turn, int first_id) {
   check_shape("shape", shape, {position_m.shape(0)});
+  check_shape("turn", turn, {position_m.shape(0), 4});
   engine.create_bodies(
       checked(position_m, velocity_m_per_s, spin_rad_per_s, size_m, density_kg_per_m3, type), shape.data(),
-      first_id);
+      turn.data(), first_id);
 }
 
 std::vector<bool> overlaps(Engine &engine, const Doubles &position_m, const Doubles &diameter_m) {
@@ -498,7 +499,7 @@ PYBIND11_MODULE(_liggghts, module) {
            exactly("inertia"), exactly("bounding_radius"), py::arg("reach_m"))
       .def("create_bodies", &create_bodies, by_keyword, exactly("position_m"), exactly("velocity_m_per_s"),
            exactly("spin_rad_per_s"), exactly("size_m"), exactly("density_kg_per_m3"), exactly("type"),
-           exactly("shape"), py::arg("first_id"))
+           exactly("shape"), exactly("turn"), py::arg("first_id"))
       .def("bodies", &bodies)
       .def("repeat_surface", &repeat_surface, by_keyword, py::arg("period_m"),
            exactly("joined_triangles"))
