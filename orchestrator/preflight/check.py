@@ -156,6 +156,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *machine.sudden_drives(case),
         *bed.endless_rolling(shaken),
         *bed.shape_twice(case),
+        *bed.sticky_clumps(case),
         *bed.idle_shapes(case, loaded.layers.merged),
         *bed.feeds_that_hardly_feed(case),
         *bed.probes_without_particle(case),

@@ -10,11 +10,14 @@ import pytest
 
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.grains import grain, shapes
+from orchestrator.case.bed.push_out import push_out
+from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.cli import launch
 from orchestrator.cli.console import WRONG
 from orchestrator.ports.grains import Grain, ShapeTable
 from orchestrator.preflight.check import warnings
+from orchestrator.preflight.checks.surfaces import particles_at_start
 from tests.cases import BLOCK, CASE, FEED, case_folder, load_case, loaded, only_complaint, problems
 
 PEAR = "bed.shapes.pear.spheres=[[0, 0, 0, 10], [0, 0, 9, 7]]"
@@ -90,6 +93,35 @@ def test_shape_that_counts_twice_is_told(tmp_path: Path) -> None:
     (line,) = told(BLOCK, 'bed.blocks.coal.shape="rod"')  # the single particle is a sphere
     assert "give their contacts rolling_friction = 0" in line
     assert told() == told(*OF_PEARS, "particles.rolling=none") == []
+
+
+def test_clumps_that_stick_are_told(tmp_path: Path) -> None:
+    sticky = CASE.replace("rolling_friction = 0.0", "rolling_friction = 0.0\nwork_of_adhesion_J_per_m2 = 0.2")
+
+    def told(*given: str) -> list[str]:
+        return [line for line in warnings(load_case(tmp_path, sticky, given)) if "sticks by itself" in line]
+
+    assert told() == []
+    assert "of up to 2 here" in told(*OF_PEARS)[0]
+
+
+def test_a_bed_of_rods_side_by_side_is_taken_over(tmp_path: Path) -> None:
+    """Lying rods of 10 mm that just touch are nearer to each other than their bounding spheres allow; where
+    they overlap by 1 mm they are refused, or pushed apart."""
+    rods = grain(loaded(tmp_path / "case", ['bed.particles.ball.shape="rod"']).case, "coal", "rod", 0.01)
+    half = math.sqrt(0.5)
+    flat = np.tile([half, half, 0.0, 0.0], (2, 1))  # along y
+    for apart_m, fits in ((0.00999, True), (0.009, False)):
+        place_m = np.array([[0.1, 0.1, 0.1], [0.1, 0.1, 0.1 + apart_m]])
+        grains, still = rods.of_sizes(np.full(2, 0.01)), np.zeros((2, 3))
+        bed = CarriedBed(("coal",), place_m, still, still, grains, 0.0, 1.0, "a bed", orientation=flat)
+        case = loaded(tmp_path / "other").case
+        taken = case.model_copy(update={"bed": case.bed.with_carried(bed)})
+        found = [problem.what for problem in particles_at_start(taken, tmp_path)]
+        assert found == [] if fits else "particle 1 overlaps particle 2 by 0.001 m" in found[0]
+        pushed = push_out(initial_particles(taken), np.zeros((0, 3, 3)), np.array([0.0, 0.0, 1.0]))
+        gap_m = np.linalg.norm(np.diff(pushed.position_m, axis=0))
+        assert gap_m == pytest.approx(apart_m if fits else 0.0099, rel=1e-9)  # 1 % of overlap is wanted
 
 
 def test_a_saved_bed_brings_its_shapes(tmp_path: Path) -> None:

@@ -162,16 +162,14 @@ void Engine::create(const Particles &particles, int first_id) {
   atom.natoms += particles.count;
 }
 
-// The ids of spheres follow from those of their bodies, as many for each as the largest shape needs.
 void Engine::create_bodies(const Particles &particles, const int *shape, const double *turn,
                            int first_id) {
   FixBodies &bodies = *this->bodies();
   Atom &atom = *lammps_->atom;
-  int spheres = 0, most = 1;
-  for (const BodyShape &of : bodies.shapes()) most = std::max(most, static_cast<int>(of.spheres.size()));
+  int spheres = 0;
   for (int k = 0; k < particles.count; ++k) {
     const BodyShape &of = bodies.shapes()[shape[k]];
-    const int first = (first_id + k - 1) * most + 1;
+    const int first = bodies.first_tag(first_id + k);
     spheres += static_cast<int>(of.spheres.size());
     if (!is_mine(particles.position_m + 3 * k)) continue;
     FixBodies::Row body = {};

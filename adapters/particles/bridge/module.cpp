@@ -127,15 +127,6 @@ py::dict bodies(Engine &engine) {
                   "turn"_a = table_of(n, 4, [&](int b, double *row) { std::copy_n(all.row(b).turn, 4, row); }));
 }
 
-// Of this rank's bodies the sum over their spheres of a number of each sphere.
-py::array_t<std::int64_t> by_body(Engine &engine, const std::vector<std::int64_t> &of_sphere) {
-  const flipflow::FixBodies &all = *engine.bodies();
-  std::vector<std::int64_t> sums(all.count(), 0);
-  for (int b = 0; b < all.count(); ++b)
-    for (const int i : all.spheres(b)) sums[b] += of_sphere[i];
-  return array_of(sums, {all.count()});
-}
-
 void set_shapes(Engine &engine, const Ints &count, const Doubles &spheres, const Doubles &volume,
                 const Doubles &inertia, const Doubles &bounding_radius, double reach_m) {
   check_shape("count", count, {kAny});
@@ -546,8 +537,8 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("take_crossings", &take_crossings)
       .def("contact_numbers",
            [](Engine &e) {
-             const auto numbers = flipflow::contact_numbers(e.lammps(), e.laws());
-             if (e.bodies()) return by_body(e, numbers);
+             const auto numbers = e.bodies() ? flipflow::contact_numbers(e.lammps(), e.laws(), *e.bodies())
+                                             : flipflow::contact_numbers(e.lammps(), e.laws());
              return array_of(numbers, {static_cast<py::ssize_t>(numbers.size())});
            })
       .def("pair_energy_J",

@@ -467,6 +467,18 @@ def shape_twice(case: Case) -> Iterator[str]:
     )
 
 
+def sticky_clumps(case: Case) -> Iterator[str]:
+    """Yield a warning if clumps stick, each of whose spheres does by itself."""
+    if not has_particles(case) or adhesion_law(case) == "none":
+        return
+    most = max(one.sphere_count for grains in grains_by_material(case).values() for one in grains)
+    if most > 1:
+        yield (
+            "each sphere of a clump sticks by itself: a grain that lies on several of its spheres, of up to "
+            f"{most} here, is pulled off by the sum of their forces, which have the spheres' radii"
+        )
+
+
 def _rolling(row: Contact) -> float:
     return row.rolling_friction
 
