@@ -516,7 +516,8 @@ class ParticlesWork:
 
     ``particle_steps`` counts the steps of all particles together, ``steps`` those of the solver, in ``runs``
     intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion, and
-    ``thrown`` whether particles fly in a thin layer, where they touch little.
+    ``thrown`` whether particles fly in a thin layer, where they touch little.  ``spheres_each`` is the mean
+    number of spheres of a particle, and 1 only if none is a clump; ``airy`` says whether air resists them.
     """
 
     particle_steps: float
@@ -525,3 +526,5 @@ class ParticlesWork:
     triangles: int
     sticky: bool
     thrown: bool = False
+    spheres_each: float = 1.0
+    airy: bool = False

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from adapters.particles import liggghts
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.grains import grain, shapes
 from orchestrator.case.bed.push_out import push_out
@@ -18,6 +19,7 @@ from orchestrator.cli.console import WRONG
 from orchestrator.ports.grains import Grain, ShapeTable
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.checks.surfaces import particles_at_start
+from orchestrator.preflight.cost import predicted_parts_s
 from tests.cases import BLOCK, CASE, FEED, case_folder, load_case, loaded, only_complaint, problems
 
 PEAR = "bed.shapes.pear.spheres=[[0, 0, 0, 10], [0, 0, 9, 7]]"
@@ -139,3 +141,20 @@ def test_a_saved_bed_brings_its_shapes(tmp_path: Path) -> None:
     other = case.model_copy(update={"bed": case.bed.with_carried(read)})
     (taken,) = shapes(other)
     assert (taken.spheres, taken.volume, taken.inertia) == (own[0].spheres, own[0].volume, own[0].inertia)
+
+
+def test_predicted_times_know_spheres_and_air(tmp_path: Path) -> None:
+    """A stone has four spheres; a mixture of both has their mean, by number."""
+    stones = [BLOCK, "bed.blocks.coal.count=3", 'bed.blocks.coal.shape="stone"', "air={}"]
+
+    def predicted_s(*given: str) -> float:
+        return predicted_parts_s(loaded(tmp_path, [*given, "particles.step_s=1e-5"]).case, 4)["particles"]
+
+    plain = predicted_s(*stones[:2])
+    airy = predicted_s(*stones[:2], stones[3])
+    mixed = predicted_s(*stones[:3])
+    every = predicted_s(*stones[:3], 'bed.particles.ball.shape="stone"')
+    assert plain < airy < mixed < every
+    ratio = (every - plain) / (mixed - plain)
+    times = [liggghts.BODY * spheres**0.9 - 1 for spheres in (4.0, 13 / 4)]
+    assert ratio == pytest.approx(times[0] / times[1], rel=1e-9)

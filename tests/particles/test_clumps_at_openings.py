@@ -120,7 +120,6 @@ def test_rods_pass_as_an_integral_and_a_monte_carlo_of_its_own_say(
     difference = passed / tried - through.mean()
     assert abs(difference) < norm.ppf(0.9995) * error, (passed / tried, through.mean(), error)
     assert through.mean() > 1.05 * expected  # some bounce first
-    print(f"{size_m:g} m: {expected:.4f} {untouched / tried:.4f} {passed / tried:.4f} {through.mean():.4f} of {tried}")
 
 
 @pytest.mark.parametrize(("share", "passes"), [(0.98, True), (1.03, False)])
