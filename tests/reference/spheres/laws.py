@@ -197,11 +197,11 @@ class Laws:
         ``slip_m_per_s`` and ``spin_rad_per_s`` (n, 3) are those of the first partner relative to the
         second at the contact, in the middle of the step of ``step_s`` that ends now (0: those of now);
         ``shown_m_per_s`` (n, 3) is by what the slip has changed, for half a step; ``shear_m`` (n, 3) is the
-        spring's elongation with this step's slip in it, ``couple_N_m`` (n, 3) that against rolling a step ago,
-        ``approach_m_per_s`` (n,) the speed of the first touch.  A sliding contact has no tangential damping.
+        spring's elongation with this step's slip in it, ``couple_N_m`` (n, 3) that against rolling a step
+        ago, ``approach_m_per_s`` (n,) the speed of the first touch.
 
-        Dampers go by the slip of the step's end: with what the contact itself changes in half a step, as far as
-        the slip shows it.
+        Dampers go by the slip of the step's end: with what the contact itself changes in half a step, as
+        far as the slip shows it.  A sliding contact has no tangential damping.
         """
         pair, normal = contacts.materials, contacts.normal
         law = self.normal.at(contacts, contacts.overlap_m)
@@ -214,9 +214,7 @@ class Laws:
         closing_m_per_s = np.einsum("ij,ij->i", slip_m_per_s, normal)
         tangential_m_per_s = slip_m_per_s - closing_m_per_s[:, None] * normal
         own_m_per_s = _own_change(half_s_per_kg, g_n, law.spring_N, closing_m_per_s)[:, None] * normal
-        closing_m_per_s = closing_m_per_s + np.einsum(
-            "ij,ij->i", _share(own_m_per_s, shown_m_per_s), normal
-        )
+        closing_m_per_s = closing_m_per_s + np.einsum("ij,ij->i", _share(own_m_per_s, shown_m_per_s), normal)
         turning_s_per_kg, damping_N_s_per_m = 3.5 * half_s_per_kg[:, None], g_t[:, None]
         own_m_per_s = _own_change(
             turning_s_per_kg, damping_N_s_per_m, -S_t[:, None] * shear_m, tangential_m_per_s
@@ -294,7 +292,9 @@ class Laws:
         return _limited(couple_N_m, np.linalg.norm(couple_N_m, axis=1), arm_m * grip_N)
 
 
-def _own_change(half_s_per_kg: Array, damping_N_s_per_m: Array, spring_N: Array, slip_m_per_s: Array) -> Array:
+def _own_change(
+    half_s_per_kg: Array, damping_N_s_per_m: Array, spring_N: Array, slip_m_per_s: Array
+) -> Array:
     """By what spring and damper change the slip in half a step, the damper by the slip at its end."""
     change_m_per_s = half_s_per_kg * (spring_N - damping_N_s_per_m * slip_m_per_s)
     return np.asarray(change_m_per_s / (1.0 + half_s_per_kg * damping_N_s_per_m))
