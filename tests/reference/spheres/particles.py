@@ -1,6 +1,4 @@
-"""The open spheres: velocity Verlet with the contact forces at the half-step velocity, as LIGGGHTS
-does it.  Every MPI rank computes the same.
-"""
+"""The open spheres: velocity Verlet, as the particles on LIGGGHTS do it.  Every MPI rank computes the same."""
 
 from __future__ import annotations
 
@@ -176,7 +174,7 @@ class SpheresSolver:
         return np.asarray(at_points)
 
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
-        """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
+        """Springs at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._bodies, self._now
         self._book_air(step_s / 2.0)
         self._kick(step_s / 2.0)
