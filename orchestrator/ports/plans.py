@@ -509,8 +509,9 @@ class ParticlesWork:
     """The work of particles.
 
     ``particle_steps`` counts the steps of all particles together, ``steps`` those of the solver, in ``runs``
-    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion, and
-    ``thrown`` whether particles fly in a thin layer, where they touch little.
+    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion,
+    ``thrown`` whether particles fly in a thin layer, where they touch little, and ``in_air`` whether air
+    resists them.
     """
 
     particle_steps: float
@@ -519,3 +520,4 @@ class ParticlesWork:
     triangles: int
     sticky: bool
     thrown: bool = False
+    in_air: bool = False
