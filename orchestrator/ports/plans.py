@@ -327,8 +327,8 @@ class ExitPlan:
     """A box that takes out every particle whose centre is in it.
 
     An exit of the ``product`` "undersize" is below the deck: where panels reach into it, who is on the upper
-    side of the nearest one, or in an opening with a depth, stays.  ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit
-    vectors along its edges, ``half_m`` (3,) half their lengths.
+    side of the nearest one, or in an opening with a depth, stays.  ``center_m`` (3,) in the world; the rows
+    of ``axes`` (3, 3) are the unit vectors along its edges, ``half_m`` (3,) half their lengths.
     """
 
     name: str
