@@ -333,8 +333,8 @@ class ExitPlan:
     """A box that takes out every particle whose centre is in it.
 
     An exit of the ``product`` "undersize" is below the deck: where panels reach into it, who is on the upper
-    side of the nearest one stays.  ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit
-    vectors along its edges, ``half_m`` (3,) half their lengths.
+    side of the nearest one, or in an opening with a depth, stays.  ``center_m`` (3,) in the world; the rows
+    of ``axes`` (3, 3) are the unit vectors along its edges, ``half_m`` (3,) half their lengths.
     """
 
     name: str
@@ -359,7 +359,8 @@ class DeckPlan:
     distance along the deck in the panels' material.  ``open_m`` (panels, 4) bounds the perforated part of
     each panel: lowest and highest station, then lowest and highest place across in the world; a panel without
     openings has the highest below the lowest.  A particle is within reach of the deck while the gap below it
-    is less than ``reach_m``.
+    is less than ``reach_m``.  The upper and the lower side of each panel are ``half_depth_m`` (panels,) from
+    the surface points; None where no panel has a depth.
     """
 
     along: Array
@@ -369,6 +370,12 @@ class DeckPlan:
     station_m: Array
     open_m: Array
     reach_m: float
+    half_depth_m: Array | None = None
+
+    @property
+    def half_depths_m(self) -> Array:
+        """The half depth (panels,) of each panel, 0 of those without one."""
+        return np.zeros(self.panels) if self.half_depth_m is None else self.half_depth_m
 
     @property
     def panels(self) -> int:
@@ -515,9 +522,9 @@ class ParticlesWork:
     """The work of particles.
 
     ``particle_steps`` counts the steps of all particles together, ``steps`` those of the solver, in ``runs``
-    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion, and
-    ``thrown`` whether particles fly in a thin layer, where they touch little.  ``spheres_each`` is the mean
-    number of spheres of a particle, and 1 only if none is a clump; ``airy`` says whether air resists them.
+    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion,
+    ``thrown`` whether particles fly in a thin layer, where they touch little, and ``in_air`` whether air
+    resists them.  ``spheres_each`` is the mean number of spheres of a particle, and 1 if none is a clump.
     """
 
     particle_steps: float
@@ -526,5 +533,5 @@ class ParticlesWork:
     triangles: int
     sticky: bool
     thrown: bool = False
+    in_air: bool = False
     spheres_each: float = 1.0
-    airy: bool = False

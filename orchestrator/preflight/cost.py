@@ -22,7 +22,7 @@ from orchestrator.case.bed.size_distribution import mean_mass_kg
 from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, single_panels, stay_s, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
-from orchestrator.case.solver_plans import mesh_sizes, particle_step_s
+from orchestrator.case.solver_plans import air_plan, mesh_sizes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import FramesWork, PanelsWork, ParticlesWork, SolverMissing
@@ -209,7 +209,6 @@ def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> Pa
     interval_s = case.coupling.sync_interval_s
     intervals, step_s = case.duration_s / interval_s, particle_step_s(case)
     steps = tries * math.ceil(intervals) * steps_in(interval_s, step_s)
-    airy = case.air is not None and case.particles.air_drag != "none"
     return ParticlesWork(
         particle_steps=mean * steps,
         steps=steps,
@@ -217,7 +216,7 @@ def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> Pa
         triangles=triangles,
         sticky=adhesion_law(case) != "none",
         spheres_each=_spheres_each(case),
-        airy=airy,
+        in_air=air_plan(case) is not None,
     )
 
 

@@ -169,7 +169,11 @@ def _bed(history: History, case: Case, cycles: int) -> None:
         history.add("overlaps", i * CYCLE_S / 10, OVERLAPS)
         for panel, rate in WEAR_M_H.items():
             history.add(f"wear/{panel}", i * CYCLE_S / 10, _worn(rate, i * CYCLE_S / 10))
-        history.add("held", i * CYCLE_S / 10, {"stickers": 7.0, "mass_kg": 0.001, "openings": 3.0})
+        history.add(
+            "held",
+            i * CYCLE_S / 10,
+            {"stickers": 7.0, "mass_kg": 0.001, "pegged_kg": 0.0005, "openings": 3.0},
+        )
 
 
 def _worn(rate_m_per_h: float, time_s: float) -> dict[str, Array | float]:

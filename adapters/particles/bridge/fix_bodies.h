@@ -133,6 +133,19 @@ class FixBodies : public LAMMPS_NS::Fix {
     return axes.to_world(scale * Vec3{of.inertia[0] * own.x, of.inertia[1] * own.y, of.inertia[2] * own.z});
   }
 
+  // The forces and torques on the spheres, and gravity, on the bodies.
+  void gather() {
+    for (int b = 0; b < count(); ++b) {
+      Vec3 torque = {0, 0, 0};
+      for (int m = first_[b]; m < first_[b + 1]; ++m) {
+        const int i = member_[m];
+        torque = torque + from(atom->torque[i]) + cross(arm_[m], from(atom->f[i]));
+      }
+      force_[b] = force_now_N(b);
+      torque_[b] = torque;
+    }
+  }
+
   void setup(int) override { gather(); }
 
   void initial_integrate(int) override {
@@ -306,19 +319,6 @@ class FixBodies : public LAMMPS_NS::Fix {
       const int i = member_[m];
       put(atom->v[i], velocity + cross(spin, arm_[m]));
       put(atom->omega[i], spin);
-    }
-  }
-
-  // The forces and torques on the spheres, and gravity, on the bodies.
-  void gather() {
-    for (int b = 0; b < count(); ++b) {
-      Vec3 torque = {0, 0, 0};
-      for (int m = first_[b]; m < first_[b + 1]; ++m) {
-        const int i = member_[m];
-        torque = torque + from(atom->torque[i]) + cross(arm_[m], from(atom->f[i]));
-      }
-      force_[b] = force_now_N(b);
-      torque_[b] = torque;
     }
   }
 

@@ -7,6 +7,9 @@ from orchestrator.ports import Particles
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.plans import Cost, ParticlesPlan, ParticlesWork
 
+AIR_S = 2.3e-8
+"""Time of the drag of air on a particle in a step (docs/theory/air.md)."""
+
 
 def build(plan: ParticlesPlan) -> Particles:
     """Start LIGGGHTS with the plan's particles on the surface at t = 0.
@@ -21,8 +24,6 @@ def build(plan: ParticlesPlan) -> Particles:
 
 BODY, BODY_THROWN = 1.8, 3.3
 """The cost of a body of one sphere over that of a sphere of LIGGGHTS's own, in a bed and thrown."""
-AIR_S = 2.3e-8
-"""The cost of air for a particle and step."""
 
 
 def cost(work: ParticlesWork) -> Cost:
@@ -36,7 +37,7 @@ def cost(work: ParticlesWork) -> Cost:
     a_particle_s = 3e-7 if work.sticky else 2e-8 if work.thrown else 1.3e-7
     if work.spheres_each > 1.0:
         a_particle_s *= (BODY_THROWN if work.thrown else BODY) * work.spheres_each**0.9
-    a_particle_s += AIR_S if work.airy else 0.0
+    a_particle_s += AIR_S if work.in_air else 0.0
     step_s = 6e-6 + 1.6e-9 * work.triangles
     stepping_s = 4e-5 * work.runs + step_s * work.steps + a_particle_s * work.particle_steps
     return Cost(0.05 + 5e-6 * work.triangles, stepping_s)

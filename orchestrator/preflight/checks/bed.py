@@ -601,6 +601,7 @@ def _overlap(one_m: Array, two_m: Array) -> bool:
 
 MORE_OPENINGS = 0.06  # per width in a slice than in the whole machine
 FEWEST_DIAMETERS = 3.0  # in a narrower slice, a particle could meet itself, or a neighbour twice
+ROUNDING = 1e-9  # three times 0.012 is more than 0.036
 
 
 def narrow_slice(case: Case) -> Iterator[CaseProblem]:
@@ -608,12 +609,12 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
     if case.slice is None or case.slice.sides == "walls" or not has_particles(case):
         return
     least_m = FEWEST_DIAMETERS * largest_length_m(case)
-    if case.slice.width_m < least_m:
+    if case.slice.width_m < least_m * (1.0 - ROUNDING):
         what = f"{case.slice.width_m:g} m is less than {FEWEST_DIAMETERS:g} largest diameters"
         hint = f"take {least_m:.3g} m or more"
         openings = (panel.apertures for panel in case.screen.panels.values())
         if len(pitches_m := {each.pitch_across_m for each in openings if each is not None}) == 1:
-            pitches = math.ceil(least_m / min(pitches_m) - 1e-9)
+            pitches = math.ceil(least_m / min(pitches_m) - ROUNDING)
             hint = f"take {pitches * min(pitches_m):g} m, which is {pitches} pitches of the openings, or more"
         yield CaseProblem(("slice", "width_m"), what, hint, kind="out-of-range")
 
