@@ -522,9 +522,9 @@ class ParticlesWork:
     """The work of particles.
 
     ``particle_steps`` counts the steps of all particles together, ``steps`` those of the solver, in ``runs``
-    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion,
-    ``thrown`` whether particles fly in a thin layer, where they touch little, and ``in_air`` whether air
-    resists them.  ``spheres_each`` is the mean number of spheres of a particle, and 1 if none is a clump.
+    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion, and
+    ``thrown`` whether particles fly in a thin layer, where they touch little.  ``spheres_each`` is the mean
+    number of spheres of a particle, and 1 only if none is a clump; ``in_air`` says whether air resists them.
     """
 
     particle_steps: float
@@ -533,5 +533,5 @@ class ParticlesWork:
     triangles: int
     sticky: bool
     thrown: bool = False
-    in_air: bool = False
     spheres_each: float = 1.0
+    in_air: bool = False

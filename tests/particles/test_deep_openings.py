@@ -121,7 +121,7 @@ def released(module: ParticlesAdapter, oversize: Array, strains: Array) -> Array
     shares, index = [], 0
     with closing(solver):
         for strain in strains:
-            for index in range(index, index + 2000):
+            while index * length_s <= strain / rate_1_per_s + 0.05:
                 at = min(rate_1_per_s * index * length_s, strain)
                 then = min(rate_1_per_s * (index + 1) * length_s, strain)
                 rate = (then - at) / length_s
@@ -129,9 +129,7 @@ def released(module: ParticlesAdapter, oversize: Array, strains: Array) -> Array
                     stretched(wanted.surface, at, rate), stretched(wanted.surface, then, rate), length_s
                 )
                 solver.advance(Interval(index, length_s), path)
-                if then >= strain and (index + 1) * length_s > strain / rate_1_per_s + 0.05:
-                    index += 1
-                    break
+                index += 1
             shares.append(np.mean(solver.snapshot().position_m[:, 2] < -DEPTH_M / 2))
     return np.array(shares)
 

@@ -7,6 +7,8 @@ from orchestrator.ports import Particles
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.plans import Cost, ParticlesPlan, ParticlesWork
 
+BODY, BODY_THROWN = 1.8, 3.3
+"""The cost of a body of one sphere over that of a sphere of LIGGGHTS's own, in a bed and thrown."""
 AIR_S = 2.3e-8
 """Time of the drag of air on a particle in a step (docs/theory/air.md)."""
 
@@ -20,10 +22,6 @@ def build(plan: ParticlesPlan) -> Particles:
     from adapters.particles.liggghts.particles import Liggghts
 
     return Liggghts(plan)
-
-
-BODY, BODY_THROWN = 1.8, 3.3
-"""The cost of a body of one sphere over that of a sphere of LIGGGHTS's own, in a bed and thrown."""
 
 
 def cost(work: ParticlesWork) -> Cost:

@@ -1,4 +1,4 @@
-"""The open spheres: velocity Verlet, as the particles on LIGGGHTS do it.  Every MPI rank computes the same."""
+"""The open spheres: velocity Verlet, as LIGGGHTS with flipflow does it.  Every MPI rank computes the same."""
 
 from __future__ import annotations
 
