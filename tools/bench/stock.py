@@ -187,7 +187,7 @@ def _stock_walls(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> It
     for number in np.unique(plan.surface.material):
         name = f"mesh{number}"
         stl, triangles = folder / f"{name}.stl", plan.surface.triangles[plan.surface.material == number]
-        _write_stl(stl, _divided(plan.surface.vertices_m[triangles]))
+        write_stl(stl, divided(plan.surface.vertices_m[triangles]))
         yield f"fix {name} all mesh/surface file {stl} type {number + 1} curvature_tolerant yes"
         meshes.append(name)
     yield f"fix surface all wall/gran {model} mesh n_meshes {len(meshes)} meshes {' '.join(meshes)}"
@@ -197,7 +197,7 @@ def _stock_walls(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> It
         yield from (f"fix move_{name} all move/mesh mesh {name} {motion}" for name in meshes)
 
 
-def _divided(corners_m: Array) -> Array:
+def divided(corners_m: Array) -> Array:
     """Return triangles (m, 3, 3) cut into four until none is longer than ``LARGEST_M``.
 
     LIGGGHTS fails to find the common corners of a few large triangles.
@@ -209,10 +209,10 @@ def _divided(corners_m: Array) -> Array:
     a, b, c = (large[:, corner] for corner in range(3))
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     four = [np.stack(parts, axis=1) for parts in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-    return np.concatenate([small, _divided(np.concatenate(four))])
+    return np.concatenate([small, divided(np.concatenate(four))])
 
 
-def _write_stl(path: Path, corners_m: Array) -> None:
+def write_stl(path: Path, corners_m: Array) -> None:
     """Write triangles (m, 3, 3) as an STL file, without losing digits."""
     facets = "".join(FACET.format(*map(repr, row)) for row in corners_m.reshape(-1, 9).tolist())
     path.write_text(f"solid surface\n{facets}endsolid surface\n", encoding="ascii")
