@@ -100,9 +100,11 @@ class Engine:
         density_kg_per_m3: Array,
         type: Ints,
         shape: Ints,
+        turn: Array,
         first_id: int,
     ) -> None:
-        """Create upright bodies, (n,) and (n, 3) each, with ids in order from ``first_id``."""
+        """Create bodies, (n,) and (n, 3) each, turned by quaternions (n, 4), with ids in order from
+        ``first_id``."""
 
     def bodies(self) -> dict[str, Any]:
         """Return copies of this rank's bodies: tag, shape, type, size, density, rmass (n,), x, v, omega, f,
@@ -127,10 +129,11 @@ class Engine:
         station_m: Array,
         open_m: Array,
         reach_m: float,
+        half_depth_m: Array,
         on_deck: Ints,
     ) -> None:
         """Count contacts with a deck, from before the first particle: the fields of ``DeckPlan``, and of
-        each triangle (m,) whether it belongs to a panel."""
+        each triangle (m,) whether touching it is a contact with the deck."""
 
     def tally(self) -> Indices:
         """Return four numbers of particles of this rank: present ones, those of them whose place or velocity

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.case.deck.line import DeckLine, deck_line
-from orchestrator.case.deck.openings import smaller_sides_m
-from orchestrator.case.deck.panels import axes
+from orchestrator.case.deck.openings import half_depths_m, smaller_sides_m
+from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.file.folder import UnreadableFile, open_hdf5, read_json
 from orchestrator.case.file.slice import share
 from orchestrator.case.provenance import read_provenance
@@ -25,7 +25,7 @@ from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, check_format
 from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.ports import Array
-from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.judge import JudgedCase, load_judged
 
 
 class RunReader:
@@ -83,9 +83,14 @@ class RunReader:
         return history
 
     @cached_property
+    def judged(self) -> JudgedCase:
+        """The judged case of the run.  Raises CaseError if it cannot be read."""
+        return load_judged(self.folder / "case.toml")
+
+    @property
     def case(self) -> Case:
         """The case of the run.  Raises CaseError if it cannot be read."""
-        return load_judged(self.folder / "case.toml").case
+        return self.judged.case
 
     @property
     def share_of_width(self) -> float:
@@ -155,8 +160,13 @@ class RunReader:
     @property
     def deck(self) -> DeckLine | None:
         """The line of the deck at t = 0, or None if the panels form no line."""
-        lines_m = [self.history[f"panels/{name}/centre_line_m"][0] for name in self.names("panels")]
-        return deck_line(lines_m)
+        names = self.names("panels")
+        lines_m = [self.history[f"panels/{name}/centre_line_m"][0] for name in names]
+        half_m = {
+            panel.name: half
+            for panel, half in zip(single_panels(self.case), half_depths_m(self.case), strict=True)
+        }
+        return deck_line(lines_m, [half_m[name] for name in names])
 
     @property
     def counted_panels(self) -> list[str]:

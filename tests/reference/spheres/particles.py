@@ -1,6 +1,4 @@
-"""The open spheres: velocity Verlet with the contact forces at the half-step velocity, as LIGGGHTS
-does it.  Every MPI rank computes the same.
-"""
+"""The open spheres: velocity Verlet, as LIGGGHTS with flipflow does it.  Every MPI rank computes the same."""
 
 from __future__ import annotations
 
@@ -27,7 +25,7 @@ from orchestrator.ports import (
     sort_removed,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import RigidVertices, closest_on_triangle
+from orchestrator.ports.geometry import UPPER, RigidVertices, closest_on_triangle
 from orchestrator.ports.physics import sphere_drag_N
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
@@ -94,8 +92,8 @@ class SpheresSolver:
         before_m, impulse_N_s = self._surface_m, np.zeros_like(self._surface_m)
         steps = interval.steps(self._plan.step_s)
         step_s = interval.length_s / steps
-        self._give(step_s / 2.0, impulse_N_s)
         self._jump_to(path.start)
+        self._give(step_s / 2.0, impulse_N_s)
         for step in range(1, steps + 1):
             half_way_m_per_s = path.velocity_m_per_s((step - 0.5) / steps)
             centers_m = self._spheres.position_m.copy()
@@ -176,7 +174,7 @@ class SpheresSolver:
         return np.asarray(at_points)
 
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
-        """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
+        """Springs at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._bodies, self._now
         self._book_air(step_s / 2.0)
         self._kick(step_s / 2.0)
@@ -226,9 +224,16 @@ class SpheresSolver:
         )
 
     def _jump_to(self, surface: Motion) -> None:
-        """Book the coupling's correction of the surface's place and velocity at a sync point."""
-        self._lost_J += self._now.compute_spent_J(surface.position_m - self._surface_m)
-        self._move_surface(surface, self._now)
+        """Go on with what the surface pushes with from where the coupling corrects it to at a sync point."""
+        before, jump_m = self._now, surface.position_m - self._surface_m
+        if jump_m.any():
+            if self._near.outdated(self._spheres.position_m, surface.position_m):
+                self._near = Neighbours.of(self._spheres, self._plan.surface, surface.position_m)
+            again = self._compute_forces(surface, before, 0.0)
+            self._now = before.with_surface_of(again, len(self._spheres))
+            self._lost_J += again.lost_J
+        self._lost_J += (before.compute_spent_J(jump_m) + self._now.compute_spent_J(jump_m)) / 2.0
+        self._move_surface(surface, before)
 
     def _move_surface(self, surface: Motion, before: SphereForces) -> None:
         """Book the work of the surface's move by the trapezoidal rule, as Verlet does it."""
@@ -267,12 +272,11 @@ class SpheresSolver:
             self._crossings = self._crossings.followed_by(some)
 
     def _touches_deck(self, contacts: Contacts) -> npt.NDArray[np.bool_]:
-        """Tell which contacts are with a panel."""
+        """Tell which contacts are with the upper side of a panel, or with a wall, which has points there."""
         surface = self._plan.surface
-        if surface.panel is None:
-            return np.zeros(len(contacts.first), dtype=bool)
-        of_deck = np.isin(np.arange(len(surface.position_m)), surface.triangles[surface.panel >= 0])
-        return np.asarray((contacts.second < 0) & of_deck[contacts.points[:, 0]])
+        upper = surface.on_deck & (True if surface.side is None else surface.side == UPPER)
+        of_deck = np.isin(np.arange(len(surface.position_m)), surface.triangles[upper])
+        return np.asarray((contacts.second < 0) & of_deck[contacts.points].any(axis=1))
 
     def _feed(self, interval: Interval) -> None:
         """Take in the particles that are due and overlap neither present ones nor the surface."""
@@ -329,11 +333,11 @@ class SpheresSolver:
         self._came_kg_m2_per_s = self._came_kg_m2_per_s - left.angular_momentum_kg_m2_per_s()
 
     def _has_left(self, box: ExitPlan, position_m: Array) -> npt.NDArray[np.bool_]:
-        """Tell who is on the lower side of the nearest panel that reaches into an exit of the undersize."""
+        """Tell who is below the nearest panel that reaches into an exit of the undersize."""
         surface, below = self._plan.surface, np.ones(len(position_m), dtype=bool)
         if surface.panel is None or box.product != "undersize":
             return below
-        corners_m = self._surface_m[surface.triangles[surface.panel >= 0]]
+        corners_m = self._surface_m[surface.floor]
         in_box_m = (corners_m - box.center_m) @ box.axes.T
         meets = (in_box_m.min(axis=1) <= box.half_m) & (in_box_m.max(axis=1) >= -box.half_m)
         corners_m = corners_m[meets.all(axis=1)]
