@@ -307,7 +307,7 @@ def particles_plan(
         adhesion=planned_adhesion(case, numbers),
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         wear_m3_per_N_m=_wear(case, numbers),
-        air=_air(case),
+        air=air_plan(case),
         predicts_load=case.coupling.scheme == "robin",
         shapes=shapes(case),
         particles=particles,
@@ -368,7 +368,7 @@ def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
     return rate_m3_per_N_m if rate_m3_per_N_m.any() and case.particles.wear != "none" else None
 
 
-def _air(case: Case) -> AirPlan | None:
+def air_plan(case: Case) -> AirPlan | None:
     """Return the air around the particles; None without its drag.
 
     A coarse grain is slowed down as those for which it stands: with k times the density and k^2 times the

@@ -45,6 +45,7 @@ from orchestrator.output.records.run_folder import (
     lock,
     write_case,
 )
+from orchestrator.output.report.corners import range_lines
 from orchestrator.output.report.headline import headline_lines
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
@@ -279,7 +280,7 @@ def _execute(
             LOG.warning(line)
             console.print(f"warning: {line}")
         coupled_run = Run(loaded, entries, stability, folder, world, console, checkpoint)
-        return _run_to_the_end(coupled_run, folder, world, console)
+        return _run_to_the_end(coupled_run, loaded, folder, world, console)
 
 
 class _StandardError(io.TextIOBase):
@@ -323,7 +324,7 @@ def _console(quiet: bool = False) -> Console:
     return TextConsole(file=file, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
 
 
-def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int:
+def _run_to_the_end(run: Run, loaded: JudgedCase, folder: Path, world: Any, console: Console) -> int:
     """Run to the end or to an error, finish the folder, print a message and return the exit code."""
     try:
         run.go()
@@ -336,7 +337,7 @@ def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int
     else:
         code, status, reason = DONE, trust.DONE, ""
     try:
-        return mpi.first_rank_does(world, lambda: _finish(run, code, status, reason, folder, console))
+        return mpi.first_rank_does(world, lambda: _finish(run, loaded, code, status, reason, folder, console))
     except KeyboardInterrupt:
         _print_and_log(f"stopped at once: what the run leaves at its end is not in {folder}", console)
         return mpi.end_all(world, AT_ONCE)
@@ -370,7 +371,9 @@ def _describe_internal(error: Exception) -> str:
     return f"{trust.INTERNAL_ERROR}: {type(error).__name__}: {error}"
 
 
-def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
+def _finish(
+    run: Run, loaded: JudgedCase, code: int, status: str, reason: str, folder: Path, console: Console
+) -> int:
     """Finish the run's folder, print the closing table and the folder, and return the exit code.
 
     The exit code differs from ``code`` if the summary calls the run doubtful or incomplete, or cannot be
@@ -380,7 +383,9 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
         figures = run.finish(status, reason)
         if trust.came_to_its_end(figures["status"]):
             console.print(summary.closing_table(figures))
-            for line in (*summary.closing_lines(figures), *headline_lines(parse_results(figures))):
+            results = parse_results(figures)
+            ranges = range_lines(folder, loaded, results)
+            for line in (*summary.closing_lines(figures), *headline_lines(results), *ranges):
                 _print_and_log(line, console)
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)

@@ -111,6 +111,16 @@ def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
     assert thin["frames"] == thick["frames"]
 
 
+def test_air_costs_what_was_measured_for_each_particle_and_step() -> None:
+    """23 ns; all else of the run costs the same, and air whose drag is left out costs nothing."""
+    case = load_judged(ROOT / "cases/quickstart", "draft").case
+    work = bed_cost(case, particles_at_start(case), THICK).particle_steps
+    plain, airy = predicted(), predicted("air={}")
+    assert airy.pop("particles") - plain.pop("particles") == pytest.approx(23e-9 * work, rel=1e-6)
+    assert airy == plain
+    assert predicted("air={}", "particles.air_drag=none") == predicted()
+
+
 def test_triangles_of_rigid_surfaces_are_read_once() -> None:
     """The triangles cost the start of a run some time and its intervals none."""
     folder = ROOT / "cases/quickstart"

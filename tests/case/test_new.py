@@ -116,6 +116,20 @@ def test_another_machine_has_its_own_stroke_and_a_draft_that_says_what_it_leaves
     assert levels.predicted_s(judged.case) == pytest.approx(proposal.run_s["draft"])
 
 
+@pytest.mark.solver
+def test_air_is_proposed_where_it_matters_to_the_finest_grains_of_the_study() -> None:
+    """Coal of 0.75 mm falls with 3.7 m/s in the end (Schiller and Naumann) and is thrown with 2; limestone of
+    3 mm, a quarter of the default opening, falls with 14."""
+    answers = {"material": "coal", "opening": "3 mm", "throughput": "20 t/h"}
+    fine = propose(read_wishes("flip-flow", answers), "mine")
+    assert "[air]" in fine.files["case.toml"]
+    (line,) = (line for line in fine.remarks if line.startswith("air:"))
+    assert "0.75 mm" in line
+    coarse = proposed("flip-flow")
+    assert "[air]" not in coarse.files["case.toml"]
+    assert not any(line.startswith("air:") for line in coarse.remarks)
+
+
 IMPOSSIBLE: dict[str, tuple[str, dict[str, str], list[str]]] = {
     "shaken to pieces": (
         "flip-flow",

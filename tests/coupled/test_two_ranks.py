@@ -64,6 +64,24 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
 @pytest.mark.solver
 @pytest.mark.slow
 @needs_mpirun
+def test_two_ranks_have_the_same_air_and_the_same_rebound(tmp_path: Path) -> None:
+    """20 ms in thick air and with a restitution over the speed of impacts, whose contacts begin on one rank
+    and go on beside the border."""
+    case_folder(tmp_path / "case", CASE)
+    points = "[{impact_m_per_s=0.1, restitution=0.8}, {impact_m_per_s=1.0, restitution=0.3}]"
+    rebound = [f"contacts.{pair}.restitution={points}" for pair in (0, 1)]
+    sets = ("air={density_kg_per_m3=10.0, viscosity_Pa_s=1e-3}", *rebound)
+    with (
+        ran(tmp_path / "case", tmp_path / "one", "particles-first", 1, *sets) as single,
+        ran(tmp_path / "case", tmp_path / "two", "particles-first", 2, *sets) as double,
+    ):
+        assert single["energy/lost.particles.air_drag_J"][-1] > 0.0
+        compare(single, double)
+
+
+@pytest.mark.solver
+@pytest.mark.slow
+@needs_mpirun
 def test_two_ranks_know_what_is_driven_as_one_does(tmp_path: Path) -> None:
     """5 ms on a frame that a drive rocks; rigid panels, one end of which is free."""
     case_folder(tmp_path / "case", MACHINE + BED)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +13,14 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.studies import corners
 from orchestrator.figures.short_names import Value
-from orchestrator.output.report.corners import CENTRE, FILE, corner_lines
+from orchestrator.output.report.corners import CENTRE, FILE, corner_lines, range_lines
+from orchestrator.output.report.page import Film, page
+from orchestrator.output.results.compute import compute_results
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.material_ranges import corner_sets, ranged_contacts
 from orchestrator.studies.points import CaseStudy, Point
 from tests.cases import CASE, case_folder
+from tests.results.synthetic import folder_of
 
 ANGULAR = "materials.coal.shape=angular"
 OF_LIBRARY = ('screen.panels.deck.material="polyurethane 85 Shore A"',)
@@ -101,3 +107,44 @@ def test_the_page_of_the_centre_says_what_was_found(tmp_path: Path) -> None:
 def test_a_foreign_file_says_nothing(tmp_path: Path, content: str) -> None:
     (tmp_path / FILE).write_text(content)
     assert corner_lines(tmp_path / CENTRE) == []
+
+
+def test_a_run_tells_the_range_or_the_command_that_computes_it(tmp_path: Path) -> None:
+    """The command is that of the run's own folder, which is a case with all that was set."""
+    run = folder_of(tmp_path / "mine-1", cycles=15)
+    results, judged = compute_results(run), load_judged(run)
+    (line,) = range_lines(run, judged, results)
+    assert line.endswith(f"was not computed: flipflow study corners {run} does")
+    write_found(tmp_path / "mine-1-corners", run / "case.toml")
+    (line,) = range_lines(run, judged, results)
+    assert line.startswith("efficiency from 31.0 to 62.0 % within the ranges of the materials")
+    assert line in page(run, results, lambda *_: Film(b"", reason="left out by the test"))
+    assert range_lines(run, judged, replace(results, screening=None)) == []
+
+
+def test_the_range_of_another_case_is_not_told(tmp_path: Path) -> None:
+    run = folder_of(tmp_path / "mine-1", cycles=15)
+    write_found(tmp_path / "mine-1-corners", run / "case.toml")
+    case = (run / "case.toml").read_text()
+    (run / "case.toml").write_text(f"{case}\n[air]\n")
+    assert corner_lines(run) == []
+    (run / "case.toml").write_text(case)
+    assert len(corner_lines(run)) == 1
+
+
+def test_a_run_of_unknown_materials_asks_for_ranges(tmp_path: Path) -> None:
+    run = folder_of(tmp_path / "run", cycles=15)
+    points = "[{impact_m_per_s=1, restitution=0.5}]"
+    rows = range(len(load_judged(run).case.contacts))
+    judged = load_judged(run, None, [f"contacts.{row}.restitution={points}" for row in rows])
+    (line,) = range_lines(run, judged, compute_results(run))
+    assert line.endswith("--restitution LOW:HIGH --rolling-friction LOW:HIGH does")
+
+
+def write_found(study: Path, case: Path) -> None:
+    """Write the folder of a study of the case whose efficiency went from 31 to 62 %."""
+    (study / CENTRE).mkdir(parents=True)
+    shutil.copy(case, study / CENTRE)
+    results = {"efficiency": {"unit": "%", "from": 31.0, "to": 62.0, "runs": 5}}
+    ranges = [{"between": ["coal", "PU"], "restitution": [0.2, 0.5]}]
+    (study / FILE).write_text(json.dumps({"results": results, "ranges": ranges, "doubtful": []}))

@@ -20,6 +20,7 @@ class Proposal:
     """A proposed case: the texts of its files by their paths, and the scene of its machine.
 
     ``machine`` is None where drives prescribe the motion, and ``mounting`` where none could be tried.
+    ``air`` says why the air matters to the feed; it is empty where it does not.
     ``run_s`` has the predicted processor time of a run at each level, and ``remarks`` has sentences about
     what is proposed and what is doubtful in it.
     """
@@ -31,6 +32,7 @@ class Proposal:
     draft: Level
     run_s: Mapping[str, float]
     mounting: Choice | None = None
+    air: str = ""
     remarks: tuple[str, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
 

@@ -30,6 +30,7 @@ from orchestrator.cli.proposal.wishes import TEMPLATES, ImpossibleWishes, Wishes
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.cost import THIN, in_words
+from orchestrator.preflight.effects import air_drag
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability.report import stability_report
@@ -94,14 +95,15 @@ def propose(wishes: Wishes, folder: str) -> Proposal:
         chosen = _mount(case)
         layout = case.layout
         machine = _tune(case) if wishes.is_free else None
-        draft = _choose_draft(case)
         _with_safe_interval(case, "study", levels.study(layout))
+        _add_air(case)
+        draft = _choose_draft(case)
         judged = {level: case.judge(level) for level in LEVELS}
         if problems := [problem for loaded in judged.values() for problem in find_problems(loaded)]:
             raise CaseError(problems)
         run_s = {level: levels.predicted_s(row.case) for level, row in judged.items()}
         moved = scene(judged["draft"].case.whole_machine)
-        proposal = Proposal(wishes, layout, machine, moved, draft, run_s, chosen)
+        proposal = Proposal(wishes, layout, machine, moved, draft, run_s, chosen, case.values["air"])
         stability = stability_report(judged["draft"].case)
         warned = [*warnings(judged["draft"]), *stability.warnings()]
         proposal = replace(proposal, remarks=tuple(remarks(proposal, warned)))
@@ -130,6 +132,7 @@ def _first_values(layout: Layout, name: str) -> dict[str, Any]:
         "title": wishes.title,
         "words": ", ".join(f"{name} {text}" for name, text in wishes.answers.items()),
         "machine": None,
+        "air": "",
         "is_heavy": False,
         "study": levels.study(layout),
         "coarse_cells": levels.cells(layout, levels.COARSE_CELLS),
@@ -196,6 +199,16 @@ def _tune(case: _Draft) -> Machine:
         held_N_per_m = panels_N_per_m(moved)
         panels_kg = sum(spring.mass_kg for spring in moved.springs)
     return machine
+
+
+def _add_air(case: _Draft) -> None:
+    """Give the case air where its drag matters to the finest grains that the study computes."""
+    if not case.layout.wishes.has_material:
+        return
+    verdict = air_drag.judge(scene(case.judge("study").case.whole_machine))
+    if verdict.matters:
+        case.values["air"] = verdict.why
+        case.write("case.toml")
 
 
 def _choose_draft(case: _Draft) -> levels.Level:

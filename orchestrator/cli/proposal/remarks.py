@@ -183,6 +183,8 @@ def _material(proposal: Proposal) -> Iterator[str]:
         f"grains: {shape.name} ({shape.about}), computed as spheres; a rolling friction of "
         f"{friction.value:g} ({friction.low:g} to {friction.high:g}) stands for their edges"
     )
+    if proposal.air:
+        yield f"air: its drag is computed, because {proposal.air}"
     draft_s = proposal.run_s["draft"]
     yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"
     if draft_s > DRAFT_S:

@@ -25,7 +25,7 @@ from orchestrator.figures.results import FIGURES, Results
 from orchestrator.output import checkpoints
 from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, is_at_work
 from orchestrator.output.report import facts
-from orchestrator.output.report.corners import corner_lines
+from orchestrator.output.report.corners import range_lines
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
@@ -190,7 +190,7 @@ def page(folder: Path, results: Results, film: Callable[[Path, float], Film]) ->
             headline=headline(results),
             not_steady=NOT_STEADY,
             driven=run.is_driven,
-            corners=corner_lines(folder),
+            ranges=range_lines(folder, run.judged, results),
             warnings=facts.collect_warnings(folder, summary, results),
             pictures={name: embed(fig) for name, fig in drawings},
             mats=MATS,

@@ -25,7 +25,7 @@ from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, check_format
 from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.ports import Array
-from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.judge import JudgedCase, load_judged
 
 
 class RunReader:
@@ -83,9 +83,14 @@ class RunReader:
         return history
 
     @cached_property
+    def judged(self) -> JudgedCase:
+        """The judged case of the run.  Raises CaseError if it cannot be read."""
+        return load_judged(self.folder / "case.toml")
+
+    @property
     def case(self) -> Case:
         """The case of the run.  Raises CaseError if it cannot be read."""
-        return load_judged(self.folder / "case.toml").case
+        return self.judged.case
 
     @property
     def share_of_width(self) -> float:
