@@ -121,14 +121,17 @@ def shot(grains: int, seconds: float, seed: int = 1) -> tuple[int, Array, int]:
 
 @pytest.mark.parametrize("_", LIGGGHTS_ALONE)
 @pytest.mark.parametrize(
-    ("grains", "seconds", "impacts"),
-    [(700, 0.1, 8_000), pytest.param(700, 10.0, 1_000_000, marks=pytest.mark.slow)],
+    ("seeds", "seconds", "impacts"),
+    [(1, 0.1, 8_000), pytest.param(20, 0.5, 1_000_000, marks=pytest.mark.slow)],
 )
-def test_nobody_gets_into_the_material(_: str, grains: int, seconds: float, impacts: int) -> None:
-    """Grains of 1.5 to 2.5 mm fly at 3 m/s about a mat with slots of 3 x 20 mm, which is bent by 7 degrees to
-    either side and stretched by 3 %: they strike sides, walls, edges and corners, and none goes through."""
+def test_nobody_gets_into_the_material(_: str, seeds: int, seconds: float, impacts: int) -> None:
+    """700 grains of 1.5 to 2.5 mm fly at 3 m/s about a mat with slots of 3 x 20 mm, which is bent by 7 degrees
+    to either side and stretched by 3 %: they strike sides, walls, edges and corners, and none goes through."""
     assert in_material(np.array([[0.001, 0.001, 0.0], [0.0175, 0.003, 0.0]])).tolist() == [True, False]
-    counted, inside, through = shot(grains, seconds)
+    counted = 0
+    for seed in range(1, seeds + 1):
+        more, inside, through = shot(700, seconds, seed)
+        counted += more
+        assert not inside.any()
+        assert through == 0
     assert counted >= impacts
-    assert not inside.any()
-    assert through == 0

@@ -13,7 +13,7 @@ from orchestrator.ports import Array, HermitePath, Motion, Particles
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
-from orchestrator.ports.plans import DeckPlan, ExitPlan, ParticlesPlan
+from orchestrator.ports.plans import DeckPlan, ExitPlan, GrainMaterial, ParticlesPlan
 from tests.particles.contract import LIGGGHTS_ALONE, SOLVERS, Run, particles, plan, solver_adapter, table
 from tests.particles.test_openings import PANEL, SLOTS, over_the_pattern
 from tests.reference.rigid_spheres import Slots, passed_share
@@ -41,9 +41,10 @@ def share_of_dem(depth_m: float, diameter_m: float, seeds: int) -> tuple[float, 
         wanted = plan(
             surface,
             particles(np.column_stack([places, heights]), (0.0, 0.0, -2.0), diameter_m=diameter_m),
+            materials=(GrainMaterial("stiff", 1e9, 0.3),),
             restitution=table(0.34),
             sliding_friction=table(0.47),
-            step_s=1e-5,
+            step_s=2e-6,
             sync_interval_s=2e-4,
         )
         over, through = np.zeros((2, len(places)), dtype=bool)
@@ -63,7 +64,8 @@ def share_of_dem(depth_m: float, diameter_m: float, seeds: int) -> tuple[float, 
 @pytest.mark.parametrize("diameter_m", [0.0015, 0.0020, 0.00245])
 def test_the_chance_of_a_hit_is_that_of_rigid_spheres(_: str, diameter_m: float) -> None:
     """Straight down at 2 m/s, restitution 0.34, friction 0.47, slots of 3 x 20 mm: within 10 % of the rigid
-    spheres, apart from two standard errors of both counts."""
+    spheres, apart from two standard errors of both counts.  Contacts are stiff (1 GPa): with 10 MPa, overlaps
+    let 22 % more pass at 2.45 mm."""
     rigid = passed_share(Slots(0.020, 0.003, (0.025, 0.006), DEPTH_M), diameter_m, 8000, 2.0, 0.34, 0.47)
     share, hits = share_of_dem(DEPTH_M, diameter_m, 25)
     error = np.sqrt(rigid * (1 - rigid) * (1 / hits + 1 / 8000))
