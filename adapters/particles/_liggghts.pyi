@@ -127,10 +127,11 @@ class Engine:
         station_m: Array,
         open_m: Array,
         reach_m: float,
+        half_depth_m: Array,
         on_deck: Ints,
     ) -> None:
         """Count contacts with a deck, from before the first particle: the fields of ``DeckPlan``, and of
-        each triangle (m,) whether it belongs to a panel."""
+        each triangle (m,) whether touching it is a contact with the deck."""
 
     def tally(self) -> Indices:
         """Return four numbers of particles of this rank: present ones, those of them whose place or velocity

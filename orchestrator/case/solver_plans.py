@@ -229,7 +229,7 @@ def panel_plans(case: Case) -> tuple[PanelPlan, ...]:
             step_s=case.panel.step_s,
             integrator=case.panel.integrator,
             sync_interval_s=case.coupling.sync_interval_s,
-            apertures=panel.apertures,
+            apertures=panel.mean_apertures,
             stops=planned_stops(case, panel),
             point_masses=sensors(case, panel),
             joined_sides=joins_sides(case, panel.rectangle.length_m),

@@ -29,7 +29,14 @@ from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
 from orchestrator.ports import Array, Indices, Interpolation, MeshedPanel, Panel
-from orchestrator.ports.geometry import Edges, RigidVertices, TriangleSurface, shares_in, tetrahedron_m
+from orchestrator.ports.geometry import (
+    UPPER,
+    Edges,
+    RigidVertices,
+    TriangleSurface,
+    shares_in,
+    tetrahedron_m,
+)
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import DeckPlan, PanelPlan
 from orchestrator.ports.shape_grid import ShapeGrid
@@ -59,11 +66,13 @@ class PanelPart(SurfacePart):
     ``open`` opens the panel, and returns it with the interpolation that takes its motion to the part's
     points.  The stress-free ``edges`` of the triangles, ``centre_line`` and ``shape``
     (the points of its ``ShapeGrid`` if it is recorded) hold the part's own point numbers, and ``probes``
-    those of probes by name.  The last three times ``stops`` clamp points belong to beams below the part.
+    those of probes by name.  ``side`` is that of the triangles (``TriangleGrid``).  The last three times
+    ``stops`` clamp points belong to beams below the part.
     """
 
     open: Callable[[], tuple[Panel, Interpolation]]
     edges: Edges
+    side: Indices | None
     centre_line: Indices
     shape: Indices
     probes: dict[str, int]
@@ -126,6 +135,7 @@ def _panel(
         stops=len(plan.stops),
         triangles=touched.triangles,
         edges=Edges.of(touched.coordinates_m, touched.triangles),
+        side=touched.side,
         material=material,
         centre_line=touched.centre_line,
         shape=np.arange(len(coordinates) - len(shape_m), len(coordinates)),
@@ -247,6 +257,19 @@ class OpenSurface:
             ),
             self.panel_of_triangle(),
             self.rigid_vertices(),
+            self._sides(),
+        )
+
+    def _sides(self) -> Indices | None:
+        """Return the side of its panel on which each triangle is; None where no panel has a depth."""
+        if all(panel.side is None for panel in self.panels):
+            return None
+        given = [panel.side for panel in self.panels] + [None for _ in self.rigid]
+        return np.concatenate(
+            [
+                np.full(len(part.triangles), UPPER) if side is None else side
+                for part, side in zip(self.parts, given, strict=True)
+            ]
         )
 
     def panel_of_triangle(self) -> Indices:

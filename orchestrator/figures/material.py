@@ -390,4 +390,10 @@ class Held:
     openings: int = figure("the number of openings", is_extensive=True)
     stickers: Estimate = figure("stuck particles", is_extensive=True)
     sticking_kg: Estimate = figure("mass of stuck particles", is_extensive=True)
-    blinded_openings: Estimate = figure("blinded openings", is_extensive=True)
+    blinded_openings: Estimate = figure("blinded openings", "that hold a stuck particle", is_extensive=True)
+    pegged_percent: Estimate = figure(
+        "pegged", "the mass of the stuck particles that openings hold, over the mass on the deck", resolution=0.1
+    )
+    blinded_percent: Estimate = figure(
+        "openings blocked", "the blinded openings over all openings", resolution=0.1
+    )

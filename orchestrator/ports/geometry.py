@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -103,6 +103,9 @@ class AperturePattern:
     ``shape``: "rectangle", or "slot" with round ends (a circle where both sides are equal).
     ``margin_share``: the share of the width that counts as solid for mass and stiffness although it has
     openings; a slice bears its part of the whole panel's margins in this way.
+    ``depth_m``: the length of an opening from the upper to the lower side; 0 for a rim without depth.
+    ``relief_deg``: the angle by which each wall leaves the normal, so that an opening widens downwards where
+    it is positive.  Lengths and widths are those of the upper side.
     """
 
     shape: str
@@ -114,6 +117,35 @@ class AperturePattern:
     margin_along_m: float = 0.0
     margin_across_m: float = 0.0
     margin_share: float = 0.0
+    depth_m: float = 0.0
+    relief_deg: float = 0.0
+
+    def widening_m(self, below_m: float) -> float:
+        """Return how far a wall has gone outwards so far below the upper side."""
+        return below_m * math.tan(math.radians(self.relief_deg))
+
+    def section(self, below_m: float) -> AperturePattern:
+        """Return the pattern without depth that the openings have so far below the upper side."""
+        if self.depth_m == 0.0:
+            return self
+        both_m = 2 * self.widening_m(below_m)
+        return replace(
+            self,
+            length_m=self.length_m + both_m,
+            width_m=self.width_m + both_m,
+            depth_m=0.0,
+            relief_deg=0.0,
+        )
+
+    @property
+    def mean_section(self) -> AperturePattern:
+        """The section half way down, which has the mean area of the openings but for a square of the relief."""
+        return self.section(self.depth_m / 2)
+
+    @property
+    def narrowest_section(self) -> AperturePattern:
+        """The section that decides what falls straight through."""
+        return self.section(self.depth_m if self.relief_deg < 0 else 0.0)
 
     @property
     def land_m(self) -> float:
@@ -246,6 +278,9 @@ def shares_in(corners_m: Array, place_m: Array) -> Array:
     return np.asarray(np.linalg.solve(edges_m, (place_m - corners_m[0]).T).T)
 
 
+UPPER, WALL, LOWER = 1, 0, -1
+
+
 @dataclass(frozen=True)
 class TriangleSurface:
     """The surface that particles touch; its triangles are two-sided.
@@ -261,9 +296,12 @@ class TriangleSurface:
         (m,) the index of each triangle's material.
     panel
         (m,) the number of each triangle's panel, -1 for walls; None without panels.  The normals of a panel's
-        triangles point to its upper side.
+        triangles point to its upper side, or out of its material where openings have a depth.
     rigid
         The vertices of rigid surfaces.
+    side
+        (m,) the side of its panel that each triangle is on: ``UPPER``, ``WALL`` (of an opening, or the
+        panel's edge) or ``LOWER``; None where all are upper ones, because no panel has a depth.
     """
 
     position_m: Array
@@ -271,6 +309,30 @@ class TriangleSurface:
     material: Indices
     panel: Indices | None = None
     rigid: RigidVertices = field(default_factory=RigidVertices.none)
+    side: Indices | None = None
+
+    @property
+    def on_deck(self) -> npt.NDArray[np.bool_]:
+        """Tell which triangles (m,) are a panel's upper side or a wall: who touches the others is below."""
+        if self.panel is None:
+            return np.zeros(len(self.triangles), dtype=bool)
+        above = self.panel >= 0
+        return above if self.side is None else np.asarray(above & (self.side != LOWER))
+
+    @property
+    def floor(self) -> Indices:
+        """The triangles (k, 3), with normals that point up, below which a particle has left the panels.
+
+        They are those of panels without depth, and the lower sides of the others, turned over: who is in an
+        opening has not left it.
+        """
+        if self.panel is None:
+            return self.triangles[:0]
+        if self.side is None:
+            return self.triangles[self.panel >= 0]
+        deep = np.unique(self.panel[self.side == LOWER])
+        thin = (self.panel >= 0) & ~np.isin(self.panel, deep)
+        return np.concatenate([self.triangles[thin], self.triangles[self.side == LOWER][:, ::-1]])
 
     @cached_property
     def vertices_m(self) -> Array:

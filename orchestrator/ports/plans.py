@@ -327,7 +327,7 @@ class ExitPlan:
     """A box that takes out every particle whose centre is in it.
 
     An exit of the ``product`` "undersize" is below the deck: where panels reach into it, who is on the upper
-    side of the nearest one stays.  ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit
+    side of the nearest one, or in an opening with a depth, stays.  ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit
     vectors along its edges, ``half_m`` (3,) half their lengths.
     """
 
@@ -353,7 +353,8 @@ class DeckPlan:
     distance along the deck in the panels' material.  ``open_m`` (panels, 4) bounds the perforated part of
     each panel: lowest and highest station, then lowest and highest place across in the world; a panel without
     openings has the highest below the lowest.  A particle is within reach of the deck while the gap below it
-    is less than ``reach_m``.
+    is less than ``reach_m``.  The upper and the lower side of each panel are ``half_depth_m`` (panels,) from
+    the surface points; None where no panel has a depth.
     """
 
     along: Array
@@ -363,6 +364,12 @@ class DeckPlan:
     station_m: Array
     open_m: Array
     reach_m: float
+    half_depth_m: Array | None = None
+
+    @property
+    def half_depths_m(self) -> Array:
+        """The half depth (panels,) of each panel, 0 of those without one."""
+        return np.zeros(self.panels) if self.half_depth_m is None else self.half_depth_m
 
     @property
     def panels(self) -> int:

@@ -18,6 +18,7 @@ struct DeckLine {
   std::vector<double> station_m;  // of each point
   std::vector<double> open_m;     // of each panel: lowest and highest station, then place across
   double reach_m = 0.0;
+  std::vector<double> half_depth_m;  // of each panel: how far its sides are from the line
 
   int panels() const { return static_cast<int>(open_m.size()) / 4; }
 };
@@ -27,7 +28,8 @@ struct DeckLine {
 //
 // A contact is an episode: it begins with a touch of the perforated part of a panel, or without one when the
 // particle is through the mat, and is over at a sync point at which the gap below the particle is a quarter of
-// its diameter and nothing touched since the last one.  Touches are noted in every step; heights over the
+// its diameter and nothing touched since the last one.  Who is in an opening with a depth is not through it yet:
+// gaps are those over the upper side, and a particle is through below the lower one.  Touches are noted in every step; heights over the
 // line of the deck are looked at once an interval, so that this costs nothing that could be measured.
 class DeckContacts {
  public:
@@ -68,8 +70,9 @@ class DeckContacts {
       const bool touched = row[kState] >= kTouched;
       bool counted = is_counted(row);
       const Place place = locate(position_m);
-      const double gap_m = place.height_m - radius_m;
-      const bool through = place.height_m < -radius_m;
+      const double half_m = line_.half_depth_m[place.panel];
+      const double gap_m = place.height_m - half_m - radius_m;
+      const bool through = place.height_m < -half_m - radius_m;
       if (place.inside) {
         if (!counted && (through || (touched && place.open))) {
           count_contact(row, place.panel);

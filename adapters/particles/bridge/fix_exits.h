@@ -22,7 +22,7 @@ namespace flipflow {
 
 // Takes particles out of the run: those whose centre is in the box of an exit, and those that left
 // the domain.  What leaves below the deck has come through it: where the deck reaches into such an exit, who
-// is on its upper side stays.
+// is above it, or in one of its openings, stays.
 //
 // It acts where LIGGGHTS is about to sort particles and to list neighbours anew, so it costs a
 // look at each particle then and nothing else.  A particle is out at the latest when it, or any
@@ -65,7 +65,7 @@ class FixExits : public LAMMPS_NS::Fix {
 
   FixExits(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
 
-  // The normals of the `deck`, triangles of the `surface`, point to its upper side.
+  // The `deck` are the triangles of the `surface` below which particles have left it, with normals that point up.
   void set(std::vector<Box> exits, Vec3 low_m, Vec3 high_m, std::vector<Triangle> deck,
            const SurfacePath &surface, DeckContacts &contacts) {
     exits_ = std::move(exits);

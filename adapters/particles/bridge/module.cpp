@@ -252,15 +252,17 @@ void set_exits(Engine &engine, const Doubles &center_m, const Doubles &axes, con
 
 void set_deck(Engine &engine, const Doubles &along, const Doubles &across, const Ints &points,
               const Ints &panel, const Doubles &station_m, const Doubles &open_m, double reach_m,
-              const Ints &on_deck) {
+              const Doubles &half_depth_m, const Ints &on_deck) {
   check_shape("along", along, {3});
   check_shape("across", across, {3});
   check_shape("points", points, {kAny});
   check_shape("panel", panel, {points.size()});
   check_shape("station_m", station_m, {points.size()});
   check_shape("open_m", open_m, {kAny, 4});
+  check_shape("half_depth_m", half_depth_m, {open_m.shape(0)});
   flipflow::DeckLine line = {flipflow::from(along.data()), flipflow::from(across.data()), values_of(points),
-                             values_of(panel), values_of(station_m), values_of(open_m), reach_m};
+                             values_of(panel), values_of(station_m), values_of(open_m), reach_m,
+                             values_of(half_depth_m)};
   if (line.points.size() < 2) throw py::value_error("points: the line of a deck has two or more");
   for (const int point : line.points)
     if (point < 0 || point >= engine.surface().points())
@@ -505,7 +507,8 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("set_exits", &set_exits, by_keyword, exactly("center_m"), exactly("axes"),
            exactly("half_m"), exactly("domain_m"), exactly("below_deck"), exactly("deck"))
       .def("set_deck", &set_deck, by_keyword, exactly("along"), exactly("across"), exactly("points"),
-           exactly("panel"), exactly("station_m"), exactly("open_m"), py::arg("reach_m"), exactly("on_deck"))
+           exactly("panel"), exactly("station_m"), exactly("open_m"), py::arg("reach_m"),
+           exactly("half_depth_m"), exactly("on_deck"))
       .def("tally", &tally)
       .def("take_removed", &take_removed)
       .def("overlaps", &overlaps, by_keyword, exactly("position_m"), exactly("diameter_m"))

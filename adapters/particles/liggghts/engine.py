@@ -73,14 +73,13 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         joined = join_across(plan.surface, period_m)
         engine.repeat_surface(period_m=period_m, joined_triangles=ints(joined))
     surface = plan.surface
-    deck = surface.triangles[:0] if surface.panel is None else surface.triangles[surface.panel >= 0]
     engine.set_exits(
         center_m=floats([exit.center_m for exit in plan.exits]).reshape(-1, 3),
         axes=floats([exit.axes for exit in plan.exits]).reshape(-1, 3, 3),
         half_m=floats([exit.half_m for exit in plan.exits]).reshape(-1, 3),
         domain_m=floats(plan.domain_m),
         below_deck=ints([exit.product == "undersize" for exit in plan.exits]),
-        deck=ints(deck),
+        deck=ints(surface.floor),
     )
     if plan.deck is not None:
         _count_contacts(engine, plan.deck, surface)
@@ -88,7 +87,6 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
 
 
 def _count_contacts(engine: Engine, deck: DeckPlan, surface: TriangleSurface) -> None:
-    assert surface.panel is not None, "a deck has panels"
     engine.set_deck(
         along=floats(deck.along),
         across=floats(deck.across),
@@ -97,7 +95,8 @@ def _count_contacts(engine: Engine, deck: DeckPlan, surface: TriangleSurface) ->
         station_m=floats(deck.station_m),
         open_m=floats(deck.open_m),
         reach_m=deck.reach_m,
-        on_deck=ints(surface.panel >= 0),
+        half_depth_m=floats(deck.half_depths_m),
+        on_deck=ints(surface.on_deck),
     )
 
 

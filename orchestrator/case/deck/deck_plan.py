@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from orchestrator.case.deck.line import deck_line, join_lines
-from orchestrator.case.deck.openings import smaller_sides_m
+from orchestrator.case.deck.openings import half_depths_m, smaller_sides_m
 from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.file.slice import period_m
 from orchestrator.case.tables.case import Case
@@ -49,6 +49,7 @@ def deck_plan(
         station_m=line.station_m,
         open_m=np.array(open_m),
         reach_m=widest_m,
+        half_depth_m=np.array(half_depths_m(case))[order] if any(half_depths_m(case)) else None,
     )
 
 

@@ -22,7 +22,8 @@ class DeckLine:
     ``panels`` lists the panels' numbers in their order along the deck, and whether each centre line
     runs in this direction.  ``along`` (3,) is the horizontal direction of flow.  ``over_m`` (points,)
     are rising places along it, and ``level_m`` (points,) the heights there.  ``station_m`` (points,)
-    is the distance along the deck, which is 0 at its first point.
+    is the distance along the deck, which is 0 at its first point.  The sides of the panels are
+    ``half_depth_m`` (points,) above and below the line.
     """
 
     panels: tuple[tuple[int, bool], ...]
@@ -30,6 +31,7 @@ class DeckLine:
     over_m: Array
     level_m: Array
     station_m: Array
+    half_depth_m: Array
 
     @property
     def length_m(self) -> float:
@@ -37,9 +39,10 @@ class DeckLine:
         return float(self.station_m[-1])
 
 
-def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
+def deck_line(centre_lines: Sequence[Array], half_depths_m: Sequence[float] = ()) -> DeckLine | None:
     """Return the line of a deck, given the panels' centre lines (points, 3) at t = 0.
 
+    ``half_depths_m`` (panels,) are half the depths of their openings; by default, none has a depth.
     Returns None unless the panels follow one another when seen from above.  This is the case for decks
     above each other, for a panel that stands upright, and without panels.
     """
@@ -59,7 +62,10 @@ def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
         return None
     over_m = np.maximum.accumulate(over_m)
     steps = np.hypot(np.diff(over_m), np.diff(level_m))
-    return DeckLine(panels, along, over_m, level_m, np.concatenate([[0.0], np.cumsum(steps)]))
+    halves_m = half_depths_m or [0.0] * len(centre_lines)
+    half_m = [np.full(len(own), half) for own, half in zip(centre_lines, halves_m, strict=True)]
+    station_m = np.concatenate([[0.0], np.cumsum(steps)])
+    return DeckLine(panels, along, over_m, level_m, station_m, join_lines(panels, half_m))
 
 
 def join_lines(panels: tuple[tuple[int, bool], ...], lines: Sequence[Any]) -> Any:
@@ -92,12 +98,14 @@ class DeckPlaces:
     """The places of points relative to the deck at one moment.
 
     ``station_m`` (n,) is the station in the panels' material.  ``height_m`` (n,) is measured normal to
-    the surface and is negative below it.  ``normal`` (n, 3) is the surface's normal, and ``rise_m_per_s``
+    the surface from its upper side, and is negative below it; ``under_m`` (n,) is that from its lower side,
+    the same where openings have no depth.  ``normal`` (n, 3) is the surface's normal, and ``rise_m_per_s``
     (n,) its own speed along it.  ``inside`` (n,) says whether the point is between the deck's two ends.
     """
 
     station_m: Array
     height_m: Array
+    under_m: Array
     normal: Array
     rise_m_per_s: Array
     inside: npt.NDArray[np.bool_]
@@ -120,10 +128,12 @@ def locate(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: A
 
     length_m = np.maximum(np.hypot(np.diff(u), np.diff(z)), 1e-12)
     cosine, sine = (np.diff(u) / length_m)[piece], (np.diff(z) / length_m)[piece]
+    height_m, half_m = (position_m[:, 2] - on_line(z)) * cosine, deck.half_depth_m[piece]
     speed_u, speed_z = on_line(velocity_m_per_s @ deck.along), on_line(velocity_m_per_s[:, 2])
     return DeckPlaces(
         on_line(deck.station_m),
-        (position_m[:, 2] - on_line(z)) * cosine,
+        height_m - half_m,
+        height_m + half_m,
         np.outer(cosine, UP) - np.outer(sine, deck.along),
         speed_z * cosine - speed_u * sine,
         (at >= u[0]) & (at <= u[-1]),

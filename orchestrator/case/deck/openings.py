@@ -24,7 +24,14 @@ def smaller_sides_m(case: Case) -> Iterator[float]:
     """Yield the smaller side of the openings of each panel that has openings."""
     for panel in single_panels(case):
         if panel.apertures is not None:
-            yield min(panel.apertures.length_m, panel.apertures.width_m)
+            narrowest = panel.apertures.narrowest_section
+            yield min(narrowest.length_m, narrowest.width_m)
+
+
+def half_depths_m(case: Case) -> list[float]:
+    """Return half the depth of the openings of each panel, 0 without a depth, in the order of the case."""
+    patterns = [panel.apertures for panel in single_panels(case)]
+    return [pattern.depth_m / 2 if pattern is not None else 0.0 for pattern in patterns]
 
 
 def open_share(case: Case) -> float:
@@ -43,9 +50,11 @@ def straight_passing(apertures: AperturePattern, size_m: float) -> float:
 
     For rectangles a x b it is  (a - d)(b - d) / (pitch_along pitch_across),  the single-attempt
     probability of Gaudin (Principles of Mineral Dressing, 1939) and Taggart (Handbook of Mineral
-    Dressing, 1945).  A slot counts with its area, shrunk by half a diameter all around.
+    Dressing, 1945).  A slot counts with its area, shrunk by half a diameter all around, and an opening with a
+    depth by its narrowest section.
     """
-    a, b = apertures.length_m - size_m, apertures.width_m - size_m
+    narrowest = apertures.narrowest_section
+    a, b = narrowest.length_m - size_m, narrowest.width_m - size_m
     if min(a, b) <= 0.0:
         return 0.0
     free = AperturePattern(apertures.shape, a, b, apertures.pitch_along_m, apertures.pitch_across_m)
@@ -61,6 +70,8 @@ def openings(case: Case) -> Iterator[str]:
         who = f"{panel.name} and {len(others)} more" if others else panel.name
         where = "free panel" if case.slice is None else "free panel in the slice, which has no margins"
         yield f"  openings   {who}: {_pattern(pattern, panel.rectangle)} of the {where}"
+        if pattern.depth_m:
+            yield f"             {_depth(pattern)}"
         if limits_m:
             yield f"             {_passing(pattern, *limits_m)}"
 
@@ -78,9 +89,17 @@ def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
     )
 
 
+def _depth(pattern: AperturePattern) -> str:
+    """Return a description of openings with a depth."""
+    lower = pattern.section(pattern.depth_m)
+    below = f", {lower.length_m * 1e3:.3g} x {lower.width_m * 1e3:.3g} mm below" if pattern.relief_deg else ""
+    return f"openings are {pattern.depth_m * 1e3:g} mm deep, relief {pattern.relief_deg:g} degrees{below}"
+
+
 def _passing(pattern: AperturePattern, smallest_m: float, largest_m: float) -> str:
     """Return a description of the particles that can pass the openings."""
-    limit_m = min(pattern.length_m, pattern.width_m)
+    narrowest = pattern.narrowest_section
+    limit_m = min(narrowest.length_m, narrowest.width_m)
     span = f"particles of {smallest_m * 1e3:.3g} to {largest_m * 1e3:.3g} mm"
     if smallest_m >= limit_m:
         return f"none of the {span} can pass"

@@ -15,7 +15,7 @@ import numpy as np
 from orchestrator.case.deck import stl
 from orchestrator.case.file.slice import cut_surface
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.deck import Stop
+from orchestrator.case.tables.deck import PanelSheet, Stop
 from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern, Rectangle
@@ -51,7 +51,12 @@ class SinglePanel:
     @property
     def material_share(self) -> float:
         """The share of material in the panel's free area."""
-        return self.apertures.material_share(self.rectangle) if self.apertures else 1.0
+        return self.mean_apertures.material_share(self.rectangle) if self.mean_apertures else 1.0
+
+    @property
+    def mean_apertures(self) -> AperturePattern | None:
+        """The openings as the panel's mass and stiffness have them: their section half way down."""
+        return self.apertures.mean_section if self.apertures else None
 
 
 def single_panels(case: Case) -> tuple[SinglePanel, ...]:
@@ -63,11 +68,22 @@ def single_panels(case: Case) -> tuple[SinglePanel, ...]:
             table=row,
             frames=row.frames if number % 2 == 0 else row.frames[::-1],
             rectangle=_rectangle(case, row, number),
-            apertures=AperturePattern(**dict(row.apertures)) if row.apertures else None,
+            apertures=aperture_pattern(row),
         )
         for name, row in case.screen.panels.items()
         for number in range(row.count)
     )
+
+
+def aperture_pattern(row: PanelSheet) -> AperturePattern | None:
+    """Return the openings of a panel; None without any."""
+    if row.apertures is None:
+        return None
+    given = row.apertures.model_dump(exclude={"rims", "depth_m", "relief_deg"})
+    if row.apertures.rims == "thin":
+        return AperturePattern(**given)
+    depth_m = row.apertures.depth_m or row.thickness_m
+    return AperturePattern(**given, depth_m=depth_m, relief_deg=row.apertures.relief_deg or 0.0)
 
 
 def perforated_panels(case: Case) -> list[tuple[SinglePanel, ...]]:

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import AperturePattern, Rectangle
+from orchestrator.ports.geometry import LOWER, UPPER, WALL, AperturePattern, Rectangle
 from orchestrator.ports.meshing import closed_line, gmsh_session, made_triangles
 
 
@@ -26,14 +27,16 @@ class TriangleGrid:
     """The triangles over a panel, in material coordinates.
 
     ``coordinates_m`` (n, 2) are the points, or (n, 3) with their offsets along the panel's normal, as
-    ``MeshedPanel.interpolation`` takes them.  ``triangles`` (m, 3) have normals towards the bed.
-    ``centre_line`` has the numbers of the points nearest to the middle of the width, in their order
-    along the panel.
+    ``MeshedPanel.interpolation`` takes them.  ``triangles`` (m, 3) have normals towards the bed, or out of
+    the panel's material where openings have a depth; ``side`` (m,) then says on which side of the panel each
+    one is (``TriangleSurface.side``).  ``centre_line`` has the numbers of the points nearest to the middle of
+    the width, in their order along the panel.
     """
 
     coordinates_m: Array
     triangles: Indices
     centre_line: Indices
+    side: Indices | None = None
 
 
 def grid(rectangle: Rectangle, cells: tuple[int, int]) -> TriangleGrid:
@@ -65,6 +68,7 @@ def _rows_m(rectangle: Rectangle, along: int) -> Array:
 REMEMBERED = 32  # shapes of panels: more than a case has
 GIVEN_POINTS_ONLY = 3  # This value of gmsh's Mesh.Algorithm means "initial mesh only".
 SMALLEST_ANGLE_DEG = 1.0
+ON_OUTLINE = 1e-9  # of an opening's half side: rounding of points on its outline
 
 
 class BadMesh(ValueError):
@@ -86,6 +90,7 @@ def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tup
     ``cells``, along the free length and across, determine how large triangles may be where there are
     no openings, and into how many pieces an opening's sides are divided.  The result is the same on
     every call.  The points of ``centre_line`` belong to no triangle, because openings may be there.
+    Openings with a depth have an upper and a lower side, and walls between these.
     Raises SolverMissing without gmsh, and BadMesh for triangles of poor quality.
     """
     size_m = min(rectangle.length_m / cells[0], rectangle.width_m / cells[1])
@@ -100,7 +105,61 @@ def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tup
     line = np.column_stack([s, np.full(len(s), rectangle.width_m / 2)])
     result = TriangleGrid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
     _inspect(result, rectangle, len(holes) * _area_m2(outline))
-    return result
+    if apertures.depth_m == 0.0:
+        return result
+    widening_m = apertures.widening_m(apertures.depth_m)
+    lower_m = np.vstack([points + widening_m * _outwards(points, rectangle, apertures), line])
+    below = outline + widening_m * _from_outline(outline, apertures)
+    _inspect(TriangleGrid(lower_m, triangles, result.centre_line), rectangle, len(holes) * _area_m2(below))
+    return deepened(result, lower_m, apertures.depth_m)
+
+
+def deepened(flat: TriangleGrid, lower_m: Array, depth_m: float) -> TriangleGrid:
+    """Return the closed surface of a panel, of which a flat grid is the upper side.
+
+    The points of the lower side are at ``lower_m`` (n, 2), in the order of those of the flat grid, and
+    ``depth_m`` below them along the normal; the panel's middle surface is half way.  Walls join all edges that
+    belong to one triangle alone, those of openings of any outline and the panel's own.  Points of no triangle
+    are only observed, and stay in the middle surface.
+    """
+    count, kept = len(flat.coordinates_m), np.setdiff1d(np.arange(len(lower_m)), flat.centre_line)
+    directed = flat.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)  # as the triangles run through them
+    key, back = directed @ [count, 1], directed @ [1, count]
+    first, second = directed[~np.isin(key, back)].T
+    walls = [(first, first + count, second + count), (first, second + count, second)]
+    offset_m = np.zeros((2 * count, 1))
+    offset_m[kept], offset_m[kept + count] = depth_m / 2, -depth_m / 2
+    coordinates_m = np.hstack([np.vstack([flat.coordinates_m, lower_m]), offset_m])
+    lower = flat.triangles[:, ::-1] + count
+    parts = [flat.triangles, lower, *(np.column_stack(wall) for wall in walls)]
+    side = np.repeat([UPPER, LOWER, WALL, WALL], [len(part) for part in parts])
+    used = np.ones(2 * count, dtype=bool)
+    used[flat.centre_line + count] = False  # nothing needs them twice
+    number = np.cumsum(used) - 1
+    return TriangleGrid(coordinates_m[used], number[np.vstack(parts)], flat.centre_line, side)
+
+
+def _outwards(points: Array, rectangle: Rectangle, apertures: AperturePattern) -> Array:
+    """Return the directions (n, 2) in which points (n, 2) on the outlines of openings go away from them.
+
+    They lead from an outline to that of openings larger by one all around; other points have none.
+    """
+    centres = apertures.centres_m(rectangle)
+    half = np.array([apertures.length_m, apertures.width_m]) / 2
+    far, nearest = cKDTree(centres / half).query(points / half, p=np.inf)
+    direction = _from_outline(points - centres[nearest], apertures)
+    direction[far > 1.0 + ON_OUTLINE] = 0.0
+    return direction
+
+
+def _from_outline(places_m: Array, apertures: AperturePattern) -> Array:
+    """Return the directions (n, 2) of ``_outwards`` for places (n, 2) on an outline about its centre."""
+    half = np.array([apertures.length_m, apertures.width_m]) / 2
+    if apertures.shape == "rectangle":
+        on_side = np.abs(np.abs(places_m) / half - 1.0) < ON_OUTLINE
+        return np.where(on_side, np.sign(places_m), 0.0)
+    radius_m = half.min()
+    return np.asarray((places_m - np.clip(places_m, radius_m - half, half - radius_m)) / radius_m)
 
 
 def quality(grid: TriangleGrid) -> Quality:
@@ -149,6 +208,7 @@ def _between_m(rectangle: Rectangle, apertures: AperturePattern, size_m: float) 
     y = np.linspace(0.0, rectangle.width_m, across + 1)[1:-1]
     centres = apertures.centres_m(rectangle)
     reach = np.array([apertures.length_m, apertures.width_m]) / 2 + size_m / 2
+    reach += max(apertures.widening_m(apertures.depth_m), 0.0)
     free = np.ones((len(s), len(y)), dtype=bool)
     for centre in centres:
         near = np.abs(s - centre[0])[:, None] < reach[0]
@@ -223,6 +283,7 @@ def _grid_of(
     x, y, _ = np.eye(3)
     shape = Rectangle(np.zeros(3), x, y, length_m, length_m, width_m, clamp_m)
     made = perforated_grid(shape, apertures, cells) if apertures else grid(shape, cells)
-    for values in (made.coordinates_m, made.triangles, made.centre_line):
-        values.setflags(write=False)
+    for values in (made.coordinates_m, made.triangles, made.centre_line, made.side):
+        if values is not None:
+            values.setflags(write=False)
     return made

@@ -38,6 +38,15 @@ class Apertures(Table):
     """Share of the panel's width that counts as solid for its mass and stiffness although particles find
     openings there.  A slice takes its part of the whole panel's margins in this way, in place of
     ``margin_across_m``."""
+    rims: Literal["thin", "deep"] = "thin"
+    """What particles meet at an opening.  Thin rims are the edges of a surface without thickness; deep ones
+    are walls from the upper to the lower side of the mat, which follow its normal and its stretch."""
+    depth_m: Positive | None = None
+    """Distance between the upper and the lower side of the mat, of deep rims.  By default, it is the panel's
+    thickness."""
+    relief_deg: Annotated[float, Strict(), Ge(-45), Le(45)] | None = None
+    """Angle between the walls of deep rims and the normal, 0 by default: with a positive angle, openings
+    widen downwards.  ``length_m`` and ``width_m`` are those of the upper side."""
 
 
 class Stop(Table):

@@ -22,7 +22,7 @@ NEAR = 0.25  # diameters: largest gap between panel and particle that counts as 
 STAYS = 0.5  # diameters: largest motion along or across that counts as the same place
 LOOSE = 0.1  # of the panel's largest speed along its normal: so fast, a retained particle goes against it
 THROWS = 1.25  # times gravity: acceleration of the panel that tells retained particles from loose ones
-SEATED = 0.75  # radii: a centre that is nearer to the surface, above or below, sits in an opening
+SEATED = 0.75  # radii: a centre no farther above the upper side or below the lower one sits in an opening
 
 
 def bins_m(deck: DeckLine) -> Array:
@@ -31,8 +31,13 @@ def bins_m(deck: DeckLine) -> Array:
 
 
 def on_deck(particles: ParticleSnapshot, places: DeckPlaces) -> Mask:
-    """Return whether each particle is over the deck, or at most one radius deep in it."""
-    return np.asarray(places.inside & (places.height_m > -particles.grains.bounding_radius_m))
+    """Return whether each particle is over the deck, in an opening, or at most one radius below the deck."""
+    return np.asarray(places.inside & (places.under_m > -particles.grains.bounding_radius_m))
+
+
+def is_near(places: DeckPlaces, distance_m: Array) -> Mask:
+    """Return whether places are no farther than ``distance_m`` (n,) above the upper and below the lower side."""
+    return np.asarray((places.height_m < distance_m) & (places.under_m > -distance_m))
 
 
 def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: DeckPlaces) -> dict[str, Array]:
@@ -108,11 +113,11 @@ class RetainedParticles(SavedAttributes):
     def at(self, time_s: float, particles: ParticleSnapshot, places: DeckPlaces) -> dict[str, float]:
         """Return the number of ``stickers``, their ``mass_kg``, and the number of ``openings`` that hold one.
 
-        The particles must be sorted by id.
+        ``pegged_kg`` is the mass of those of them that openings hold.  The particles must be sorted by id.
         """
         place = np.column_stack([places.station_m, particles.position_m @ self._across])
         radius = particles.grains.bounding_radius_m
-        lies = places.inside & (np.abs(places.height_m) < radius * (1 + 2 * NEAR))
+        lies = places.inside & is_near(places, radius * (1 + 2 * NEAR))
         old, known = self._previous_rows(particles.id)
         moved = np.abs(place - self._anchor_m[old]).max(axis=1) if len(self._id) else radius
         fastest = self._previous_values(self._fastest_m_per_s, old)
@@ -129,11 +134,12 @@ class RetainedParticles(SavedAttributes):
         retained = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
         retained &= self._fastest_m_per_s > THROWS * gravity_m_per_s
         mass = particles.grains.mass_kg
-        seated_m = place[retained & (np.abs(places.height_m) < SEATED * radius)]
-        blinded = self._openings.query(seated_m)[1] if self._openings is not None else []
+        seated = retained & is_near(places, SEATED * radius) & (self._openings is not None)
+        blinded = self._openings.query(place[seated])[1] if self._openings is not None else []
         return {
             "stickers": float(retained.sum()),
             "mass_kg": float(mass[retained].sum()),
+            "pegged_kg": float(mass[seated].sum()),
             "openings": float(len(np.unique(blinded))),
         }
 

@@ -151,7 +151,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "overlaps": ("between_m", "between_per_diameter", "surface_m", "surface_per_diameter"),
     "profile": ("along_m", "mass_kg", "velocity_m_per_s", "depth_m"),
     "wear": ("worn_m3", "mean_m", "depth_m"),
-    "held": ("stickers", "mass_kg", "openings"),
+    "held": ("stickers", "mass_kg", "pegged_kg", "openings"),
 }
 """The datasets of every kind of group beside ``time_s``.  The group ``energy`` has a dataset for each term of
 the ledger, and ``results`` mirrors the results."""

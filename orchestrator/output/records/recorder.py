@@ -23,7 +23,7 @@ import numpy as np
 
 from orchestrator.case.bed.grains import shapes
 from orchestrator.case.deck.line import deck_line
-from orchestrator.case.deck.openings import openings_m
+from orchestrator.case.deck.openings import half_depths_m, openings_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import Ledger
@@ -123,7 +123,7 @@ class Recorder:
             self._history.describe("removed", "products", [exit.product for exit in exits])
         if machine.wearing is not None:
             self._wear = WearRecord(machine.surface, machine.panels, rectangles)
-        deck = deck_line([start.panel.surface.position_m[line] for line in lines])
+        deck = deck_line([start.panel.surface.position_m[line] for line in lines], half_depths_m(case))
         if deck is not None and machine.material is not None:
             along_deck = [machine.panels[number].name for number, _ in deck.panels]
             self._history.describe("removed", "panels", along_deck)

@@ -70,7 +70,7 @@ def deck_area_m2(run: RunReader) -> float:
 def retained_metrics(
     run: RunReader, start_s: float, end_s: float, is_steady: bool, interval_of: IntervalOf
 ) -> Held:
-    """Return the openings, and the means of stickers and blinded openings over the output times in a window.
+    """Return the openings, and the means of what sticks and of what they hold over the output times in a window.
 
     Those of the run's first cycles, in which no particle can have lain for long enough, do not count.
     """
@@ -80,13 +80,22 @@ def retained_metrics(
     time_s = run.read("held/time_s")
     window &= time_s >= time_s[0] + (HELD_CYCLES - ROUNDING) * run.cycle_s
     if not window.any():
-        return Held(openings=openings, **dict.fromkeys(names, Estimate(None)))
+        shares = ("pegged_percent", "blinded_percent")
+        return Held(openings=openings, **dict.fromkeys([*names, *shares], Estimate(None)))
     cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
+    pegged_kg, blinded = (run.read(f"held/{series}")[window] for series in ("pegged_kg", "openings"))
+    on_deck_kg = np.nan_to_num(run.read("profile/mass_kg")[window]).sum(axis=1)
+    every_opening = np.full(len(cycle), float(openings))
     means = {
         name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady, interval_of)
         for name, series in names.items()
     }
-    return Held(openings=openings, **means)
+    return Held(
+        openings=openings,
+        pegged_percent=ratio_by_cycles(100.0 * pegged_kg, on_deck_kg, cycle, is_steady, interval_of),
+        blinded_percent=ratio_by_cycles(100.0 * blinded, every_opening, cycle, is_steady, interval_of),
+        **means,
+    )
 
 
 def residence_s(fed: EventTable, removed: EventTable) -> Array:

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.case.deck.line import DeckLine, deck_line
-from orchestrator.case.deck.openings import smaller_sides_m
-from orchestrator.case.deck.panels import axes
+from orchestrator.case.deck.openings import half_depths_m, smaller_sides_m
+from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.file.folder import UnreadableFile, open_hdf5, read_json
 from orchestrator.case.file.slice import share
 from orchestrator.case.provenance import read_provenance
@@ -160,8 +160,13 @@ class RunReader:
     @property
     def deck(self) -> DeckLine | None:
         """The line of the deck at t = 0, or None if the panels form no line."""
-        lines_m = [self.history[f"panels/{name}/centre_line_m"][0] for name in self.names("panels")]
-        return deck_line(lines_m)
+        names = self.names("panels")
+        lines_m = [self.history[f"panels/{name}/centre_line_m"][0] for name in names]
+        half_m = {
+            panel.name: half
+            for panel, half in zip(single_panels(self.case), half_depths_m(self.case), strict=True)
+        }
+        return deck_line(lines_m, [half_m[name] for name in names])
 
     @property
     def counted_panels(self) -> list[str]:

@@ -16,6 +16,7 @@ TABLE_RULES = (
     machine.stops_of_exciters,
     panels.panel_rows,
     panels.openings,
+    panels.rims,
     panels.stops,
     panels.panel_integrator,
     machine.probes,

@@ -46,7 +46,8 @@ def openings_and_particles(case: Case) -> Iterator[str]:
     smallest_m, largest_m = sieve_sizes_m(case)
     for panel, *others in perforated_panels(case):
         assert panel.apertures is not None, "only panels with apertures are perforated"
-        limit_m = min(panel.apertures.length_m, panel.apertures.width_m)
+        narrowest = panel.apertures.narrowest_section
+        limit_m = min(narrowest.length_m, narrowest.width_m)
         who = f"panel {panel.name}" + (f" and {len(others)} more" if others else "")
         if largest_m < limit_m:
             yield (

@@ -99,6 +99,8 @@ def openings(case: Case) -> Iterator[CaseProblem]:
         in_pattern: Key = (*key, "apertures")
         if problems := [*_lands(in_pattern, pattern, longest_m)] or [*_room(in_pattern, pattern, panel)]:
             yield from problems
+        elif problems := [*_relief(in_pattern, pattern, longest_m)]:
+            yield from problems
         elif thickness_m > PLATE * longest_m:  # the theory for the lands only holds for plates
             what = (
                 f"the panel is {thickness_m:g} m thick, its openings are only {longest_m:g} m apart: no plate"
@@ -123,6 +125,37 @@ def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[Cas
             what = f"leaves lands of {land_m:.3g} m, too thin for a mesh"
             hint = f"at least {THINNEST_LAND:g} of the longer pitch is wanted"
             yield CaseProblem((*key, f"pitch_{way}_m"), what, hint, kind="out-of-range")
+
+
+def _relief(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[CaseProblem]:
+    """Yield a problem if the relief closes the openings, or leaves too little land below."""
+    over = f"over {pattern.depth_m:g} m"
+    smallest_m = min(pattern.length_m, pattern.width_m)
+    land_m, least_m = pattern.land_m, THINNEST_LAND * longest_m
+    widening_m = pattern.widening_m(pattern.depth_m)
+    if smallest_m + 2 * widening_m <= 0:
+        closed_deg = math.degrees(math.atan(smallest_m / 2 / pattern.depth_m))
+        what = f"{pattern.relief_deg:g} degrees {over} closes openings of {smallest_m:g} m"
+        hint = f"more than -{closed_deg:.3g} degrees is wanted; openings with positive ones widen downwards"
+        yield CaseProblem((*key, "relief_deg"), what, hint, kind="out-of-range")
+    elif land_m - 2 * widening_m < least_m:
+        most_deg = math.degrees(math.atan((land_m - least_m) / 2 / pattern.depth_m))
+        left_m = max(land_m - 2 * widening_m, 0.0)
+        what = f"{pattern.relief_deg:g} degrees {over} leaves {left_m:.3g} m of lands of {land_m:.3g} m below"
+        hint = f"at most {most_deg:.3g} degrees is wanted, or less depth_m"
+        yield CaseProblem((*key, "relief_deg"), what, hint, kind="out-of-range")
+
+
+def rims(case: Case) -> Iterator[CaseProblem]:
+    """Check that openings with thin rims have no keys of deep ones."""
+    for name, row in case.screen.panels.items():
+        if row.apertures is None or row.apertures.rims == "deep":
+            continue
+        for field in ("depth_m", "relief_deg"):
+            if getattr(row.apertures, field) is not None:
+                key: Key = ("screen", "panels", name, "apertures", field)
+                what = "is given, but the openings have thin rims, which have no depth"
+                yield CaseProblem(key, what, 'take rims = "deep"')
 
 
 def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[CaseProblem]:

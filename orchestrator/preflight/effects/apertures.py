@@ -62,7 +62,7 @@ def _stroke_m(scene: Scene, share: Share) -> float:
     """
     springs = []
     for panel, spring in zip(scene.panels, scene.springs, strict=True):
-        pattern, rectangle = panel.panel.apertures, panel.panel.rectangle
+        pattern, rectangle = panel.panel.mean_apertures, panel.panel.rectangle
         present_share = 1.0 if scene.observed.closed else stiffness_share(pattern, rectangle)
         stiffness_N_per_m = spring.stiffness_N_per_m * float(share(pattern, rectangle) / present_share)
         springs.append(replace(spring, stiffness_N_per_m=stiffness_N_per_m))

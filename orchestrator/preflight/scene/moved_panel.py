@@ -94,7 +94,7 @@ class MovedPanel:
         """The stiffness along the taut panel at small strain."""
         area_m2 = self.panel.rectangle.width_m * self.panel.table.thickness_m
         whole_N_per_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
-        return whole_N_per_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
+        return whole_N_per_m * stiffness_share(self.panel.mean_apertures, self.panel.rectangle)
 
     @property
     def stiffening(self) -> float:

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import eigh
 
-from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.deck.panels import aperture_pattern, single_panels
 from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.screen import PanelTable
 from orchestrator.ports import Array, linear_frames
-from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import BushingPlan, SolverFailed, SolverMissing
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames
@@ -109,7 +108,8 @@ def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
 
 def areal_kg_per_m2(case: Case, panel: PanelTable) -> float:
     """Return the mass of a panel's perforated part per area."""
-    solid = AperturePattern(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
+    pattern = aperture_pattern(panel)
+    solid = pattern.mean_section.solid_share if pattern else 1.0
     return solid * case.materials[panel.material].density_kg_per_m3 * panel.thickness_m
 
 

@@ -27,7 +27,7 @@ from orchestrator.ports import (
     sort_removed,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import RigidVertices, closest_on_triangle
+from orchestrator.ports.geometry import UPPER, RigidVertices, closest_on_triangle
 from orchestrator.ports.physics import sphere_drag_N
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
@@ -267,12 +267,11 @@ class SpheresSolver:
             self._crossings = self._crossings.followed_by(some)
 
     def _touches_deck(self, contacts: Contacts) -> npt.NDArray[np.bool_]:
-        """Tell which contacts are with a panel."""
+        """Tell which contacts are with the upper side of a panel, or with a wall, which has points there."""
         surface = self._plan.surface
-        if surface.panel is None:
-            return np.zeros(len(contacts.first), dtype=bool)
-        of_deck = np.isin(np.arange(len(surface.position_m)), surface.triangles[surface.panel >= 0])
-        return np.asarray((contacts.second < 0) & of_deck[contacts.points[:, 0]])
+        upper = surface.on_deck & (True if surface.side is None else surface.side == UPPER)
+        of_deck = np.isin(np.arange(len(surface.position_m)), surface.triangles[upper])
+        return np.asarray((contacts.second < 0) & of_deck[contacts.points].any(axis=1))
 
     def _feed(self, interval: Interval) -> None:
         """Take in the particles that are due and overlap neither present ones nor the surface."""
@@ -329,11 +328,11 @@ class SpheresSolver:
         self._came_kg_m2_per_s = self._came_kg_m2_per_s - left.angular_momentum_kg_m2_per_s()
 
     def _has_left(self, box: ExitPlan, position_m: Array) -> npt.NDArray[np.bool_]:
-        """Tell who is on the lower side of the nearest panel that reaches into an exit of the undersize."""
+        """Tell who is below the nearest panel that reaches into an exit of the undersize."""
         surface, below = self._plan.surface, np.ones(len(position_m), dtype=bool)
         if surface.panel is None or box.product != "undersize":
             return below
-        corners_m = self._surface_m[surface.triangles[surface.panel >= 0]]
+        corners_m = self._surface_m[surface.floor]
         in_box_m = (corners_m - box.center_m) @ box.axes.T
         meets = (in_box_m.min(axis=1) <= box.half_m) & (in_box_m.max(axis=1) >= -box.half_m)
         corners_m = corners_m[meets.all(axis=1)]

@@ -56,8 +56,9 @@ class Visits:
     def observe(self, deck: DeckPlan, surface_m: Array, spheres: Bodies, length_s: float) -> None:
         """Look at the spheres at the end of an interval of ``length_s``."""
         panel, height_m, inside, is_open = _locate(deck, surface_m, spheres.position_m)
-        through = height_m < -spheres.radius_m
-        gap_m = height_m - spheres.radius_m
+        half_m = deck.half_depths_m[panel]
+        through = height_m < -half_m - spheres.radius_m
+        gap_m = height_m - half_m - spheres.radius_m
         self._count(inside & (through | (self.touched & is_open)), panel)
         over = np.flatnonzero(inside & ~through)
         self.over_s[over, panel[over]] += length_s
