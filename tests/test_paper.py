@@ -40,6 +40,7 @@ measure = "amplitude"
 of = "driven-driving"
 unit = "mm"
 reference = 6.0
+fact = "stroke"
 band = [5.4, 6.6]
 """
 
@@ -122,10 +123,28 @@ def test_a_band_from_own_theory_is_never_met(case: Path) -> None:
     assert [line.is_good for line in (inside, outside)] == [True, False]
 
 
-def test_an_effect_that_the_source_cannot_tell_from_chance(case: Path) -> None:
-    chance, sure = compared(case, ROW + "p_value = 0.26\n" + ROW + "p_value = 0.01\n")
-    assert (chance.verdict, sure.verdict) == ("chance", "NOT MET")
-    assert [line.is_good for line in (chance, sure)] == [True, False]
+def test_a_band_is_the_sources_error_to_both_sides(case: Path) -> None:
+    """The stroke is 8.64 mm: nine tenths of a millimetre from the reference is inside, half of one is not."""
+    assert sum(moved_mm(70)) == pytest.approx(8.64)
+    rows = [
+        ROW.replace("6.0", reference).replace("band = [5.4, 6.6]", f"error = {error}")
+        for reference, error in (("8.0", 0.9), ("8.0", 0.5), ("9.2", 0.9), ("9.2", 0.5))
+    ]
+    lines = compared(case, "".join(rows))
+    assert [line.verdict for line in lines] == ["met", "NOT MET", "met", "NOT MET"]
+    assert lines[0].band_in_words == "7.1 to 8.9 mm"
+    assert lines[0].reference_in_words == "8 ± 0.9 mm"
+
+
+def test_a_band_that_begins_or_ends_at_zero_is_only_a_sign(case: Path) -> None:
+    """The frames swing further against each other at 90 than at 60 rad/s."""
+    growth = ROW.replace('at = "70"\n', 'compare = "growth"\nbetween = [60, 90]\n').replace('"mm"', '"%"')
+    growth = growth.replace("reference = 6.0\n", "")
+    rows = [growth.replace("[5.4, 6.6]", band) for band in ("[0, 100]", "[-100, 0]", "[1, 100]")]
+    lines = compared(case, "".join(rows))
+    assert lines[0].measured == pytest.approx(100 * (sum(moved_mm(90)) / sum(moved_mm(60)) - 1))
+    assert [line.verdict for line in lines] == ["sign only", "NOT MET", "met"]
+    assert [line.is_good for line in lines] == [True, False, True]
 
 
 @pytest.mark.parametrize("compare", ["growth", "ratio"])
@@ -276,10 +295,11 @@ def test_the_file_has_every_row(case: Path) -> None:
 
 @pytest.mark.parametrize("case_folder", sorted(Path(__file__).parents[1].glob("cases/*/criteria.toml")))
 def test_every_papers_table_is_right(case_folder: Path) -> None:
-    """Its bands hold the paper's own values."""
+    """Its bands hold the paper's own values, and are two-sided where a size is published."""
     for row in read_criteria(case_folder.parent).criteria:
-        if row.band is not None:
-            low, high = row.band
+        if row.limits is not None:
+            low, high = row.limits
+            assert row.reference is None or not row.is_sign_only
             assert low is not None
             assert high is not None
             assert low < high
@@ -330,6 +350,16 @@ def test_results_and_their_change_over_a_sweep(case: Path) -> None:
     assert "absent" in unknown.value_in_words
 
 
+def test_one_printed_number_is_not_counted_twice(case: Path) -> None:
+    """Two of our numbers beside one reference must say whether they are one fact."""
+    bare = ROW.replace('fact = "stroke"\n', "")
+    with pytest.raises(CaseError) as caught:
+        compared(case, bare + bare)
+    assert keys_and_kinds(caught.value.problems) == ["criteria.1.fact: missing"]
+    for other in (bare + 'ours = "fitted"\n', bare.replace("6.0", "6.1"), bare.replace("band", "#")):
+        assert compared(case, bare + other)
+
+
 def papers_of(folder: Path) -> tuple[CaseStudy, list[str]]:
     """The study of a folder of cases with runs, and what its command says without runs of its own."""
     study = CaseStudy(folder, out=folder / "out")
@@ -351,16 +381,82 @@ def test_all_papers_of_a_folder_are_one_table(case: Path) -> None:
     rows = list(csv.DictReader((study.folder / "paper.csv").read_text().splitlines()))
     assert [(row["case"], row["ours"]) for row in rows] == [("case", "predicted"), ("other", "fitted")]
     text = (study.folder / "paper.md").read_text()
-    assert "Of 2 numbers: 1 NOT MET, 1 fitted, OUTSIDE." in text
+    assert "Of 1 facts: 1 NOT MET." in text
     line = "| a | 6 mm |  | 8.64 ± 0.05 mm | +2.6 mm (+44 %) | predicted | 5.4 to 6.6 mm | NOT MET |"
     assert line in text
     assert "8.64 ± 0.05 mm" in (study.folder / "paper.html").read_text()
 
 
+def two_readings(case: Path) -> None:
+    """Two cases beside one fact, which one of them meets, and beside another one."""
+    met = ROW.replace("[5.4, 6.6]", "[8.0, 9.0]")
+    slow = ROW.replace('"a"', '"b"').replace('"stroke"', '"slow stroke"').replace('at = "70"', 'at = "60"')
+    (case / "criteria.toml").write_text(HEAD + slow.replace("[5.4, 6.6]", "[6.0, 12.0]") + met)
+    case_folder(case.parent / "other", (case / "case.toml").read_text())
+    (case.parent / "other" / "criteria.toml").write_text(HEAD + met + ROW.replace('"a"', '"c"'))
+
+
+def test_a_fact_counts_once_with_its_worst_number_and_misses_come_first(case: Path) -> None:
+    two_readings(case)
+    study, _ = papers_of(case.parent)
+    text = (study.folder / "paper.md").read_text()
+    assert "Of 2 facts: 1 NOT MET, 1 met." in text
+    facts = [line for line in text.splitlines() if line.startswith(("| stroke", "| slow stroke"))]
+    assert facts[0].startswith("| stroke | 6 mm | other 8.64 ± 0.05 mm (NOT MET); case 8.64 ± 0.05 mm (met);")
+    assert [line.split(" | ")[-1] for line in facts] == ["NOT MET |", "met |"]
+    of_other = text[text.index("## other") :]
+    assert of_other.index("| c |") < of_other.index("| a |")
+    page = (study.folder / "paper.html").read_text()
+    assert page.index("slow stroke") > page.index("<td>stroke")
+
+
+def test_the_page_of_recorded_numbers_needs_no_run(case: Path) -> None:
+    """The page of a table is that of the runs from which the table was written."""
+    two_readings(case)
+    study, _ = papers_of(case.parent)
+    table = study.folder / "paper.csv"
+    rows = (study.folder / "paper.md").read_text().splitlines()
+    again = replace(study, out=case.parent / "again")
+    assert [*command(again, recorded=table)]
+    text = (again.folder / "paper.md").read_text()
+    assert [line for line in text.splitlines() if line not in rows] == [
+        f"`flipflow study paper {case.parent} --recorded {table}` makes this page. "
+        "Of 2 facts: 1 NOT MET, 1 met."
+    ]
+    head = "case,criterion,value,half width,unit,note\n"
+    table.write_text(head + "case,a,8.5,,mm,an old run\nnowhere,a,1,,mm,\n")
+    assert [*command(again, recorded=table)]
+    text = (again.folder / "paper.md").read_text()
+    assert "\n\nan old run\n\n" in text
+    assert "| 8.5 mm |" in text
+    assert "not recorded" in text
+
+
+@pytest.mark.parametrize(
+    ("table", "kind"),
+    [
+        ("case,criterion,value,unit\n", "half width: missing"),
+        ("case,criterion,value,half width,unit\ncase,aa,1,,mm\n", "case.aa: unknown-name"),
+        ("case,criterion,value,half width,unit\ncase,a,1,,m\n", "case.a: unit"),
+        ("case,criterion,value,half width,unit\ncase,a,one,,mm\n", "0.value: wrong-type"),
+        (None, ": file"),
+    ],
+)
+def test_a_wrong_table_of_recorded_numbers_is_refused(case: Path, table: str | None, kind: str) -> None:
+    file = case.parent / "recorded.csv"
+    if table is not None:
+        file.write_text(table)
+    study = CaseStudy(case, out=case.parent / "out")
+    with pytest.raises(CaseError) as caught:
+        [*command(study, recorded=file)]
+    assert keys_and_kinds(caught.value.problems) == [kind]
+    assert not study.folder.exists()
+
+
 def test_a_number_without_a_run_is_no_verdict(case: Path) -> None:
     study = CaseStudy(case, out=case.parent / "out")
     assert list(command(study, dry=True))
-    assert "Of 1 numbers: 1 no number." in (study.folder / "paper.md").read_text()
+    assert "Of 1 facts: 1 no number." in (study.folder / "paper.md").read_text()
 
 
 def test_the_level_of_the_criteria(case: Path) -> None:

@@ -100,9 +100,11 @@ class Engine:
         density_kg_per_m3: Array,
         type: Ints,
         shape: Ints,
+        turn: Array,
         first_id: int,
     ) -> None:
-        """Create upright bodies, (n,) and (n, 3) each, with ids in order from ``first_id``."""
+        """Create bodies, (n,) and (n, 3) each, turned by quaternions (n, 4), with ids in order from
+        ``first_id``."""
 
     def bodies(self) -> dict[str, Any]:
         """Return copies of this rank's bodies: tag, shape, type, size, density, rmass (n,), x, v, omega, f,

@@ -33,10 +33,9 @@ NONE = "none"
 
 @dataclass(frozen=True)
 class SolverName:
-    """An annotation for a field of a case's table whose value is the name of a solver of ``port``, or of a
-    shape."""
+    """An annotation for a field of a case's table whose value is the name of a solver of ``port``."""
 
-    port: Door
+    port: Port
 
     @property
     def allowed(self) -> tuple[str, ...]:
@@ -52,6 +51,17 @@ class SolverName:
         *most, last = (repr(allowed) for allowed in self.allowed)
         expected = f"{', '.join(most)} or {last}"
         raise PydanticKnownError("literal_error", {"expected": expected})
+
+
+@dataclass(frozen=True)
+class ShapeNames:
+    """An annotation for a field of a case's table whose value is the name of a shape of grains, or of one of
+    the case's own (``[bed.shapes]``, whose table checks both)."""
+
+    @property
+    def allowed(self) -> tuple[str, ...]:
+        """The names that every case may give."""
+        return names("shapes")
 
 
 @cache

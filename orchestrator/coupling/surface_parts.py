@@ -29,14 +29,7 @@ from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.coupling.panel_set import PanelSet, consecutive_slices
 from orchestrator.ports import Array, Indices, Interpolation, MeshedPanel, Panel
-from orchestrator.ports.geometry import (
-    UPPER,
-    Edges,
-    RigidVertices,
-    TriangleSurface,
-    shares_in,
-    tetrahedron_m,
-)
+from orchestrator.ports.geometry import UPPER, Edges, RigidVertices, TriangleSurface, shares_in, tetrahedron_m
 from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import DeckPlan, PanelPlan
 from orchestrator.ports.shape_grid import ShapeGrid
@@ -265,12 +258,11 @@ class OpenSurface:
         if all(panel.side is None for panel in self.panels):
             return None
         given = [panel.side for panel in self.panels] + [None for _ in self.rigid]
-        return np.concatenate(
-            [
-                np.full(len(part.triangles), UPPER) if side is None else side
-                for part, side in zip(self.parts, given, strict=True)
-            ]
-        )
+        each = [
+            np.full(len(part.triangles), UPPER) if side is None else side
+            for part, side in zip(self.parts, given, strict=True)
+        ]
+        return np.asarray(np.concatenate(each))
 
     def panel_of_triangle(self) -> Indices:
         """Return the number of each triangle's panel; -1 for walls."""

@@ -392,7 +392,9 @@ class Held:
     sticking_kg: Estimate = figure("mass of stuck particles", is_extensive=True)
     blinded_openings: Estimate = figure("blinded openings", "that hold a stuck particle", is_extensive=True)
     pegged_percent: Estimate = figure(
-        "pegged", "the mass of the stuck particles that openings hold, over the mass on the deck", resolution=0.1
+        "pegged",
+        "the mass of the stuck particles that openings hold, over the mass on the deck",
+        resolution=0.1,
     )
     blinded_percent: Estimate = figure(
         "openings blocked", "the blinded openings over all openings", resolution=0.1

@@ -31,7 +31,7 @@ from orchestrator.ports import Saved
 
 KEPT = 2
 FOLDER, ABOUT = "checkpoints", "checkpoint.json"
-FORMAT = 14
+FORMAT = 15
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
 them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
 LARGE_BYTES, SPARSE = 2**30, 1000

@@ -130,16 +130,12 @@ class AperturePattern:
             return self
         both_m = 2 * self.widening_m(below_m)
         return replace(
-            self,
-            length_m=self.length_m + both_m,
-            width_m=self.width_m + both_m,
-            depth_m=0.0,
-            relief_deg=0.0,
+            self, length_m=self.length_m + both_m, width_m=self.width_m + both_m, depth_m=0.0, relief_deg=0.0
         )
 
     @property
     def mean_section(self) -> AperturePattern:
-        """The section half way down, which has the mean area of the openings but for a square of the relief."""
+        """The section half way down, whose area is the mean one but for a square of the relief."""
         return self.section(self.depth_m / 2)
 
     @property

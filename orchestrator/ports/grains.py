@@ -10,7 +10,7 @@ from typing import Any, Generic, Self, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports.interface_records import Array
+from orchestrator.ports.interface_records import Array, Indices
 from orchestrator.ports.rows import Rows
 
 Number = TypeVar("Number", float, npt.NDArray[np.float64])
@@ -66,12 +66,36 @@ class ShapeTable(Rows):
     inertia: Array
     bounding_radius: Array
     contact_radius: Array
+    spheres: Array
+    """(k, most, 4): of shapes with fewer spheres than the most, the last rows are 0."""
 
     @staticmethod
     def of(shapes: Sequence[Shape]) -> ShapeTable:
         """Return the table of some shapes, whose numbers are their places among them."""
-        names = [field.name for field in fields(ShapeTable)]
-        return ShapeTable(**{name: np.array([getattr(shape, name) for shape in shapes]) for name in names})
+        names = [field.name for field in fields(ShapeTable) if field.name != "spheres"]
+        numbers = {name: np.array([getattr(shape, name) for shape in shapes]) for name in names}
+        spheres = np.zeros((len(shapes), max((len(shape.spheres) for shape in shapes), default=0), 4))
+        for row, shape in zip(spheres, shapes, strict=True):
+            row[: len(shape.spheres)] = shape.spheres
+        return ShapeTable(**numbers, spheres=spheres)
+
+    @property
+    def sphere_count(self) -> Indices:
+        """The number of spheres of each shape (k,)."""
+        return np.asarray(np.count_nonzero(self.spheres[:, :, 3], axis=1))
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the shapes, without what they are about."""
+        return tuple(
+            Shape(
+                name=str(self.name[k]),
+                about="",
+                spheres=tuple((x, y, z, r) for x, y, z, r in self.spheres[k, :count].tolist()),
+                volume=float(self.volume[k]),
+                inertia=(self.inertia[k, 0].item(), self.inertia[k, 1].item(), self.inertia[k, 2].item()),
+            )
+            for k, count in enumerate(self.sphere_count)
+        )
 
     def part(self, rows: Any) -> Self:
         """Return the whole table, whatever the rows of grains."""
@@ -157,6 +181,18 @@ class Grain(Rows, Generic[Number]):
         return cubed ** (1 / 3) * self.sieve_size_m  # type: ignore[no-any-return]
 
     @property
+    def sphere_count(self) -> Any:
+        """The number of spheres of the shape, or of each grain's (n,)."""
+        return self.shapes.sphere_count[self.shape]
+
+    def spheres(self) -> tuple[Indices, Array]:
+        """Return all spheres of n grains, grain by grain: the row of each one's grain (m,), and their places
+        from the centre of mass, in the axes of the shape, and radii, in metres (m, 4)."""
+        used = self.shapes.spheres[self.shape]
+        grain, number = np.nonzero(used[:, :, 3])
+        return grain, np.asarray(used[grain, number] * np.asarray(self.sieve_size_m)[grain, None])
+
+    @property
     def shape_names(self) -> npt.NDArray[np.str_]:
         """The names of the shapes (n,)."""
         return np.asarray(self.shapes.name[self.shape])
@@ -179,3 +215,27 @@ class Grain(Rows, Generic[Number]):
 
 Grains = Grain[npt.NDArray[np.float64]]
 """n grains, one a row."""
+
+
+def upright(count: int) -> Array:
+    """Return the quaternions w, x, y, z (n, 4) of grains that stand in the axes of their shapes."""
+    return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+
+
+def turned(orientation: Array, vectors: Array) -> Array:
+    """Return vectors (n, 3) in the axes of shapes as vectors of the world, by quaternions (n, 4)."""
+    w, axis = orientation[:, :1], orientation[:, 1:]
+    across = 2.0 * np.cross(axis, vectors)
+    return np.asarray(vectors + w * across + np.cross(axis, across))
+
+
+def turned_back(orientation: Array, vectors: Array) -> Array:
+    """Return vectors (n, 3) of the world in the axes of the shapes: the inverse of ``turned``."""
+    return turned(orientation * [1.0, -1.0, -1.0, -1.0], vectors)
+
+
+def placed_spheres(grains: Grains, position_m: Array, orientation: Array) -> tuple[Indices, Array, Array]:
+    """Return all spheres of n grains, grain by grain: the row of each one's grain (m,), its centre (m, 3) in
+    the world, and its radius (m,), in metres."""
+    grain, own_m = grains.spheres()
+    return grain, position_m[grain] + turned(orientation[grain], own_m[:, :3]), own_m[:, 3]

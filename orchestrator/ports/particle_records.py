@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports.grains import Grain, Grains, ShapeTable
+from orchestrator.ports.grains import Grain, Grains, ShapeTable, upright
 from orchestrator.ports.interface_records import Array, Indices
 from orchestrator.ports.rows import Rows
 
@@ -45,6 +45,9 @@ class ParticleSnapshot(Rows):
         None if the solver does not tell it.
     contacts
         (n,) the number of other particles that each one touches; None if the solver does not tell it.
+    orientation
+        (n, 4) unit quaternions w, x, y, z, which turn the axes of the shapes to those of the world; upright,
+        if they are not given.
     """
 
     id: Indices
@@ -54,6 +57,11 @@ class ParticleSnapshot(Rows):
     grains: Grains
     force_N: Array | None = None
     contacts: Indices | None = None
+    orientation: Array = field(default_factory=lambda: upright(0))
+
+    def __post_init__(self) -> None:
+        if not len(self.orientation):
+            object.__setattr__(self, "orientation", upright(len(self.id)))
 
 
 @dataclass(frozen=True)

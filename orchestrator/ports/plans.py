@@ -8,7 +8,7 @@ from which its adapter predicts the ``Cost``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -19,7 +19,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.failures import SolverFailed as SolverFailed
 from orchestrator.ports.failures import SolverMissing as SolverMissing
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
-from orchestrator.ports.grains import Grains, Shape
+from orchestrator.ports.grains import Grains, Shape, upright
 from orchestrator.ports.interface_records import Array, Indices
 from orchestrator.ports.rows import Rows
 
@@ -299,12 +299,18 @@ class GrainMaterial:
 @dataclass(frozen=True)
 class ParticleList(Rows):
     """A list of particles to create: positions (n, 3) and velocities (n, 3) of the centres of mass, spins
-    (n, 3) in rad/s, and what they are.  Ids are given in order."""
+    (n, 3) in rad/s, what they are, and how they are turned, (n, 4) unit quaternions w, x, y, z from the axes
+    of their shapes to the world's; upright, if it is not given.  Ids are given in order."""
 
     position_m: Array
     velocity_m_per_s: Array
     spin_rad_per_s: Array
     grains: Grains
+    orientation: Array = field(default_factory=lambda: upright(0))
+
+    def __post_init__(self) -> None:
+        if not len(self.orientation):
+            object.__setattr__(self, "orientation", upright(len(self)))
 
     def __len__(self) -> int:
         return len(self.grains)
@@ -327,8 +333,8 @@ class ExitPlan:
     """A box that takes out every particle whose centre is in it.
 
     An exit of the ``product`` "undersize" is below the deck: where panels reach into it, who is on the upper
-    side of the nearest one, or in an opening with a depth, stays.  ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit
-    vectors along its edges, ``half_m`` (3,) half their lengths.
+    side of the nearest one, or in an opening with a depth, stays.  ``center_m`` (3,) in the world; the rows
+    of ``axes`` (3, 3) are the unit vectors along its edges, ``half_m`` (3,) half their lengths.
     """
 
     name: str
@@ -516,9 +522,9 @@ class ParticlesWork:
     """The work of particles.
 
     ``particle_steps`` counts the steps of all particles together, ``steps`` those of the solver, in ``runs``
-    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion,
-    ``thrown`` whether particles fly in a thin layer, where they touch little, and ``in_air`` whether air
-    resists them.
+    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion, and
+    ``thrown`` whether particles fly in a thin layer, where they touch little.  ``spheres_each`` is the mean
+    number of spheres of a particle, and 1 only if none is a clump; ``in_air`` says whether air resists them.
     """
 
     particle_steps: float
@@ -527,4 +533,5 @@ class ParticlesWork:
     triangles: int
     sticky: bool
     thrown: bool = False
+    spheres_each: float = 1.0
     in_air: bool = False

@@ -155,6 +155,8 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *motion.loss_curves_beyond_points(case, shaken),
         *machine.sudden_drives(case),
         *bed.endless_rolling(shaken),
+        *bed.shape_twice(case),
+        *bed.sticky_clumps(case),
         *bed.idle_shapes(case, loaded.layers.merged),
         *bed.feeds_that_hardly_feed(case),
         *bed.probes_without_particle(case),

@@ -210,13 +210,24 @@ def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> Pa
     intervals, step_s = case.duration_s / interval_s, particle_step_s(case)
     steps = tries * math.ceil(intervals) * steps_in(interval_s, step_s)
     return ParticlesWork(
-        mean * steps,
-        steps,
-        tries * intervals,
-        triangles,
+        particle_steps=mean * steps,
+        steps=steps,
+        runs=tries * intervals,
+        triangles=triangles,
         sticky=adhesion_law(case) != "none",
+        spheres_each=_spheres_each(case),
         in_air=air_plan(case) is not None,
     )
+
+
+def _spheres_each(case: Case) -> float:
+    """Return the mean number of spheres of all particles that the case has or feeds, by number."""
+    start = initial_particles(case)
+    number, spheres = float(len(start)), float(np.sum(start.grains.sphere_count)) if len(start) else 0.0
+    for inlet in inlets(case).values():
+        fed = inlet.due_kg(case.duration_s) / mean_mass_kg(inlet.sizes, inlet.grain)
+        number, spheres = number + fed, spheres + fed * float(inlet.grain.sphere_count)
+    return spheres / number if number else 1.0
 
 
 def surface_triangles(case: Case) -> int:

@@ -11,7 +11,7 @@ which the case was fitted proves nothing (``ours``), and neither does a band fro
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -29,7 +29,6 @@ from orchestrator.workbench.vocabulary import (
     Number,
     OneLine,
     Positive,
-    Share,
     Switch,
     Table,
     did_you_mean,
@@ -78,6 +77,12 @@ class Criterion(Question):
     """The unit of this criterion's numbers."""
     reference: Number | None = None
     """The number as it is known from elsewhere: from a paper or a closed form."""
+    error: Positive | None = None
+    """Half the width of the reference's 95 % interval, as the source gives it or as its data show it.  The
+    number must be in that interval."""
+    fact: OneLine = ""
+    """The published fact that the criterion judges.  Criteria of one fact, in this case or in others of the
+    same paper, count once.  By default, ``what`` names it."""
     exact: Switch = False
     """Whether the reference is the exact answer, so that ``flipflow study accuracy`` measures errors
     against it."""
@@ -95,14 +100,31 @@ class Criterion(Question):
     the number follows from the runs alone."""
     band_from: Literal["source", "own-theory"] = "source"
     """The origin of the band: the source of the reference, or the theory of this program."""
-    p_value: Share | None = None
-    """The p-value of the reference, where it is an effect: above 0.05 the source itself cannot tell it from
-    chance, and no verdict is given."""
     scatter: OneLine = ""
     """The entry of ``runs``, of one case with several seeds, that shows the scatter of each run's number;
     without it, the interval is that of the run itself."""
     known_failure: OneLine = ""
     """The reason why the criterion is not met; empty where it must be met."""
+
+    @property
+    def limits(self) -> Band | None:
+        """The lower and the upper limit of the number in its unit; None where the number is not compared."""
+        if self.error is not None and self.reference is not None:
+            return (self.reference - self.error, self.reference + self.error)
+        if self.ratio is not None and self.reference is not None:
+            low, high = (None if each is None else each * self.reference for each in self.ratio)
+            return (low, high)
+        return self.band
+
+    @property
+    def is_effect(self) -> bool:
+        """Whether the number is a change over the values of a key, which chance alone may make."""
+        return self.compare in EFFECTS
+
+    @property
+    def is_sign_only(self) -> bool:
+        """Whether the band of an effect is one-sided: it begins or ends at zero, or is open."""
+        return self.is_effect and self.limits is not None and any(not limit for limit in self.limits)
 
 
 class Criteria(Table):
@@ -171,9 +193,35 @@ def read_criteria(case: Path) -> Criteria:
         if row.ratio is not None and not row.reference:
             what = "is in multiples of a reference, which is missing"
             problems.append(CaseProblem(("criteria", number, "ratio"), what, file=str(file), kind="missing"))
+        if row.error is not None and row.reference is None:
+            what = "is that of a reference, which is missing"
+            problems.append(CaseProblem(("criteria", number, "error"), what, file=str(file), kind="missing"))
+        if sum(each is not None for each in (row.band, row.ratio, row.error)) > 1:
+            what = "another of band, ratio and error is given, too"
+            problems.append(CaseProblem(("criteria", number), what, "give one", str(file), kind="conflict"))
+    if criteria.source:
+        problems += [*_counted_twice(criteria.criteria, str(file))]
     if problems:
         raise CaseError(problems)
     return criteria
+
+
+def _counted_twice(rows: Sequence[Criterion], file: str) -> Iterator[CaseProblem]:
+    """Yield a problem for each predicted number with the reference of an earlier one and no word on the fact.
+
+    Two numbers of ours that are held against one printed number are one fact, unless ``fact`` says otherwise.
+    """
+    first: dict[tuple[float, str], int] = {}
+    for number, row in enumerate(rows):
+        if row.ours != "predicted" or row.reference is None or row.limits is None:
+            continue
+        if row.band_from == "own-theory":
+            continue
+        earlier = first.setdefault((row.reference, row.unit), number)
+        if earlier != number and not (row.fact and rows[earlier].fact):
+            what = f"criteria.{earlier} has the same reference, {row.reference:g} {row.unit}, too"
+            hint = "name the fact of both: one, if they are the same number of the paper"
+            yield CaseProblem(("criteria", number, "fact"), what, hint, file, kind="missing")
 
 
 def _over_base(criteria: Criteria, folder: Path) -> Criteria:
@@ -404,6 +452,8 @@ OVER_VALUES: dict[str, Callable[[Array, Runs], float]] = {
     "lowest-at": _lowest_at,
 }
 """Comparisons of the numbers of all values of a varied key, from the first value to the last."""
+EFFECTS = ("growth", "change")
+"""Comparisons whose number is zero where nothing changes."""
 DIFFERENCE = "difference"
 WITH_ANOTHER: dict[str, Callable[[float, float], float]] = {
     "ratio": lambda ours, theirs: ours / theirs,

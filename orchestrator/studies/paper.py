@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from orchestrator.studies.criteria import FILE, read_criteria
+from orchestrator.studies.facts import predicted_facts
 from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.report import markdown_table
-from orchestrator.studies.verdicts import CaseCriteria, CriterionResult, case_criteria
+from orchestrator.studies.verdicts import (
+    WORST_FIRST,
+    CaseCriteria,
+    CriterionResult,
+    case_criteria,
+    worst_first,
+)
 from orchestrator.workbench import CaseError, CaseProblem, StudyFolder
+from orchestrator.workbench.vocabulary import did_you_mean
 
+RECORDED = ("case", "criterion", "value", "half width", "unit")
+FACT_HEAD = ("fact", "published", "ours", "verdict")
+RULES = (
+    "A **fact** is one thing that a paper says. It counts once, however many of our numbers are held against "
+    "it, and its verdict is that of the worst of them. Misses come first.",
+    "*Met* and *NOT MET* are verdicts on numbers that were **predicted**: no value of the case was chosen to "
+    "meet them. The band is the interval that the source's own error gives, to both sides; *sign only* "
+    "stands for an effect whose sign is published and no size. *Chance* stands for an effect that our runs "
+    "cannot tell from none: zero lies in our interval, and so does a part of the band. A number that is "
+    "*fitted*, *published* or *assumed* proves nothing. *As own theory* compares with a closed form of our "
+    "own, not with a measurement. Intervals are 95 % confidence intervals of our runs; they do not contain "
+    "what a case assumes.",
+)
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
 
 
@@ -49,40 +71,128 @@ def of_case(study: CaseStudy) -> CaseCriteria:
     return case_criteria(replace(study, level=study.level or read_criteria(study.case).level or None))
 
 
+def recorded_results(
+    papers: Sequence[CaseCriteria], file: Path
+) -> list[tuple[CaseCriteria, list[CriterionResult]]]:
+    """Return the results of criteria whose numbers an earlier ``paper.csv`` has; nothing is run or read else.
+
+    The file has the columns ``case``, ``criterion``, ``value``, ``half width`` and ``unit``, and may have
+    ``note``, a remark that the page shows.  A criterion that it does not have gives no number.  Raises
+    CaseError where a column is missing or a row is of no criterion, or in another unit.
+    """
+    rows = _rows_of(file)
+    known = {(paper.name, row.what): row for paper in papers for row in paper.criteria.criteria}
+    names = {paper.name for paper in papers}
+    problems = []
+    for key, row in rows.items():
+        if key[0] not in names:
+            continue
+        if key not in known:
+            hint = did_you_mean(key[1], [what for case, what in known if case == key[0]])
+            problems.append(CaseProblem((*key,), "is no criterion", hint, str(file), kind="unknown-name"))
+        elif row["unit"] != known[key].unit:
+            what = f"is in {row['unit']}, and its criterion in {known[key].unit}"
+            problems.append(CaseProblem((*key,), what, file=str(file), kind="unit"))
+    if problems:
+        raise CaseError(problems)
+    results = []
+    for paper in papers:
+        found = []
+        for criterion in paper.criteria.criteria:
+            row = rows.get((paper.name, criterion.what), {})
+            value, width = (float(row[name]) if row.get(name) else None for name in ("value", "half width"))
+            found.append(
+                CriterionResult(paper.name, criterion, value, "not recorded", width, row.get("note") or "")
+            )
+        results.append((paper, found))
+    return results
+
+
+def _rows_of(file: Path) -> dict[tuple[str, str], dict[str, str]]:
+    """Return the rows of a table of recorded numbers by case and criterion.  Raises CaseError."""
+    try:
+        with file.open(encoding="utf-8", newline="") as text:
+            table = csv.DictReader(text)
+            rows = [*table]
+            missing = [name for name in RECORDED if name not in (table.fieldnames or ())]
+    except (OSError, UnicodeDecodeError) as error:
+        raise CaseError([CaseProblem((), f"cannot be read: {error}", file=str(file), kind="file")]) from None
+    if missing:
+        raise CaseError(
+            [
+                CaseProblem((name,), "is a missing column", "docs/criteria.md", str(file), kind="missing")
+                for name in missing
+            ]
+        )
+    for number, row in enumerate(rows):
+        for name in ("value", "half width"):
+            try:
+                float(row[name] or 0.0)
+            except ValueError:
+                what = f'"{row[name]}" is no number'
+                raise CaseError(
+                    [CaseProblem((number, name), what, file=str(file), kind="wrong-type")]
+                ) from None
+    return {(row["case"], row["criterion"]): row for row in rows}
+
+
 def write_paper(
-    results: Sequence[tuple[CaseCriteria, Sequence[CriterionResult]]], study: CaseStudy
+    results: Sequence[tuple[CaseCriteria, Sequence[CriterionResult]]],
+    study: CaseStudy,
+    recorded: Path | None = None,
 ) -> list[Path]:
-    """Write ``paper.md`` and ``paper.html``: every published number beside ours, and return both files."""
-    every = [result for _, of_case in results for result in of_case]
-    parts = [(paper, counts(of_case), [row(result) for result in of_case]) for paper, of_case in results]
+    """Write ``paper.md`` and ``paper.html``: every published number beside ours, and return both files.
+
+    ``recorded`` is the file of the numbers if they were measured before.
+    Facts come first, each once, and the misses among them before the rest.
+    """
+    facts = predicted_facts(results)
+    of_file = "" if recorded is None else f" --recorded {recorded}"
+    counted = counts([fact.verdict for fact in facts], "facts")
+    parts = [
+        (
+            paper,
+            counts([each.verdict for each in of_case], "numbers"),
+            [*dict.fromkeys(each.note for each in of_case if each.note)],
+            [row(each) for each in worst_first(of_case)],
+        )
+        for paper, of_case in results
+    ]
+    of_facts = [(fact.name, fact.published, fact.ours, fact.verdict) for fact in facts]
     text = [
         "# Published numbers and ours",
-        f"`flipflow study paper {study.case}` makes this page. {counts(every)}",
-        "*Met* and *NOT MET* are verdicts on numbers that were **predicted**: no value of the case was "
-        "chosen to meet them. A number that is *fitted*, *published* or *assumed* proves nothing. "
-        "*As own theory* compares with a closed form of our own, not with a measurement. *Chance* stands for "
-        "an effect that the paper's own data do not tell from chance. Intervals are 95 % confidence "
-        "intervals of our runs; they do not contain what a case assumes.",
+        f"`flipflow study paper {study.case}{of_file}` makes this page. {counted}",
+        *RULES,
+        "## Facts",
+        markdown_table(FACT_HEAD, of_facts),
     ]
-    for paper, counted, rows in parts:
+    for paper, of_case, notes, rows in parts:
         level = f", level {paper.level}" if paper.level else ""
-        text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {counted}"]
+        text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {of_case}", *notes]
         text.append(markdown_table(HEAD, rows))
     folder = StudyFolder(study.folder)
     file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
-    page = folder.write_page("paper.html", "paper.html", parts=parts, counts=counts(every), head=HEAD)
+    page = folder.write_page(
+        "paper.html",
+        "paper.html",
+        parts=parts,
+        counts=counted,
+        head=HEAD,
+        fact_head=FACT_HEAD,
+        facts=of_facts,
+    )
     return [file, page]
 
 
 def row(result: CriterionResult) -> tuple[str, ...]:
     """Return the words of one number for a table with the columns ``HEAD``."""
     criterion = result.row
-    known = (criterion.reference, criterion.experiment)
-    published = ("" if value is None else f"{value:g} {criterion.unit}".removesuffix(" 1") for value in known)
+    experiment = "" if criterion.experiment is None else f"{criterion.experiment:g} {criterion.unit}"
     why = f" ({criterion.why})" if criterion.why else ""
     return (
         criterion.what + why,
-        *published,
+        result.reference_in_words,
+        experiment.removesuffix(" 1"),
         result.value_in_words,
         result.distance_in_words,
         criterion.ours,
@@ -91,8 +201,7 @@ def row(result: CriterionResult) -> tuple[str, ...]:
     )
 
 
-def counts(results: Sequence[CriterionResult]) -> str:
-    """Return a sentence with the number of results of each verdict."""
-    verdicts = [result.verdict for result in results]
-    counted = (f"{verdicts.count(name)} {name}" for name in dict.fromkeys(verdicts))
-    return f"Of {len(verdicts)} numbers: {', '.join(counted)}."
+def counts(verdicts: Sequence[str], of: str) -> str:
+    """Return a sentence with the number of verdicts of each kind, the worst first."""
+    counted = (f"{verdicts.count(name)} {name}" for name in WORST_FIRST if name in verdicts)
+    return f"Of {len(verdicts)} {of}: {', '.join(counted)}."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,8 +23,25 @@ from orchestrator.studies.report import markdown_table, percent
 from orchestrator.workbench import Run, StudyFolder, Unknown, console_table
 from orchestrator.workbench.vocabulary import Cell
 
-SIGNIFICANT = 0.05
-"""The p-value of a reference above which the source itself cannot tell it from chance."""
+WORST_FIRST = (
+    "NOT MET",
+    "NOT as own theory",
+    "MET, but marked as failing",
+    "known failure",
+    "no number",
+    "fitted, OUTSIDE",
+    "assumed, OUTSIDE",
+    "published, OUTSIDE",
+    "chance",
+    "sign only",
+    "met",
+    "as own theory",
+    "fitted, inside",
+    "assumed, inside",
+    "published, inside",
+    "not compared",
+)
+"""All verdicts, in the order in which they are shown."""
 
 
 @dataclass(frozen=True)
@@ -40,22 +57,20 @@ class CriterionResult:
     measured: float | None
     why: str = ""
     half_width: float | None = None
+    note: str = ""
+    """A remark on a number that was recorded earlier."""
 
     @property
     def is_inside(self) -> bool:
         """Whether there is a number and it is inside the band, if there is a band."""
-        if self.measured is None:
-            return False
-        low, high = self.row.band or self.row.ratio or (None, None)
-        value = self.measured / (self.row.reference or 1.0) if self.row.ratio else self.measured
-        return (low is None or low <= value) and (high is None or value <= high)
+        return self.measured is not None and self._reaches(0.0)
 
     @property
     def is_good(self) -> bool:
         """Whether the criterion is met as expected.
 
-        There must be a number, and a known failure must fail.  A number that is not predicted, and one that
-        the source itself cannot tell from chance, may fail.
+        There must be a number, and a known failure must fail.  A number that is not predicted, and an effect
+        that our runs cannot tell from chance, may fail.
         """
         if self.measured is None:
             return False
@@ -65,8 +80,21 @@ class CriterionResult:
 
     @property
     def is_chance(self) -> bool:
-        """Whether the source itself cannot tell its number from chance."""
-        return self.row.p_value is not None and self.row.p_value > SIGNIFICANT
+        """Whether our runs cannot tell an effect from none, nor from the band.
+
+        An effect whose interval holds zero and ends short of the band is a miss.
+        """
+        if not self.row.is_effect or self.measured is None or self.half_width is None:
+            return False
+        return abs(self.measured) <= self.half_width and self._reaches(self.half_width)
+
+    def _reaches(self, half_width: float) -> bool:
+        """Return whether any part of the number's interval is inside the band, if there is a band."""
+        low, high = self.row.limits or (None, None)
+        assert self.measured is not None
+        return (low is None or low <= self.measured + half_width) and (
+            high is None or self.measured - half_width <= high
+        )
 
     @property
     def verdict(self) -> str:
@@ -76,15 +104,17 @@ class CriterionResult:
             return "no number"
         if row.known_failure:
             return "MET, but marked as failing" if self.is_inside else "known failure"
-        if row.band is None and row.ratio is None:
+        if row.limits is None:
             return "not compared"
-        if self.is_chance:
-            return "chance"
         if row.ours != "predicted":
             return f"{row.ours}, {'inside' if self.is_inside else 'OUTSIDE'}"
         if row.band_from == "own-theory":
             return "as own theory" if self.is_inside else "NOT as own theory"
-        return "met" if self.is_inside else "NOT MET"
+        if self.is_chance:
+            return "chance"
+        if not self.is_inside:
+            return "NOT MET"
+        return "sign only" if row.is_sign_only else "met"
 
     @property
     def error(self) -> float | None:
@@ -118,9 +148,9 @@ class CriterionResult:
     def band_in_words(self) -> str:
         """The band in words, with its unit; empty without a band."""
         row = self.row
-        if row.band is None and row.ratio is None:
+        if row.limits is None:
             return ""
-        low, high = row.band or row.ratio or (None, None)
+        low, high = row.ratio or row.limits
         unit = f" {row.unit}" if row.unit != "1" else ""
         if row.ratio is not None and row.reference is not None:
             unit = f" x {self._in_unit(row.reference)}"
@@ -129,6 +159,15 @@ class CriterionResult:
         if high is None:
             return f"at least {low:g}{unit}"
         return f"{low:g}{unit}" if low == high else f"{low:g} to {high:g}{unit}"
+
+    @property
+    def reference_in_words(self) -> str:
+        """The published number with its error and unit; empty without one."""
+        row = self.row
+        if row.reference is None:
+            return ""
+        error = "" if row.error is None else f" ± {row.error:.2g}"
+        return f"{row.reference:g}{error} {row.unit}".removesuffix(" 1")
 
     @property
     def value_in_words(self) -> str:
@@ -162,7 +201,7 @@ class CriterionResult:
             "error": self.error,
             "ours": row.ours,
             "band from": row.band_from,
-            "p": row.p_value,
+            "fact": row.fact or row.what,
             "asked for": self.band_in_words,
             "measured": self.value_in_words,
             "verdict": self.verdict,
@@ -188,6 +227,11 @@ class CaseCriteria:
     def results(self) -> list[CriterionResult]:
         """Return the result of every criterion; a missing run gives no number."""
         return [judge(self.name, row, self.runs) for row in self.criteria.criteria]
+
+
+def worst_first(results: Iterable[CriterionResult]) -> list[CriterionResult]:
+    """Return results with the misses before what is met, and that before what proves nothing."""
+    return sorted(results, key=lambda each: WORST_FIRST.index(each.verdict))
 
 
 def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResult:

@@ -15,6 +15,7 @@ from orchestrator.case.deck.panels import to_world
 from orchestrator.case.tables.frames import Drive
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports import Array
+from orchestrator.ports.grains import placed_spheres
 from orchestrator.views.labels import Labels
 from orchestrator.views.outline import BoxOutline, MachineOutline, carried_points_m
 from orchestrator.views.style import LINES, figure
@@ -289,8 +290,9 @@ class _Drawing:
         bed = self._machine.case.bed.carried
         if bed is None:
             return
-        places = self._view.of(bed.position_m)
-        size_m, turned = bed.grains.equivalent_diameter_m, np.zeros(len(bed))
+        _, center_m, radius_m = placed_spheres(bed.grains, bed.position_m, bed.orientation)
+        places = self._view.of(center_m)
+        size_m, turned = 2.0 * radius_m, np.zeros(len(places))
         style = {"fc": BED, "ec": "none", "alpha": 0.6, "zorder": 4}
         circles = EllipseCollection(
             size_m, size_m, turned, units="xy", offsets=places, transOffset=self._axes.transData, **style
@@ -301,15 +303,15 @@ class _Drawing:
 
     def particles(self) -> None:
         """Draw the single particles to scale."""
-        for place_m, grain in self._machine.particles:
-            at, radius_m = self._view.of(place_m), grain.equivalent_diameter_m / 2
-            self._axes.add_patch(Circle(_xy(at), radius_m, fc="#55606b", ec="black", lw=0.5, zorder=7))
-            self._symbols.append((at, radius_m * self._points_per_m))
-        if self._machine.particles:
-            (place_m, grain), *others = self._machine.particles
-            more = f" and {len(others)} more" if others else ""
-            text = f"particle of {1e3 * grain.sieve_size_m:.3g} mm{more}"
-            self._wanted.append((text, self._view.of(place_m), "#333333", 30.0))
+        given = self._machine.particles
+        _, center_m, radius_m = placed_spheres(given.grains, given.position_m, given.orientation)
+        for at, radius in zip(self._view.of(center_m), radius_m.tolist(), strict=True):
+            self._axes.add_patch(Circle(_xy(at), radius, fc="#55606b", ec="black", lw=0.5, zorder=7))
+            self._symbols.append((at, radius * self._points_per_m))
+        if len(given):
+            more = f" and {len(given) - 1} more" if len(given) > 1 else ""
+            text = f"particle of {1e3 * given.grains.sieve_size_m[0]:.3g} mm{more}"
+            self._wanted.append((text, self._view.of(given.position_m[0]), "#333333", 30.0))
 
     def dimensions(self) -> None:
         """Draw the deck's length and inclination from the side, its width and pitch from above."""

@@ -21,6 +21,7 @@ from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.tables.case import has_particles
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.grains import placed_spheres
 from orchestrator.views.drawings import BLOCK, EXIT, FEED, PANEL_COLORS, SPRING, frame_color
 from orchestrator.views.outline import MachineOutline, PanelOutline
 
@@ -214,14 +215,16 @@ def _box_edges(corners_m: Array) -> Any:
 
 
 def _particles(machine: MachineOutline) -> Any:
-    """Return the particles at the start as spheres, a sample of them if there are many; None without any."""
+    """Return the spheres of the particles at the start, of a sample if there are many; None without any."""
     case = machine.case
     bed = case.bed
     if not has_particles(case) or not (bed.particles or bed.blocks or bed.carried):
         return None
     start = initial_particles(case)
     shown = np.unique(np.linspace(0, len(start) - 1, min(len(start), MOST_PARTICLES)).astype(int))
-    cloud = pyvista.PolyData(start.position_m[shown])
-    cloud["size_m"] = start.grains.equivalent_diameter_m[shown]
+    some = start.part(shown)
+    _, center_m, radius_m = placed_spheres(some.grains, some.position_m, some.orientation)
+    cloud = pyvista.PolyData(center_m)
+    cloud["size_m"] = 2.0 * radius_m
     ball = pyvista.Sphere(radius=0.5, theta_resolution=8, phi_resolution=6)
     return cloud.glyph(scale="size_m", orient=False, geom=ball)

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from orchestrator.case.bed.grains import grain
+from orchestrator.case.bed.sources import single_particles
 from orchestrator.case.deck.panels import SinglePanel, axes, single_panels, to_world, walls
 from orchestrator.case.tables.bed import Block, Feed
 from orchestrator.case.tables.case import Case
@@ -18,7 +18,7 @@ from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.case.tables.screen import Exit
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import area_vectors_m2
-from orchestrator.ports.grains import Grain
+from orchestrator.ports.plans import ParticleList
 
 FLAT_DEG = 20.0  # Neighbouring triangles that bend less make one face.
 MOST_DRAWN = 2000  # triangles of a rigid surface: each is a patch of a drawing
@@ -101,7 +101,7 @@ class MachineOutline:
     feeds: tuple[BoxOutline, ...]
     blocks: tuple[BoxOutline, ...]
     exits: tuple[BoxOutline, ...]
-    particles: tuple[tuple[Array, Grain[float]], ...]
+    particles: ParticleList
     down: Array
 
     @property
@@ -117,7 +117,7 @@ class MachineOutline:
         parts += [row.places_m for row in self.bushings] + [row.place_m[None] for row in self.exciters]
         parts += [box.corners_m for box in (*self.feeds, *self.blocks)]
         parts += [center_m[None] for center_m in self.centers_m.values()]
-        parts += [place_m[None] for place_m, _ in self.particles]
+        parts += [self.particles.position_m] if len(self.particles) else []
         return np.concatenate(parts) if parts else np.array(self.case.domain_m)
 
 
@@ -163,13 +163,7 @@ def outline(
             for name, row in case.bed.blocks.items()
         ),
         exits=tuple(_box(case, name, row.product, row) for name, row in screen.exits.items()),
-        particles=tuple(
-            (
-                to_world(case, row.position_m) if row.axes == "deck" else np.array(row.position_m),
-                grain(case, row.material, row.shape, row.sieve_size_m),
-            )
-            for row in case.bed.particles.values()
-        ),
+        particles=single_particles(case),
         down=axes(case)[:, 0],
     )
 

@@ -194,6 +194,29 @@ def test_verdicts(measured: float | None, given: dict[str, object], verdict: str
 
 
 @pytest.mark.parametrize(
+    ("measured", "half_width", "compare", "verdict"),
+    [
+        (0.30, 0.10, "change", "met"),
+        (0.30, 0.35, "change", "chance"),  # zero lies in our interval
+        (0.10, 0.15, "change", "chance"),  # outside of the band, which our interval reaches
+        (0.10, 0.05, "change", "NOT MET"),
+        (-0.04, 0.20, "change", "NOT MET"),  # zero lies in our interval, and nothing of the band
+        (-0.04, 0.30, "growth", "chance"),
+        (0.30, None, "change", "met"),
+        (0.30, 0.35, "", "met"),  # no effect: zero means nothing
+    ],
+)
+def test_an_effect_that_our_runs_cannot_tell_from_none_is_chance(
+    measured: float, half_width: float | None, compare: str, verdict: str
+) -> None:
+    """The reference is 0.33 with an error of 0.11: the band begins at 0.22."""
+    row = criterion(band=None, reference=0.33, error=0.11, compare=compare)
+    result = CriterionResult("a", row, measured, half_width=half_width)
+    assert result.verdict == verdict
+    assert result.is_good == (verdict != "NOT MET")
+
+
+@pytest.mark.parametrize(
     ("text", "kind"),
     [
         (HEAD + ROW.replace("series", "serie"), "criteria.0.measure: unknown-name"),
@@ -201,6 +224,8 @@ def test_verdicts(measured: float | None, given: dict[str, object], verdict: str
         (HEAD + ROW + "bands = 3\n", "criteria.0.bands: unknown-key"),
         (HEAD, "criteria: missing"),
         (HEAD + ROW.replace("band", "ratio"), "criteria.0.ratio: missing"),
+        (HEAD + ROW.replace("band = [0.0, 2.0]", "error = 1.0"), "criteria.0.error: missing"),
+        (HEAD + ROW + "reference = 1.0\nerror = 1.0\n", "criteria.0: conflict"),
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path: Path, text: str, kind: str) -> None:

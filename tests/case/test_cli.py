@@ -119,6 +119,7 @@ ACCEPTED = {
     "quickstart": (ROLLING,),
     "ffs0827-flowing": FLOWING,
     "ffs0827-flowing-twelve-springs": FLOWING,
+    "iron-ore": (MARGINS, SMALL, "slice.width_m = 0.048 m is "),
     "ffs0827-panelpair": PAIR,
     "ffs0827-panelpair-twelve-springs": PAIR,
 }

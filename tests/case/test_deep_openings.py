@@ -32,9 +32,9 @@ def area_m2(polygon: Array) -> float:
 @pytest.mark.parametrize("thin", [SLOTS, STAGGERED], ids=["rectangles", "slots"])
 @pytest.mark.parametrize("relief_deg", [0.0, 4.0, -4.0])
 def test_the_surface_is_closed_and_encloses_the_material(thin: AperturePattern, relief_deg: float) -> None:
-    """Each edge has two triangles, which run through it to and fro, so that no gap is left. The volume inside,
-    by the divergence theorem, is the panel's less that of the openings, whose walls are planes: a frustum of
-    the outline and of the same outline grown by the relief (Simpson's rule is exact for it)."""
+    """Each edge has two triangles, which run through it to and fro, so that no gap is left. The volume
+    inside, by the divergence theorem, is the panel's less that of the openings, whose walls are planes: a
+    frustum of the outline and of the same outline grown by the relief (Simpson's rule is exact for it)."""
     pattern = replace(thin, depth_m=DEPTH_M, relief_deg=relief_deg)
     grid, corners_m = made(pattern)
     edges = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in grid.triangles for k in range(3))
@@ -55,19 +55,22 @@ def test_the_surface_is_closed_and_encloses_the_material(thin: AperturePattern, 
 
 
 def test_the_upper_side_is_that_of_thin_rims_and_walls_stand_between() -> None:
-    """Upper triangles are bit for bit those of thin rims, half a depth up; lower ones are theirs, turned over."""
+    """Upper triangles are bit for bit those of thin rims, half a depth up; lower ones are turned over."""
     thin, _ = made(SLOTS)
     deep, corners_m = made(replace(SLOTS, depth_m=DEPTH_M))
-    assert thin.side is None and thin.coordinates_m.shape[1] == 2
+    assert thin.side is None
+    assert thin.coordinates_m.shape[1] == 2
     assert deep.side is not None
     count = len(thin.triangles)
     upper, lower = deep.side == UPPER, deep.side == LOWER
     assert np.array_equal(deep.triangles[upper], thin.triangles)
     assert np.array_equal(deep.coordinates_m[thin.triangles, :2], thin.coordinates_m[thin.triangles])
     assert upper.sum() == lower.sum() == count
-    assert (corners_m[upper][..., 2] == DEPTH_M / 2).all() and (corners_m[lower][..., 2] == -DEPTH_M / 2).all()
+    assert (corners_m[upper][..., 2] == DEPTH_M / 2).all()
+    assert (corners_m[lower][..., 2] == -DEPTH_M / 2).all()
     normal = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
-    assert (normal[upper, 2] > 0).all() and (normal[lower, 2] < 0).all()
+    assert (normal[upper, 2] > 0).all()
+    assert (normal[lower, 2] < 0).all()
     assert normal[deep.side == WALL, 2] == pytest.approx(0.0, abs=1e-18)
 
 

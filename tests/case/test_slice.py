@@ -203,6 +203,14 @@ def test_a_slice_that_makes_no_sense_is_refused(tmp_path: Path, overrides: list[
     assert kinds(tmp_path, *overrides) == [wanted]
 
 
+def test_a_slice_of_just_three_diameters_is_accepted(tmp_path: Path) -> None:
+    """Three times 0.012 is more than 0.036 as a computer multiplies."""
+    small = "bed.particles.ball.sieve_size_m=0.012"
+    solver = "particles.solver=liggghts"
+    assert kinds(tmp_path, small, solver, "slice.width_m=0.036") == []
+    assert kinds(tmp_path, small, solver, "slice.width_m=0.0359") == ["slice.width_m: out-of-range"]
+
+
 def test_a_narrow_slice_and_open_sides_are_warned_of(tmp_path: Path) -> None:
     keys = {}
     for given in ("{width_m=0.15}", "{width_m=0.08}", '{width_m=0.15, sides="walls"}'):

@@ -44,6 +44,7 @@ DIMENSIONLESS = frozenset(
         "storage_ratio",
         "rated_slip",
         "breakdown_ratio",
+        "spheres",  # in any unit: the sieve size scales them
         "tolerance",
         "limit",  # of a monitor item, in its own unit
         "largest_created_share",
@@ -100,7 +101,10 @@ def test_every_float_has_a_largest_value() -> None:
         for key, field in table.model_fields.items()
         if any(isinstance(mark, Le | Lt) for mark in [*field.metadata, *marks(field.annotation)])
     }
-    assert FLOATS - bounded - set(RANGES) == {"mass_fraction"}  # they must add up to 1
+    assert FLOATS - bounded - set(RANGES) == {
+        "mass_fraction",
+        "spheres",
+    }  # shares of 1, and shapes of any scale
 
 
 def test_plausible_ranges_are_of_keys_that_exist() -> None:

@@ -11,7 +11,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import t as student_t
 
+from orchestrator.studies.criteria import read_criteria
 from tests.design.table5 import RESPONSES, surface, table_5
 
 ROOT = Path(__file__).parents[2]
@@ -71,3 +73,24 @@ def test_equation_9_describes_table_5() -> None:
     assert formula.r2 == pytest.approx(0.9665196, rel=1e-6)
     assert formula.r2_refitted == pytest.approx(0.9680479, rel=1e-6)
     assert formula.refitted == pytest.approx(REFITTED_EQ_9, rel=5e-6)
+
+
+@pytest.mark.parametrize("response", RESPONSES)
+def test_the_errors_of_the_papers_effects_are_those_of_its_fit(response: str) -> None:
+    """The criteria hold our numbers against 95 % intervals of the full quadratic."""
+    x, y = PRINTED.coded(SETTINGS), MEASURED[:, RESPONSES.index(response)]
+    terms = PRINTED.model_matrix(x, PRINTED.FULL)
+    free = len(x) - len(PRINTED.FULL)
+    assert free == 22
+    variances = np.diag(np.linalg.inv(terms.T @ terms))
+    own = PRINTED.standard_error(x, y, PRINTED.FULL)
+    of_interval = student_t.ppf(0.975, free) * own
+    centre, effect = of_interval * np.sqrt(variances[0]), 2.0 * of_interval * np.sqrt(variances[1])
+    unit = {"velocity": "m/s", "efficiency": "%"}[response]
+    rows = [row for row in read_criteria(ROOT / "cases/ffs0827-effects").criteria if row.unit == unit]
+    for row in rows:
+        assert row.error == pytest.approx(effect if row.is_effect else centre, rel=0.02), row.what
+    (two_rows,) = (
+        row for row in read_criteria(ROOT / "cases/ffs0827-slice").criteria if row.error and row.unit == unit
+    )
+    assert two_rows.error == pytest.approx(of_interval / np.sqrt(2.0), rel=0.02)

@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import math
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from orchestrator.case.bed.packing import random_orientations
 from orchestrator.ports import Array
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.grains import Shape, ShapeTable
 from orchestrator.ports.plans import GrainMaterial, ParticleList
+from tests.grains import SPHERE
 from tests.particles.liggghts_plans import make_plan, spheres, still, travel
 
 DIAMETER_M, DENSITY_KG_PER_M3 = 0.01, 2650.0
@@ -36,6 +39,7 @@ class Trickle:
 
     number: int
     seed: int
+    shape: Shape
     every: int = 2
     above_m: float = 1.5 * DIAMETER_M
     within_m: float = 1.5 * DIAMETER_M
@@ -55,7 +59,14 @@ class Trickle:
         out_m = self.within_m * math.sqrt(self.random.uniform())
         place_m = [out_m * math.cos(angle), out_m * math.sin(angle), self.top_m + self.above_m]
         diameter_m = DIAMETER_M * self.random.choice(SIZES)
-        return spheres(place_m, (0.0, 0.0, -0.3), diameter_m, DENSITY_KG_PER_M3)
+        return self.grain(place_m, (0.0, 0.0, -0.3), diameter_m)
+
+    def grain(self, place_m: list[float], velocity_m_per_s: tuple[float, ...], size_m: float) -> ParticleList:
+        """Return one grain, turned by chance unless it is a sphere."""
+        one = spheres(place_m, velocity_m_per_s, size_m, DENSITY_KG_PER_M3)
+        grains = replace(one.grains, shapes=ShapeTable.of([self.shape]))
+        anyhow = random_orientations(1, self.random) if len(self.shape.spheres) > 1 else one.orientation
+        return replace(one, grains=grains, orientation=anyhow)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         """Count again a grain that found no room."""
@@ -88,6 +99,7 @@ def poured_slopes_deg(
     rolling: str = "epsd2",
     seed: int = 1,
     heaps: int = 8,
+    shape: Shape = SPHERE,
 ) -> list[float]:
     """Return the slopes in degrees of heaps at rest, one after another on one plate.
 
@@ -97,8 +109,9 @@ def poured_slopes_deg(
     radius_m = radius_diameters * DIAMETER_M
     surface = round_plate(radius_m, 0.5 * DIAMETER_M)
     full = round(2 * STEEP * PACKED * radius_diameters**3)  # grains of a cone of this slope
-    feed = Trickle(round(FILLED * full), seed)
-    first = spheres([0.0, 0.0, 0.6 * DIAMETER_M], diameter_m=DIAMETER_M, density_kg_per_m3=DENSITY_KG_PER_M3)
+    feed = Trickle(round(FILLED * full), seed, shape)
+    thick_m = 2 * shape.bounding_radius * DIAMETER_M  # of a sphere, its diameter
+    first = feed.grain([0.0, 0.0, 0.6 * thick_m], (0.0, 0.0, 0.0), DIAMETER_M)
     reach_m = radius_m + 2 * DIAMETER_M
     plan = make_plan(
         surface,
@@ -110,7 +123,8 @@ def poured_slopes_deg(
         rolling=rolling,
         gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
         domain_m=np.array([[-reach_m, -reach_m, -3 * DIAMETER_M], [reach_m, reach_m, radius_m + 0.1]]),
-        largest_radius_m=max(SIZES) * DIAMETER_M / 2,
+        shapes=(shape,),
+        largest_radius_m=max(SIZES) * thick_m / 2,
         step_s=STEP_S,
         sync_interval_s=INTERVAL_S,
         feed=feed,

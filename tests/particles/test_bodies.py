@@ -68,6 +68,16 @@ def test_bodies_of_one_sphere_are_spheres(build: Build) -> None:
     assert energy_J[1] == pytest.approx(energy_J[0], rel=1e-11)
 
 
+def test_two_bodies_are_one_contact(build: Build) -> None:
+    """Two upright dumbbells touch with both of their spheres, and one of them a ball, too."""
+    given = particles([[0, 0, 0.3], [0.00999, 0, 0.3], [0, 0, 0.31999 - 0.00501]])
+    shapes = (DUMBBELL, *plan(plate(0.01, 1), given).shapes)
+    grains = replace(given.grains, shapes=ShapeTable.of(shapes), shape=np.array([0, 0, 1]))
+    changes = {"particles": replace(given, grains=grains), "shapes": shapes, "largest_radius_m": 0.01}
+    run = build(replace(plan(plate(0.01, 1), given, gravity_m_per_s2=WEIGHTLESS), **changes))
+    assert run.solver.snapshot().contacts.tolist() == [2, 1, 1]
+
+
 CHANGES: dict[str, dict[str, Any]] = {
     "dry": {},
     "periodic, wet, counted": {**PERIODIC, **WET, "exits": (OPEN_END,), **counted()},

@@ -12,7 +12,7 @@ import pytest
 
 from orchestrator.case import solvers
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.grains import Shape, ShapeTable
+from orchestrator.ports.grains import Shape, ShapeTable, turned
 from orchestrator.ports.plans import ParticleFeed, ParticleList, ParticlesPlan
 from tests.docs.pages import code_on
 from tests.particles import test_contract
@@ -221,3 +221,53 @@ def test_it_goes_on_bit_for_bit_after_a_restore(build: Build) -> None:
     for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
         mine, its = (getattr(run.solver.snapshot(), name) for run in (first, second))
         np.testing.assert_array_equal(mine, its)
+
+
+def test_a_grain_is_turned_as_it_was_given_and_as_it_spins(build: Build) -> None:
+    """A dumbbell that lies along (0.6, 0.8, 0) spins about z by a quarter of a turn in 0.1 s."""
+    half = np.sqrt(0.5)  # of a right angle, about (-0.8, 0.6, 0): from z to (0.6, 0.8, 0)
+    lies = np.array([[half, -0.8 * half, 0.6 * half, 0.0]])
+    given = replace(particles([0, 0, 0.3], spin_rad_per_s=[0, 0, 5 * pi]), orientation=lies)
+    run = build(dumbbells(DUMBBELL, plan(plate(0.01, 1), given, gravity_m_per_s2=WEIGHTLESS)))
+
+    def axis() -> npt.NDArray[np.float64]:
+        return turned(run.solver.snapshot().orientation, np.array([[0.0, 0.0, 1.0]]))[0]
+
+    np.testing.assert_allclose(axis(), [0.6, 0.8, 0.0], atol=1e-14)
+    run.advance(100)
+    np.testing.assert_allclose(axis(), [-0.8, 0.6, 0.0], atol=1e-4)
+    run.advance(100)
+    np.testing.assert_allclose(axis(), [-0.6, -0.8, 0.0], atol=2e-4)
+
+
+def test_a_lying_dumbbell_touches_with_both_spheres(build: Build) -> None:
+    """It rests half as high as an upright one, and a feed sees where its spheres are."""
+    half = np.sqrt(0.5)
+    flat = np.array([[half, half, 0.0, 0.0]])  # about x: its axis along y
+    given = replace(particles([0, 0, 0.00501]), orientation=flat)
+    offered = replace(particles([[0, 0.009, 0.012], [0.009, 0, 0.012]]), orientation=np.tile(flat, (2, 1)))
+    feed = OnceAt(5, offered)
+    run = build(dumbbells(DUMBBELL, plan(plate(0.03, 3), given, feed=feed)))
+    run.advance(40)
+    assert feed.accepted == [False, True]
+    assert run.solver.snapshot().position_m[0, 2] == pytest.approx(0.005, rel=1e-2)
+
+
+def test_books_know_how_fed_grains_are_turned(build: Build) -> None:
+    """Angular momentum and energy that come in are those of a turned body that spins about no own axis."""
+    turn = np.array([[0.5, 0.5, -0.5, 0.5]])
+    spins = replace(particles([0, 0, 0.3], [0.1, 0, 0], [30.0, 35.0, 20.0]), orientation=turn)
+    nobody = particles(np.empty((0, 3)))
+    feed = OnceAt(0, spins)
+    run = build(dumbbells(DUMBBELL, plan(plate(0.01, 1), nobody, feed=feed, gravity_m_per_s2=WEIGHTLESS)))
+    before = run.solver.account()
+    run.advance(3)
+    after = run.solver.account()
+    axis = turned(turn, np.array([[0.0, 0.0, 1.0]]))[0]
+    spin = spins.spin_rad_per_s[0]
+    own = ACROSS_KG_M2 * spin + (ALONG_KG_M2 - ACROSS_KG_M2) * (spin @ axis) * axis
+    orbital = MASS_KG * np.cross(spins.position_m[0], spins.velocity_m_per_s[0])
+    assert after.angular is not None
+    np.testing.assert_allclose(after.angular.momentum_kg_m2_per_s, own + orbital, rtol=1e-12)
+    np.testing.assert_allclose(after.angular.outside_impulse_N_m_s, own + orbital, rtol=1e-12)
+    assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-8)

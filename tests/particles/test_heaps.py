@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.case import solvers
 from orchestrator.case.materials.library import materials, pairs, shapes
 from orchestrator.ports.adapters import ParticlesAdapter
 from tests.particles.contract import LIGGGHTS_ALONE
@@ -25,6 +26,32 @@ pytestmark = pytest.mark.slow
 PUBLISHED_DEG = {"coal": 36.0, "limestone": 38.0, "gravel": 30.0}
 TOLERANCE_DEG = 2.0
 """Tables of repose give whole degrees, and those of different authors differ by two and more."""
+
+
+CRUSHED_DEG = 38.0, 42.0
+"""Angles of repose of crushed stone in tables: CEMA has 38 degrees for crushed limestone."""
+
+
+def test_a_heap_of_clumps_has_the_slope_of_crushed_stone_and_spheres_have_not(
+    module: ParticlesAdapter,
+) -> None:
+    """Without any rolling friction: four overlapping spheres hold each other by their shape.  Sliding
+    friction is the library's of limestone; single spheres heap more than 8 degrees lower."""
+    friction = pairs()[frozenset(["limestone"])].quantities["sliding_friction"].value
+    stones, spheres = (
+        poured_slopes_deg(
+            module,
+            sliding_friction=friction,
+            rolling_friction=0.0,
+            restitution=0.4,
+            radius_diameters=8.0,
+            heaps=4,
+            shape=solvers.shape(name),
+        )
+        for name in ("stone", "sphere")
+    )
+    assert CRUSHED_DEG[0] <= np.mean(stones) <= CRUSHED_DEG[1], stones
+    assert np.mean(spheres) < CRUSHED_DEG[0] - 8.0, spheres
 
 
 @pytest.mark.parametrize("name", PUBLISHED_DEG)

@@ -101,20 +101,17 @@ def rebound_m_per_s(restitution: float, late_s: float) -> float:
     return -float(solution.y[1, -1])
 
 
-def test_dampers_are_half_a_step_late(module: Any) -> None:
-    """Forces go by the velocities of the step's middle.  So the order is 1, and the error is what
-    a damper half a step late makes of the rebound e v, within 2 %: when in a step a sphere begins
-    to touch is chance."""
+def test_dampers_go_by_the_end_of_the_step(module: Any) -> None:
+    """Verlet's velocities are those of the step's middle while forces are evaluated.  Dampers that went
+    by them would be half a step late and change the rebound e v at first order in the step; what is left is
+    less than a tenth of that in the mean of spheres that begin to touch at any time of a step."""
     exact_m_per_s = 0.34 * SPEED_M_S
     assert rebound_m_per_s(0.34, 0.0) == pytest.approx(exact_m_per_s, rel=1e-3)
-    error_m_per_s = []
     for steps in (8, 16, 32):
         given = dropped(0.34, steps)
         found_m_per_s = carried(module, given, following(given, still, 22))[1]
-        error_m_per_s.append(float(np.mean(found_m_per_s)) - exact_m_per_s)
         late_m_per_s = rebound_m_per_s(0.34, LENGTH_S / steps / 2.0)
-        assert error_m_per_s[-1] == pytest.approx(late_m_per_s - exact_m_per_s, rel=0.02)
-    np.testing.assert_allclose(np.log2(np.divide(error_m_per_s[:-1], error_m_per_s[1:])), 1.0, atol=0.05)
+        assert abs(np.mean(found_m_per_s) - exact_m_per_s) < 0.1 * abs(late_m_per_s - exact_m_per_s)
 
 
 def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
@@ -143,9 +140,9 @@ def test_a_sphere_rests_on_a_plate_that_accelerates(module: Any) -> None:
     assert found_m == pytest.approx(overlap_m, rel=1e-8)
 
 
-def test_a_jump_of_the_surface_is_felt_half_a_step_late(module: Any) -> None:
-    """The half step that follows a jump goes by the force before it: first order.  A plate jumps
-    into a sphere by d; Hertz's energy, 8/15 E* sqrt(r) d^(5/2), throws it off."""
+def test_a_jump_of_the_surface_is_felt_at_once(module: Any) -> None:
+    """A plate jumps into a sphere by d; Hertz's energy, 8/15 E* sqrt(r) d^(5/2), throws it off.  The half
+    step that follows goes by the force after the jump, so that the order is two."""
     jump_m = 6e-5
     energy_J = 8.0 / 15.0 * E_STAR_PA * RADIUS_M**0.5 * jump_m**2.5
     speed_m_per_s = np.sqrt(2.0 * energy_J / MASS_KG)
@@ -158,4 +155,5 @@ def test_a_jump_of_the_surface_is_felt_half_a_step_late(module: Any) -> None:
         assert found_m_per_s == pytest.approx(speed_m_per_s, rel=2e-3)
         places_m.append(place_m)
     earlier_s = np.diff(places_m) / speed_m_per_s  # than with steps twice as long
-    np.testing.assert_allclose(earlier_s, LENGTH_S / steps[:-1] / 4.0, rtol=0.1)
+    np.testing.assert_allclose(np.log2(earlier_s[:-1] / earlier_s[1:]), 2.0, atol=0.3)
+    assert earlier_s[0] < 0.01 * LENGTH_S / steps[0] / 4.0

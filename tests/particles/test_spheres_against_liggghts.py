@@ -150,9 +150,10 @@ def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
         assert stored_J == pytest.approx(theirs[2].stored_J[name], rel=1e-5, abs=1e-15)
 
 
-@pytest.mark.parametrize("angle_deg", [10.0, 40.0, -10.0, -60.0])
+@pytest.mark.parametrize("angle_deg", [10.0, 40.0, -10.0, -50.0, -70.0])
 def test_a_sticky_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
-    """The sphere hangs on its neck below the surface: ridges (> 0) and valleys, at which it may part."""
+    """The sphere hangs on its neck below the surface: ridges (> 0) and valleys, at which it may part.  At 60
+    degrees rounding decides whether a contact goes on (SAME_CONTACT)."""
     tilt = np.radians(angle_deg) / 2.0
     x, z = 0.003 * np.cos(tilt), 0.003 * np.sin(tilt)
     corner_m = np.array([[s * x, y, abs(s) * z] for s in (-1, 0, 1) for y in (-0.002, 0.002)])

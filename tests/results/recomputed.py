@@ -907,7 +907,14 @@ class Recomputed:
         time_s = self.data["held/time_s"][rows]
         names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
         means = {name: self.mean_over(time_s, self.data[f"held/{of}"][rows]) for name, of in names.items()}
-        return {"openings": len(self.openings()), **means}
+        on_deck = np.nan_to_num(self.data["profile/mass_kg"][rows]).sum(axis=1)
+        pegged, blinded = (self.data[f"held/{of}"][rows] for of in ("pegged_kg", "openings"))
+        openings = len(self.openings())
+        shares = {
+            "pegged_percent": self.mean_over(time_s, 100 * pegged, on_deck),
+            "blinded_percent": self.mean_over(time_s, 100 * blinded, np.full(len(rows), float(openings))),
+        }
+        return {"openings": openings, **means, **shares}
 
     def wear(self) -> dict[str, Any]:
         table, profile = {}, []

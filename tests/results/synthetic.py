@@ -19,6 +19,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from orchestrator.case.bed.saved_bed import shape_attributes
 from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.file.whole import write_json
 from orchestrator.case.tables.case import Case
@@ -32,7 +33,7 @@ from orchestrator.output.results.compute import compute_results
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
 from tests.cases import case_folder
-from tests.grains import spheres
+from tests.grains import SHAPES, spheres
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5
@@ -168,7 +169,11 @@ def _bed(history: History, case: Case, cycles: int) -> None:
         history.add("overlaps", i * CYCLE_S / 10, OVERLAPS)
         for panel, rate in WEAR_M_H.items():
             history.add(f"wear/{panel}", i * CYCLE_S / 10, _worn(rate, i * CYCLE_S / 10))
-        history.add("held", i * CYCLE_S / 10, {"stickers": 7.0, "mass_kg": 0.001, "openings": 3.0})
+        history.add(
+            "held",
+            i * CYCLE_S / 10,
+            {"stickers": 7.0, "mass_kg": 0.001, "pegged_kg": 0.0005, "openings": 3.0},
+        )
 
 
 def _worn(rate_m_per_h: float, time_s: float) -> dict[str, Array | float]:
@@ -213,7 +218,7 @@ def _events(path: Path, cycles: int) -> None:
             for key, values in table.items():
                 history[f"{name}/{key}"] = values
         for name in tables:
-            history[name].attrs["shapes"] = ["sphere"]
+            history[name].attrs.update(shape_attributes(SHAPES))
         history["removed"].attrs["names"] = ["one", "two", "end"]
         history["removed"].attrs["products"] = ["undersize", "undersize", "oversize"]
         history["removed"].attrs["panels"] = ["deck-1", "deck-2"]

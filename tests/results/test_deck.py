@@ -219,21 +219,29 @@ def test_the_first_cycles_in_which_nothing_can_be_held_are_in_no_mean(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Seven particles stick from the start, and count from the end of the fifth cycle on."""
-    monkeypatch.setattr(bed, "openings_m", lambda _: [])
+    monkeypatch.setattr(bed, "openings_m", lambda _: [0])
     time_s = np.arange(1, 81) * CYCLE_S / 8
     stuck = np.where(time_s - time_s[0] >= (HELD_CYCLES - 1e-9) * CYCLE_S, 7.0, 0.0)
-    table = {"time_s": time_s, "stickers": stuck, "mass_kg": 0.001 * stuck, "openings": 0.0 * stuck}
+    table = {
+        "held/time_s": time_s,
+        "held/stickers": stuck,
+        "held/mass_kg": 0.001 * stuck,
+        "held/pegged_kg": 0.0005 * stuck,
+        "held/openings": 0.0 * stuck,
+        "profile/mass_kg": np.full((len(time_s), 2), 0.007),
+    }
 
     def held_until(end_s: float) -> Held:
         run: Any = SimpleNamespace(
             case=None,
             cycle_s=CYCLE_S,
-            read=lambda name: table[name.removeprefix("held/")],
+            read=table.__getitem__,
             output_rows=lambda _, start_s, until_s: (time_s > start_s) & (time_s <= until_s),
         )
         return retained_metrics(run, 0.0, end_s, False, chance)
 
     assert held_until(10 * CYCLE_S).stickers.value == pytest.approx(7.0)
+    assert held_until(10 * CYCLE_S).pegged_percent.value == pytest.approx(25.0)
     assert held_until(4 * CYCLE_S).stickers.value is None
 
 

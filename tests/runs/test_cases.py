@@ -36,8 +36,9 @@ DURATION_S = {
     "panel-cycle": 0.2,
     "ffs0827": 0.05,
     "ffs0827-effects": 0.09,
+    "iron-ore": 0.116676,  # two outputs
 }
-FED_SOON = (
+COAL = (
     "banana",
     "ffs0827",
     "ffs0827-effects",
@@ -45,6 +46,7 @@ FED_SOON = (
     "ffs0827-flowing-twelve-springs",
     "ffs0827-slice",
 )
+FED_SOON = dict.fromkeys(COAL, "coal") | {"iron-ore": "iron-ore"}
 PICTURED = "quickstart"
 WITHOUT_PANELS = ("bushing-hysteresis", "double-deck", "shear-spring")
 Done = tuple[str, Path, subprocess.CompletedProcess[str]]
@@ -57,7 +59,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     folder = tmp_path_factory.mktemp(name) / "run"
     sets = [f"duration_s={DURATION_S.get(name, 0.1)}"]
     sets += ["output.series_s=0"]  # a row at every sync point
-    sets += ["bed.feeds.coal.start_s=0.01"] if name in FED_SOON else []
+    sets += [f"bed.feeds.{FED_SOON[name]}.start_s=0.01"] if name in FED_SOON else []
     sets += [] if name == PICTURED else ["output.pictures=false"]
     return name, folder, flipflow(*run_words(name, folder, sets))
 

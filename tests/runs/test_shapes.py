@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -10,7 +11,10 @@ import meshio
 import numpy as np
 import pytest
 
+from adapters.particles import liggghts
+from orchestrator.case import solvers
 from orchestrator.case.bed.carry import read_run
+from orchestrator.case.tables import numerics
 from orchestrator.cli import launch
 from orchestrator.cli.launch import resume
 from orchestrator.preflight.check import find_problems
@@ -74,7 +78,11 @@ def test_another_run_takes_them_over(whole: Path) -> None:
         assert set(bed.grains.shape_names) == {"dumbbell", "sphere"}
 
 
-def test_liggghts_refuses_them(tmp_path: Path) -> None:
+def test_a_solver_of_spheres_refuses_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    only_spheres = replace(liggghts.ADAPTER, clumps=False)
+    monkeypatch.setattr(liggghts, "ADAPTER", only_spheres)
+    monkeypatch.setattr(solvers, "adapter", solvers.adapter.__wrapped__)
+    monkeypatch.setattr(numerics, "adapter", solvers.adapter)
     text = (case(tmp_path / "case") / "case.toml").read_text()
     problems = find_problems(load_case(tmp_path / "other", text, [*SHAPED, "particles.solver=liggghts"]))
     assert [problem.key for problem in problems] == [

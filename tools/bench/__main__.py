@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from orchestrator.case.bed.grains import shapes
 from orchestrator.case.tables.case import has_particles
 from orchestrator.preflight.judge import load_judged
 from tools.bench import coupling, effects
@@ -36,6 +37,8 @@ def main() -> None:
         loaded = load_judged(args.case, args.level, args.overrides)
         if not has_particles(loaded.case):
             parser.error("the case has no particles: there is nothing to compare")
+        if any(len(shape.spheres) > 1 for shape in shapes(loaded.case)):
+            parser.error("LIGGGHTS alone has no grains of several spheres from memory: take spheres")
         console.print(coupling.bench(loaded, args.intervals, args.settling))
 
 

@@ -16,7 +16,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from orchestrator.case.solvers import Port, SolverName, adapter, names
+from orchestrator.case.solvers import Port, ShapeNames, SolverName, adapter, names
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.preflight.judgement.catalogue import EFFECTS
@@ -105,8 +105,8 @@ def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
 
 
 def _solvers(field: FieldInfo) -> str:
-    """Return the solvers that a key may name, or "" for a key that names no solver."""
-    marks = [mark for mark in field.metadata if isinstance(mark, SolverName)]
+    """Return the solvers or shapes that a key may name, or "" for a key that names none."""
+    marks = [mark for mark in field.metadata if isinstance(mark, SolverName | ShapeNames)]
     return " or ".join(f'"{name}"' for mark in marks for name in mark.allowed)
 
 

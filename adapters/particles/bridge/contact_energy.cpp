@@ -2,12 +2,15 @@
 
 #include <mpi.h>
 
+#include <algorithm>
+
 #include "atom.h"
 #include "force.h"
 #include "lammps.h"
 #include "neigh_list.h"
 #include "pair_gran.h"
 #include "../../vec3.h"
+#include "fix_bodies.h"
 
 namespace flipflow {
 
@@ -80,6 +83,25 @@ std::vector<std::int64_t> contact_numbers(LAMMPS &lmp, const ContactLaws &laws) 
     ++numbers[i];
     if (j < lmp.atom->nlocal) ++numbers[j];
   });
+  return numbers;
+}
+
+std::vector<std::int64_t> contact_numbers(LAMMPS &lmp, const ContactLaws &laws, const FixBodies &bodies) {
+  const Atom &atom = *lmp.atom;
+  std::vector<std::vector<std::int64_t>> others(atom.nlocal);  // of each body, with its first sphere
+  const auto touch = [&](int i, int j) {
+    others[bodies.lead_of_atom(i)].push_back(bodies.body_of_tag(atom.tag[j]));
+  };
+  each_touching(lmp, laws, [&](int i, int j, double, const double *) {
+    touch(i, j);
+    if (j < atom.nlocal) touch(j, i);
+  });
+  std::vector<std::int64_t> numbers;
+  for (int b = 0; b < bodies.count(); ++b) {
+    std::vector<std::int64_t> &own = others[bodies.lead(b)];
+    std::sort(own.begin(), own.end());
+    numbers.push_back(std::unique(own.begin(), own.end()) - own.begin());
+  }
   return numbers;
 }
 

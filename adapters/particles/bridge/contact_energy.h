@@ -11,6 +11,8 @@ class LAMMPS;
 
 namespace flipflow {
 
+class FixBodies;
+
 struct ContactEnergy {
   double elastic_J = 0.0, adhesion_J = 0.0;
 
@@ -61,5 +63,8 @@ ContactEnergy pair_energy(LAMMPS_NS::LAMMPS &lmp, const ContactLaws &laws);
 
 // The number of other particles that each particle of this rank touches.
 std::vector<std::int64_t> contact_numbers(LAMMPS_NS::LAMMPS &lmp, const ContactLaws &laws);
+// The number of other bodies that each body of this rank touches, however many of its spheres do.
+std::vector<std::int64_t> contact_numbers(LAMMPS_NS::LAMMPS &lmp, const ContactLaws &laws,
+                                          const FixBodies &bodies);
 
 }  // namespace flipflow

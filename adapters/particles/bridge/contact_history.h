@@ -25,13 +25,12 @@ class ContactHistory {
     old_.swap(records);
     taken_.assign(old_.size() / record_, false);
     records.assign(touches.size() * record_, 0.0);
+    pair_up(touches);
     for (size_t k = 0; k < touches.size(); ++k) {
       const Vec3 normal = normal_of(touches[k]);
-      const int same = find_nearest(normal, kSameContact, false);
-      const int heir_of = same >= 0 ? same : find_nearest(normal, kSamePatch, true);
+      const int heir_of = same_[k] >= 0 ? same_[k] : find_nearest(normal, kSamePatch, true).row;
       double *record = &records[k * record_];
       if (heir_of >= 0) std::copy_n(&old_[heir_of * record_], record_, record);
-      if (same >= 0) taken_[same] = true;
       put(record, normal);
     }
   }
@@ -106,23 +105,44 @@ class ContactHistory {
     return true;
   }
 
-  // The old record with the nearest normal, or -1.
-  int find_nearest(Vec3 normal, double least_cosine, bool taken_ones) const {
-    int row = -1;
+  // Which old records go on, nearest normals first: `same_` of each contact, or -1.
+  void pair_up(const std::vector<Touch> &touches) {
+    same_.assign(touches.size(), -1);
+    for (;;) {
+      Nearest nearest = {-1, kSameContact};
+      size_t of = 0;
+      for (size_t k = 0; k < touches.size(); ++k) {
+        if (same_[k] >= 0) continue;
+        const Nearest found = find_nearest(normal_of(touches[k]), nearest.cosine, false);
+        if (found.row < 0) continue;
+        nearest = found;
+        of = k;
+      }
+      if (nearest.row < 0) return;
+      same_[of] = nearest.row;
+      taken_[nearest.row] = true;
+    }
+  }
+
+  struct Nearest {
+    int row;  // -1: none
+    double cosine;
+  };
+  // The old record with the nearest normal that is nearer than `least_cosine`.
+  Nearest find_nearest(Vec3 normal, double least_cosine, bool taken_ones) const {
+    Nearest nearest = {-1, least_cosine};
     for (size_t old = 0; old < taken_.size(); ++old) {
       const double cosine = dot(normal, from(&old_[old * record_]));
-      if (cosine > least_cosine && (taken_ones || !taken_[old])) {
-        least_cosine = cosine;
-        row = static_cast<int>(old);
-      }
+      if (cosine > nearest.cosine && (taken_ones || !taken_[old])) nearest = {static_cast<int>(old), cosine};
     }
-    return row;
+    return nearest;
   }
 
   int record_;                                // 3 of the normal, then the values
   std::vector<std::vector<double>> records_;  // of each particle, one contact after the other
   std::vector<double> old_;
   std::vector<bool> taken_;  // of the old records
+  std::vector<int> same_;    // of the contacts
 };
 
 }  // namespace flipflow

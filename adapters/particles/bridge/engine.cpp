@@ -162,15 +162,14 @@ void Engine::create(const Particles &particles, int first_id) {
   atom.natoms += particles.count;
 }
 
-// The ids of spheres follow from those of their bodies, as many for each as the largest shape needs.
-void Engine::create_bodies(const Particles &particles, const int *shape, int first_id) {
+void Engine::create_bodies(const Particles &particles, const int *shape, const double *turn,
+                           int first_id) {
   FixBodies &bodies = *this->bodies();
   Atom &atom = *lammps_->atom;
-  int spheres = 0, most = 1;
-  for (const BodyShape &of : bodies.shapes()) most = std::max(most, static_cast<int>(of.spheres.size()));
+  int spheres = 0;
   for (int k = 0; k < particles.count; ++k) {
     const BodyShape &of = bodies.shapes()[shape[k]];
-    const int first = (first_id + k - 1) * most + 1;
+    const int first = bodies.first_tag(first_id + k);
     spheres += static_cast<int>(of.spheres.size());
     if (!is_mine(particles.position_m + 3 * k)) continue;
     FixBodies::Row body = {};
@@ -179,7 +178,7 @@ void Engine::create_bodies(const Particles &particles, const int *shape, int fir
     body.size_m = particles.diameter_m[k];
     body.place = from(particles.position_m + 3 * k);
     body.velocity = from(particles.velocity_m_per_s + 3 * k);
-    body.turn[0] = 1.0;
+    std::copy_n(turn + 4 * k, 4, body.turn);
     body.momentum =
         bodies.momentum(body, from(particles.spin_rad_per_s + 3 * k), particles.density_kg_per_m3[k]);
     for (int part = 0; part < static_cast<int>(of.spheres.size()); ++part)

@@ -46,8 +46,8 @@ class Engine {
   };
   void create(const Particles &particles, int first_id);
 
-  // New bodies, upright, with ids in order from `first_id`; the diameters are sieve sizes.
-  void create_bodies(const Particles &particles, const int *shape, int first_id);
+  // New bodies, turned by quaternions, with ids in order from `first_id`; the diameters are sieve sizes.
+  void create_bodies(const Particles &particles, const int *shape, const double *turn, int first_id);
 
   // Which of the places would overlap the surface or one of this rank's particles.
   std::vector<bool> overlaps(const double *position_m, const double *diameter_m, int count);

@@ -67,6 +67,8 @@ class FixBodies : public LAMMPS_NS::Fix {
   // `reach_m`: how far from its centre the largest body may have a sphere's centre, and that sphere's radius.
   void set_shapes(std::vector<BodyShape> shapes, double reach_m) {
     shapes_ = std::move(shapes);
+    most_ = 1;
+    for (const BodyShape &of : shapes_) most_ = std::max(most_, static_cast<int>(of.spheres.size()));
     reach_ = reach_m;
   }
   const std::vector<BodyShape> &shapes() const { return shapes_; }
@@ -107,6 +109,10 @@ class FixBodies : public LAMMPS_NS::Fix {
   bool same_body(int i, int j) const { return rows_[i].id == rows_[j].id; }
   Vec3 spin_of(const Row &body) const { return spin(body, Axes(body.turn)); }
 
+  // The ids of spheres follow from those of their bodies, as many for each as the largest shape needs.
+  int first_tag(int body_id) const { return (body_id - 1) * most_ + 1; }
+  int body_of_tag(int tag) const { return (tag - 1) / most_ + 1; }
+
   // Makes atom i the sphere `part` of a body, whose mass it gets; its radius and place follow.
   void add(int i, Row body, int part) {
     const BodyShape &of = shape(body);
@@ -125,6 +131,19 @@ class FixBodies : public LAMMPS_NS::Fix {
     const Axes axes(body.turn);
     const Vec3 own = axes.to_own(spin);
     return axes.to_world(scale * Vec3{of.inertia[0] * own.x, of.inertia[1] * own.y, of.inertia[2] * own.z});
+  }
+
+  // The forces and torques on the spheres, and gravity, on the bodies.
+  void gather() {
+    for (int b = 0; b < count(); ++b) {
+      Vec3 torque = {0, 0, 0};
+      for (int m = first_[b]; m < first_[b + 1]; ++m) {
+        const int i = member_[m];
+        torque = torque + from(atom->torque[i]) + cross(arm_[m], from(atom->f[i]));
+      }
+      force_[b] = force_now_N(b);
+      torque_[b] = torque;
+    }
   }
 
   void setup(int) override { gather(); }
@@ -303,19 +322,6 @@ class FixBodies : public LAMMPS_NS::Fix {
     }
   }
 
-  // The forces and torques on the spheres, and gravity, on the bodies.
-  void gather() {
-    for (int b = 0; b < count(); ++b) {
-      Vec3 torque = {0, 0, 0};
-      for (int m = first_[b]; m < first_[b + 1]; ++m) {
-        const int i = member_[m];
-        torque = torque + from(atom->torque[i]) + cross(arm_[m], from(atom->f[i]));
-      }
-      force_[b] = force_now_N(b);
-      torque_[b] = torque;
-    }
-  }
-
   void load(const SavedState &saved) {
     const auto &rows = saved.real("bodies");
     std::copy(rows.begin(), rows.end(), reinterpret_cast<double *>(rows_.data()));
@@ -349,6 +355,7 @@ class FixBodies : public LAMMPS_NS::Fix {
 
   Vec3 gravity_;
   std::vector<BodyShape> shapes_;
+  int most_ = 1;  // spheres of a shape
   double reach_ = 0.0;
   std::vector<Row> rows_;                // of all atoms
   std::vector<int> lead_;                // of each atom: the first sphere of its body

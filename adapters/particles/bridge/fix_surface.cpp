@@ -12,6 +12,7 @@
 #include "update.h"
 
 #include "saved_particles.h"
+#include "step_end.h"
 
 namespace flipflow {
 
@@ -105,6 +106,7 @@ void FixSurface::set_deck(DeckLine line, std::vector<char> on_deck) {
 void FixSurface::begin_path(const double *start_m, const double *start_m_per_s, const double *end_m,
                             const double *end_m_per_s, double length_s, int steps) {
   load_.jump(surface_, start_m);
+  jumped_ = !surface_.is_at(start_m);
   search_.surface_moved(surface_.begin(start_m, start_m_per_s, end_m, end_m_per_s, length_s));
   first_step_ = update->ntimestep;
   last_step_ = first_step_ + steps;
@@ -118,6 +120,12 @@ void FixSurface::save(SavedState &saved) const {
   load_.save(saved);
   tangent_.save(saved);
   wear_.save(saved);
+  auto &given = saved.reals["surface_given"];
+  auto &given_to = saved.wholes["surface_given_to"];
+  for (const Given &of : given_) {
+    given_to.push_back(of.sphere);
+    for (Vec3 part : {of.force_N, of.torque_N_m}) given.insert(given.end(), {part.x, part.y, part.z});
+  }
   saved.reals["surface_energy_J"] = {energy_.elastic_J, energy_.adhesion_J};
   for (Vec3 of : {mass_moment_, mass_moment_time_})
     for (double part : {of.x, of.y, of.z}) saved.reals["mass_moments"].push_back(part);
@@ -131,6 +139,13 @@ void FixSurface::restore(const SavedState &saved) {
   load_.restore(saved);
   tangent_.restore(saved);
   wear_.restore(saved);
+  const double *given = saved.real("surface_given").data();
+  given_.clear();
+  for (const std::int64_t sphere : saved.whole("surface_given_to")) {
+    given_.push_back({static_cast<int>(sphere), from(given), from(given + 3)});
+    given += 6;
+  }
+  jumped_ = false;
   const auto &energy = saved.real("surface_energy_J");
   energy_ = {energy[0], energy[1]};
   deepest_ = {};
@@ -152,6 +167,7 @@ void FixSurface::weigh(double step_s) {
 }
 
 void FixSurface::begin_sums(double step_s) {
+  if (jumped_) push_again();
   load_.begin(surface_, step_s);
   mass_moment_time_ = mass_moment_time_ + 0.5 * step_s * mass_moment_;
 }
@@ -189,23 +205,41 @@ void FixSurface::setup(int flag) {
 }
 
 void FixSurface::post_force(int) {
-  computeflag_ = 1;
-  shearupdate_ = update->setupflag ? 0 : 1;
-  if (!update->setupflag) {
+  between_steps_ = update->setupflag;
+  if (!between_steps_) {
     const double step = static_cast<double>(update->ntimestep - first_step_);
     const double steps = static_cast<double>(last_step_ - first_step_);
     surface_.move(step / steps, (step - 0.5) / steps);
     search_.surface_moved(surface_.fastest_m_per_s() * update->dt);
   }
+  evaluate();
+}
+
+// The half step that follows goes by what the surface pushes with where it is now.
+void FixSurface::push_again() {
+  for (const Given &old : given_) {
+    add_to(atom->f[old.sphere], -1.0 * old.force_N);
+    add_to(atom->torque[old.sphere], -1.0 * old.torque_N_m);
+  }
+  between_steps_ = true;
+  evaluate();
+  if (bodies_) bodies_->gather();
+}
+
+void FixSurface::evaluate() {
+  computeflag_ = 1;
+  shearupdate_ = between_steps_ ? 0 : 1;
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
-  last_evaluation_ = update->setupflag || update->ntimestep == last_step_;
+  last_evaluation_ = between_steps_ || update->ntimestep == last_step_;
   load_.next_evaluation(last_evaluation_);
   tangent_wanted_now_ = last_evaluation_ && tangent_.asked();
   if (tangent_wanted_now_) tangent_.clear();
   energy_ = {};
+  given_.clear();
+  jumped_ = false;
   touch_all_();
-  load_.end_evaluation(update->setupflag ? 0.0 : update->dt);
-  weigh(update->setupflag ? 0.0 : update->dt);
+  load_.end_evaluation(between_steps_ ? 0.0 : update->dt);
+  weigh(between_steps_ ? 0.0 : update->dt);
 }
 
 template <class Worn>
@@ -259,8 +293,12 @@ void FixSurface::touch(const ContactSearch::Near &near, Worn &worn) {
     history_.keep(i, touches_);
   else
     history_.match(i, touches_);
+  if (touches_.empty()) return;
+  const Given before = {i, from(atom->f[i]), from(atom->torque[i])};
   for (size_t k = 0; k < touches_.size(); ++k)
     push(i, touches_[k], dnum() > 0 ? history_.values(i, static_cast<int>(k)) : nullptr, worn);
+  if (last_evaluation_)
+    given_.push_back({i, from(atom->f[i]) - before.force_N, from(atom->torque[i]) - before.torque_N_m});
 }
 
 // A contact that sticks lasts as long as its neck, whose depth counts from where it snaps; the neck
@@ -320,6 +358,7 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   const Vec3 spin_in_world = from(particle_spin);
   put(particle_spin, spin_in_world - spin);
   impl->compute_force(this, contact, overlap > 0, &wall.x);
+  const Vec3 slip = StepEnd::slip_of(contact);
   put(particle_spin, spin_in_world);
 
   Vec3 added = from(force) - force_before, turned = {0, 0, 0};
@@ -332,7 +371,7 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
     put(force, force_before + added);
     put(torque, torque_before + touch.weight * (from(torque) - torque_before));
   }
-  const double step = update->setupflag ? 0.0 : update->dt;
+  const double step = between_steps_ ? 0.0 : update->dt;
   const Vec3 couple = turning.solved(from(torque) - torque_before + cross(touch.away, added));
   const Vec3 on_corners[3] = {-w[0] * added - cross(couple, turning.arm(0)),
                               -w[1] * added - cross(couple, turning.arm(1)),
@@ -340,10 +379,10 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   load_.add(surface_, corner, on_corners, step);
   deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
-    if (!on_deck_.empty() && on_deck_[touch.triangle] && !update->setupflag)
+    if (!on_deck_.empty() && on_deck_[touch.triangle] && !between_steps_)
       deck_contacts_.touched(bodies_ ? bodies_->lead_of_atom(i) : i);
     if (tangent_wanted_now_) add_tangent(touch, contact, history, unshared, turned);
-    worn.after(before, contact, history, corner, w, touch.weight, step);
+    worn.after(before, slip, contact, history, corner, w, touch.weight, step);
     if (last_evaluation_)
       energy_.add(laws_.stored(atom->type[i], atom_type_wall_, atom->radius[i], 0.0, overlap, history),
                   touch.weight);
@@ -402,14 +441,14 @@ Vec3 FixSurface::place_before(int i) const {
 void FixSurface::find_crossing(const ContactSearch::Near &near, double nearest2) {
   const int i = near.sphere;
   const double radius = atom->radius[i], step2 = step_length2(i);
-  if (update->setupflag || (step2 < nearest2 && step2 < radius * radius)) return;
+  if (between_steps_ || (step2 < nearest2 && step2 < radius * radius)) return;
   if (search_.crossed(surface_, near, place_before(i), from(atom->x[i]))) add_crossing(i);
 }
 
 // Who moves farther against the surface in a step than triangles are listed around it is looked for
 // everywhere.  After such a step lists are made anew, so that it is enough to look then.
 void FixSurface::find_far_crossings() {
-  if (update->setupflag) return;
+  if (between_steps_) return;
   for (int i = 0; i < atom->nlocal; ++i) {
     const double listed_m = atom->radius[i] * neighbor->contactDistanceFactor + neighbor->skin;
     if (step_length2(i) < listed_m * listed_m) continue;

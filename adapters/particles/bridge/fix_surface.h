@@ -40,7 +40,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void set_laws(const ContactLaws &laws) { laws_ = laws; }
 
   // Particles are the spheres of bodies, which are counted and weighed as wholes.
-  void know(const FixBodies *bodies) { bodies_ = bodies; }
+  void know(FixBodies *bodies) { bodies_ = bodies; }
   void set_wear(Wear wear);
 
   // Counts contacts with a deck; `on_deck` tells of each triangle whether it belongs to a panel.
@@ -124,6 +124,14 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   }
 
  private:
+  // What the surface gave a sphere in the last evaluation of a run.
+  struct Given {
+    int sphere;
+    Vec3 force_N, torque_N_m;
+  };
+
+  void evaluate();
+  void push_again();
   void search();
   template <class Worn>
   void touch_all(Worn &worn);
@@ -148,7 +156,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   double largest_radius_ = 0.0;
   ContactLaws laws_;
 
-  const FixBodies *bodies_ = nullptr;
+  FixBodies *bodies_ = nullptr;
   ContactSearch search_;
   std::vector<Touch> touches_;
   ContactHistory history_;
@@ -161,6 +169,9 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
 
   LAMMPS_NS::bigint first_step_ = 0, last_step_ = 0;
   bool neighbours_listed_now_ = true, last_evaluation_ = true, tangent_wanted_now_ = false;
+  bool between_steps_ = true;  // velocities are those of now, and no time passes
+  bool jumped_ = false;        // the surface, since the last evaluation
+  std::vector<Given> given_;
   ContactEnergy energy_;
   DeepestOverlap deepest_;
   std::vector<Crossing> crossings_;

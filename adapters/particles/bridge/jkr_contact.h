@@ -3,6 +3,8 @@
 #include "contact_models.h"
 #include "global_properties.h"
 #include "jkr.h"
+#include "step_end.h"
+#include "update.h"
 
 namespace flipflow {
 
@@ -43,18 +45,25 @@ class JkrNormal {
     if (pair.contact_flags) *pair.contact_flags &= ~LIGGGHTS::ContactModels::CONTACT_NORMAL_MODEL;
   }
 
-  void push(Touching &pair, Forces &on_i, Forces &on_j) const {
+  // Finds the neck of a contact that holds, and what its springs and dampers give.
+  StepEnd::Law hold(Touching &pair, double overlap_m) const {
     const Jkr jkr = law(pair);
-    const double neck = jkr.neck_m(pair.deltan, pair.contact_history[neck_]);
-    const double elastic = jkr.force_N(neck), stiffness = 2.0 * jkr.e_star_Pa * neck;
+    const double neck = jkr.neck_m(overlap_m, pair.contact_history[neck_]);
+    const double stiffness = 2.0 * jkr.e_star_Pa * neck;
     const double shear = 8.0 * g_star_Pa_[pair.itype][pair.jtype] * neck;
     const double factor = -2.0 * std::sqrt(5.0 / 6.0) * damping_[pair.itype][pair.jtype];
     pair.contact_history[neck_] = neck;
     if (pair.contact_flags) *pair.contact_flags |= LIGGGHTS::ContactModels::CONTACT_NORMAL_MODEL;
-    pair.gamman = factor * std::sqrt(stiffness * pair.meff);
-    pair.gammat = factor * std::sqrt(shear * pair.meff);
-    pair.kt = shear;
-    const double force = elastic - pair.gamman * pair.vn, pull = 2.0 * jkr.pull_off_N();
+    return {jkr.force_N(neck), factor * std::sqrt(stiffness * pair.meff), shear,
+            factor * std::sqrt(shear * pair.meff)};
+  }
+
+  void push(Touching &pair, const StepEnd::Law &held, Forces &on_i, Forces &on_j) const {
+    pair.gamman = held.damping_N_s_per_m;
+    pair.gammat = held.shear_damping_N_s_per_m;
+    pair.kt = held.shear_N_per_m;
+    const double elastic = held.elastic_N;
+    const double force = elastic - pair.gamman * pair.vn, pull = 2.0 * law(pair).pull_off_N();
     for (int k = 0; k < 3; ++k) {
       on_i.delta_F[k] += force * pair.en[k];
       on_j.delta_F[k] -= force * pair.en[k];
@@ -109,7 +118,9 @@ class JkrContact : public LIGGGHTS::ContactModels::ContactModelBase {
         normal_(history),
         surface_(lmp, history, this),
         tangential_(lmp, history, this),
-        rolling_(lmp, history, this) {}
+        rolling_(lmp, history, this),
+        update_(*lmp->update),
+        step_end_(history) {}
 
   int64_t hashcode() { return kHash; }
   double stressStrainExponent() { return 1.5; }
@@ -140,18 +151,22 @@ class JkrContact : public LIGGGHTS::ContactModels::ContactModelBase {
   void endSurfacesIntersect(Touching &, LAMMPS_NS::TriMesh *, Forces &, Forces &) {}
 
   void surfacesIntersect(Touching &pair, Forces &on_i, Forces &on_j) {
-    surface_.surfacesIntersect(pair, on_i, on_j);
-    normal_.push(pair, on_i, on_j);
-    tangential_.surfacesIntersect(pair, on_i, on_j);
-    if (rolling_model == LIGGGHTS::ContactModels::ROLLING_EPSD2)
-      keep_across(pair.contact_history + 4, pair.en);  // after the neck and the tangential spring
-    rolling_.surfacesIntersect(pair, on_i, on_j);
+    const StepEnd::Law law = normal_.hold(pair, pair.is_wall ? pair.deltan : pair.radsum - pair.r);
+    step_end_.apply(pair, law, kSpring, update_.dt, [&] {
+      surface_.surfacesIntersect(pair, on_i, on_j);
+      normal_.push(pair, law, on_i, on_j);
+      tangential_.surfacesIntersect(pair, on_i, on_j);
+      if (rolling_model == LIGGGHTS::ContactModels::ROLLING_EPSD2)
+        keep_across(pair.contact_history + 4, pair.en);  // after the neck and the tangential spring
+      rolling_.surfacesIntersect(pair, on_i, on_j);
+    });
   }
 
   void surfacesClose(Close &close, Forces &on_i, Forces &on_j) {
     const double distance = std::sqrt(close.rsq);
     if (!normal_.holds(close, close.radsum - distance)) {
       normal_.snap(close);
+      step_end_.forget(close);
       tangential_.surfacesClose(close, on_i, on_j);
       rolling_.surfacesClose(close, on_i, on_j);
       return;
@@ -178,11 +193,15 @@ class JkrContact : public LIGGGHTS::ContactModels::ContactModelBase {
     pair.omega_j = atom_.omega[j];
   }
 
+  static constexpr int kSpring = tangential_model == LIGGGHTS::ContactModels::TANGENTIAL_OFF ? -1 : 1;
+
   const LAMMPS_NS::Atom &atom_;
   JkrNormal normal_;  // first, so that the history begins with the neck
   LIGGGHTS::ContactModels::SurfaceModel<LIGGGHTS::ContactModels::SURFACE_DEFAULT> surface_;
   LIGGGHTS::ContactModels::TangentialModel<tangential_model> tangential_;
   LIGGGHTS::ContactModels::RollingModel<rolling_model> rolling_;
+  const LAMMPS_NS::Update &update_;
+  StepEnd step_end_;
 };
 
 }  // namespace flipflow

@@ -127,15 +127,6 @@ py::dict bodies(Engine &engine) {
                   "turn"_a = table_of(n, 4, [&](int b, double *row) { std::copy_n(all.row(b).turn, 4, row); }));
 }
 
-// Of this rank's bodies the sum over their spheres of a number of each sphere.
-py::array_t<std::int64_t> by_body(Engine &engine, const std::vector<std::int64_t> &of_sphere) {
-  const flipflow::FixBodies &all = *engine.bodies();
-  std::vector<std::int64_t> sums(all.count(), 0);
-  for (int b = 0; b < all.count(); ++b)
-    for (const int i : all.spheres(b)) sums[b] += of_sphere[i];
-  return array_of(sums, {all.count()});
-}
-
 void set_shapes(Engine &engine, const Ints &count, const Doubles &spheres, const Doubles &volume,
                 const Doubles &inertia, const Doubles &bounding_radius, double reach_m) {
   check_shape("count", count, {kAny});
@@ -210,11 +201,12 @@ void create_particles(Engine &engine, const Doubles &position_m, const Doubles &
 
 void create_bodies(Engine &engine, const Doubles &position_m, const Doubles &velocity_m_per_s,
                   const Doubles &spin_rad_per_s, const Doubles &size_m, const Doubles &density_kg_per_m3,
-                  const Ints &type, const Ints &shape, int first_id) {
+                  const Ints &type, const Ints &shape, const Doubles &turn, int first_id) {
   check_shape("shape", shape, {position_m.shape(0)});
+  check_shape("turn", turn, {position_m.shape(0), 4});
   engine.create_bodies(
       checked(position_m, velocity_m_per_s, spin_rad_per_s, size_m, density_kg_per_m3, type), shape.data(),
-      first_id);
+      turn.data(), first_id);
 }
 
 std::vector<bool> overlaps(Engine &engine, const Doubles &position_m, const Doubles &diameter_m) {
@@ -500,7 +492,7 @@ PYBIND11_MODULE(_liggghts, module) {
            exactly("inertia"), exactly("bounding_radius"), py::arg("reach_m"))
       .def("create_bodies", &create_bodies, by_keyword, exactly("position_m"), exactly("velocity_m_per_s"),
            exactly("spin_rad_per_s"), exactly("size_m"), exactly("density_kg_per_m3"), exactly("type"),
-           exactly("shape"), py::arg("first_id"))
+           exactly("shape"), exactly("turn"), py::arg("first_id"))
       .def("bodies", &bodies)
       .def("repeat_surface", &repeat_surface, by_keyword, py::arg("period_m"),
            exactly("joined_triangles"))
@@ -548,8 +540,8 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("take_crossings", &take_crossings)
       .def("contact_numbers",
            [](Engine &e) {
-             const auto numbers = flipflow::contact_numbers(e.lammps(), e.laws());
-             if (e.bodies()) return by_body(e, numbers);
+             const auto numbers = e.bodies() ? flipflow::contact_numbers(e.lammps(), e.laws(), *e.bodies())
+                                             : flipflow::contact_numbers(e.lammps(), e.laws());
              return array_of(numbers, {static_cast<py::ssize_t>(numbers.size())});
            })
       .def("pair_energy_J",

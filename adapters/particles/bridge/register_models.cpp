@@ -1,10 +1,11 @@
 // Adds to LIGGGHTS's tables of contact models, for pairs and for walls: `model jkr`, and its own
 // `model hertz` compiled for the combinations that flipflow uses (LIGGGHTS would call every part of
-// them through a table), with rolling friction `epsd2` cured.  In both, restitution may go by speed.
+// them through a table), with rolling friction `epsd2` cured.  In both, dampers go by the velocities of the
+// step's end, and restitution may go by speed.
 
 #include <mpi.h>
 
-#include <type_traits>
+#include <cmath>
 
 #include "atom.h"
 #include "comm.h"
@@ -29,6 +30,7 @@
 #include "jkr_contact.h"
 #include "rebound.h"
 #include "sphere_pairs.h"
+#include "step_end.h"
 
 namespace flipflow {
 
@@ -37,16 +39,49 @@ namespace {
 using namespace LIGGGHTS;
 using namespace LIGGGHTS::ContactModels;
 
-// One of LIGGGHTS's own contact models with `tangential history` and `rolling_friction epsd2`, cured.
-template <class Model>
-class RollingAcross : public Model {
+// One of LIGGGHTS's own contact models with `model hertz`, with dampers by the velocities of the step's end and
+// with `rolling_friction epsd2` cured.
+template <class Style>
+class HertzContact : public ContactModel<Style> {
+  using Model = ContactModel<Style>;
+  static constexpr int kSpring = Style::TANGENTIAL == TANGENTIAL_OFF ? -1 : 0;  // the history begins with it
+
  public:
-  using Model::Model;
+  HertzContact(LAMMPS_NS::LAMMPS *lmp, IContactHistorySetup *history, bool is_wall, int64_t hash)
+      : Model(lmp, history, is_wall, hash), update_(*lmp->update), step_end_(history) {}
+
+  void connectToProperties(PropertyRegistry &registry) {
+    Model::connectToProperties(registry);
+    registry.connect("Yeff", e_star_Pa_, "step's end");
+    registry.connect("Geff", g_star_Pa_, "step's end");
+    registry.connect("betaeff", damping_, "step's end");
+  }
 
   void surfacesIntersect(SurfacesIntersectData &pair, ForceData &on_i, ForceData &on_j) {
-    keep_across(pair.contact_history + 3, pair.en);  // after the tangential spring
-    Model::surfacesIntersect(pair, on_i, on_j);
+    if (Style::ROLLING == ROLLING_EPSD2) keep_across(pair.contact_history + 3, pair.en);  // after the spring
+    step_end_.apply(pair, law(pair), kSpring, update_.dt, [&] { Model::surfacesIntersect(pair, on_i, on_j); });
   }
+
+  void surfacesClose(SurfacesCloseData &pair, ForceData &on_i, ForceData &on_j) {
+    step_end_.forget(pair);
+    Model::surfacesClose(pair, on_i, on_j);
+  }
+
+ private:
+  StepEnd::Law law(const SurfacesIntersectData &pair) const {
+    const int i = pair.itype, j = pair.jtype;
+    const double overlap_m = pair.is_wall ? pair.deltan : pair.radsum - pair.r;
+    const double radius_m = pair.is_wall ? pair.radi : pair.radi * pair.radj / pair.radsum;
+    const double neck_m = std::sqrt(radius_m * overlap_m);
+    const double stiffness = 2.0 * e_star_Pa_[i][j] * neck_m, shear = 8.0 * g_star_Pa_[i][j] * neck_m;
+    const double damping = -2.0 * std::sqrt(5.0 / 6.0) * damping_[i][j] * std::sqrt(pair.meff);
+    return {2.0 / 3.0 * stiffness * overlap_m, damping * std::sqrt(stiffness), shear,
+            damping * std::sqrt(shear)};
+  }
+
+  const LAMMPS_NS::Update &update_;
+  StepEnd step_end_;
+  double **e_star_Pa_ = nullptr, **g_star_Pa_ = nullptr, **damping_ = nullptr;
 };
 
 template <class Interface, class Style>
@@ -64,9 +99,7 @@ void add() {
 template <int tangential, int cohesion, int rolling>
 void add_hertz() {
   using Style = GranStyle<HERTZ, tangential, cohesion, rolling, SURFACE_DEFAULT>;
-  using Stock = ContactModel<Style>;
-  constexpr bool cured = rolling == ROLLING_EPSD2;
-  using Contact = ReboundBySpeed<std::conditional_t<cured, RollingAcross<Stock>, Stock>>;
+  using Contact = ReboundBySpeed<HertzContact<Style>>;
   add<Contact, SpherePairs<Contact>, Style::HASHCODE>();
 }
 

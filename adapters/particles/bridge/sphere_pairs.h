@@ -150,7 +150,7 @@ class SpherePairs : public LIGGGHTS::PairStyles::IGranularPairStyle {
   }
 
   static constexpr size_t kAhead = 16;  // contacts
-  static constexpr int kValues = 8;     // of a history at most
+  static constexpr int kValues = 12;    // of a history at most
 
   LAMMPS_NS::LAMMPS &lmp_;
   Model model_;

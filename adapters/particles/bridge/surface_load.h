@@ -23,15 +23,16 @@ class SurfaceLoad {
     impulse_ = force_;
   }
 
-  // The surface jumps from where it is to `start_m`, against the present forces.
+  // The surface jumps from where it is to `start_m`: against the mean of the forces before and after.
   void jump(const SurfacePath &surface, const double *start_m) {
     for (int p = 0; p < surface.points(); ++p)
-      work_ -= dot(from(&force_[3 * p]), from(&start_m[3 * p]) - surface.position(p));
+      work_ -= 0.5 * dot(from(&force_[3 * p]), from(&start_m[3 * p]) - surface.position(p));
   }
 
   void begin(const SurfacePath &surface, double step_s) {
     const double half = 0.5 * step_s;
     angular_impulse_ = angular_impulse_ + half * moment_;
+    for (int p = 0; p < surface.points(); ++p) work_ -= 0.5 * dot(from(&force_[3 * p]), surface.jump_m(p));
     for (size_t k = 0; k < impulse_.size(); ++k) {
       impulse_[k] = half * force_[k];
       work_ -= half * force_[k] * surface.start_velocity()[k];

@@ -49,6 +49,10 @@ class SurfacePath {
   // The points are somewhere else, between two paths.
   void place(const std::vector<double> &position_m) { position_ = position_m; }
 
+  bool is_at(const double *points_m) const {
+    return std::equal(position_.begin(), position_.end(), points_m);
+  }
+
   // Arrays of 3 * points values.  The points go to the start; returns the longest such jump, m.
   double begin(const double *start_m, const double *start_m_per_s, const double *end_m,
                const double *end_m_per_s, double length_s) {
@@ -96,6 +100,9 @@ class SurfacePath {
   }
 
   Vec3 position(int vertex) const { return at(position_, vertex); }
+  // How far a point jumped to the start of the path, before its first move.
+  Vec3 jump_m(int point) const { return from(&position_[3 * point]) - from(&before_[3 * point]); }
+
   // Where the vertex was before the last move; for the first move of a path, where the last path left
   // it.
   Vec3 position_before(int vertex) const { return at(before_, vertex); }

@@ -32,11 +32,11 @@ class Wear {
   Vec3 before(const double *history) const {
     return spring_ < 0 ? Vec3{0, 0, 0} : from(history + spring_);
   }
-  // A touching contact after the contact model; types count from 1.
-  void after(Vec3 spring_before_m, const Contact &contact, const double *history,
+  // A touching contact after the contact model, which moved by its slip; types count from 1.
+  void after(Vec3 spring_before_m, Vec3 slip_m_per_s, const Contact &contact, const double *history,
              const Triangle &corner, const double *corner_share, double share, double step_s) {
     if (step_s == 0.0) return;  // a first evaluation: no time has passed
-    const Vec3 slip_m_per_s = {contact.vtr1, contact.vtr2, contact.vtr3}, normal = from(contact.en);
+    const Vec3 normal = from(contact.en);
     const Vec3 stretched_m = spring_before_m + step_s * slip_m_per_s;
     const Vec3 across_m = stretched_m - dot(stretched_m, normal) * normal;
     const double slid_m = norm(across_m - before(history));

@@ -120,7 +120,7 @@ def create_particles(engine: Engine, new: ParticleList, first_id: int) -> None:
 
 
 def create_bodies(engine: Engine, new: ParticleList, first_id: int) -> None:
-    """Create upright bodies from memory, with ids in order from ``first_id``."""
+    """Create bodies from memory, with ids in order from ``first_id``."""
     engine.create_bodies(
         position_m=floats(new.position_m),
         velocity_m_per_s=floats(new.velocity_m_per_s),
@@ -129,6 +129,7 @@ def create_bodies(engine: Engine, new: ParticleList, first_id: int) -> None:
         density_kg_per_m3=floats(new.grains.density_kg_per_m3),
         type=ints(new.grains.material + 1),
         shape=ints(new.grains.shape),
+        turn=floats(new.orientation),
         first_id=first_id,
     )
 

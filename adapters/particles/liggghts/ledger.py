@@ -9,6 +9,7 @@ import numpy as np
 
 from adapters.particles.liggghts.input import has_bodies
 from orchestrator.ports import Account, AngularAccount, Array
+from orchestrator.ports.grains import turned, turned_back
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
 from orchestrator.ports.state import SavedAttributes
 
@@ -57,9 +58,10 @@ class Bodies:
 
 
 def _listed(particles: ParticleList) -> Bodies:
-    """Return the upright bodies of a list that the orchestrator made."""
+    """Return the bodies of a list that the orchestrator made."""
     motion = (particles.position_m, particles.velocity_m_per_s, particles.spin_rad_per_s)
-    own = particles.grains.inertia_kg_m2 * particles.spin_rad_per_s
+    spin = turned_back(particles.orientation, particles.spin_rad_per_s)
+    own = turned(particles.orientation, particles.grains.inertia_kg_m2 * spin)
     return Bodies(particles.grains.mass_kg, *motion, own)
 
 

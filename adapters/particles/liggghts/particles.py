@@ -26,7 +26,6 @@ from orchestrator.ports import (
     ContactTangent,
     Crossings,
     HermitePath,
-    Indices,
     Load,
     Overlaps,
     ParticleSnapshot,
@@ -35,7 +34,7 @@ from orchestrator.ports import (
     sort_removed,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.grains import Grain, Grains
+from orchestrator.ports.grains import Grain, Grains, placed_spheres, upright
 from orchestrator.ports.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
 from orchestrator.ports.state import as_arrays, like
 
@@ -130,7 +129,7 @@ class Liggghts:
     def snapshot(self) -> ParticleSnapshot:
         """Return all particles in the order of their ids, on the first rank; none on the others."""
         self._prepare()
-        columns = ("size", "shape") if self._has_bodies else ("radius",)
+        columns = ("size", "shape", "turn") if self._has_bodies else ("radius",)
         names = ("tag", "x", "v", "omega", "f", "density", "type", *columns)
         of_all = self._engine.bodies() if self._has_bodies else self._engine.particles()
         mine = [self._engine.contact_numbers(), *(np.array(of_all[name]) for name in names)]
@@ -149,6 +148,7 @@ class Liggghts:
             grains=self._grains(dict(zip(names[5:], grains, strict=True))),
             force_N=force,
             contacts=contacts,
+            orientation=grains[-1] if self._has_bodies else upright(len(tag)),
         )
 
     def removed(self) -> Removed:
@@ -255,8 +255,10 @@ class Liggghts:
         offer = self._plan.feed.due(interval)
         if len(offer) == 0:
             return
-        grain, place_m, diameter_m = self._spheres_of(offer)
-        overlapping = np.array(self._engine.overlaps(position_m=place_m, diameter_m=diameter_m))
+        grain, place_m, radius_m = placed_spheres(offer.grains, offer.position_m, offer.orientation)
+        overlapping = np.array(
+            self._engine.overlaps(position_m=floats(place_m), diameter_m=floats(2.0 * radius_m))
+        )
         blocked = np.bincount(grain, overlapping, minlength=len(offer)) > 0
         self._comm.Allreduce(MPI.IN_PLACE, blocked, MPI.LOR)
         accepted = ~blocked
@@ -267,14 +269,6 @@ class Liggghts:
             self._ledger.add_fed(new)
             self._unprepared = True
         self._plan.feed.settle(accepted)
-
-    def _spheres_of(self, offer: ParticleList) -> tuple[Indices, Array, Array]:
-        """Return the spheres of upright grains: each one's row in the offer, place (n, 3) and diameter."""
-        grains = offer.grains
-        table = [np.array(shape.spheres) for shape in self._plan.shapes]
-        grain = np.repeat(np.arange(len(offer)), [len(table[shape]) for shape in grains.shape])
-        own = np.concatenate([table[shape] for shape in grains.shape]) * grains.sieve_size_m[grain, None]
-        return grain, floats(offer.position_m[grain] + own[:, :3]), floats(2.0 * own[:, 3])
 
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()

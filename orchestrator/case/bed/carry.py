@@ -29,6 +29,8 @@ from orchestrator.case.file.slice import bounds_m, cut_to_slice, period_m
 from orchestrator.case.tables.bed import Bed
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.case import Case
+from orchestrator.ports import Array
+from orchestrator.ports.grains import ShapeTable
 
 CHECKPOINTS, SERIES = "checkpoints", "particles.pvd"
 SUMMARY, TRUSTED = "summary.json", ("done", "incomplete")  # a run that is incomplete lacks results alone
@@ -191,7 +193,8 @@ def _read_state(run: Path, state: RecordedState) -> CarriedBed:
             position_m=np.asarray(mesh.points, dtype=float),
             velocity_m_per_s=data["velocity_m_per_s"].reshape(-1, 3),
             spin_rad_per_s=data["spin_rad_per_s"].reshape(-1, 3),
-            grains=saved_bed.grains_of(data | kinds, [shape.name for shape in shapes(case)]),
+            orientation=_unit(data["orientation"].reshape(-1, 4)),
+            grains=saved_bed.grains_of(data | kinds, ShapeTable.of(shapes(case))),
             time_s=state.time_s,
             coarse_graining=case.particles.coarse_graining,
             source=str(state.file),
@@ -203,6 +206,11 @@ def _read_state(run: Path, state: RecordedState) -> CarriedBed:
     except (OSError, KeyError, ValueError, meshio.ReadError) as error:
         raise UnreadableBed(f"{state.file}: cannot be read ({error})") from None
     return saved_bed.keep_used_materials(bed)
+
+
+def _unit(quaternions: Array) -> Array:
+    """Return quaternions (n, 4), which were recorded in single precision, of length 1."""
+    return np.asarray(quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True))
 
 
 def _case_of_run(run: Path) -> Case:

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.packing import equal_particles, find_places, no_particles
+from orchestrator.case.bed.packing import equal_particles, find_places, no_particles, random_orientations
 from orchestrator.case.bed.size_distribution import shares, size_m
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.grains import Grain, Grains
+from orchestrator.ports.grains import Grain, Grains, upright
 from orchestrator.ports.plans import ParticleList
 from orchestrator.ports.rows import Rows
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
@@ -116,7 +116,10 @@ class RateFeed:
         center_m, placed = find_places(grains.bounding_radius_m, inlet.box_m, self._generator, ROUNDS)
         self._offered = np.flatnonzero(placed)
         velocity_m_per_s = inlet.axes @ inlet.velocity_m_per_s
-        return equal_particles(center_m[placed] @ inlet.axes.T, velocity_m_per_s, grains.part(placed))
+        count = int(placed.sum())
+        anyhow = inlet.grain.sphere_count > 1
+        turns = random_orientations(count, self._generator) if anyhow else upright(count)
+        return equal_particles(center_m[placed] @ inlet.axes.T, velocity_m_per_s, grains.part(placed), turns)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         """Count the offered particles that the solver ``accepted`` (n,) as fed; the others wait.

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.size_distribution import classes
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.clumps import clump
 from orchestrator.ports.grains import Grain, Shape, ShapeTable
 
 
@@ -26,20 +28,35 @@ def shapes(case: Case) -> tuple[Shape, ...]:
     bed = case.bed
     names = {row.shape for row in (*bed.particles.values(), *bed.sources)}
     names.update(bed.carried.grains.shapes.name.tolist() if bed.carried is not None else ())
-    return tuple(solvers.shape(name) for name in sorted(names))
+    return tuple(shape(case, name) for name in sorted(names))
 
 
-def grain(case: Case, material: str, shape: str, sieve_size_m: float = 1.0) -> Grain[float]:
+def shape(case: Case, name: str) -> Shape:
+    """Return a shape by its name: the case's own, one of flipflow and its packages, or that with which
+    particles were taken over."""
+    if name in case.bed.shapes:
+        return _own_shape(name, case.bed.shapes[name].spheres)
+    if name not in solvers.names("shapes") and case.bed.carried is not None:
+        return next(each for each in case.bed.carried.grains.shapes.shapes() if each.name == name)
+    return solvers.shape(name)
+
+
+@cache
+def _own_shape(name: str, spheres: tuple[tuple[float, float, float, float], ...]) -> Shape:
+    return clump(name, "a shape of the case", spheres)
+
+
+def grain(case: Case, material: str, shape_name: str, sieve_size_m: float = 1.0) -> Grain[float]:
     """Return a grain, from the names of its material and shape; its numbers are those of no plan."""
     density_kg_per_m3 = case.materials[material].density_kg_per_m3
-    return Grain(sieve_size_m, density_kg_per_m3, 0, 0, ShapeTable.of([solvers.shape(shape)]))
+    return Grain(sieve_size_m, density_kg_per_m3, 0, 0, ShapeTable.of([shape(case, shape_name)]))
 
 
-def planned(case: Case, material: str, shape: str) -> Grain[float]:
+def planned(case: Case, material: str, shape_name: str) -> Grain[float]:
     """Return a grain of size 1 with the numbers of its material and shape in the case's plan."""
     names = [each.name for each in shapes(case)]
-    numbers = {"material": material_numbers(case)[material], "shape": names.index(shape)}
-    return replace(grain(case, material, shape), **numbers, shapes=ShapeTable.of(shapes(case)))
+    numbers = {"material": material_numbers(case)[material], "shape": names.index(shape_name)}
+    return replace(grain(case, material, shape_name), **numbers, shapes=ShapeTable.of(shapes(case)))
 
 
 def grains_by_material(case: Case) -> dict[str, list[Grain[float]]]:
@@ -47,8 +64,8 @@ def grains_by_material(case: Case) -> dict[str, list[Grain[float]]]:
     one kind, by the names of their materials."""
     found: dict[str, list[Grain[float]]] = {}
 
-    def add(material: str, shape: str, *sizes_m: float) -> None:
-        one = grain(case, material, shape)
+    def add(material: str, shape_name: str, *sizes_m: float) -> None:
+        one = grain(case, material, shape_name)
         found.setdefault(material, []).extend(map(one.resized, sizes_m))
 
     for row in case.bed.particles.values():
@@ -59,10 +76,10 @@ def grains_by_material(case: Case) -> dict[str, list[Grain[float]]]:
         add(source.material, source.shape, *limits_m)
     if (carried := case.bed.carried) is not None:
         own = carried.grains
-        for material, shape in np.unique(np.column_stack([own.material, own.shape]), axis=0):
-            sizes_m = own.sieve_size_m[(own.material == material) & (own.shape == shape)]
+        for number, kind in np.unique(np.column_stack([own.material, own.shape]), axis=0):
+            sizes_m = own.sieve_size_m[(own.material == number) & (own.shape == kind)]
             limits_m = float(sizes_m.min()), float(sizes_m.max())
-            add(carried.materials[material], str(own.shapes.name[shape]), *limits_m)
+            add(carried.materials[number], str(own.shapes.name[kind]), *limits_m)
     return found
 
 

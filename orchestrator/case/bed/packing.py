@@ -16,7 +16,7 @@ import numpy.typing as npt
 from orchestrator.case.bed.size_distribution import classes, random_sizes_m
 from orchestrator.case.tables.bed import Block
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.grains import Grain, Grains, ShapeTable
+from orchestrator.ports.grains import Grain, Grains, ShapeTable, upright
 from orchestrator.ports.plans import ParticleList
 
 ROUNDS = 200  # A block's box counts as full after so many rounds of proposals.
@@ -30,7 +30,10 @@ def place_block(block: Block, grain: Grain[float]) -> ParticleList:
     Positions and velocities are in the axes of the box.  The same seed gives the same particles.
     Raises ValueError if the box has no room for all particles.
     """
-    sieve_size_m, position_m, placed = _places(block, grain.resized(1.0).bounding_radius_m)
+    one = grain.resized(1.0)
+    sieve_size_m, position_m, placed, orientation = _places(
+        block, one.bounding_radius_m, one.sphere_count > 1
+    )
     grains = grain.of_sizes(sieve_size_m)
     if not placed.all():
         share = np.sum(grains.volume_m3) / np.prod(np.ptp(block.box_m, axis=0))
@@ -38,16 +41,33 @@ def place_block(block: Block, grain: Grain[float]) -> ParticleList:
             f"the box has room for {placed.sum()} of {block.count} particles: all would fill "
             f"{share:.0%} of it, random places end at 25 to 35 %; enlarge the box"
         )
-    return equal_particles(position_m, np.array(block.velocity_m_per_s), grains)
+    return equal_particles(position_m, np.array(block.velocity_m_per_s), grains, orientation)
 
 
 @lru_cache(REMEMBERED)
-def _places(block: Block, radius: float) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
-    """Return the sieve sizes (n,) of a block's particles, from large to small, their places (n, 3) and
-    whether each found one (n,); ``radius`` is their bounding radius over the size."""
+def _places(
+    block: Block, radius: float, lie_anyhow: bool
+) -> tuple[Array, Array, npt.NDArray[np.bool_], Array]:
+    """Return the sieve sizes (n,) of a block's particles, from large to small, their places (n, 3), whether
+    each found one (n,), and how they are turned (n, 4), upright unless they ``lie_anyhow``.
+
+    ``radius`` is their bounding radius over the size.
+    """
     generator = np.random.default_rng(block.seed)
     sieve_size_m = np.sort(random_sizes_m(classes(block), block.count, generator))[::-1].copy()
-    return sieve_size_m, *find_places(radius * sieve_size_m, np.array(block.box_m), generator, ROUNDS)
+    places = find_places(radius * sieve_size_m, np.array(block.box_m), generator, ROUNDS)
+    turns = random_orientations(block.count, generator) if lie_anyhow else upright(block.count)
+    return sieve_size_m, *places, turns
+
+
+def random_orientations(count: int, generator: np.random.Generator) -> Array:
+    """Return orientations (n, 4) that have no preferred direction.
+
+    Four normal numbers are a vector of no preferred direction in four dimensions, and unit quaternions in its
+    direction are then rotations of none (Shoemake, K., Graphics Gems III, 1992, 124-132).
+    """
+    given = generator.normal(size=(count, 4))
+    return np.asarray(given / np.linalg.norm(given, axis=1, keepdims=True))
 
 
 def find_places(
@@ -112,16 +132,17 @@ def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Arr
     return np.asarray(pairs["i"][pairs["v"] < radius_m[pairs["i"]] + radii_m[pairs["j"]]])
 
 
-def equal_particles(position_m: Array, velocity_m_per_s: Array, grains: Grains) -> ParticleList:
+def equal_particles(
+    position_m: Array, velocity_m_per_s: Array, grains: Grains, orientation: Array
+) -> ParticleList:
     """Return particles that do not spin and have the same velocity (3,)."""
     count = len(grains)
-    return ParticleList(
-        position_m.copy(), np.tile(velocity_m_per_s, (count, 1)), np.zeros((count, 3)), grains
-    )
+    velocities = np.tile(velocity_m_per_s, (count, 1))
+    return ParticleList(position_m.copy(), velocities, np.zeros((count, 3)), grains, orientation.copy())
 
 
 @cache
 def no_particles() -> ParticleList:
     """Return an empty list of particles, of no shape."""
     none = Grain(np.empty(0), np.empty(0), np.empty(0, int), np.empty(0, int), ShapeTable.of([]))
-    return equal_particles(np.empty((0, 3)), np.zeros(3), none)
+    return equal_particles(np.empty((0, 3)), np.zeros(3), none, upright(0))

@@ -16,6 +16,7 @@ import numpy as np
 
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import contact_points
+from orchestrator.ports.grains import placed_spheres
 from orchestrator.ports.plans import ParticleList
 
 SETTLED = 0.05
@@ -32,46 +33,53 @@ def push_out(particles: ParticleList, corners_m: Array, up: Array, period_m: flo
     Particles repeat themselves after ``period_m`` along y, unless it is 0.
     Where there is no room, overlaps remain after ``ROUNDS`` rounds; the checks of places report them.
     """
-    place_m, radius_m = particles.position_m.copy(), particles.grains.bounding_radius_m
+    place_m = particles.position_m.copy()
+    of, center_m, radius_m = placed_spheres(particles.grains, place_m, particles.orientation)
+    arm_m = center_m - place_m[of]
     for _ in range(ROUNDS):
-        moved_m = _out_of_surface(place_m, radius_m, corners_m, up)
-        moved_m += _apart(place_m, radius_m, up, period_m)
+        center_m = place_m[of] + arm_m
+        moved_m = _out_of_surface(len(place_m), of, center_m, radius_m, corners_m, up)
+        moved_m += _apart(len(place_m), of, center_m, radius_m, up, period_m)
         if not moved_m.any():
             break
         place_m += moved_m
     return replace(particles, position_m=place_m)
 
 
-def _out_of_surface(place_m: Array, radius_m: Array, corners_m: Array, up: Array) -> Array:
-    """Return the displacement (n, 3) of each particle out of the triangle in which it lies deepest."""
-    moved_m = np.zeros_like(place_m)
-    sphere, from_surface_m = contact_points(place_m, radius_m, corners_m)
+def _out_of_surface(
+    count: int, of: Indices, center_m: Array, radius_m: Array, corners_m: Array, up: Array
+) -> Array:
+    """Return the displacement (n, 3) of each of n particles out of the triangle in which one of its spheres
+    lies deepest; ``of`` (m,) has the spheres' particles."""
+    moved_m = np.zeros((count, 3))
+    sphere, from_surface_m = contact_points(center_m, radius_m, corners_m)
     distance_m = np.linalg.norm(from_surface_m, axis=1)
     depth_m = radius_m[sphere] - distance_m
     order = np.argsort(depth_m)  # the deepest contact of a particle is written last
     order = order[depth_m[order] > SETTLED * 2 * radius_m[sphere[order]]]
     out_m = (depth_m - WANTED * 2 * radius_m[sphere])[:, None] * _directions(from_surface_m, up)
-    moved_m[sphere[order]] = out_m[order]
+    moved_m[of[sphere[order]]] = out_m[order]
     return moved_m
 
 
-def _apart(place_m: Array, radius_m: Array, up: Array, period_m: float) -> Array:
-    """Return the mean displacement (n, 3) of each particle away from those that it overlaps too much."""
-    one, two, overlap_m = overlapping_pairs(place_m, radius_m, period_m)
+def _apart(count: int, of: Indices, center_m: Array, radius_m: Array, up: Array, period_m: float) -> Array:
+    """Return the mean displacement (n, 3) of each of n particles away from those that it overlaps."""
+    one, two, overlap_m = overlapping_pairs(center_m, radius_m, period_m)
     smaller_m = 2 * np.minimum(radius_m[one], radius_m[two])
-    deep = overlap_m > SETTLED * smaller_m
+    deep = (overlap_m > SETTLED * smaller_m) & (of[one] != of[two])
     one, two, overlap_m, smaller_m = one[deep], two[deep], overlap_m[deep], smaller_m[deep]
-    between_m = _nearest(place_m[two] - place_m[one], period_m)
+    between_m = _nearest(center_m[two] - center_m[one], period_m)
+    one, two = of[one], of[two]
     direction = _directions(between_m, up)
     rise = direction @ up
     share_of_two = np.where(rise > LEVEL, 1.0, np.where(rise < -LEVEL, 0.0, 0.5))
     apart_m = (overlap_m - WANTED * smaller_m)[:, None] * direction
-    moved_m, count = np.zeros_like(place_m), np.zeros(len(place_m))
+    moved_m, pushes = np.zeros((count, 3)), np.zeros(count)
     np.add.at(moved_m, two, share_of_two[:, None] * apart_m)
     np.add.at(moved_m, one, (share_of_two - 1.0)[:, None] * apart_m)
-    np.add.at(count, two, share_of_two > 0)
-    np.add.at(count, one, share_of_two < 1)
-    return np.asarray(moved_m / np.maximum(count, 1.0)[:, None])
+    np.add.at(pushes, two, share_of_two > 0)
+    np.add.at(pushes, one, share_of_two < 1)
+    return np.asarray(moved_m / np.maximum(pushes, 1.0)[:, None])
 
 
 def _directions(vectors: Array, up: Array) -> Array:

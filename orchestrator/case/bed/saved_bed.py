@@ -6,23 +6,21 @@ of its datasets and attributes are the fields of ``CarriedBed`` and of its grain
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from orchestrator.case import solvers
 from orchestrator.case.file.folder import open_hdf5
 from orchestrator.case.file.whole import written_whole
-from orchestrator.case.tables.carried_bed import MOTION, CarriedBed
+from orchestrator.case.tables.carried_bed import PLACED, CarriedBed
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports import ParticleSnapshot
-from orchestrator.ports.failures import SolverMissing
 from orchestrator.ports.grains import Grain, Grains, ShapeTable
 
-FORMAT = 2
+FORMAT = 3
 """Version of the file, in its attribute ``format_version``."""
 BED = "bed.h5"
 GRAINS = ("sieve_size_m", "density_kg_per_m3", "material", "shape")
@@ -38,19 +36,29 @@ def from_snapshot(
 ) -> CarriedBed:
     """Return the particles of an instant; ``numbers`` are the materials' numbers by name."""
     by_number = sorted(numbers, key=lambda name: numbers[name])
-    columns: dict[str, Any] = {name: getattr(snapshot, name) for name in (*MOTION, "grains")}
+    columns: dict[str, Any] = {name: getattr(snapshot, name) for name in (*PLACED, "grains")}
     return keep_used_materials(
         CarriedBed(tuple(by_number), **columns, time_s=time_s, coarse_graining=coarse_graining, source="")
     )
 
 
-def grains_of(columns: Mapping[str, Any], shapes: Iterable[str]) -> Grains:
-    """Return the grains of recorded columns, which have the names of ``GRAINS``, and of shapes by name.
+def grains_of(columns: Mapping[str, Any], shapes: ShapeTable) -> Grains:
+    """Return the grains of recorded columns, which have the names of ``GRAINS``."""
+    return Grain(**{name: columns[name][:] for name in GRAINS}, shapes=shapes)
 
-    Raises SolverMissing for a shape that there is not here.
-    """
-    table = ShapeTable.of([solvers.shape(name) for name in shapes])
-    return Grain(**{name: columns[name][:] for name in GRAINS}, shapes=table)
+
+def shape_attributes(shapes: ShapeTable) -> dict[str, Any]:
+    """Return the attributes by which recorded files know shapes: ``shapes``, their names, and one for each of
+    their numbers, such as ``shape_volume`` (k,)."""
+    numbers = {f"shape_{name}": values for name, values in vars(shapes).items() if name != "name"}
+    return {"shapes": shapes.name.tolist(), **numbers}
+
+
+def shapes_in(attributes: Mapping[str, Any]) -> ShapeTable:
+    """Return the shapes that recorded attributes tell."""
+    names = [field.name for field in fields(ShapeTable) if field.name != "name"]
+    numbers = {name: np.asarray(attributes[f"shape_{name}"]) for name in names}
+    return ShapeTable(name=np.array([str(name) for name in attributes["shapes"]], dtype=str), **numbers)
 
 
 def keep_used_materials(bed: CarriedBed) -> CarriedBed:
@@ -69,8 +77,8 @@ def write(path: Path, bed: CarriedBed) -> None:
         file.attrs["materials"] = list(bed.materials)
         file.attrs["time_s"] = bed.time_s
         file.attrs["coarse_graining"] = bed.coarse_graining
-        file.attrs["shapes"] = bed.grains.shapes.name.tolist()
-        for owner, names in ((bed, MOTION), (bed.grains, GRAINS)):
+        file.attrs.update(shape_attributes(bed.grains.shapes))
+        for owner, names in ((bed, PLACED), (bed.grains, GRAINS)):
             for name in names:
                 file.create_dataset(name, data=getattr(owner, name)).attrs["unit"] = unit_of(name)
 
@@ -84,16 +92,16 @@ def read(path: Path) -> CarriedBed:
                 raise UnreadableBed(
                     f"{path}: has format {version}; this flipflow reads {FORMAT}: run the case again"
                 )
-            motion: dict[str, Any] = {name: np.asarray(file[name][:]) for name in MOTION}
+            motion: dict[str, Any] = {name: np.asarray(file[name][:]) for name in PLACED}
             return CarriedBed(
                 materials=tuple(str(name) for name in file.attrs["materials"]),
                 **motion,
-                grains=grains_of(file, map(str, file.attrs["shapes"])),
+                grains=grains_of(file, shapes_in(file.attrs)),
                 time_s=float(file.attrs["time_s"]),
                 coarse_graining=float(file.attrs["coarse_graining"]),
                 source=str(path),
             )
-    except (OSError, KeyError, ValueError, SolverMissing) as error:
+    except (OSError, KeyError, ValueError) as error:
         raise UnreadableBed(f"{path}: is no saved bed ({error})") from None
 
 

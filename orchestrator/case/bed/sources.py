@@ -16,7 +16,7 @@ from orchestrator.case.tables.bed import Particle
 from orchestrator.case.tables.carried_bed import MOTION, CarriedBed
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.ports.grains import Grain, ShapeTable
+from orchestrator.ports.grains import Grain, ShapeTable, upright
 from orchestrator.ports.plans import ParticleList
 
 
@@ -32,7 +32,7 @@ def initial_particles(case: Case) -> ParticleList:
     """Return the single particles, then the blocks' particles, or else the carried ones.  Raises NoRoom."""
     blocks = [block_particles(case, name) for name in case.bed.blocks]
     carried = [] if case.bed.carried is None else [_carried_particles(case, case.bed.carried)]
-    return ParticleList.joined([_single_particles(case), *blocks, *carried])
+    return ParticleList.joined([single_particles(case), *blocks, *carried])
 
 
 def _carried_particles(case: Case, carried: CarriedBed) -> ParticleList:
@@ -44,10 +44,11 @@ def _carried_particles(case: Case, carried: CarriedBed) -> ParticleList:
     grains = Grain(
         own.sieve_size_m, density_kg_per_m3[own.material], material[own.material], shape[own.shape], table
     )
-    return ParticleList(carried.position_m, carried.velocity_m_per_s, carried.spin_rad_per_s, grains)
+    motion = (carried.position_m, carried.velocity_m_per_s, carried.spin_rad_per_s)
+    return ParticleList(*motion, grains, carried.orientation)
 
 
-def _single_particles(case: Case) -> ParticleList:
+def single_particles(case: Case) -> ParticleList:
     """Return the single particles of the case, in world axes."""
     rows = tuple(case.bed.particles.values())
     table, numbers = ShapeTable.of(shapes(case)), material_numbers(case)
@@ -59,7 +60,18 @@ def _single_particles(case: Case) -> ParticleList:
         table,
     )
     position_m, velocity_m_per_s, spin_rad_per_s = (_in_world(case, rows, name) for name in MOTION)
-    return ParticleList(position_m, velocity_m_per_s, spin_rad_per_s, grains)
+    return ParticleList(position_m, velocity_m_per_s, spin_rad_per_s, grains, _orientation(case, rows))
+
+
+def _orientation(case: Case, rows: tuple[Particle, ...]) -> Array:
+    """Return how each particle is turned in the world, (n, 4)."""
+    from scipy.spatial.transform import Rotation
+
+    if not rows:
+        return upright(0)
+    deck = np.array([axes(case) if row.axes == "deck" else np.eye(3) for row in rows])
+    own = Rotation.from_rotvec([row.rotation_rad for row in rows])
+    return np.asarray((Rotation.from_matrix(deck) * own).as_quat()[:, [3, 0, 1, 2]])
 
 
 def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:

@@ -110,7 +110,8 @@ def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tup
     widening_m = apertures.widening_m(apertures.depth_m)
     lower_m = np.vstack([points + widening_m * _outwards(points, rectangle, apertures), line])
     below = outline + widening_m * _from_outline(outline, apertures)
-    _inspect(TriangleGrid(lower_m, triangles, result.centre_line), rectangle, len(holes) * _area_m2(below))
+    lower = TriangleGrid(lower_m, triangles, result.centre_line)
+    _inspect(lower, rectangle, len(holes) * _area_m2(below))
     return deepened(result, lower_m, apertures.depth_m)
 
 
@@ -118,9 +119,9 @@ def deepened(flat: TriangleGrid, lower_m: Array, depth_m: float) -> TriangleGrid
     """Return the closed surface of a panel, of which a flat grid is the upper side.
 
     The points of the lower side are at ``lower_m`` (n, 2), in the order of those of the flat grid, and
-    ``depth_m`` below them along the normal; the panel's middle surface is half way.  Walls join all edges that
-    belong to one triangle alone, those of openings of any outline and the panel's own.  Points of no triangle
-    are only observed, and stay in the middle surface.
+    ``depth_m`` below them along the normal; the panel's middle surface is half way.  Walls join all edges
+    that belong to one triangle alone, those of openings of any outline and the panel's own.  Points of no
+    triangle are only observed, and stay in the middle surface.
     """
     count, kept = len(flat.coordinates_m), np.setdiff1d(np.arange(len(lower_m)), flat.centre_line)
     directed = flat.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)  # as the triangles run through them

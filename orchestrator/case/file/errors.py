@@ -34,6 +34,8 @@ where they cannot be; a file that cannot be read or written; a solver that canno
 go together."""
 BEYOND = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number")
 """The kinds of pydantic's errors that are of a number beyond its limits."""
+REFUSED = "refused"
+"""The kind of an error whose message says all that is wrong."""
 MOST = 50  # A message shows at most so many problems.
 LONGEST = 600  # The line about a problem has at most so many characters.
 
@@ -153,7 +155,9 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
 def _without_branches(detail: ErrorDetails) -> ErrorDetails:
     """Return an error without the words in angle brackets, which name branches of a type and are no keys."""
-    loc = tuple(part for part in detail["loc"] if not str(part).startswith("<"))
+    given = detail["loc"]
+    end = len(given) - 1 if detail["type"] == "extra_forbidden" else len(given)  # an unknown key may look so
+    loc = (*(part for part in given[:end] if not str(part).startswith("<")), *given[end:])
     return {**detail, "loc": loc}
 
 
@@ -173,6 +177,8 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
         )
     if kind == "string_pattern_mismatch":
         return CaseProblem(key, f"{value} has characters that cannot be shown", kind="wrong-type")
+    if kind == REFUSED:
+        return CaseProblem(key, detail["msg"], kind="out-of-range")
     expected = re.sub("^(Input|String) should (be )?", "", detail["msg"])
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in expected.replace(" or ", ",").split(",")]

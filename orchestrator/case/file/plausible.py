@@ -22,7 +22,7 @@ _KEYS: dict[Limits, str] = {
     (1e-6, 1e4): "duration_s jam_s calm_s stop_s",
     (0.0, 100.0): (
         "position_m positions_m corner_m center_m center_of_mass_m point_m box_m gravity_m_per_s2 "
-        "domain_m phase_rad rotation_phase_rad edges_m"
+        "domain_m phase_rad rotation_phase_rad rotation_rad edges_m"
     ),
     (50.0, 25e3): "density_kg_per_m3",
     (5e-6, 5e-5): "viscosity_Pa_s",

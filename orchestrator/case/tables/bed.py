@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, PrivateAttr
+from annotated_types import Len
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from orchestrator.case.solvers import SolverName
+from orchestrator.case import solvers
+from orchestrator.case.file.errors import REFUSED
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.quantities import (
     Box,
     Name,
     NotNegative,
+    Number,
     OneLine,
     Particles,
     Positive,
@@ -21,8 +27,35 @@ from orchestrator.case.tables.quantities import (
     Vector,
     Whole,
 )
+from orchestrator.ports.clumps import clump
 
-ShapeName = Annotated[str, SolverName("shapes")]
+ShapeName = Annotated[str, solvers.ShapeNames()]
+MOST_SPHERES = 64
+Sphere = tuple[Number, Number, Number, Positive]
+
+
+class OwnShape(Table):
+    """A shape of grains of the case's own, which particles, blocks and feeds name as their ``shape``."""
+
+    spheres: Annotated[tuple[Sphere, ...], Len(0, MOST_SPHERES)]
+    """Place and radius of each sphere, [x, y, z, r], in any unit of length and any axes.  They overlap or
+    touch, so that all hang together, and what they have in common counts once.  The grain's size scales the
+    shape, whose sieve size, centre of mass and moments of inertia are computed
+    (how-to/add-a-shape.md)."""
+
+
+@cache
+def _why_no_grain(spheres: tuple[Sphere, ...]) -> str:
+    """Return why spheres make no grain; empty if they do."""
+    try:
+        clump("", "", spheres)
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+def _wrong(error: PydanticCustomError, value: Any, *key: str) -> InitErrorDetails:
+    return InitErrorDetails(type=error, loc=key, input=value)
 
 
 class SizeClass(Table):
@@ -63,10 +96,14 @@ class Particle(Table):
     sphere."""
     material: str
     """Its material, which also gives its density."""
+    rotation_rad: Vector = (0.0, 0.0, 0.0)
+    """How it is turned at t = 0 from the axes of its shape: a vector along the axis of the turn, as long
+    as its angle.  The principal axis of the largest moment of inertia is x, that of the smallest one z."""
     shape: ShapeName = "sphere"
-    """Its shape: of what spheres it is made."""
+    """Its shape: of what spheres it is made.  A name of this list or of
+    ``[bed.shapes]``."""
     axes: Literal["deck", "world"] = "world"
-    """Axes in which position, velocity and spin are given."""
+    """Axes in which position, velocity, spin and rotation are given."""
 
 
 class Filling(Table):
@@ -75,7 +112,8 @@ class Filling(Table):
     material: str
     """Their material."""
     shape: ShapeName = "sphere"
-    """Their shape: of what spheres each is made."""
+    """Their shape: of what spheres each is made.  A name of this list or of
+    ``[bed.shapes]``."""
     box_m: Box
     """Lowest and highest corner of the box in which they appear."""
     sizes: tuple[SizeClass, ...] = ()
@@ -134,6 +172,8 @@ class Bed(Table):
     """Blocks by name."""
     feeds: dict[Name, Feed] = Field(default_factory=dict)
     """Feeds by name."""
+    shapes: dict[Name, OwnShape] = Field(default_factory=dict)
+    """Shapes of the case's own, by name."""
     from_run: OneLine | None = None
     """Folder of a run whose particles this case begins with, from the case's folder or from the working
     directory.  It may be a run of another level, mesh or machine; that of a run that failed needs a
@@ -154,6 +194,32 @@ class Bed(Table):
     the start.  false: they are refused."""
 
     _carried: CarriedBed | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _known_shapes(self) -> Self:
+        if wrong := [*self._wrong_shapes()]:
+            raise ValidationError.from_exception_data("Bed", wrong)
+        return self
+
+    def _wrong_shapes(self) -> Iterator[InitErrorDetails]:
+        known = solvers.names("shapes")
+        for name, own in self.shapes.items():
+            if name in known:
+                why = f'the name "{name}" is that of a shape of flipflow: take another one'
+                yield _wrong(PydanticCustomError(REFUSED, why), name, "shapes", name)
+            elif why := _why_no_grain(own.spheres):
+                no_grain = PydanticCustomError(REFUSED, why)
+                yield _wrong(no_grain, own.spheres, "shapes", name, "spheres")
+        named: dict[str, Mapping[str, Particle | Filling]]
+        named = {"particles": self.particles, "blocks": self.blocks, "feeds": self.feeds}
+        allowed = (*known, *self.shapes)
+        for kind, rows in named.items():
+            for name, row in rows.items():
+                if row.shape not in allowed:
+                    *most, last = map(repr, allowed)
+                    names = f"{', '.join(most)} or {last}"
+                    unknown = PydanticCustomError("literal_error", names)
+                    yield _wrong(unknown, row.shape, kind, name, "shape")
 
     @property
     def is_carried(self) -> bool:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from orchestrator.ports import Array
-from orchestrator.ports.grains import Grains
+from orchestrator.ports.grains import Grains, upright
 
 MOTION = ("position_m", "velocity_m_per_s", "spin_rad_per_s")
+PLACED = (*MOTION, "orientation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,8 @@ class CarriedBed:
     unfit
         What does not fit the case, with what helps, besides the places: materials and coarse graining.  Their
         stand-ins in the record serve to check the places in the same round, and never run.
+    orientation
+        (n, 4) how they are turned, as ``ParticleList`` has it; upright, if it is not given.
     """
 
     materials: tuple[str, ...]
@@ -49,10 +52,15 @@ class CarriedBed:
     source: str
     doubt: str = ""
     unfit: tuple[tuple[str, str], ...] = ()
+    orientation: Array = field(default_factory=lambda: upright(0))
+
+    def __post_init__(self) -> None:
+        if not len(self.orientation):
+            object.__setattr__(self, "orientation", upright(len(self)))
 
     def part(self, rows: npt.NDArray[np.bool_]) -> CarriedBed:
         """Return the particles of some rows."""
-        motion = {name: getattr(self, name)[rows] for name in MOTION}
+        motion = {name: getattr(self, name)[rows] for name in PLACED}
         return replace(self, **motion, grains=self.grains.part(rows))
 
     def of_material(self, material: str) -> Grains:

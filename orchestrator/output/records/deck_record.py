@@ -36,7 +36,7 @@ def on_deck(particles: ParticleSnapshot, places: DeckPlaces) -> Mask:
 
 
 def is_near(places: DeckPlaces, distance_m: Array) -> Mask:
-    """Return whether places are no farther than ``distance_m`` (n,) above the upper and below the lower side."""
+    """Return whether places are nearer than ``distance_m`` (n,) above the upper and below the lower side."""
     return np.asarray((places.height_m < distance_m) & (places.under_m > -distance_m))
 
 

@@ -124,7 +124,7 @@ class Column:
 
 
 ROWS_IN_MEMORY = 500
-HISTORY_FORMAT = 5
+HISTORY_FORMAT = 6
 """The version of the file's format, in its attribute ``format_version``.  Raise it with every change of
 a group's columns or of their meaning (docs/run-folder.md, "history.h5").  The oldest files have none."""
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -202,10 +202,13 @@ class History:
         for name, rows in values.items():
             self._extend(f"{group}/{name}", rows)
 
-    def describe(self, group: str, name: str, words: Sequence[str]) -> None:
-        """Write a list of words as an attribute of a group."""
+    def describe(self, group: str, name: str, values: Sequence[str] | Array) -> None:
+        """Write a list of words, or an array of numbers, as an attribute of a group."""
         attributes = self._file.require_group(group).attrs
-        attributes.create(name, list(words), shape=len(words), dtype=h5py.string_dtype())
+        if isinstance(values, np.ndarray):
+            attributes.create(name, values)
+        else:
+            attributes.create(name, list(values), shape=len(values), dtype=h5py.string_dtype())
 
     def flush(self) -> None:
         """Write all rows to the disk.  Raises OSError if the disk is full; all rows so far are kept."""

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.bed.grains import shapes
+from orchestrator.case.bed.saved_bed import shape_attributes
 from orchestrator.case.deck.line import deck_line
 from orchestrator.case.deck.openings import half_depths_m, openings_m
 from orchestrator.case.deck.panels import single_panels
@@ -36,11 +37,19 @@ from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.history import COLUMNS, History, columns
 from orchestrator.output.records.run_folder import HISTORY, WALLS
 from orchestrator.output.records.series import PanelForces, TimeSeries
-from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh, walls_mesh, write_mesh
+from orchestrator.output.records.snapshots import (
+    Series,
+    particle_mesh,
+    sphere_mesh,
+    surface_mesh,
+    walls_mesh,
+    write_mesh,
+)
 from orchestrator.output.records.surface_fields import SurfaceFields
 from orchestrator.output.records.wear_record import WearRecord
 from orchestrator.ports import Array, Overlaps, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in
+from orchestrator.ports.grains import ShapeTable
 from orchestrator.ports.particle_records import BedSnapshot
 from orchestrator.ports.state import as_arrays, like
 
@@ -105,6 +114,7 @@ class Recorder:
         self._parts: dict[str, Restorable]
         self._parts = {"overlaps": self._deepest, "series": self._series, "cycles": self._cycles}
         self._on_panels = machine.panel_of_triangle >= 0
+        self._spheres: Series | None = None
         self._walls = None if self._on_panels.all() else folder / WALLS
         if len(machine.surface.triangles):
             beside = WALLS if self._walls is not None else ""
@@ -116,9 +126,12 @@ class Recorder:
             write_mesh(self._walls, walls_mesh(machine.surface, {}))
         if machine.material is not None:
             self._parts["particles"] = self._particles = Series(folder, "particles")
-            exits = machine.material.exits
+            kinds, exits = ShapeTable.of(shapes(case)), machine.material.exits
+            if (kinds.sphere_count > 1).any():
+                self._parts["spheres"] = self._spheres = Series(folder, "spheres")
             for kind in ("fed", "removed"):
-                self._history.describe(kind, "shapes", [shape.name for shape in shapes(case)])
+                for name, values in shape_attributes(kinds).items():
+                    self._history.describe(kind, name, values)
             self._history.describe("removed", "names", [exit.name for exit in exits])
             self._history.describe("removed", "products", [exit.product for exit in exits])
         if machine.wearing is not None:
@@ -213,6 +226,8 @@ class Recorder:
             if self._deck is not None:
                 self._add_groups(time_s, self._deck.at(time_s, surface, particles))
             self._particles.add(time_s, particle_mesh(particles))
+            if self._spheres is not None:
+                self._spheres.add(time_s, sphere_mesh(particles))
         self._history.flush()
 
     def _ends_cycle(self, time_s: float) -> bool:

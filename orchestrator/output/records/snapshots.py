@@ -1,7 +1,7 @@
 """Snapshots of the surface and the particles, which ParaView opens as an animation.
 
 ``surface.pvd`` and ``particles.pvd`` list one VTU file for each output time; rigid surfaces stand in one
-file, as they are drawn.
+file, as they are drawn.  Where particles are made of several spheres, ``spheres.pvd`` has each of these.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy.typing as npt
 from orchestrator.case.file.whole import write_text
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.grains import placed_spheres
 
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
 TAIL = "</Collection>\n</VTKFile>\n"
@@ -153,7 +154,8 @@ def walls_mesh(surface: TriangleSurface, of_vertices: Mapping[str, Array]) -> me
 
 
 def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
-    """Return a mesh with a vertex for each particle, with its id, size, motion, density, material and shape.
+    """Return a mesh with a vertex for each particle, with its id, size, motion, density, material, shape and
+    orientation, a quaternion w, x, y, z.
 
     It has the force on it, and the number of other particles that it touches, where the solver tells them.
     """
@@ -172,6 +174,26 @@ def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
             "density_kg_per_m3": particles.grains.density_kg_per_m3,
             "material": particles.grains.material,
             "shape": particles.grains.shape,
+            "orientation": particles.orientation,
             **{name: values for name, values in told.items() if values is not None},
+        },
+    )
+
+
+def sphere_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
+    """Return a mesh with a vertex for each sphere of which particles are made, with its diameter and the
+    particle's id, speed, material and shape."""
+    of, center_m, radius_m = placed_spheres(particles.grains, particles.position_m, particles.orientation)
+    count = len(of)
+    speed_m_per_s = np.linalg.norm(particles.velocity_m_per_s, axis=1)
+    return meshio.Mesh(
+        center_m.reshape(count, 3),
+        [("vertex", np.arange(count).reshape(count, 1))],
+        point_data={
+            "id": particles.id[of],
+            "diameter_m": 2.0 * radius_m,
+            "speed_m_per_s": speed_m_per_s[of],
+            "material": particles.grains.material[of],
+            "shape": particles.grains.shape[of],
         },
     )

@@ -38,7 +38,7 @@ def render_deck(folder: Path, time_s: float, file: Path) -> None:
     plotter.enable_anti_aliasing("ssaa")
     surface, walls = pyvista.read(snapshots(folder, "surface")[-1][1]), _wall_edges(folder)
     _add_deck(plotter, surface, walls, show_edges=True, edge_opacity=0.25)
-    if last := snapshots(folder, "particles"):
+    if last := _grains(folder):
         particles = pyvista.read(last[-1][1])
         _add_spheres(plotter, particles, _fast_m_per_s(particles), **PICTURE_BAR)
     plotter.add_text(f"t = {time_s:.4g} s", position="upper_left", color="black", font_size=12)
@@ -59,7 +59,7 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
     frames = last_snapshots(snapshots(folder, "surface"), lasting_s)
     if not frames:
         raise FileNotFoundError("the run has no snapshots of the surface")
-    particles = dict(snapshots(folder, "particles"))
+    particles = dict(_grains(folder))
     walls = _wall_edges(folder)
     ends = [_triangle_points_m(pyvista.read(file)) for _, file in (frames[0], frames[-1])]
     ends_m = np.vstack(ends if walls is None else [*ends, walls.points])
@@ -100,6 +100,11 @@ def last_snapshots(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tu
     last = [pair for pair in pairs if pair[0] > pairs[-1][0] - lasting_s] or pairs[-1:]
     stride = -(-len(last) // FRAMES)
     return last[::-stride][::-1]
+
+
+def _grains(folder: Path) -> list[tuple[float, Path]]:
+    """Return the snapshots of all spheres of which particles are made, or those of the particles."""
+    return snapshots(folder, "spheres") or snapshots(folder, "particles")
 
 
 def _read(file: Path | None) -> Any:
@@ -144,8 +149,9 @@ def _add_spheres(plotter: Any, particles: Any, fast_m_per_s: float, **bar: Any) 
     if particles is None or particles.n_points == 0:
         return
     spheres = pyvista.PolyData(np.asarray(particles.points))
-    for name in ("speed_m_per_s", "equivalent_diameter_m"):
-        spheres[name] = particles[name]
+    spheres["speed_m_per_s"] = particles["speed_m_per_s"]
+    single = "diameter_m" in particles.point_data
+    spheres["diameter_m"] = particles["diameter_m" if single else "equivalent_diameter_m"]
     actor = plotter.add_mesh(
         spheres,
         style="points_gaussian",
@@ -158,7 +164,7 @@ def _add_spheres(plotter: Any, particles: Any, fast_m_per_s: float, **bar: Any) 
         show_scalar_bar=True,
         scalar_bar_args={"title": "speed / (m/s)", "color": "black", "fmt": "%.2g", **bar},
     )
-    actor.mapper.scale_array = "equivalent_diameter_m"
+    actor.mapper.scale_array = "diameter_m"
     actor.mapper.scale_factor = 0.5
 
 

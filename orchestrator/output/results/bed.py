@@ -70,7 +70,7 @@ def deck_area_m2(run: RunReader) -> float:
 def retained_metrics(
     run: RunReader, start_s: float, end_s: float, is_steady: bool, interval_of: IntervalOf
 ) -> Held:
-    """Return the openings, and the means of what sticks and of what they hold over the output times in a window.
+    """Return the openings, and means of what sticks and of what they hold over the output times of a window.
 
     Those of the run's first cycles, in which no particle can have lain for long enough, do not count.
     """

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.bed.saved_bed import grains_of
+from orchestrator.case.bed.saved_bed import grains_of, shapes_in
 from orchestrator.figures.estimate import Estimate
 from orchestrator.figures.results import BATCH
 from orchestrator.output.cycles import cycle_numbers, within
@@ -89,7 +89,7 @@ def read_events(history: Any) -> tuple[EventTable, EventTable, Exits] | None:
 
 
 def _particles(group: Any) -> tuple[Indices, Array, Array, Array]:
-    grains = grains_of(group, map(str, group.attrs["shapes"]))
+    grains = grains_of(group, shapes_in(group.attrs))
     return group["id"][:], group["time_s"][:], grains.sieve_size_m, grains.mass_kg
 
 

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from orchestrator.case.bed.saved_bed import grains_of
+from orchestrator.case.bed.saved_bed import grains_of, shapes_in
 from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import Number, OneLine, Table
@@ -417,7 +417,7 @@ def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s
     if "removed" in history and "time_s" in history["removed"]:
         removed = history["removed"]
         late = (removed["time_s"][:] > start_s) & (removed["exit"][:] >= 0)
-        mass_kg = grains_of(removed, map(str, removed.attrs["shapes"])).mass_kg
+        mass_kg = grains_of(removed, shapes_in(removed.attrs)).mass_kg
         values["passing_kg_per_s"] = float(mass_kg[late].sum() / (end_s - start_s))
     return values
 

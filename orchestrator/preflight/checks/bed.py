@@ -14,7 +14,7 @@ import tomli_w
 from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import adhesion_law, pull_offs, sticky_contacts, surface_materials
 from orchestrator.case.bed.feed import RateFeed, are_apart
-from orchestrator.case.bed.grains import grain, largest_length_m, shapes, smallest_grains
+from orchestrator.case.bed.grains import grain, grains_by_material, largest_length_m, shapes, smallest_grains
 from orchestrator.case.bed.size_distribution import (
     classes,
     counts,
@@ -32,7 +32,7 @@ from orchestrator.case.file.layers import LARGEST_BYTES, Layers
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, period_m, share
 from orchestrator.case.materials.library import no_grains, rolling_friction_of, slug
 from orchestrator.case.tables.bed import SizeClass
-from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.case.tables.case import Case, Contact, has_particles
 from orchestrator.ports import Array
 from orchestrator.ports.particle_records import largest_overlap
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
@@ -436,6 +436,8 @@ def endless_rolling(scene: Scene) -> Iterator[str]:
     if rolling is None or not rolling.is_endless:
         return
     name = rolling.between[0]
+    if all(one.sphere_count > 1 for one in grains_by_material(scene.case)[name]):
+        return
     shape = scene.case.materials[name].shape
     hint = f"give materials.{name} a shape, and leave out rolling_friction"
     if shape is not None:
@@ -445,6 +447,40 @@ def endless_rolling(scene: Scene) -> Iterator[str]:
         f"{which} may never reach a steady speed: {rolling.in_words}; velocity and efficiency may then "
         f"depend on the length of the deck; {hint}"
     )
+
+
+def shape_twice(case: Case) -> Iterator[str]:
+    """Yield a warning if rolling friction, which stands for the shape of spheres, acts on clumps, too."""
+    if case.particles.rolling == "none" or not has_particles(case):
+        return
+    all_grains = grains_by_material(case)
+    clumps = [name for name, grains in all_grains.items() if any(one.sphere_count > 1 for one in grains)]
+    largest = max((row for row in case.contacts if {*clumps} & {*row.between}), key=_rolling, default=None)
+    if largest is None or not largest.rolling_friction:
+        return
+    spheres = any(one.sphere_count == 1 for grains in all_grains.values() for one in grains)
+    hint = "give their contacts rolling_friction = 0" if spheres else 'take particles.rolling = "none"'
+    yield (
+        f"grains of {' and '.join(clumps)} are clumps of several spheres, and contacts of "
+        f"{' with '.join(largest.between)} have a rolling friction of {largest.rolling_friction:g}, which "
+        f"stands for edges that spheres lack: shape counts twice; {hint}"
+    )
+
+
+def sticky_clumps(case: Case) -> Iterator[str]:
+    """Yield a warning if clumps stick, each of whose spheres does by itself."""
+    if not has_particles(case) or adhesion_law(case) == "none":
+        return
+    most = max(one.sphere_count for grains in grains_by_material(case).values() for one in grains)
+    if most > 1:
+        yield (
+            "each sphere of a clump sticks by itself: a grain that lies on several of its spheres, of up to "
+            f"{most} here, is pulled off by the sum of their forces, which have the spheres' radii"
+        )
+
+
+def _rolling(row: Contact) -> float:
+    return row.rolling_friction
 
 
 def idle_shapes(case: Case, given: Mapping[str, Any]) -> Iterator[str]:
@@ -565,6 +601,7 @@ def _overlap(one_m: Array, two_m: Array) -> bool:
 
 MORE_OPENINGS = 0.06  # per width in a slice than in the whole machine
 FEWEST_DIAMETERS = 3.0  # in a narrower slice, a particle could meet itself, or a neighbour twice
+ROUNDING = 1e-9  # three times 0.012 is more than 0.036
 
 
 def narrow_slice(case: Case) -> Iterator[CaseProblem]:
@@ -572,12 +609,12 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
     if case.slice is None or case.slice.sides == "walls" or not has_particles(case):
         return
     least_m = FEWEST_DIAMETERS * largest_length_m(case)
-    if case.slice.width_m < least_m:
+    if case.slice.width_m < least_m * (1.0 - ROUNDING):
         what = f"{case.slice.width_m:g} m is less than {FEWEST_DIAMETERS:g} largest diameters"
         hint = f"take {least_m:.3g} m or more"
         openings = (panel.apertures for panel in case.screen.panels.values())
         if len(pitches_m := {each.pitch_across_m for each in openings if each is not None}) == 1:
-            pitches = math.ceil(least_m / min(pitches_m) - 1e-9)
+            pitches = math.ceil(least_m / min(pitches_m) - ROUNDING)
             hint = f"take {pitches * min(pitches_m):g} m, which is {pitches} pitches of the openings, or more"
         yield CaseProblem(("slice", "width_m"), what, hint, kind="out-of-range")
 

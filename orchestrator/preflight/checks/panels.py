@@ -97,9 +97,11 @@ def openings(case: Case) -> Iterator[CaseProblem]:
         assert pattern is not None, "only panels with apertures are perforated"
         longest_m = max(pattern.pitch_along_m, pattern.pitch_across_m)
         in_pattern: Key = (*key, "apertures")
-        if problems := [*_lands(in_pattern, pattern, longest_m)] or [*_room(in_pattern, pattern, panel)]:
-            yield from problems
-        elif problems := [*_relief(in_pattern, pattern, longest_m)]:
+        if problems := (
+            [*_lands(in_pattern, pattern, longest_m)]
+            or [*_room(in_pattern, pattern, panel)]
+            or [*_relief(in_pattern, pattern, longest_m)]
+        ):
             yield from problems
         elif thickness_m > PLATE * longest_m:  # the theory for the lands only holds for plates
             what = (

@@ -22,6 +22,7 @@ from orchestrator.case.file.slice import bounds_m, period_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import Rectangle, TriangleSurface, area_vectors_m2, overlap_m, reach_into
+from orchestrator.ports.grains import placed_spheres
 from orchestrator.ports.penetration import IN_PLANE, Penetrations
 from orchestrator.ports.plans import ParticleList
 from orchestrator.preflight.checks.names import rows
@@ -257,16 +258,17 @@ def _in_surface(
     corners_m: Array,
     placed: npt.NDArray[np.bool_] | Literal[True] = True,
 ) -> Iterator[CaseProblem]:
-    """Check that no ``placed`` particle's centre is nearer to the triangles (m, 3, 3) than its radius."""
-    radius_m = particles.grains.bounding_radius_m
-    depth_m = overlap_m(particles.position_m, radius_m, corners_m)
-    inside = np.flatnonzero((depth_m > allowed_overlap(case) * 2 * radius_m) & placed)
+    """Check that no sphere of a ``placed`` particle reaches into the triangles (m, 3, 3)."""
+    of, center_m, radius_m = placed_spheres(particles.grains, particles.position_m, particles.orientation)
+    depth_m = overlap_m(center_m, radius_m, corners_m)
+    there = True if placed is True else placed[of]
+    inside = np.flatnonzero((depth_m > allowed_overlap(case) * 2 * radius_m) & there)
     if len(inside):
         deepest = inside[np.argmax(depth_m[inside])]
-        key, name = _describe_particle(case, deepest)
+        key, name = _describe_particle(case, int(of[deepest]))
         yield CaseProblem(
             key,
-            f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_count_of_others(inside)}",
+            f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_count_of_others(np.unique(of[inside]))}",
             _how_to_make_room(case),
             kind="misplaced",
         )
@@ -347,9 +349,11 @@ def _overlapping(
     case: Case, particles: ParticleList, placed: npt.NDArray[np.bool_] | None = None
 ) -> Iterator[CaseProblem]:
     """Check that no two particles, both of them ``placed``, overlap by more than ``allowed_overlap``."""
-    radius_m = particles.grains.bounding_radius_m
-    one, two, depth_m = overlapping_pairs(particles.position_m, radius_m, period_m(case))
-    deep = depth_m > allowed_overlap(case) * 2 * np.minimum(radius_m[one], radius_m[two])
+    of, center_m, radius_m = placed_spheres(particles.grains, particles.position_m, particles.orientation)
+    first, second, depth_m = overlapping_pairs(center_m, radius_m, period_m(case))
+    deep = depth_m > allowed_overlap(case) * 2 * np.minimum(radius_m[first], radius_m[second])
+    one, two = of[first], of[second]
+    deep &= one != two
     pairs = np.flatnonzero(deep if placed is None else deep & placed[one] & placed[two])
     if len(pairs):
         deepest = pairs[np.argmax(depth_m[pairs])]

@@ -1,4 +1,4 @@
-"""The shape of grains, which are computed as spheres.
+"""The shape of grains, where they are computed as spheres and not as clumps of several spheres.
 
 A rolling friction stands for what shape does to rolling: a grain with edges is held back by the couple of
 its weight and of the distance between its contact and the plumb line of its centre.  Where that couple is
@@ -9,6 +9,7 @@ Wensrich, C. M. and Katterfeld, A., Powder Technology 217, 2012, 409-417, doi 10
 
 from __future__ import annotations
 
+from orchestrator.case.bed.grains import grains_by_material
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.contacts import FEWEST_LAYERS, LEVEL, rolling_on_deck
 from orchestrator.preflight.scene.effect import Effect, Verdict
@@ -36,16 +37,27 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def left_out(case: Case) -> str:
-    """Return how grains are computed; empty without particles."""
-    return "particles are spheres; rolling friction stands for their shape" if has_particles(case) else ""
+    """Return which grains are computed as spheres; empty without any."""
+    if not has_particles(case) or not _some_are_spheres(case):
+        return ""
+    which = "some particles" if _some_are_clumps(case) else "particles"
+    return f"{which} are spheres; rolling friction stands for their shape"
+
+
+def _some_are_spheres(case: Case) -> bool:
+    return any(one.sphere_count == 1 for grains in grains_by_material(case).values() for one in grains)
+
+
+def _some_are_clumps(case: Case) -> bool:
+    return any(one.sphere_count > 1 for grains in grains_by_material(case).values() for one in grains)
 
 
 EFFECT = Effect(
     part="particles",
     judge=judge,
-    described=lambda case: False,
+    described=lambda case: not _some_are_spheres(case),
     left_out=left_out,
-    key="materials: shape; contacts: rolling_friction",
+    key="bed: shape; materials: shape; contacts: rolling_friction",
     checked_by="bed_kg_per_m2",
     about=("particles",),
 )

@@ -17,6 +17,20 @@ from tests.reference.spheres.triangle_spin import cross
 from tests.reference.spheres.visits import Visits
 
 
+def rotations(quaternions: Array) -> Array:
+    """The rotations (n, 3, 3) of quaternions w, x, y, z (n, 4)."""
+    if not len(quaternions):
+        return np.empty((0, 3, 3))
+    return np.asarray(Rotation.from_quat(quaternions[:, [1, 2, 3, 0]]).as_matrix())
+
+
+def quaternions(rotations: Array) -> Array:
+    """The quaternions of rotations."""
+    if not len(rotations):
+        return np.empty((0, 4))
+    return np.asarray(Rotation.from_matrix(rotations).as_quat()[:, [3, 0, 1, 2]])
+
+
 @dataclass
 class Bodies(Rows):
     """n grains sorted by id; the columns of ``rotation`` (n, 3, 3) are their principal axes in the world."""
@@ -30,12 +44,12 @@ class Bodies(Rows):
 
     @staticmethod
     def of(particles: ParticleList, first_id: int) -> Bodies:
-        """The grains of a list, upright, with ids in order from ``first_id``."""
+        """The grains of a list, with ids in order from ``first_id``."""
         count = len(particles)
         motion = (particles.position_m, particles.velocity_m_per_s, particles.spin_rad_per_s)
-        upright = np.tile(np.eye(3), (count, 1, 1))
+        rotation = rotations(particles.orientation)
         ids = first_id + np.arange(count)
-        return Bodies(ids, particles.grains, *(values.copy() for values in motion), rotation=upright)
+        return Bodies(ids, particles.grains, *(values.copy() for values in motion), rotation=rotation)
 
     def __len__(self) -> int:
         return len(self.id)
@@ -136,6 +150,7 @@ class Bodies(Rows):
             velocity_m_per_s=self.velocity_m_per_s.copy(),
             spin_rad_per_s=self.spin_rad_per_s.copy(),
             grains=self.grains,
+            orientation=quaternions(self.rotation),
         )
 
     def removed(self, time_s: float, exit_of: Indices, visits: Visits) -> Removed:

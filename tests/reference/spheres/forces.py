@@ -63,6 +63,15 @@ class SphereForces:
         couple_N_m = self.contacts.weight[:, None] * acting.couple_N_m
         return float(np.vdot(unaware_N, moved_m) + np.vdot(couple_N_m, turned_rad))
 
+    def with_surface_of(self, other: SphereForces, spheres: int) -> SphereForces:
+        """The forces between spheres, with the contacts on the surface and their forces of ``other``."""
+        pairs, on_surface = self.contacts.second >= 0, other.contacts.second < 0
+        contacts = Contacts.joined([self.contacts.part(pairs), other.contacts.part(on_surface)])
+        acting = ContactForces.joined([self.acting.part(pairs), other.acting.part(on_surface)])
+        surface_m_per_s = np.concatenate([self.surface_m_per_s[pairs], other.surface_m_per_s[on_surface]])
+        points = len(self.on_points_N)
+        return SphereForces.sum_up(contacts, acting, surface_m_per_s, spheres, points, other.lost_J)
+
     def stored_J(self) -> float:
         """The energy of all contacts."""
         return float(self.acting.elastic_J.sum() + self.acting.adhesion_J.sum())
@@ -94,7 +103,7 @@ def compute_forces(
     slip_m_per_s = contacts.compute_slip(spheres.velocity_m_per_s, spheres.spin_rad_per_s, surface_m_per_s)
     spin_rad_per_s = contacts.compute_spin(spheres.spin_rad_per_s, surface_rad_per_s)
     # what springs and couples were, zero where a contact is new; lost until now: all they stored
-    shear_m, tension_N, couple_N_m = np.zeros((3, len(contacts.first), 3))
+    shear_m, tension_N, couple_N_m, shown_m_per_s = np.zeros((4, len(contacts.first), 3))
     approach_m_per_s, lost_J = -np.einsum("ij,ij->i", slip_m_per_s, contacts.normal), 0.0
     if before is not None:
         same, parent = match_contacts(contacts, before.contacts, len(spheres))
@@ -102,6 +111,8 @@ def compute_forces(
         shear_m[heir] = before.acting.shear_m[parent[heir]]
         couple_N_m[heir] = before.acting.couple_N_m[parent[heir]]
         approach_m_per_s[heir] = before.acting.approach_m_per_s[parent[heir]]
+        changed_m_per_s = slip_m_per_s[heir] - before.acting.slip_m_per_s[parent[heir]]
+        shown_m_per_s[heir] = before.acting.half_step[parent[heir], None] * changed_m_per_s
         tension_N[old] = before.acting.tangential_N_per_m[same[old], None] * shear_m[old]
         lost_J = float(before.acting.tangential_J.sum())
         if laws.normal.reach_m > 0.0:
@@ -109,7 +120,14 @@ def compute_forces(
     stretch_m = step_s * slip_m_per_s
     elongation_m = across(shear_m + stretch_m, contacts.normal)
     acting = laws.at(
-        contacts, slip_m_per_s, spin_rad_per_s, elongation_m, couple_N_m, approach_m_per_s, step_s
+        contacts,
+        slip_m_per_s,
+        shown_m_per_s,
+        spin_rad_per_s,
+        elongation_m,
+        couple_N_m,
+        approach_m_per_s,
+        step_s,
     )
     now_N = acting.tangential_N_per_m[:, None] * acting.shear_m
     lost_J += 0.5 * float(np.vdot(now_N + tension_N, stretch_m)) - float(acting.tangential_J.sum())

@@ -23,6 +23,7 @@ class NormalForce:
 
     contact_radius_m: Array
     force_N: Array  # positive pushes apart
+    spring_N: Array  # the same without the attraction of ``sjkr``
     pull_N: Array  # to be added to the force for the limits of friction and rolling resistance
     elastic_J: Array
     adhesion_J: Array  # not above 0
@@ -73,6 +74,7 @@ class NormalLaw:
         return NormalForce(
             neck_m,
             hertz_N - pulled_N - attraction_N,
+            hertz_N - pulled_N,
             3.0 * np.pi * work_J_per_m2 * radius_m + attraction_N,  # twice the pull-off force
             E_Pa * neck_m * (overlap_m**2 - 2.0 / 3.0 * flat_m * overlap_m + 0.2 * flat_m**2),
             -np.pi * neck_m**2 * work_J_per_m2 - attraction_J,
@@ -128,6 +130,8 @@ class ContactForces(Rows):
     shear_m: Array  # (n, 3) elongation of the tangential spring
     couple_N_m: Array  # (n, 3) against rolling
     approach_m_per_s: Array  # (n,) with which the partners first touched
+    slip_m_per_s: Array  # (n, 3) in the evaluation
+    half_step: Array  # (n,) as a share of the time from that slip to the next one
     tangential_N_per_m: Array  # (n,)
     stiffness_N_per_m: Array
     damping_N_s_per_m: Array
@@ -181,6 +185,7 @@ class Laws:
         self,
         contacts: Contacts,
         slip_m_per_s: Array,
+        shown_m_per_s: Array,
         spin_rad_per_s: Array,
         shear_m: Array,
         couple_N_m: Array,
@@ -190,9 +195,13 @@ class Laws:
         """The forces at the present overlaps.
 
         ``slip_m_per_s`` and ``spin_rad_per_s`` (n, 3) are those of the first partner relative to the
-        second at the contact; ``shear_m`` (n, 3) is the spring's elongation with this step's slip in
-        it, ``couple_N_m`` (n, 3) that against rolling a step ago, ``approach_m_per_s`` (n,) the speed of
-        the first touch.  A sliding contact has no tangential damping.
+        second at the contact, in the middle of the step of ``step_s`` that ends now (0: those of now);
+        ``shown_m_per_s`` (n, 3) is by what the slip has changed, for half a step; ``shear_m`` (n, 3) is the
+        spring's elongation with this step's slip in it, ``couple_N_m`` (n, 3) that against rolling a step
+        ago, ``approach_m_per_s`` (n,) the speed of the first touch.
+
+        Dampers go by the slip of the step's end: with what the contact itself changes in half a step, as
+        far as the slip shows it.  A sliding contact has no tangential damping.
         """
         pair, normal = contacts.materials, contacts.normal
         law = self.normal.at(contacts, contacts.overlap_m)
@@ -201,14 +210,22 @@ class Laws:
         damping = 2.0 * np.sqrt(5.0 / 6.0) * self._damping_ratio(contacts, approach_m_per_s)
         g_n, g_t = damping * np.sqrt(S_n * contacts.mass_kg), damping * np.sqrt(S_t * contacts.mass_kg)
 
+        half_s_per_kg = step_s / 2.0 / contacts.mass_kg
         closing_m_per_s = np.einsum("ij,ij->i", slip_m_per_s, normal)
+        tangential_m_per_s = slip_m_per_s - closing_m_per_s[:, None] * normal
+        own_m_per_s = _own_change(half_s_per_kg, g_n, law.spring_N, closing_m_per_s)[:, None] * normal
+        closing_m_per_s = closing_m_per_s + np.einsum("ij,ij->i", _share(own_m_per_s, shown_m_per_s), normal)
+        turning_s_per_kg, damping_N_s_per_m = 3.5 * half_s_per_kg[:, None], g_t[:, None]
+        own_m_per_s = _own_change(
+            turning_s_per_kg, damping_N_s_per_m, -S_t[:, None] * shear_m, tangential_m_per_s
+        )
+        tangential_m_per_s = tangential_m_per_s + _share(own_m_per_s, shown_m_per_s)
         damping_n = -g_n * closing_m_per_s
         grip_N = np.abs(law.force_N + damping_n + law.pull_N)
         stretched_N, limit_N = S_t * np.linalg.norm(shear_m, axis=1), self.sliding_friction[pair] * grip_N
         left_m = _limited(shear_m, stretched_N, limit_N)
         g_t = np.where(stretched_N > limit_N, 0.0, g_t)
         sticks = stretched_N < limit_N
-        tangential_m_per_s = slip_m_per_s - closing_m_per_s[:, None] * normal
         damping_N = damping_n[:, None] * normal - g_t[:, None] * tangential_m_per_s
         elastic_N = law.force_N[:, None] * normal - S_t[:, None] * left_m
         couple_N_m = self._couple_N_m(contacts, spin_rad_per_s, couple_N_m, law, S_t, grip_N, step_s)
@@ -223,6 +240,8 @@ class Laws:
             shear_m=left_m,
             couple_N_m=couple_N_m,
             approach_m_per_s=approach_m_per_s,
+            slip_m_per_s=slip_m_per_s,
+            half_step=np.full(len(slip_m_per_s), 0.5 if step_s > 0.0 else 1.0),
             tangential_N_per_m=weight * S_t,
             stiffness_N_per_m=column * np.column_stack([S_n, sticks * S_t]),
             damping_N_s_per_m=column * np.column_stack([g_n, sticks * g_t]),
@@ -271,6 +290,22 @@ class Laws:
         # what came to lie along the turning normal is dropped: no rotation would take it back
         couple_N_m = across(before_N_m, normal) - (S_t * radius_m**2)[:, None] * turn_rad
         return _limited(couple_N_m, np.linalg.norm(couple_N_m, axis=1), arm_m * grip_N)
+
+
+def _own_change(
+    half_s_per_kg: Array, damping_N_s_per_m: Array, spring_N: Array, slip_m_per_s: Array
+) -> Array:
+    """By what spring and damper change the slip in half a step, the damper by the slip at its end."""
+    change_m_per_s = half_s_per_kg * (spring_N - damping_N_s_per_m * slip_m_per_s)
+    return np.asarray(change_m_per_s / (1.0 + half_s_per_kg * damping_N_s_per_m))
+
+
+def _share(own_m_per_s: Array, shown_m_per_s: Array) -> Array:
+    """The part of a contact's own changes (n, 3) of slip that the slip shows."""
+    all_m2_per_s2 = np.einsum("ij,ij->i", own_m_per_s, own_m_per_s)
+    along = np.einsum("ij,ij->i", shown_m_per_s, own_m_per_s)
+    share = np.clip(along / np.where(all_m2_per_s2 > 0.0, all_m2_per_s2, 1.0), 0.0, 1.0)
+    return np.asarray(share[:, None] * own_m_per_s)
 
 
 def across(vector: Array, normal: Array) -> Array:

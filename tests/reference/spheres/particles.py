@@ -1,6 +1,4 @@
-"""The open spheres: velocity Verlet with the contact forces at the half-step velocity, as LIGGGHTS
-does it.  Every MPI rank computes the same.
-"""
+"""The open spheres: velocity Verlet, as LIGGGHTS with flipflow does it.  Every MPI rank computes the same."""
 
 from __future__ import annotations
 
@@ -94,8 +92,8 @@ class SpheresSolver:
         before_m, impulse_N_s = self._surface_m, np.zeros_like(self._surface_m)
         steps = interval.steps(self._plan.step_s)
         step_s = interval.length_s / steps
-        self._give(step_s / 2.0, impulse_N_s)
         self._jump_to(path.start)
+        self._give(step_s / 2.0, impulse_N_s)
         for step in range(1, steps + 1):
             half_way_m_per_s = path.velocity_m_per_s((step - 0.5) / steps)
             centers_m = self._spheres.position_m.copy()
@@ -176,7 +174,7 @@ class SpheresSolver:
         return np.asarray(at_points)
 
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
-        """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
+        """Springs at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._bodies, self._now
         self._book_air(step_s / 2.0)
         self._kick(step_s / 2.0)
@@ -226,9 +224,16 @@ class SpheresSolver:
         )
 
     def _jump_to(self, surface: Motion) -> None:
-        """Book the coupling's correction of the surface's place and velocity at a sync point."""
-        self._lost_J += self._now.compute_spent_J(surface.position_m - self._surface_m)
-        self._move_surface(surface, self._now)
+        """Go on with what the surface pushes with from where the coupling corrects it to at a sync point."""
+        before, jump_m = self._now, surface.position_m - self._surface_m
+        if jump_m.any():
+            if self._near.outdated(self._spheres.position_m, surface.position_m):
+                self._near = Neighbours.of(self._spheres, self._plan.surface, surface.position_m)
+            again = self._compute_forces(surface, before, 0.0)
+            self._now = before.with_surface_of(again, len(self._spheres))
+            self._lost_J += again.lost_J
+        self._lost_J += (before.compute_spent_J(jump_m) + self._now.compute_spent_J(jump_m)) / 2.0
+        self._move_surface(surface, before)
 
     def _move_surface(self, surface: Motion, before: SphereForces) -> None:
         """Book the work of the surface's move by the trapezoidal rule, as Verlet does it."""
