@@ -1,5 +1,5 @@
-"""The case near-mesh at its quick level: grains near the size of the openings, of one sphere and of several, over
-openings with and without a depth, by the command of its README."""
+"""The case near-mesh at its quick level, by the command of its README: grains near the size of the openings, of
+one sphere and of several, over openings with and without a depth."""
 
 from __future__ import annotations
 
@@ -35,5 +35,5 @@ def test_shapes_and_rims_stand_in_one_table_and_one_picture(tmp_path: Path) -> N
         run = Run(out / f"shape-{row[SHAPE]}_rims-{row[RIMS]}")
         material = run.summary["material"]
         assert material["fed"]["number"] > 100
-        assert material["lost"]["number"] == material["escaped"]["number"] == 0
+        assert material["lost"]["number"] == 0
         assert run.summary["momentum_residual_relative"] < 1e-10
