@@ -1,5 +1,7 @@
-"""The case near-mesh at its quick level, by the command of its README: grains near the size of the openings, of
-one sphere and of several, over openings with and without a depth."""
+"""The case near-mesh at its quick level, by the command of its README.
+
+Grains near the size of the openings, of one sphere and of several, over openings with and without a depth.
+"""
 
 from __future__ import annotations
 
