@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.deck.triangle_grid import TriangleGrid, perforated_grid
+from orchestrator.case.solver_plans import panel_plans
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import LOWER, UPPER, WALL, AperturePattern, Rectangle
+from tests.cases import CASE, kinds, load_case, only_complaint
 
 PANEL = Rectangle(np.zeros(3), np.eye(3)[0], np.eye(3)[1], 0.3, 0.3, 0.2, 0.02)
 SLOTS = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.02, 0.02)
@@ -103,3 +107,73 @@ def test_sections() -> None:
     assert pattern.narrowest_section.width_m == 0.003
     assert replace(pattern, relief_deg=-5.0).narrowest_section.width_m == pytest.approx(0.003 - 2 * grown_m)
     assert SLOTS.mean_section is SLOTS
+
+
+KEY = "screen.panels.deck.apertures."
+SIZES = "length_m=0.02, width_m=0.003, pitch_along_m=0.025, pitch_across_m=0.006"
+SLOTTED = f"screen.panels.deck.apertures={{{SIZES}}}"
+WALLED = f"{KEY}rims=deep"
+
+
+def test_the_depth_is_the_panel_s_thickness_unless_it_is_given(tmp_path: Path) -> None:
+    for number, (given, depth_m) in enumerate((([], 0.004), ([f"{KEY}depth_m=0.006"], 0.006))):
+        case = load_case(tmp_path / str(number), CASE, [SLOTTED, WALLED, *given]).case
+        (panel,) = single_panels(case)
+        assert panel.apertures is not None
+        assert (panel.apertures.depth_m, panel.apertures.relief_deg) == (depth_m, 0.0)
+    (thin,) = single_panels(load_case(tmp_path / "thin", CASE, [SLOTTED]).case)
+    assert thin.apertures is not None
+    assert thin.apertures.depth_m == 0.0
+
+
+def test_a_panel_has_the_mass_of_the_section_half_way_down(tmp_path: Path) -> None:
+    """Openings of 20 x 3 mm in cells of 25 x 6 mm, 4 mm deep with 5 degrees, are longer and wider by
+    0.35 mm."""
+    (plan,) = panel_plans(load_case(tmp_path, CASE, [SLOTTED, WALLED, f"{KEY}relief_deg=5"]).case)
+    assert plan.apertures is not None
+    grown_m = 0.004 * np.tan(np.radians(5.0))
+    assert plan.apertures.solid_share == pytest.approx(1 - (0.02 + grown_m) * (0.003 + grown_m) / 0.00015)
+
+
+@pytest.mark.parametrize(
+    ("changes", "wanted"),
+    [
+        (["rims=deep", "relief_deg=-25"], "relief_deg: out-of-range"),
+        (["rims=deep", "relief_deg=25"], "relief_deg: out-of-range"),
+        (["rims=deep", "relief_deg=60"], "relief_deg: out-of-range"),
+        (["rims=deep", "depth_m=-0.001"], "depth_m: out-of-range"),
+        (["rims=depe"], "rims: unknown-name"),
+        (["depth_m=0.006"], "depth_m: conflict"),
+        (["relief_deg=0.0"], "relief_deg: conflict"),
+    ],
+)
+def test_walls_that_cannot_be(tmp_path: Path, changes: list[str], wanted: str) -> None:
+    """3 mm are closed by 25 degrees over 4 mm from both sides, and lands of 3 mm are gone by as much."""
+    assert kinds(tmp_path, SLOTTED, *(KEY + change for change in changes)) == [KEY + wanted]
+
+
+def test_a_relief_that_closes_says_which_one_would_do(tmp_path: Path) -> None:
+    """Half of 3 mm over 4 mm are 20.6 degrees."""
+    complaint = only_complaint(tmp_path, SLOTTED, WALLED, f"{KEY}relief_deg=-25")
+    assert "closes openings of 0.003 m" in complaint
+    assert "-20.6 degrees" in complaint
+
+
+@pytest.mark.parametrize(
+    ("along_m", "height_m", "size_m", "said"),
+    [
+        (0.151, 0.0, 0.001, True),
+        (0.1384, 0.0, 0.001, False),
+        (0.151, 0.0124, 0.02, True),
+        (0.151, 0.0126, 0.02, False),
+    ],
+)
+def test_particles_at_the_start_are_clear_of_the_material(
+    tmp_path: Path, along_m: float, height_m: float, size_m: float, said: bool
+) -> None:
+    """The depth is 5 mm: a sphere of 1 mm within a land touches no side and is refused, in an opening it is
+    not; one of 20 mm overlaps the upper side from 12.5 mm over the middle surface on."""
+    place = f"bed.particles.ball.position_m=[{along_m}, 0.1, {height_m}]"
+    given = [place, f"bed.particles.ball.sieve_size_m={size_m}", WALLED, f"{KEY}depth_m=0.005"]
+    refused = "bed.particles.ball.position_m: misplaced" in kinds(tmp_path, SLOTTED, *given)
+    assert refused is said

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
-from orchestrator.case.tables.case import Case
-from orchestrator.coupling import surface_parts
 from orchestrator.ports import Array
 from tests.cases import load_case
 from tests.coupled.machines import Coupled, opened
 from tests.coupled.screen import EXCITER, MACHINE
-from tests.docs.pages import code_on
 
 DEPTH_M = 0.006
 BALL_KG = 1430.0 * np.pi / 6 * 0.006**3
@@ -26,6 +21,8 @@ width_m = 0.012
 pitch_along_m = 0.025
 pitch_across_m = 0.025
 margin_along_m = 0.0125
+rims = "deep"
+depth_m = 0.006
 """
 BALLS = [
     f"bed.particles.ball-{i}-{j}={{position_m=[{1.01 * (0.05 + 0.025 * i)}, {0.0375 + 0.025 * j}, 0.0], "
@@ -36,30 +33,20 @@ BALLS = [
 ]
 
 
-def deep_grids(case: Case) -> dict[str, TriangleGrid]:
-    """Every panel 6 mm deep, by the function of the page."""
-    page: dict[str, Any] = {}
-    exec(code_on("how-to/give-openings-a-depth.md")[0], page)
-    return {name: page["deep"](grid, DEPTH_M) for name, grid in surface_grids(case).items()}
-
-
 def depth_m(run: Coupled) -> Array:
     """Distances (pairs,) between the upper and lower point of each pair on the first panel."""
     panel = run.machine.panels[0]
     places_m = run.state.panel.surface.position_m[panel.surface]
-    half = (panel.centre_line[0] - panel.surface.start) + len(panel.centre_line)
-    pairs = np.setdiff1d(np.arange(half), panel.centre_line - panel.surface.start)
-    return np.linalg.norm(places_m[pairs] - places_m[pairs + half], axis=1)
+    line = panel.centre_line - panel.surface.start
+    lower = line[-1] + 1  # the upper side, the line and the lower side follow one another
+    return np.linalg.norm(places_m[: line[0]] - places_m[lower : lower + line[0]], axis=1)
 
 
 @pytest.mark.parametrize("solver", ["rigid", "strip"])
-def test_balls_strike_the_walls_of_openings_and_the_books_close(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, solver: str
-) -> None:
+def test_balls_strike_the_walls_of_openings_and_the_books_close(tmp_path: Path, solver: str) -> None:
     """Four balls bounce for 20 ms between the walls of four openings while the deck is shaken.  Momentum
     crosses to rounding, angular momentum but for what a mean load leaves out.  The walls keep their depth.
     On a rigid panel, which makes no energy itself, the mapping makes less than 1e-6 of what the balls had."""
-    monkeypatch.setattr(surface_parts, "surface_grids", deep_grids)
     settings = [f"panel.solver={solver}", "frames.solver=planar", "particles.solver=spheres"]
     with opened(load_case(tmp_path, MACHINE + EXCITER + OPENINGS, [*BALLS, *settings])) as run:
         struck_N_s = np.zeros(3)

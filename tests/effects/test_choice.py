@@ -16,7 +16,7 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import account, lines_at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect, with_dependents
 from tests.cases import BLOCK, CASE, FEED, LEVEL, case_folder, complaints, kinds, load_case, problems
-from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
+from tests.effects.verdicts import BARE, DEEP, DRIVEN_CASE, EXITS
 
 STICKY = "rolling_friction = 0.05\nwork_of_adhesion_J_per_m2 = 1.0"
 WEARING = "sliding_friction = 0.47\nspecific_wear_m3_per_N_m = 1e-12"  # coal on PU
@@ -26,7 +26,7 @@ FULL = (
     .replace("rolling_friction = 0.0", STICKY)
     .replace("bulk_modulus_Pa = 2e9", DAMPED)
 )
-MORE = (BLOCK, FEED, APERTURES, EXITS, "screen.exciters.shaft.run_up_s=0.05")
+MORE = (BLOCK, FEED, DEEP, EXITS, "screen.exciters.shaft.run_up_s=0.05")
 MORE += ("air={}",)
 MORE += ("screen.bushings.isolation.damping_N_s_per_m=[90.0, 90.0, 90.0]",)
 COARSE = """
@@ -43,6 +43,7 @@ CAN_GO = [
     "frame-dynamics",
     "frame-motion",
     "frame-rotation",
+    "opening-depth",
     "panel-damping",
     "panel-deformation",
     "panel-motion",

@@ -12,10 +12,13 @@ import pytest
 from orchestrator.case.bed.contact_times import hertz_overlap_m
 from orchestrator.cli.overview import rolling_lines
 from orchestrator.preflight.check import warnings
-from tests.cases import BLOCK, CASE, FEED, load_case
+from orchestrator.preflight.effects.opening_depth import is_deep, thin_rims
+from orchestrator.preflight.scene.scene import scene
+from tests.cases import BLOCK, CASE, FEED, load_case, loaded
 from tests.effects.verdicts import (
     APERTURES,
     BARE,
+    DEEP,
     STILL_CASE,
     TILTED,
     by_name,
@@ -274,3 +277,28 @@ def test_check_tells_shapes_and_rolling_frictions(tmp_path: Path) -> None:
     assert re.findall(r"([\d.]+) on (\w+)", plain) == [("0.09", "PU"), ("0", "coal")]
     shaped = next(rolling_lines(load_case(tmp_path, STILL_CASE, [row, "materials.coal.shape=angular"]).case))
     assert {"angular;", "0.09"} <= {*shaped.split()}
+
+
+def test_opening_depth_by_the_mass_that_walls_can_clamp(tmp_path: Path) -> None:
+    """A mat that is stretched by 2 % lets in, besides what overlaps let in, sizes up to 12.24 mm: of sizes
+    from 10 to 20 mm, by mass, (d^4 - 12^4) / (12^4 - 10^4) over those that pass."""
+    judged = verdict(tmp_path, "opening-depth", APERTURES, BLOCK)
+    assert not judged.present
+    radii = verdict(tmp_path, "contact-stiffness", APERTURES, BLOCK).verdict.value
+    assert radii is not None
+    strain = scene(loaded(tmp_path, [APERTURES, BLOCK]).case).panels[0].strain
+    more = (1 + radii + strain) ** 4 * 12**4 - 12**4
+    assert judged.verdict.value == pytest.approx(more / (12**4 - 10**4), rel=1e-6)
+    deep = verdict(tmp_path, "opening-depth", DEEP, BLOCK)
+    assert deep.present
+    assert deep.can_go
+    coarse = verdict(tmp_path, "opening-depth", DEEP)
+    assert (coarse.verdict.value, coarse.verdict.matters) == (0.0, False)
+    assert "opening-depth" not in by_name(load_case(tmp_path, STILL_CASE))
+
+
+def test_opening_depth_is_left_out_by_thin_rims(tmp_path: Path) -> None:
+    case = loaded(tmp_path, [DEEP, BLOCK]).case
+    assert thin_rims(case)["screen"]["panels"]["deck"]["apertures"]["rims"] == "thin"
+    without = load_case(tmp_path, CASE, [DEEP, BLOCK, "effects=[]"])
+    assert not any(is_deep(row) for row in without.case.screen.panels.values())

@@ -11,6 +11,7 @@ from tests.cases import CASE, load_case, loaded
 APERTURES = (
     "screen.panels.deck.apertures={length_m=0.02, width_m=0.012, pitch_along_m=0.025, pitch_across_m=0.02}"
 )
+DEEP = APERTURES.replace("}", ", rims='deep', depth_m=0.006}")
 TILTED = "screen.inclination_deg=20"
 EXITS = 'screen.exits.under={product="undersize", box_m=[[-0.5, -0.5, -0.9], [0.5, 0.5, -0.3]]}'
 BARE = CASE[: CASE.index("[bed.particles.ball]")] + CASE[CASE.index("[probes.middle]") :]

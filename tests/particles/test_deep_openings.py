@@ -13,7 +13,7 @@ from orchestrator.ports import Array, HermitePath, Motion, Particles
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
-from orchestrator.ports.plans import DeckPlan, ExitPlan, ParticlesPlan
+from orchestrator.ports.plans import DeckPlan, ExitPlan, GrainMaterial, ParticlesPlan
 from tests.particles.contract import LIGGGHTS_ALONE, SOLVERS, Run, particles, plan, solver_adapter, table
 from tests.particles.test_openings import PANEL, SLOTS, over_the_pattern
 from tests.reference.rigid_spheres import Slots, passed_share
@@ -41,9 +41,10 @@ def share_of_dem(depth_m: float, diameter_m: float, seeds: int) -> tuple[float, 
         wanted = plan(
             surface,
             particles(np.column_stack([places, heights]), (0.0, 0.0, -2.0), diameter_m=diameter_m),
+            materials=(GrainMaterial("stiff", 1e9, 0.3),),
             restitution=table(0.34),
             sliding_friction=table(0.47),
-            step_s=1e-5,
+            step_s=2e-6,
             sync_interval_s=2e-4,
         )
         over, through = np.zeros((2, len(places)), dtype=bool)
@@ -63,7 +64,8 @@ def share_of_dem(depth_m: float, diameter_m: float, seeds: int) -> tuple[float, 
 @pytest.mark.parametrize("diameter_m", [0.0015, 0.0020, 0.00245])
 def test_the_chance_of_a_hit_is_that_of_rigid_spheres(_: str, diameter_m: float) -> None:
     """Straight down at 2 m/s, restitution 0.34, friction 0.47, slots of 3 x 20 mm: within 10 % of the rigid
-    spheres, apart from two standard errors of both counts."""
+    spheres, apart from two standard errors of both counts.  Contacts are stiff (1 GPa): with 10 MPa, overlaps
+    let 22 % more pass at 2.45 mm."""
     rigid = passed_share(Slots(0.020, 0.003, (0.025, 0.006), DEPTH_M), diameter_m, 8000, 2.0, 0.34, 0.47)
     share, hits = share_of_dem(DEPTH_M, diameter_m, 25)
     error = np.sqrt(rigid * (1 - rigid) * (1 / hits + 1 / 8000))
@@ -114,41 +116,41 @@ def stretched(surface: TriangleSurface, strain: float, rate_1_per_s: float) -> M
     return Motion(surface.position_m + strain * across, rate_1_per_s * across)
 
 
-def released(module: ParticlesAdapter, oversize: Array, strains: Array) -> Array:
-    """The share of wedged spheres that have fallen out at each of the rising ``strains``."""
-    rate_1_per_s, length_s = 0.2, 5e-4
-    solver, wanted = wedged(module, oversize, 0.5)
-    shares, index = [], 0
+def released(oversize: Array, strains: Array) -> Array:
+    """The share of wedged spheres that have fallen out at each of the rising ``strains`` (k,), each of which
+    is reached at 1 1/s and held for 50 ms."""
+    solver, wanted = wedged(solver_adapter("liggghts"), oversize, 0.5)
+    length_s, held_s = wanted.sync_interval_s, 0.05
+    until_s = [[eps + k * held_s, eps + (k + 1) * held_s] for k, eps in enumerate(strains)]
+    times_s = np.concatenate([[0.0], *until_s])
+    at = np.concatenate([[0.0], np.repeat(strains, 2)])
+    shares = []
     with closing(solver):
-        for strain in strains:
-            while index * length_s <= strain / rate_1_per_s + 0.05:
-                at = min(rate_1_per_s * index * length_s, strain)
-                then = min(rate_1_per_s * (index + 1) * length_s, strain)
-                rate = (then - at) / length_s
-                path = HermitePath(
-                    stretched(wanted.surface, at, rate), stretched(wanted.surface, then, rate), length_s
-                )
-                solver.advance(Interval(index, length_s), path)
-                index += 1
-            shares.append(np.mean(solver.snapshot().position_m[:, 2] < -DEPTH_M / 2))
+        for index in range(round(times_s[-1] / length_s)):
+            here, then = np.interp([index * length_s, (index + 1) * length_s], times_s, at)
+            ends = [stretched(wanted.surface, each, (then - here) / length_s) for each in (here, then)]
+            solver.advance(Interval(index, length_s), HermitePath(*ends, length_s))
+            if len(shares) < len(strains) and (index + 1.5) * length_s > times_s[2 * len(shares) + 2]:
+                shares.append(np.mean(solver.snapshot().position_m[:, 2] < -DEPTH_M / 2))
     return np.array(shares)
 
 
-def test_a_stretch_throws_out_what_is_smaller_than_the_stretched_opening(module: ParticlesAdapter) -> None:
-    """Spheres larger by 0.5 to 4 % of the width: at a strain eps all below eps are out, and those that are
-    larger by more than half a percent of the width are held still."""
-    oversize = np.array([0.005, 0.010, 0.020, 0.030, 0.040])
-    strains = np.array([0.0, 0.0075, 0.0125, 0.025, 0.045])
+@pytest.mark.parametrize("_", LIGGGHTS_ALONE)
+def test_a_stretch_throws_out_what_is_smaller_than_the_stretched_opening(_: str) -> None:
+    """Spheres larger by 1 to 4 % of the width: at a strain eps all that are smaller than the opening, whose
+    width has grown by eps, have fallen out, and the others are held, as long as they are larger by 0.25 %."""
+    oversize = np.array([0.01, 0.02, 0.03, 0.04])
+    strains = np.array([0.0025, 0.0125, 0.0225, 0.0275, 0.0425])
     below = [(oversize < strain).mean() for strain in strains]
-    assert released(module, oversize, strains) == pytest.approx(below)
+    assert released(oversize, strains) == pytest.approx(below)
 
 
 def test_who_is_in_an_opening_is_on_the_deck(module: ParticlesAdapter) -> None:
     """One sphere is held between the walls, in an exit that reaches up to the upper side, and stays; another
     one falls through a slot beside it, has one contact however often it strikes the walls, and leaves."""
     at_m = FEW.centres_m(SMALL)
-    places_m = np.array([[*at_m[0], 0.0], [*at_m[1], DEPTH_M / 2 + 0.002]])
-    speeds_m_per_s = np.array([[0.0, 0.0, 0.0], [0.0, 0.6, -0.3]])
+    places_m = np.array([[*at_m[0], 0.0], [*at_m[1], DEPTH_M / 2 + 0.0011]])
+    speeds_m_per_s = np.array([[0.0, 0.0, 0.0], [0.0, 0.2, -0.5]])
     surface = surface_of(FEW, SMALL, (4, 3))
     line_m = np.array([[0.0, 0.015, 0.0], [0.06, 0.015, 0.0]])
     (from_m, left_m), (to_m, right_m) = FEW.region_m(SMALL)

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck import stl
+from orchestrator.case.deck.openings import half_depths_m
 from orchestrator.case.deck.panels import axes, plate_corners_m, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid, surface_grids
 from orchestrator.case.file.errors import CaseProblem, Key
@@ -195,10 +196,32 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     if case.bed.carried is not None and case.bed.push_out:  # pushed before the start, and checked then
         return
     yield from _overlapping(case, particles, placed)
-    if any(any(_in_surface(case, particles, *surface, placed)) for surface in _surfaces(case, folder)):
+    half_m = max(half_depths_m(case), default=0.0)
+    if any(
+        any(_in_surface(case, particles, *surface, placed, half_m)) for surface in _surfaces(case, folder)
+    ):
         # particles may sit in openings, the meshing of which takes a while
-        for surface in _surfaces(case, folder, surface_grids(case)):
+        grids = surface_grids(case)
+        for surface in _surfaces(case, folder, grids):
             yield from _in_surface(case, particles, *surface, placed)
+        yield from _in_material(case, particles, grids, placed)
+
+
+def _in_material(
+    case: Case, particles: ParticleList, grids: Mapping[str, TriangleGrid], placed: npt.NDArray[np.bool_]
+) -> Iterator[CaseProblem]:
+    """Check that no ``placed`` particle's centre is between the sides of a taut panel with a depth."""
+    for panel, half_m in zip(single_panels(case), half_depths_m(case), strict=True):
+        at, made = panel.rectangle, grids[panel.name]
+        if made.side is None or at.span_m < at.length_m:
+            continue
+        near = np.flatnonzero((np.abs((particles.position_m - at.corner_m) @ at.normal) < half_m) & placed)
+        corners_m = at.mounted(made.coordinates_m)[made.triangles]
+        inside = [row for row in near if _times_met(particles.position_m[row], corners_m) % 2]
+        if inside:
+            key, name = _describe_particle(case, inside[0])
+            what = f"{name} is inside the material of panel {panel.name}{_count_of_others(np.array(inside))}"
+            yield CaseProblem(key, what, _how_to_make_room(case), kind="misplaced")
 
 
 def _in_slice(case: Case, particles: ParticleList) -> npt.NDArray[np.bool_]:
@@ -257,10 +280,12 @@ def _in_surface(
     surface: str,
     corners_m: Array,
     placed: npt.NDArray[np.bool_] | Literal[True] = True,
+    beside_m: float = 0.0,
 ) -> Iterator[CaseProblem]:
-    """Check that no sphere of a ``placed`` particle reaches into the triangles (m, 3, 3)."""
+    """Check that no sphere of a ``placed`` particle reaches into the triangles (m, 3, 3), or nearer to them
+    than ``beside_m``."""
     of, center_m, radius_m = placed_spheres(particles.grains, particles.position_m, particles.orientation)
-    depth_m = overlap_m(center_m, radius_m, corners_m)
+    depth_m = overlap_m(center_m, radius_m + beside_m, corners_m)
     there = True if placed is True else placed[of]
     inside = np.flatnonzero((depth_m > allowed_overlap(case) * 2 * radius_m) & there)
     if len(inside):

@@ -27,11 +27,11 @@ def judge(scene: Scene) -> Verdict | None:
     if not scene.openings_m:
         return None
     softness, opening_m = compute_softness(scene), max(scene.openings_m)
-    pressed_m = _pressed_overlap_m(scene, opening_m)
+    pressed_m = pressed_overlap_m(scene, opening_m)
     struck_m = max(pressed_m, softness.overlap * opening_m / 2)
     if scene.observed.deepest is not None:
         struck_m = max(pressed_m, scene.observed.deepest.surface_m)
-    least, most = (_passing_more(scene, opening_m, overlap_m) for overlap_m in (pressed_m, struck_m))
+    least, most = (passing_more(scene, opening_m, overlap_m) for overlap_m in (pressed_m, struck_m))
     return Verdict(
         number="mass that overlaps let pass / that passes",
         value=most,
@@ -45,7 +45,7 @@ def judge(scene: Scene) -> Verdict | None:
     )
 
 
-def _pressed_overlap_m(scene: Scene, size_m: float) -> float:
+def pressed_overlap_m(scene: Scene, size_m: float) -> float:
     """Return the overlap of particles of a size with a panel, for the softest pair, by weight and throw."""
     overlaps_m = [0.0]
     for name, smallest in smallest_grains(scene.case).items():
@@ -57,7 +57,7 @@ def _pressed_overlap_m(scene: Scene, size_m: float) -> float:
     return max(overlaps_m)
 
 
-def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
+def passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
     """Return the mass of particles that pass an opening only by overlap over the mass of finer ones.
 
     The result is 0 if no particle passes by overlap alone; else it is infinite if none is finer.
