@@ -424,11 +424,12 @@ def test_the_page_of_recorded_numbers_needs_no_run(case: Path) -> None:
         "Of 2 facts: 1 NOT MET, 1 met."
     ]
     head = "case,criterion,value,half width,unit,note\n"
-    table.write_text(head + "case,a,8.5,,mm,an old run\nnowhere,a,1,,mm,\n")
+    table.write_text(head + "case,a,8.5,,mm,an old run\ncase,b,,,mm,\nnowhere,a,1,,mm,\n")
     assert [*command(again, recorded=table)]
     text = (again.folder / "paper.md").read_text()
     assert "\n\nan old run\n\n" in text
     assert "| 8.5 mm |" in text
+    assert "| slow stroke | 6 mm | case no number | no number |" in text
     assert "not recorded" in text
 
 

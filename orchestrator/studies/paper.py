@@ -100,10 +100,9 @@ def recorded_results(
         found = []
         for criterion in paper.criteria.criteria:
             row = rows.get((paper.name, criterion.what), {})
+            why = "no number" if row else "not recorded"
             value, width = (float(row[name]) if row.get(name) else None for name in ("value", "half width"))
-            found.append(
-                CriterionResult(paper.name, criterion, value, "not recorded", width, row.get("note") or "")
-            )
+            found.append(CriterionResult(paper.name, criterion, value, why, width, row.get("note") or ""))
         results.append((paper, found))
     return results
 

@@ -310,11 +310,11 @@ class Vary:
         return f"{self.name}-" + "".join(c if c.isalnum() or c in "+-._" else "_" for c in text)
 
 
-def parse_vary(text: str) -> Vary:
+def parse_vary(text: str, repeats: bool = False) -> Vary:
     """Read 'key=a,b,c' or 'key=first:last:step' (both ends included).  Raises CaseError.
 
     Values may have units, and one unit serves all numbers without one: 'speed_rad_per_s=700,750 rpm' and
-    'speed_rad_per_s=700:800:50 rpm'.
+    'speed_rad_per_s=700:800:50 rpm'.  Only with ``repeats`` may a value stand there more than once.
     """
     key, equals, values = text.partition("=")
     if not equals or not key.strip() or not values.strip():
@@ -325,9 +325,9 @@ def parse_vary(text: str) -> Vary:
         each = _list(text, key, [value.strip() for value in _split(values)])
     vary = vary_of(key.strip(), each)
     each = vary.values
-    if len(set(each)) < len(each) or not all(each):
+    if not all(each) or (len(set(each)) < len(each) and not repeats):
         raise _wrong(text, "has an empty value or one twice")
-    if len({vary.folder(value) for value in each}) < len(each):
+    if len({vary.folder(value) for value in each}) < len(set(each)):
         raise _wrong(text, "has two values whose folders would have the same name")
     return vary
 

@@ -92,7 +92,11 @@ def plan_sweep(vary: Sequence[str], how: Arrangement, number: int, seed: int) ->
     problems: list[CaseProblem] = []
     for text in vary:
         try:
-            varied.append(_random_values(text, 1, 0) if how is Arrangement.RANDOM else parse_vary(text))
+            varied.append(
+                _random_values(text, 1, 0)
+                if how is Arrangement.RANDOM
+                else parse_vary(text, repeats=how is Arrangement.LIST)
+            )
         except CaseError as error:
             problems += error.problems
     keys, columns = [each.key for each in varied], [each.values for each in varied]

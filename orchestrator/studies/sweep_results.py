@@ -93,22 +93,37 @@ def draw_results(
 ) -> list[Path]:
     """Draw each wanted result over each varied key with its interval, and return the file.
 
-    Over the first key of a grid, lines join the runs whose other keys are equal.  Nothing is drawn where
-    the values of the keys are no numbers, or fewer than two runs have results.  Runs that are transient have
-    open marks, and those that are not to be trusted are crosses.
+    Over the first key of a grid, lines join the runs whose other keys are equal.  Where the values of no key
+    are numbers, the settings stand below each other by their words.  Nothing is drawn where fewer than two
+    runs have results.  Runs that are transient have open marks, and those that are not to be trusted are
+    crosses.
     """
     drawn = [row for row in rows if row.results and row.status in Run.at_the_end]
     numeric = [key for key in keys if all(math.isfinite(row.number(key)) for row in drawn)]
-    if len(drawn) < 2 or not numeric:
+    if len(drawn) < 2:
         return []
     lines = _lines(keys, drawn)
-    over = numeric[:1] if lines else numeric
+    over = (numeric[:1] if lines else numeric) or [""]
     picture = Picture(len(wanted) * len(over), max(len(over), min(2, len(wanted))), 5.5, 4.0)
     for number, (name, key) in enumerate((name, key) for name in wanted for key in over):
-        _draw_result(picture.parts[number], name, key, keys, lines or {"": drawn})
+        if key:
+            _draw_result(picture.parts[number], name, key, keys, lines or {"": drawn})
+        else:
+            _draw_in_words(picture.parts[number], name, keys, drawn)
     note = "open: not settled, or not steady; cross: not to be trusted"
     picture.figure.suptitle(note, fontsize=9, x=0.01, ha="left")
     return [picture.save(file)]
+
+
+def _draw_in_words(axes: Any, name: str, keys: Sequence[str], rows: Sequence[SweptSetting]) -> None:
+    """Draw a result of settings without numbers, the first setting on top."""
+    for place, row in enumerate(rows):
+        if (value := row.results.get(name)) is not None:
+            width = value.half_width or 0.0
+            axes.errorbar(value.value, place, xerr=width, capsize=3, color="C0", **LOOKS[row.look])
+    words = [fill(", ".join(row.text(key) for key in keys), LABEL // 2) for row in rows]
+    axes.set_yticks(range(len(rows)), words, fontsize=7)
+    axes.set(xlabel=fill(Run.named(name).words, LABEL), xlim=(0.0, None), ylim=(len(rows) - 0.5, -0.5))
 
 
 def show_given_units(axes: Any, given: Mapping[float, str]) -> None:

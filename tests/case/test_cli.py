@@ -115,6 +115,7 @@ ACCEPTED = {
         "the openings of panel deck-1 and 7 more are smaller than all particles",
     ),
     "motor-start": (ROLLING,),
+    "near-mesh": (MARGINS, ROLLING, SMALL),
     "quickstart": (ROLLING,),
     "ffs0827-flowing": FLOWING,
     "ffs0827-flowing-twelve-springs": FLOWING,

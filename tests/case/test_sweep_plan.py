@@ -36,6 +36,14 @@ def test_a_list_takes_one_value_of_each_key() -> None:
     assert plan_sweep(TWO, Arrangement.LIST, 0, 1).settings == (("58.0", "10"), ("84.0", "15"))
 
 
+def test_a_list_may_take_a_value_again_and_a_grid_may_not() -> None:
+    again = ("panel.solver=rigid,strip,strip", f"{SLOPE}=10,10,15")
+    settings = (("rigid", "10"), ("strip", "10"), ("strip", "15"))
+    assert plan_sweep(again, Arrangement.LIST, 0, 1).settings == settings
+    with pytest.raises(CaseError, match="one twice"):
+        plan_sweep(again, Arrangement.GRID, 0, 1)
+
+
 def test_random_settings_are_repeatable_and_can_be_continued() -> None:
     """A larger number keeps the settings that have been run."""
     wanted = (f"{SPEED}=58:110", f"{SLOPE}=10,15")
@@ -182,6 +190,23 @@ def test_results_are_drawn_with_their_intervals(tmp_path: Path, how: str, pictur
     height = matplotlib.image.imread(file).shape[0]
     assert (height > 600) == (pictures > 2), "two parts in one row, or four in two"
     assert draw_results(keys, rows[:1], wanted, tmp_path / "none.png") == []
+
+
+def test_settings_without_numbers_stand_below_each_other(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    keys, settings = ("bed.shape", "deck.rims"), [("sphere", "thin"), ("stone", "thin"), ("stone", "deep")]
+    rows = [
+        SweptSetting(dict(zip(keys, words, strict=True)), "done", {"stroke": Value(0.01 * number, 0.001)})
+        for number, words in enumerate(settings)
+    ]
+    drawn: list[Any] = []
+    monkeypatch.setattr(Picture, "save", lambda picture, _: drawn.append(picture.figure))
+    draw_results(keys, rows, ["stroke"], tmp_path / "results.png")
+    (axes,) = drawn[0].axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == [", ".join(words) for words in settings]
+    assert [each[0].get_xdata()[0] for each in axes.containers] == [0.0, 0.01, 0.02]
+    assert axes.yaxis_inverted(), "the first on top"
 
 
 def test_a_transient_run_is_told_and_has_an_open_mark(

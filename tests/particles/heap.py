@@ -63,10 +63,10 @@ class Trickle:
 
     def grain(self, place_m: list[float], velocity_m_per_s: tuple[float, ...], size_m: float) -> ParticleList:
         """Return one grain, turned by chance unless it is a sphere."""
-        one = spheres(place_m, velocity_m_per_s, size_m, DENSITY_KG_PER_M3)
-        grains = replace(one.grains, shapes=ShapeTable.of([self.shape]))
-        anyhow = random_orientations(1, self.random) if len(self.shape.spheres) > 1 else one.orientation
-        return replace(one, grains=grains, orientation=anyhow)
+        ball = spheres(place_m, velocity_m_per_s, size_m, DENSITY_KG_PER_M3)
+        grains = replace(ball.grains, shapes=ShapeTable.of([self.shape]))
+        anyhow = random_orientations(1, self.random) if len(self.shape.spheres) > 1 else ball.orientation
+        return replace(ball, grains=grains, orientation=anyhow)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         """Count again a grain that found no room."""

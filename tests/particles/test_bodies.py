@@ -131,3 +131,19 @@ def test_two_ranks_move_clumps_as_one_does() -> None:
 
 def test_two_ranks_of_clumps_go_on_bit_for_bit() -> None:
     assert ranks(2, "resumed") == [[], []]
+
+
+def test_a_smooth_rod_wears_by_force_times_way(build: Build) -> None:
+    """k F s as for a sphere (test_wear.py), however many of its spheres share the force."""
+    rod = solvers.shape("rod")
+    half = np.sqrt(0.5)
+    lying = replace(particles([0, 0, 0.00499]), orientation=np.array([[half, half, 0.0, 0.0]]))
+    smooth = plan(plate(0.05, 7), lying, sliding_friction=np.zeros((1, 1)))
+    rate_m3_per_N_m = 3e-10
+    run = build(replace(dumbbells(rod, smooth), wear_m3_per_N_m=np.full((1, 1), rate_m3_per_N_m)))
+    run.velocity_m_per_s = np.array([-0.4, 0.0, 0.0])  # the rod stays, the surface goes below it
+    run.advance(60)
+    way_N_m = 0.4 * float(-run.given_N_s[2])
+    assert run.solver.worn_m3().sum() == pytest.approx(rate_m3_per_N_m * way_N_m, rel=1e-9)
+    weight_N = 9.81 * float(rod.volume * 1430.0 * 0.01**3)
+    assert way_N_m == pytest.approx(0.4 * 0.06 * weight_N, rel=0.05)

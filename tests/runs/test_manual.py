@@ -99,6 +99,7 @@ def test_the_files(folder: Path) -> None:
     named = {name.rstrip("/") for name in documented("# The folder of a run")}
     elsewhere = {"<surface>.stl", "failure.txt", "report.html", "bed.h5"}
     elsewhere |= {"point_orbits.png", "panel_instants.png"}  # of three probes or more
+    elsewhere |= {"spheres.pvd", "spheres"}  # of clumps
     assert {name for name in named if name.endswith(".png")} == set(PICTURES)
     files = {path.name for path in folder.iterdir()}
     assert files == named - elsewhere | {"walls.stl"}
