@@ -125,9 +125,10 @@ def shot(grains: int, seconds: float, seed: int = 1) -> tuple[int, Array, int]:
     [(1, 0.1, 8_000), pytest.param(20, 0.5, 1_000_000, marks=pytest.mark.slow)],
 )
 def test_nobody_gets_into_the_material(_: str, seeds: int, seconds: float, impacts: int) -> None:
-    """700 grains of 1.5 to 2.5 mm fly at 3 m/s about a mat with slots of 3 x 20 mm, which is bent by 7
-    degrees to either side and stretched by 3 %.  They strike sides, walls, edges and corners; none goes
-    through.
+    """700 grains of 1.5 to 2.5 mm fly at 3 m/s about a mat with slots of 3 x 20 mm.
+
+    The mat is bent by 7 degrees to either side and stretched by 3 %.  They strike sides, walls, edges and
+    corners, and none goes through.
     """
     assert in_material(np.array([[0.001, 0.001, 0.0], [0.0175, 0.003, 0.0]])).tolist() == [True, False]
     counted = 0
