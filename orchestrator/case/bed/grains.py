@@ -65,6 +65,8 @@ def grains_by_material(case: Case) -> dict[str, list[Grain[float]]]:
     found: dict[str, list[Grain[float]]] = {}
 
     def add(material: str, shape_name: str, *sizes_m: float) -> None:
+        if material not in case.materials:
+            return  # which is a problem of its own
         one = grain(case, material, shape_name)
         found.setdefault(material, []).extend(map(one.resized, sizes_m))
 

@@ -87,7 +87,7 @@ class RunReader:
         """The judged case of the run.  Raises CaseError if it cannot be read."""
         return load_judged(self.folder / "case.toml")
 
-    @property
+    @cached_property
     def case(self) -> Case:
         """The case of the run.  Raises CaseError if it cannot be read."""
         return self.judged.case
