@@ -169,11 +169,11 @@ def test_a_relief_that_closes_says_which_one_would_do(tmp_path: Path) -> None:
     ],
 )
 def test_particles_at_the_start_are_clear_of_the_material(
-    tmp_path: Path, along_m: float, height_m: float, size_m: float, said: bool
+    tmp_path: Path, along_m: float, height_m: float, size_m: float, is_told: bool
 ) -> None:
     """The depth is 5 mm: a sphere of 1 mm within a land touches no side and is refused, in an opening it is
     not; one of 20 mm overlaps the upper side from 12.5 mm over the middle surface on."""
     place = f"bed.particles.ball.position_m=[{along_m}, 0.1, {height_m}]"
     given = [place, f"bed.particles.ball.sieve_size_m={size_m}", WALLED, f"{KEY}depth_m=0.005"]
     refused = "bed.particles.ball.position_m: misplaced" in kinds(tmp_path, SLOTTED, *given)
-    assert refused is said
+    assert refused is is_told
