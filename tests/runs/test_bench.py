@@ -77,9 +77,10 @@ def fallen(plan: ParticlesPlan, folder: Path, as_packaged: bool) -> tuple[Array,
 @pytest.mark.solver
 @pytest.mark.parametrize("sticky", [False, True])
 def test_packaged_laws_move_a_bed_as_ours_do(tmp_path: Path, sticky: bool) -> None:
-    """The bed has no rolling friction, whose packaged law is not ours; without ours the process has no
-    `jkr`."""
+    """The bed has neither rolling friction nor dampers, whose packaged laws are not ours (dampers half a step
+    late); without ours the process has no `jkr`."""
     overrides = ["particles.rolling=none", "bed.blocks.coal.count=300"]
+    overrides += [f"contacts.{k}.restitution=1.0" for k in range(3)]
     if sticky:
         overrides += [f"contacts.{k}.work_of_adhesion_J_per_m2=0.05" for k in range(3)]
     loaded = load_judged(ROOT / "cases/quickstart", "draft", overrides)

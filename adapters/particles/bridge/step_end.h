@@ -46,6 +46,7 @@ class StepEnd {
     put(history + slip_, slip);
     history[slip_ + 3] = in_a_step ? 0.5 : 1.0;
     if (!in_a_step) return model();  // velocities are those of now
+    if (law.damping_N_s_per_m == 0.0) return model();
     const Vec3 n = from(pair.en);
     const double half = 0.5 * step_s / pair.meff, along = dot(slip, n);
     Vec3 ahead = share(own(half, law.damping_N_s_per_m, law.elastic_N * n, along * n), shown);

@@ -5,6 +5,7 @@ All of them are in deck axes, which screen.py defines.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le
@@ -45,6 +46,16 @@ class Drive(Table):
     def moves(self) -> bool:
         """Whether any amplitude is not zero; a drive without amplitude holds its frame."""
         return any((*self.amplitude_m, *self.rotation_rad))
+
+    @property
+    def jumps(self) -> dict[str, float]:
+        """How far the frame would jump at t = 0 without a run-up, in m and rad, by the key of the phase."""
+        pairs = {
+            "phase_rad": zip(self.amplitude_m, self.phase_rad, strict=True),
+            "rotation_phase_rad": zip(self.rotation_rad, self.rotation_phase_rad, strict=True),
+        }
+        far = {key: max(abs(size * math.sin(phase)) for size, phase in of) for key, of in pairs.items()}
+        return {key: jump for key, jump in far.items() if jump > 1e-9}
 
 
 class Frame(Table):

@@ -229,14 +229,9 @@ def start_of_drives(case: Case) -> Iterator[CaseProblem]:
             )
         if drive.run_up_s > 0:
             continue
-        for phase, unit, size, phase_rad in (
-            ("phase_rad", "m", drive.amplitude_m, drive.phase_rad),
-            ("rotation_phase_rad", "rad", drive.rotation_rad, drive.rotation_phase_rad),
-        ):
-            jump = float(np.abs(np.multiply(size, np.sin(phase_rad))).max())
-            if jump > 1e-9:
-                what = f"the frame would jump by {jump:.3g} {unit} at t = 0"
-                yield CaseProblem((*key, phase), what, "give run_up_s, or 0")
+        for phase, jump in drive.jumps.items():
+            what = f"the frame would jump by {jump:.3g} {'m' if phase == 'phase_rad' else 'rad'} at t = 0"
+            yield CaseProblem((*key, phase), what, "give run_up_s, or 0")
 
 
 def stops_of_exciters(case: Case) -> Iterator[CaseProblem]:

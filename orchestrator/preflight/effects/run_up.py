@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.frames import Drive
 from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
@@ -31,22 +32,26 @@ def judge(scene: Scene) -> Verdict | None:
     )
 
 
+def _drives(case: Case) -> dict[str, Drive]:
+    """Return the drives, by frame, that could start at full speed: their frames would not jump."""
+    drives = {name: frame.drive for name, frame in case.screen.frames.items() if frame.drive}
+    return {name: drive for name, drive in drives.items() if not drive.jumps}
+
+
 def _cycles(case: Case) -> float | None:
     """Return the smallest number of cycles in a run-up of an exciter or a drive; None without any."""
-    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
-    cycles = [row.run_up_s * row.speed_rad_per_s / (2 * math.pi) for row in drives]
+    cycles = [row.run_up_s * row.speed_rad_per_s / (2 * math.pi) for row in _drives(case).values()]
     cycles += [row.run_up_s * row.speed_rad_per_s / (2 * math.pi) for row in case.screen.exciters.values()]
     return min(cycles, default=None)
 
 
 def overlay(case: Case) -> Overlay:
     """Return the overlay that starts exciters and drives at full speed; empty without any."""
-    screen = case.screen
     tables: dict[str, Any] = {}
-    if screen.exciters:
-        tables["exciters"] = {name: {"run_up_s": 0.0} for name in screen.exciters}
-    if driven := [name for name, frame in screen.frames.items() if frame.drive]:
-        tables["frames"] = {name: {"drive": {"run_up_s": 0.0}} for name in driven}
+    if case.screen.exciters:
+        tables["exciters"] = {name: {"run_up_s": 0.0} for name in case.screen.exciters}
+    if drives := _drives(case):
+        tables["frames"] = {name: {"drive": {"run_up_s": 0.0}} for name in drives}
     return {"screen": tables} if tables else {}
 
 
