@@ -92,7 +92,7 @@ def test_packaged_laws_move_a_bed_as_ours_do(tmp_path: Path, sticky: bool) -> No
     ours_m, touching = fallen(plan, tmp_path / "ours", False)
     with ProcessPoolExecutor(1, SPAWN) as other:
         packaged_m, _ = other.submit(fallen, plan, tmp_path / "packaged", True).result()
-    assert touching > 100
+    assert touching > 10  # without dampers nobody stays
     np.testing.assert_allclose(packaged_m, ours_m, rtol=0.0, atol=1e-12)
 
 
