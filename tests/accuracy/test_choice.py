@@ -25,15 +25,8 @@ from orchestrator.studies.accuracy.combinations import (
     scatter,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
-from orchestrator.studies.accuracy.report import (
-    advice,
-    as_json,
-    cost_table,
-    draw_convergence,
-    draw_models,
-    entries,
-    warnings,
-)
+from orchestrator.studies.accuracy.pictures import draw_convergence, draw_models
+from orchestrator.studies.accuracy.report import advice, as_json, cost_table, entries, warnings
 from orchestrator.studies.accuracy.stored import StoredStudy
 from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, best_measured, proposals
 from orchestrator.studies.points import CaseStudy, Point
