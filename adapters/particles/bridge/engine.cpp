@@ -313,12 +313,14 @@ void Engine::restore(const SavedState &saved) {
   });
 }
 
-void Engine::run(int steps, double step_s) {
+void Engine::set_step(double step_s) {
+  if (lammps_->update->dt == step_s) return;
+  lammps_->update->dt = step_s;
+  for (int f = 0; f < lammps_->modify->nfix; ++f) lammps_->modify->fix[f]->reset_dt();
+}
+
+void Engine::run(int steps) {
   Update &update = *lammps_->update;
-  if (update.dt != step_s) {
-    update.dt = step_s;
-    for (int f = 0; f < lammps_->modify->nfix; ++f) lammps_->modify->fix[f]->reset_dt();
-  }
   update.whichflag = 1;
   update.nsteps = steps;
   update.firststep = update.beginstep = update.ntimestep;

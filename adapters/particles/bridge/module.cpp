@@ -355,9 +355,10 @@ void begin_path(Engine &engine, const Doubles &start_m, const Doubles &start_m_p
 
 void run(Engine &engine, int steps, double step_s) {
   flipflow::FixAir *air = engine.air();
+  engine.set_step(step_s);  // before the sums begin, which may evaluate contacts
   engine.surface().begin_sums(step_s);
   if (air) air->begin_sums(step_s);
-  engine.run(steps, step_s);
+  engine.run(steps);
   engine.surface().end_sums(step_s);
   if (air) air->end_sums(step_s);
 }
