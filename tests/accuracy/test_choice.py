@@ -54,6 +54,7 @@ def point(
     """A point with a run for each seed, which took so many seconds for each part of the program."""
     time_s = sum(parts_s.values())
     summary = {
+        "simulated_s": 1.0,
         "processor_before_s": 0.0,
         "processor_s": time_s,
         "wall_s": time_s,
