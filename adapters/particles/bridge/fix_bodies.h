@@ -58,6 +58,7 @@ class FixBodies : public LAMMPS_NS::Fix {
   FixBodies(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg)
       : Fix(lmp, narg, arg), gravity_{std::atof(arg[3]), std::atof(arg[4]), std::atof(arg[5])} {
     time_integrate = 1;
+    comm_forward = kSeen;
     atom->add_callback(0);
     comm->maxexchange_fix += kRow;
     grow_arrays(atom->nmax);
@@ -75,7 +76,7 @@ class FixBodies : public LAMMPS_NS::Fix {
 
   int setmask() override {
     using namespace LAMMPS_NS::FixConst;
-    return INITIAL_INTEGRATE | FINAL_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR;
+    return INITIAL_INTEGRATE | FINAL_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE;
   }
   double extend_cut_ghost() override { return 2.0 * reach_; }
 
@@ -108,6 +109,23 @@ class FixBodies : public LAMMPS_NS::Fix {
   int lead_of_atom(int i) const { return lead_[i]; }
   bool same_body(int i, int j) const { return rows_[i].id == rows_[j].id; }
   Vec3 spin_of(const Row &body) const { return spin(body, Axes(body.turn)); }
+
+  // The moment about the centre of its body, in its principal axes, of a force of 1 at sphere i; seen from next
+  // door, too.
+  Vec3 moment_about_centre(int i, Vec3 force) const {
+    const Row &own = rows_[i];
+    const BodyShape &of = shape(own);
+    if (of.is_ball()) return {0, 0, 0};
+    const Vec3 arm_m = own.size_m * of.spheres[static_cast<size_t>(own.part)].place;
+    return cross(arm_m, Axes(turn_of_atom(i)).to_own(force));
+  }
+  // Power of such a moment with the turning velocity that its impulse gives the body of sphere i.
+  double turns_per(int i, Vec3 moment) const {
+    const BodyShape &of = shape(rows_[i]);
+    return (moment.x * moment.x / of.inertia[0] + moment.y * moment.y / of.inertia[1] +
+            moment.z * moment.z / of.inertia[2]) /
+           moment_scale(rows_[i], atom->rmass[i]);
+  }
 
   // The ids of spheres follow from those of their bodies, as many for each as the largest shape needs.
   int first_tag(int body_id) const { return (body_id - 1) * most_ + 1; }
@@ -191,6 +209,23 @@ class FixBodies : public LAMMPS_NS::Fix {
   }
   void setup_pre_neighbor() override { pre_neighbor(); }
 
+  // Next door they see of a sphere whose it is and how it is turned.
+  void pre_force(int) override { comm->forward_comm_fix(this); }
+  void setup_pre_force(int flag) override { pre_force(flag); }
+  int pack_comm(int n, int *atoms, double *buffer, int, int *) override {
+    for (int k = 0; k < n; ++k, buffer += kSeen) {
+      std::copy_n(&rows_[atoms[k]].id, kSeen - 4, buffer);
+      std::copy_n(turn_of_atom(atoms[k]), 4, buffer + kSeen - 4);
+    }
+    return kSeen;
+  }
+  void unpack_comm(int n, int first, double *buffer) override {
+    for (int i = first; i < first + n; ++i, buffer += kSeen) {
+      std::copy_n(buffer, kSeen - 4, &rows_[i].id);
+      std::copy_n(buffer + kSeen - 4, 4, rows_[i].turn);
+    }
+  }
+
   // Back to their places, where nobody has gone to another rank.
   void carry_all() {
     for (int b = 0; b < count(); ++b) carry(b);
@@ -234,6 +269,7 @@ class FixBodies : public LAMMPS_NS::Fix {
 
  private:
   static_assert(sizeof(Row) % sizeof(double) == 0, "rows are packed as numbers");
+  static constexpr int kSeen = 8;  // numbers: id, shape, size, part, and four of the turn
 
   // The rotation of a unit quaternion: rows of its matrix.
   struct Axes {
@@ -248,6 +284,7 @@ class FixBodies : public LAMMPS_NS::Fix {
     Vec3 to_own(Vec3 world) const { return world.x * row[0] + world.y * row[1] + world.z * row[2]; }
   };
 
+  const double *turn_of_atom(int i) const { return rows_[i < atom->nlocal ? lead_[i] : i].turn; }
   const BodyShape &shape(const Row &body) const { return shapes_[static_cast<size_t>(body.shape)]; }
   double mass_of(const Row &body, double density_kg_per_m3) const {
     return density_kg_per_m3 * shape(body).volume * (body.size_m * body.size_m * body.size_m);
