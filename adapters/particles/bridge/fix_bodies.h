@@ -32,7 +32,7 @@ struct BodyShape {
 };
 
 // Rigid bodies of one or more spheres, each an atom of LIGGGHTS: their motion in place of its nve/sphere, and
-// gravity in place of its fix, since every sphere has the mass of its whole body, which contacts are damped by.
+// gravity in place of its fix, since every sphere has the mass of its whole body (contacts: shared_contacts.h).
 //
 // Velocity Verlet.  The angular momentum is kept in the world's axes, where nothing but torques changes it.  A
 // free body turns about its principal axes one after the other, z y x y z (A. Dullweber, B. Leimkuhler and
