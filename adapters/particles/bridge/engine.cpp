@@ -91,6 +91,7 @@ Engine::~Engine() {
   FILE *screen = lammps_->screen;
   deepest_between.erase(lammps_);
   rebounds_of.erase(lammps_);
+  bodies_of.erase(lammps_);
   delete lammps_;
   if (screen) std::fclose(screen);
 }
@@ -126,6 +127,7 @@ FixBodies *Engine::bodies() {
 void Engine::set_shapes(std::vector<BodyShape> shapes, double reach_m) {
   FixBodies &bodies = find_fix<FixBodies>(*lammps_, "motion");
   bodies.set_shapes(std::move(shapes), reach_m);
+  bodies_of[lammps_] = &bodies;
   static_cast<PairLists *>(lammps_->neighbor)->know(&bodies);
   surface().know(&bodies);
   exits().know(&bodies);

@@ -142,6 +142,7 @@ void set_shapes(Engine &engine, const Ints &count, const Doubles &spheres, const
     shapes[s].volume = volume.at(s);
     shapes[s].bounding_radius = bounding_radius.at(s);
     std::copy_n(inertia.data(s, 0), 3, shapes[s].inertia);
+    for (int k = 0; k < 3; ++k) shapes[s].per_inertia[k] = 1.0 / shapes[s].inertia[k];
   }
   engine.set_shapes(std::move(shapes), reach_m);
 }
