@@ -37,6 +37,7 @@ DURATION_S = {
     "ffs0827": 0.05,
     "ffs0827-effects": 0.09,
     "iron-ore": 0.116676,  # two outputs
+    "wedged-grains": 0.05,
 }
 COAL = (
     "banana",
