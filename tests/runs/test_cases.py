@@ -38,6 +38,7 @@ DURATION_S = {
     "ffs0827-effects": 0.09,
     "iron-ore": 0.116676,  # two outputs
     "near-mesh": 0.09,
+    "wedged-grains": 0.05,
 }
 COAL = (
     "banana",
