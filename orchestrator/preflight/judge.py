@@ -20,6 +20,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_m
 from orchestrator.case.file.layers import Layers, find_changes
 from orchestrator.case.file.origin import Origin
 from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, read_tables, validate
+from orchestrator.case.materials.fill_in import list_library_rows
 from orchestrator.case.tables.case import Case
 from orchestrator.figures.short_names import SHORT_NAMES, named
 from orchestrator.preflight.checks import TABLE_RULES
@@ -119,7 +120,8 @@ def judge(loaded: LoadedCase) -> JudgedCase:
     left_out = find_left_out(case)
     for name, why in choice.left_out.items():
         left_out[name] = f"{left_out[name]}; {why}" if name in left_out else why
-    physics = (key for key in find_changes(loaded.origin.given, layers.merged) if key[0] not in NO_PHYSICS)
+    before, after = (list_library_rows(tables) for tables in (loaded.origin.given, layers.merged))
+    physics = (key for key in find_changes(before, after) if key[0] not in NO_PHYSICS)
     return JudgedCase(
         name=loaded.name,
         folder=loaded.folder,
@@ -159,9 +161,16 @@ def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
         choice, spare = Choice(), with_dependents(others, "effects does not name it")
     for name in spare:
         if not set(EFFECTS[name].needs) & set(spare):  # a dependent effect goes with the one that it needs
-            layers.lay(EFFECTS[name].overlay(bare), source)
+            _lay(layers, EFFECTS[name].overlay(bare), source)
     left_out = {name: why for name, why in spare.items() if has_effect(case, name)}
     return replace(choice, left_out=left_out, described=case)
+
+
+def _lay(layers: Layers, overlay: Mapping[str, Any], source: str) -> None:
+    """Lay an overlay of the completed case over the layers, which may leave its rows to the library."""
+    if overlay.keys() & {"materials", "contacts"}:
+        layers.merged = list_library_rows(layers.merged)
+    layers.lay(overlay, source)
 
 
 def _choose_by_verdicts(

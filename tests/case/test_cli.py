@@ -116,6 +116,11 @@ ACCEPTED = {
     ),
     "motor-start": (ROLLING,),
     "near-mesh": (MARGINS, ROLLING, SMALL),
+    "wedged-grains": (
+        "the openings of panel mat are smaller than all particles",
+        "no wall ",
+        "no back wall ",
+    ),
     "quickstart": (ROLLING,),
     "ffs0827-effects": ("coal: ", MARGINS, ROLLING, SMALL, "slice.width_m = 0.03 m is "),
     "ffs0827-flowing": FLOWING,

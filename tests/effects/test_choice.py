@@ -214,6 +214,38 @@ def test_the_resolved_case_is_the_same_without_the_key(tmp_path: Path, effects: 
     assert again.case == judged.case.model_copy(update={"default_level": ""})
 
 
+MATERIALS = """
+[materials.PU]
+like = "polyurethane 85 Shore A"
+[materials.coal]
+like = "coal"
+shape = "flaky"
+[[contacts]]
+between = ["coal", "PU"]
+sliding_friction = 0.2
+"""
+"""The library has the loss of the panels and the contact of coal with itself."""
+
+
+@pytest.mark.parametrize("by_name", [False, True])
+@pytest.mark.parametrize("name", ["sliding-friction", "panel-damping"])
+def test_what_the_library_gives_is_left_out_alone(tmp_path: Path, name: str, by_name: bool) -> None:
+    """Materials and contacts are the library's, some with a number of their own or under another name."""
+    head, _, rest = CASE.partition("[materials.PU]")
+    text = head + ("" if by_name else MATERIALS) + rest[rest.index("[screen.frames.driving]") :]
+    if by_name:
+        text = text.replace('"PU"', '"polyurethane 85 Shore A"').replace('"coal"', '"moist limestone"')
+    before = load_case(tmp_path, text)
+    judged = load_case(tmp_path, text, [f"effects={sorted(has(before) - {name})}"])
+    assert find_problems(judged) == []
+    assert has(judged) == has(before) - {name}
+    nothing = {"sliding-friction": {"sliding_friction": 0.0}}.get(name, {})
+    assert judged.case.contacts == tuple(row.model_copy(update=nothing) for row in before.case.contacts)
+    tables = {key.partition(".")[0] for key in judged.changed} - {"screen"}
+    assert tables == {"contacts" if nothing else "materials"}
+    assert find_problems(load_case(tmp_path, text, ["effects=[]"])) == []
+
+
 def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
     folder = case_folder(tmp_path, CASE, fine='effects = ["panel-deformation"]\n')
     assert load_judged(folder, "fine").case.frames.solver == "prescribed"

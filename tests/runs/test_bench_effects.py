@@ -18,7 +18,7 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from tests.runs.outside import ROOT
 from tools.bench.coupling import median_ratio
-from tools.bench.effects import Timed, TimedCase, bench, ratio, sets, undescribing
+from tools.bench.effects import Timed, TimedCase, bench, ratio, sets, that_can_go, undescribing
 from tools.bench.loaded import loaded_by
 
 BALL = ROOT / "cases/ball-on-panel"
@@ -74,7 +74,8 @@ def test_what_is_loaded_is_what_the_case_calls_for() -> None:
 def test_the_table_has_a_row_for_each_effect_that_can_be_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The clock ticks whenever it is read: a virtual computer's may tick every 50 ms."""
     monkeypatch.setattr(time, "perf_counter", itertools.count().__next__)
-    table = bench(TimedCase(Path(ROOT / "cases/bushing-hysteresis"), "draft", ()), 40)
+    timed = TimedCase(Path(ROOT / "cases/bushing-hysteresis"), "draft", ())
+    table = bench(timed, 40, that_can_go(timed))
     rows = list(table.columns[0].cells)
     assert rows[0] == "the case"
     assert rows[1:] == ["without run-up"]

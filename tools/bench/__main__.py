@@ -1,7 +1,7 @@
 """The command that times a case part by part.
 
-python -m tools.bench CASE             compares it with LIGGGHTS alone, the same bed on rigid walls
-python -m tools.bench CASE --effects   times it without each effect that can be left out, part by part
+python -m tools.bench CASE                    compares it with LIGGGHTS alone, the same bed on rigid walls
+python -m tools.bench CASE --effects [NAME]   times it without each effect that can be left out, part by part
 """
 
 from __future__ import annotations
@@ -26,13 +26,18 @@ def main() -> None:
     parser.add_argument(
         "--settling", type=int, default=coupling.BLOCK, help="sync intervals before them, untimed"
     )
-    parser.add_argument("--effects", action="store_true", help="time the case without each of its effects")
+    parser.add_argument(
+        "--effects", nargs="*", metavar="NAME", help="time the case without each of its effects, or of these"
+    )
     parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE")
     args = parser.parse_args()
     console = Console(markup=False, width=180)
-    if args.effects:
+    if args.effects is not None:
         timed = effects.TimedCase(args.case, args.level, tuple(args.overrides))
-        console.print(effects.bench(timed, args.intervals))
+        wanted = args.effects or effects.that_can_go(timed)
+        if unknown := {*wanted} - {*effects.that_can_go(timed)}:
+            parser.error(f"the case has no effects {', '.join(sorted(unknown))} that can be left out")
+        console.print(effects.bench(timed, args.intervals, wanted))
     else:
         loaded = load_judged(args.case, args.level, args.overrides)
         if not has_particles(loaded.case):

@@ -8,7 +8,7 @@ case with data that do not describe the effect.  Their ratios are ratios of CPU 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,13 @@ class TimedCase:
         return loaded_by(self.case, self.level or "", [*self.overrides, *more])
 
 
-def bench(timed: TimedCase, intervals: int) -> Table:
+def that_can_go(timed: TimedCase) -> list[str]:
+    """Return the names of the case's effects that can be left out."""
+    case = timed.load().case
+    return [name for name in EFFECTS if has_effect(case, name) and can_leave_out(case, name)]
+
+
+def bench(timed: TimedCase, intervals: int, effects: Collection[str]) -> Table:
     """Time ``intervals`` sync intervals of each machine, and return the table.
 
     Raises SolverMissing and SolverFailed.
@@ -60,7 +66,7 @@ def bench(timed: TimedCase, intervals: int) -> Table:
     table.add_column("not loaded")
     whole, everything = _time([timed.load()], intervals)[0], timed.loads()
     table.add_row("the case", *whole.row(), "", "", "")
-    for name in (one for one in here if can_leave_out(case, one)):
+    for name in effects:
         others = [one for one in here if one not in with_dependents([name], "")]
         named = f"effects={others}"
         undescribed = list(sets(undescribing(case, name)))

@@ -34,11 +34,35 @@ def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     slugs everywhere.  Contacts that give no rolling friction have that of the shape of their grains.  Raises
     CaseError for materials that are ``like`` one that the library does not have.
     """
-    given: Mapping[str, Any] = table.get("materials", {})
-    if not isinstance(given, Mapping) or not isinstance(table.get("contacts", []), list):
+    if not _is_regular(table):
         return dict(table)
-    if problems := [*_unknown_models(given)]:
+    if problems := [*_unknown_models(table.get("materials", {}))]:
         raise CaseError(problems)
+    case, known = _listed(table)
+    materials = case["materials"] | {
+        name: _completed(library, case["materials"][name]) for name, library in known.items()
+    }
+    contacts = [_with_rolling_friction(_filled_contact(row, known), materials) for row in case["contacts"]]
+    return {**case, "materials": materials} | ({"contacts": contacts} if contacts else {})
+
+
+def list_library_rows(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a case's table with the rows that ``fill_in_materials`` adds to it, without their numbers.
+
+    Materials have the names and contacts the order that they have in the completed case, so that overlays can
+    address them; what the user gave stays as it is.
+    """
+    return _listed(table)[0] if _is_regular(table) else dict(table)
+
+
+def _is_regular(table: Mapping[str, Any]) -> bool:
+    """Return whether materials and contacts are of the kinds of which they can be completed."""
+    return isinstance(table.get("materials", {}), Mapping) and isinstance(table.get("contacts", []), list)
+
+
+def _listed(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NamedMaterial]]:
+    """Return the table of ``list_library_rows``, and the library's material of each one to be completed."""
+    given: Mapping[str, Any] = table.get("materials", {})
     names = dict.fromkeys([*given, *(name for _, name in _references(table, ""))])
     renamed = {name: slug(name) for name in names if look_up(name) is not None}
     case = _with_names(table, renamed)
@@ -47,16 +71,15 @@ def fill_in_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     known: dict[str, NamedMaterial] = {}
     for name in dict.fromkeys([*materials, *renamed.values()]):
         row = materials.get(name, {})
-        if isinstance(row, Mapping) and (library := look_up(str(row.get("like", original.get(name, name))))):
-            own = {key: value for key, value in row.items() if key != "like"}
-            filled = _filled(library.keys(), own)
-            # A table that lacks nothing but the shape is a material of the user's own.
-            if {**filled, "shape": None} != {**row, "shape": None}:
-                materials[name], known[name] = filled, library
-    contacts = [_filled_contact(row, known) for row in case.get("contacts", [])]
-    contacts += _missing_contacts(case, contacts, known)
-    contacts = [_with_rolling_friction(row, materials) for row in contacts]
-    return {**case, "materials": materials} | ({"contacts": contacts} if contacts else {})
+        if not isinstance(row, Mapping):
+            continue
+        library = look_up(str(row.get("like", original.get(name, name))))
+        # A table that lacks nothing but the shape is a material of the user's own.
+        if library and {**_completed(library, row), "shape": None} != {**row, "shape": None}:
+            materials[name], known[name] = row, library
+    contacts = [*case.get("contacts", [])]
+    contacts += [{"between": pair} for pair in _missing_pairs(case, contacts, known)]
+    return {**case, "materials": materials, "contacts": contacts}, known
 
 
 def _unknown_models(given: Mapping[str, Any]) -> Iterator[CaseProblem]:
@@ -95,6 +118,11 @@ def _with_names(value: Any, renamed: Mapping[str, str]) -> Any:
     if isinstance(value, list | tuple):
         return [_with_names(inner, renamed) for inner in value]
     return value
+
+
+def _completed(library: NamedMaterial, row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the table of a material with the library's values for all keys that it lacks."""
+    return _filled(library.keys(), {key: value for key, value in row.items() if key != "like"})
 
 
 def _filled(library: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
@@ -138,10 +166,10 @@ def _with_rolling_friction(row: Any, materials: Mapping[str, Any]) -> Any:
     return row if friction is None else {**row, ROLLING: friction}
 
 
-def _missing_contacts(
+def _missing_pairs(
     case: Mapping[str, Any], contacts: list[Any], known: Mapping[str, NamedMaterial]
-) -> list[dict[str, Any]]:
-    """Return the contacts of all pairs of the library's materials that can meet and are not given."""
+) -> list[list[str]]:
+    """Return all pairs of the library's materials that can meet and that no contact is given of."""
     references = list(_references(case, ""))
     in_bed = {name for table, name in references if table == "bed"}
     # Particles of a run or table that the case takes over may be of any grains in its ``materials``.
@@ -150,7 +178,7 @@ def _missing_contacts(
     given = [row.get("between") for row in contacts if isinstance(row, Mapping)]
     there = {frozenset(map(str, between)) for between in given if isinstance(between, list)}
     return [
-        {"between": [one, other], **keys}
+        [one, other]
         for one, other in [*combinations_with_replacement(grains, 2), *product(grains, surfaces)]
-        if frozenset((one, other)) not in there and (keys := contact_keys(known[one], known[other]))
+        if frozenset((one, other)) not in there and contact_keys(known[one], known[other])
     ]

@@ -7,21 +7,14 @@ from __future__ import annotations
 
 import math
 
-from orchestrator.case.tables.case import Case
-from orchestrator.preflight.scene.effect import (
-    MARGIN,
-    TENTH,
-    Effect,
-    Overlay,
-    Verdict,
-    compare,
-    overlay_of_rows,
-)
+from orchestrator.case.tables.case import Case, Hyperelastic
+from orchestrator.preflight.scene.effect import MARGIN, TENTH, Effect, Overlay, Verdict, compare
 from orchestrator.preflight.scene.moved_panel import loss_factor
 from orchestrator.preflight.scene.scene import Scene
 
 NUMBER = "energy lost / stored, per cycle", "0.1 (loss factor 0.016)"
 COST = "hardly anything if nothing varies across, else an eighth to a quarter of the panels' time"
+LOSSES = "maxwell", "loss_curve"
 HARMONICS = 20  # multiples of the excitation's frequency that count, up to some hundred Hz
 
 
@@ -65,20 +58,27 @@ def _lost_at_harmonics(scene: Scene) -> float:
 
 
 def overlay(case: Case) -> Overlay:
-    """Return the overlay that takes the loss out of all panel materials."""
-    without = {"hyperelastic": {"maxwell": None, "loss_curve": None}}
-    return overlay_of_rows("materials", _damped_materials(case), without)
+    """Return the overlay that takes the loss out of all panel materials.
 
-
-def _damped_materials(case: Case) -> list[str]:
+    Its lists are empty and not gone, since the library completes what a material does not give.
+    """
     laws = {name: material.hyperelastic for name, material in case.materials.items()}
-    return [name for name, law in laws.items() if law and (law.maxwell or law.loss_curve)]
+    rows: Overlay = {
+        name: {"hyperelastic": {key: [] for key in LOSSES if getattr(law, key)}}
+        for name, law in laws.items()
+        if _is_damped(law)
+    }
+    return {"materials": rows} if rows else {}
+
+
+def _is_damped(law: Hyperelastic | None) -> bool:
+    return law is not None and any(getattr(law, key) for key in LOSSES)
 
 
 EFFECT = Effect(
     part="panels",
     judge=judge,
-    described=lambda case: bool(_damped_materials(case)),
+    described=lambda case: any(_is_damped(row.hyperelastic) for row in case.materials.values()),
     overlay=overlay,
     needs=("panel-deformation",),
     key="materials.<name>.hyperelastic.maxwell",
