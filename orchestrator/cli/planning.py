@@ -28,7 +28,7 @@ from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.cost import bed_cost, in_words, likely_transport_m_per_s, particles_at_start
 from orchestrator.preflight.judge import load_judged
 from orchestrator.run.trials.scratch import NoResult, run_in_scratch
-from orchestrator.studies.accuracy.combinations import part_s
+from orchestrator.studies.accuracy.combinations import START, part_s
 from orchestrator.studies.accuracy.stored import Candidate, StoredStudy
 
 
@@ -49,7 +49,6 @@ def filling(case: Case, study_s: float) -> Callable[[float], float]:
     return lambda duration_s: mean(duration_s) / of_study if of_study else 1.0
 
 
-START = ("start", "rest")
 PART = 8  # the number of parts of a run without a study, of which one is made to measure its speed
 
 

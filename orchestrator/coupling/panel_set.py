@@ -115,8 +115,7 @@ class PanelSet:
     def exchange(self, own: Mapping[int, Any]) -> list[Any]:
         """Return the values of all panels, in order, from the ranks that own the panels."""
         parts = self._communicator.allgather(own) if self._communicator else [own]
-        everybody = {i: value for part in parts for i, value in part.items()}
-        return [everybody[i] for i in sorted(everybody)]
+        return [value for part in parts for value in part.values()]  # ranks have consecutive panels
 
     def _exchange_states(self, own: Sequence[PanelState]) -> PanelState:
         """Return the state of all panels from those of this rank's groups.

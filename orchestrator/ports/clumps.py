@@ -53,6 +53,50 @@ def clump(name: str, about: str, spheres: Sequence[Sequence[float]]) -> Shape:
     return Shape(name, about, tuple(own), float(_rounded(volume / size**3)), (across, between, along))
 
 
+def divided(shape: Shape, parts: int) -> Shape:
+    """Return a shape with finer dents, whose spheres are those of ``divided_spheres``.
+
+    Outline and sieve size are the same; the depth of dents goes with the square of their length.
+    """
+    if parts == 1 or len(shape.spheres) == 1:
+        return shape
+    return clump(shape.name, shape.about, divided_spheres(shape.spheres, parts))
+
+
+def divided_spheres(
+    spheres: Sequence[tuple[float, float, float, float]], parts: int
+) -> list[tuple[float, ...]]:
+    """Return the spheres (x, y, z, r) of a shape, with the way between each two that overlap or touch divided
+    into ``parts`` by others, and triangles of such spheres filled as finely.
+
+    Each sphere that is put in lies in the hull of two or three others: place and radius are in proportion.
+    """
+    own = np.array(spheres)
+    apart = np.linalg.norm(own[:, None, :3] - own[None, :, :3], axis=2)
+    meets = apart <= np.add.outer(own[:, 3], own[:, 3]) * (1.0 + TOUCHING)
+    every = [*own]
+    for count in (2, 3):
+        shares = [share for share in _compositions(parts, count) if min(share) > 0]
+        for corners in combinations(range(len(own)), count):
+            if all(meets[pair] for pair in combinations(corners, 2)):
+                every += [np.array(share) / parts @ own[list(corners)] for share in shares]
+    single = np.array([row for k, row in enumerate(every) if not _is_among(row, every[:k])])
+    return [tuple(row) for row in single[_not_within_another(single)].tolist()]
+
+
+def _is_among(sphere: Array, others: Sequence[Array]) -> bool:
+    return bool(others) and bool((np.abs(np.array(others) - sphere).max(axis=1) <= TOUCHING).any())
+
+
+def _compositions(total: int, count: int) -> Iterator[tuple[int, ...]]:
+    """Yield all ways to write a whole number as a sum of so many."""
+    if count == 1:
+        yield (total,)
+        return
+    for first in range(total + 1):
+        yield from ((first, *rest) for rest in _compositions(total - first, count - 1))
+
+
 def moments(spheres: Array) -> tuple[float, Array, Array]:
     """Return the volume of a union of spheres (n, 4), its centre (3,) and the integral (3, 3) of x x^T about
     that centre.

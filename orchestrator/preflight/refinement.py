@@ -13,12 +13,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from orchestrator.case import solvers
-from orchestrator.case.bed.grains import largest_length_m
+from orchestrator.case.bed.grains import largest_length_m, shapes
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.file.slice import between_openings_m, full_width_m
 from orchestrator.case.solver_plans import particle_step_s
+from orchestrator.case.tables.bed import MOST_SPHERES
 from orchestrator.case.tables.case import Case, damped_contacts, has_particles
 from orchestrator.ports.clock import exact, steps_in
+from orchestrator.ports.clumps import divided_spheres
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.checks.bed import FEWEST_DIAMETERS
 from orchestrator.preflight.cost import TRIES
@@ -32,6 +34,7 @@ WITHOUT_PARTICLES = ("particles-first", "serial-staggered")
 USUAL_CELLS = (22, 8)  # a sheet's default cells
 USUAL_SHARE = 0.8  # the part of the largest step that solvers choose by themselves: 0.8 or a little more
 FINEST_STEPS = 3  # the case's own step, its half and its quarter
+FINEST_PARTS = 3  # of the way between two spheres: the finest flake has 37
 SOFTER = 10**0.5  # ratio of neighbouring moduli
 COARSER = 1.5
 HERTZ = 0.4  # duration of a Hertzian impact ~ (Young's modulus) ** -0.4
@@ -403,6 +406,25 @@ def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
     yield RefinementSeries("cut-off", "", _settings(sizes_m, "{:.3g} m", overlays), "finest size fed / m")
 
 
+def _shape(case: Case, points: int) -> Iterable[RefinementSeries]:
+    """Yield the series from grains that are spheres by the shapes' own spheres to finer ones.  Raises
+    NotOffered."""
+    if case.bed.shape_divisions > 1:
+        raise NotOffered("the grains of this case are divided already (bed.shape_divisions)")
+    if all(len(each.spheres) == 1 for each in shapes(case)):
+        raise NotOffered("all grains are single spheres")
+    bed = case.bed
+    rows = [f"{kind}.{name}" for kind in ("particles", "blocks", "feeds") for name in getattr(bed, kind)]
+    settings = [Setting("1 sphere", tuple(f"bed.{row}.shape=sphere" for row in rows))]
+    for parts in range(1, min(points, FINEST_PARTS + 1)):
+        most = max(len(divided_spheres(each.spheres, parts)) for each in shapes(case))
+        if most > MOST_SPHERES:
+            break
+        key = f"bed.shape_divisions={parts}"
+        settings.append(Setting(f"{most} spheres", (key,) if parts > 1 else ()))
+    yield RefinementSeries("shape", "", tuple(settings))
+
+
 def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
     """Yield the series of slices that a check allows, up to the whole width.  Raises NotOffered."""
     try:
@@ -436,6 +458,7 @@ NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
         lambda case: not case.bed.particles and not case.bed.is_carried,
         "single particles stand for themselves, and so do those of a run or a table",
     ),
+    "uncarried": (lambda case: not case.bed.is_carried, "particles of a run or a table have their shapes"),
 }
 """The conditions that parameters need, by name, and the message where a case does not meet the condition."""
 PARAMETERS = {
@@ -451,4 +474,5 @@ PARAMETERS = {
     "slice": Parameter("slice of the width", _width, ("particles", "many")),
     "number": Parameter("number of particles", _number, ("particles", "many")),
     "cut-off": Parameter("finest size fed", _cut_off, ("particles",)),
+    "shape": Parameter("spheres in a grain", _shape, ("particles", "uncarried")),
 }

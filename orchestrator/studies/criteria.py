@@ -113,7 +113,7 @@ class Criterion(Question):
             return (self.reference - self.error, self.reference + self.error)
         if self.ratio is not None and self.reference is not None:
             low, high = (None if each is None else each * self.reference for each in self.ratio)
-            return (low, high)
+            return (low, high) if self.reference > 0 else (high, low)
         return self.band
 
     @property

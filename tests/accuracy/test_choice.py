@@ -25,15 +25,8 @@ from orchestrator.studies.accuracy.combinations import (
     scatter,
 )
 from orchestrator.studies.accuracy.convergence import MeasuredSeries, cost_ratio
-from orchestrator.studies.accuracy.report import (
-    advice,
-    as_json,
-    cost_table,
-    draw_convergence,
-    draw_models,
-    entries,
-    warnings,
-)
+from orchestrator.studies.accuracy.pictures import draw_convergence, draw_models
+from orchestrator.studies.accuracy.report import advice, as_json, cost_table, entries, warnings
 from orchestrator.studies.accuracy.stored import StoredStudy
 from orchestrator.studies.accuracy.study import AccuracyStudy, ComparedSetting, best_measured, proposals
 from orchestrator.studies.points import CaseStudy, Point
@@ -61,6 +54,7 @@ def point(
     """A point with a run for each seed, which took so many seconds for each part of the program."""
     time_s = sum(parts_s.values())
     summary = {
+        "simulated_s": 1.0,
         "processor_before_s": 0.0,
         "processor_s": time_s,
         "wall_s": time_s,

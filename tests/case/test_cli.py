@@ -122,6 +122,7 @@ ACCEPTED = {
         "no back wall ",
     ),
     "quickstart": (ROLLING,),
+    "ffs0827-effects": ("coal: ", MARGINS, ROLLING, SMALL, "slice.width_m = 0.03 m is "),
     "ffs0827-flowing": FLOWING,
     "ffs0827-flowing-twelve-springs": FLOWING,
     "iron-ore": (MARGINS, SMALL, "slice.width_m = 0.048 m is "),

@@ -40,6 +40,17 @@ def test_a_case_lists_the_spheres_of_its_own_shape(tmp_path: Path) -> None:
     assert [shape.name for shape in shapes(case)] == ["pear"]
 
 
+def test_shapes_are_divided(tmp_path: Path) -> None:
+    """A pear gets one sphere between its two; a grain of one sphere stays one, at the same sieve size."""
+    case = loaded(tmp_path, [*OF_PEARS, "bed.shape_divisions=2"]).case
+    (pear,) = shapes(case)
+    assert len(pear.spheres) == 3
+    assert max(row[3] for row in pear.spheres) == pytest.approx(0.5, rel=1e-9)
+    assert problems(tmp_path / "checked", *OF_PEARS, "bed.shape_divisions=2") == []
+    (ball,) = shapes(loaded(tmp_path / "ball", ["bed.shape_divisions=2"]).case)
+    assert len(ball.spheres) == 1
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -54,11 +65,18 @@ def test_a_case_lists_the_spheres_of_its_own_shape(tmp_path: Path) -> None:
         ("bed.shapes.hole.spheres=[[0, 0, 0, -1]]", ["hole.spheres.0.3", "-1", "greater than 0"]),
         ("bed.shapes.rod.spheres=[[0, 0, 0, 1]]", ["bed.shapes.rod", "take another one"]),
         (f"bed.shapes.many.spheres={[[0, 0, k, 1] for k in range(65)]}", ["many.spheres", "more than 64"]),
+        ("bed.shape_divisions=0", ["bed.shape_divisions: 0 is wrong"]),
+        ("bed.shape_divisions=65", ["bed.shape_divisions: 65 is wrong"]),
     ],
 )
 def test_bad_shapes_are_one_message_each(tmp_path: Path, given: str, words: list[str]) -> None:
     complaint = only_complaint(tmp_path, PEAR, given)
     assert all(word in complaint for word in words), complaint
+
+
+def test_a_shape_of_too_many_spheres_is_refused(tmp_path: Path) -> None:
+    given = ('bed.particles.ball.shape="flake"', "bed.shape_divisions=5")
+    assert 'bed.shape_divisions: shape "flake" has 91 spheres then' in only_complaint(tmp_path, *given)
 
 
 def test_a_grain_longer_than_its_inlet_is_refused(tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 
 Law: what the particles give the surface, in their own steps, is the moment of the mean load on the
 panel's mean place, but for  sum over intervals of the integral of (x - mean x) x (f - mean f).
-That is of second order in the sync interval H where forces last, v f' H^2 / 12 of each second.
+Where forces last, that is v f' H^2 / 12 of each second.  A damper with the constant c feels a wall that
+goes on with its speed from the sync point while its frame of mass M slows down, so that its force is off by
+c f H / M at the interval's end: v c f H / (12 M) of each second, of first order.
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ def residual(folder: Path, solver: str, law: str, sync_interval_s: float) -> dic
 def test_spinning_balls_on_free_frames(tmp_path: Path, solver: str, law: str) -> None:
     residuals = residual(tmp_path, solver, law, 1e-4)
     assert residuals["particles"] < 1e-12
-    assert 0.0 < residuals["particles-panel"] < 1e-8
+    assert 0.0 < residuals["particles-panel"] < 1e-7  # 6.7e-8 measured, and half of it at half the interval
     assert residuals["panel-frames"] < 1e-8
 
 

@@ -210,7 +210,7 @@ def test_a_jump_of_the_surface_is_booked_as_work(build: Build) -> None:
     """The path may start where the last one did not end: a loaded surface does work by that."""
     run = build(plan(plate(0.02, 3), particles([0, 0, 0.00499]), restitution=table(0.2)))
     run.advance(100)
-    before, jump_m = run.solver.account(), 1e-7
+    before, jump_m = run.solver.account(), 5e-9  # so small that the contact's force hardly changes
     still = at_rest(run.plan.surface)
     lifted = Motion(still.position_m + jump_m * UP, still.velocity_m_per_s)
     run.solver.advance(Interval(100, 1e-3), HermitePath(lifted, lifted, 1e-3))

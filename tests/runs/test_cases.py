@@ -37,6 +37,7 @@ DURATION_S = {
     "ffs0827": 0.05,
     "ffs0827-effects": 0.09,
     "iron-ore": 0.116676,  # two outputs
+    "near-mesh": 0.09,
     "wedged-grains": 0.05,
 }
 COAL = (
@@ -47,7 +48,7 @@ COAL = (
     "ffs0827-flowing-twelve-springs",
     "ffs0827-slice",
 )
-FED_SOON = dict.fromkeys(COAL, "coal") | {"iron-ore": "iron-ore"}
+FED_SOON = dict.fromkeys((*COAL, "near-mesh"), "coal") | {"iron-ore": "iron-ore"}
 PICTURED = "quickstart"
 WITHOUT_PANELS = ("bushing-hysteresis", "double-deck", "shear-spring")
 Done = tuple[str, Path, subprocess.CompletedProcess[str]]

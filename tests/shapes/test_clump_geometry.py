@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from orchestrator.case import solvers
 from orchestrator.ports import clumps
-from orchestrator.ports.clumps import clump, moments, sieve_size
+from orchestrator.ports.clumps import clump, divided, divided_spheres, moments, sieve_size
 from tests.reference import dumbbell
 
 Array = npt.NDArray[np.float64]
@@ -171,3 +171,28 @@ def test_a_template_is_of_size_one_and_stands_in_its_own_axes(name: str) -> None
 def test_what_makes_no_grain_is_refused(spheres: list[tuple[float, ...]], why: str) -> None:
     with pytest.raises(ValueError, match=why):
         clump("bad", "", spheres)
+
+
+def test_a_divided_rod_comes_to_a_capsule() -> None:
+    """A cylinder of one diameter between two half spheres; what dents leave out goes with their length
+    squared."""
+    rod, capsule = solvers.shape("rod"), math.pi / 4 + math.pi / 6
+    missing = []
+    for parts in (1, 2, 4):
+        finer = divided(rod, parts)
+        assert len(finer.spheres) == 2 * parts + 1
+        assert {row[3] for row in finer.spheres} == {0.5}
+        missing.append(capsule - finer.volume)
+    np.testing.assert_allclose(np.log2(np.divide(missing[:-1], missing[1:])), 2.0, atol=0.1)
+
+
+@pytest.mark.parametrize("name", ["rod", "stone", "flake"])
+def test_a_divided_shape_has_the_same_outline(name: str) -> None:
+    """Its width along any direction, and so its sieve size, is that of the shape's own spheres."""
+    own = np.array(solvers.shape(name).spheres)
+    finer = np.array(divided_spheres(solvers.shape(name).spheres, 3))
+    assert len(finer) > len(own)
+    up = np.random.default_rng(1).normal(size=(1000, 3))
+    up /= np.linalg.norm(up, axis=1)[:, None]
+    reaches = [np.max(up @ each[:, :3].T + each[:, 3], axis=1) for each in (own, finer)]
+    np.testing.assert_allclose(reaches[1], reaches[0], rtol=1e-12)

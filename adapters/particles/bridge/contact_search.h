@@ -167,6 +167,7 @@ class ContactSearch {
       distance.push_back(one.distance_m);
     }
     saved.reals["since_search_m"] = {since_search_};
+    saved.reals["bed_m"] = {bed_.x, bed_.y, bed_.z};
     saved.reals["bed_at_search_m"] = {bed_at_search_.x, bed_at_search_.y, bed_at_search_.z};
   }
 
@@ -182,6 +183,7 @@ class ContactSearch {
     for (size_t k = 0; k < distance.size(); ++k)
       candidates_.push_back({number(candidate[2 * k]), number(candidate[2 * k + 1]), distance[k]});
     since_search_ = saved.real("since_search_m")[0];
+    bed_ = from(saved.real("bed_m").data());
     bed_at_search_ = from(saved.real("bed_at_search_m").data());
     no_grid_ = true;
   }

@@ -91,6 +91,7 @@ Engine::~Engine() {
   FILE *screen = lammps_->screen;
   deepest_between.erase(lammps_);
   rebounds_of.erase(lammps_);
+  bodies_of.erase(lammps_);
   delete lammps_;
   if (screen) std::fclose(screen);
 }
@@ -126,6 +127,7 @@ FixBodies *Engine::bodies() {
 void Engine::set_shapes(std::vector<BodyShape> shapes, double reach_m) {
   FixBodies &bodies = find_fix<FixBodies>(*lammps_, "motion");
   bodies.set_shapes(std::move(shapes), reach_m);
+  bodies_of[lammps_] = &bodies;
   static_cast<PairLists *>(lammps_->neighbor)->know(&bodies);
   surface().know(&bodies);
   exits().know(&bodies);
@@ -313,12 +315,14 @@ void Engine::restore(const SavedState &saved) {
   });
 }
 
-void Engine::run(int steps, double step_s) {
+void Engine::set_step(double step_s) {
+  if (lammps_->update->dt == step_s) return;
+  lammps_->update->dt = step_s;
+  for (int f = 0; f < lammps_->modify->nfix; ++f) lammps_->modify->fix[f]->reset_dt();
+}
+
+void Engine::run(int steps) {
   Update &update = *lammps_->update;
-  if (update.dt != step_s) {
-    update.dt = step_s;
-    for (int f = 0; f < lammps_->modify->nfix; ++f) lammps_->modify->fix[f]->reset_dt();
-  }
   update.whichflag = 1;
   update.nsteps = steps;
   update.firststep = update.beginstep = update.ntimestep;

@@ -57,7 +57,8 @@ class Engine {
   // Takes out who is in an exit, sorts particles, rebuilds neighbour lists and evaluates all forces: after
   // create.
   void prepare();
-  void run(int steps, double step_s);
+  void set_step(double step_s);
+  void run(int steps);
 
   // Where the box is cut into the ranks' parts: along x, y and z the fractions of its side, from 0 to
   // 1, at which parts begin and end.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -24,14 +25,14 @@ struct BodyShape {
   };
   std::vector<Sphere> spheres;
   double volume, bounding_radius;
-  double inertia[3];
+  double inertia[3], per_inertia[3];
 
   bool is_ball() const { return spheres.size() == 1; }
   double equivalent_diameter() const { return std::cbrt(6.0 * volume / M_PI); }
 };
 
 // Rigid bodies of one or more spheres, each an atom of LIGGGHTS: their motion in place of its nve/sphere, and
-// gravity in place of its fix, since every sphere has the mass of its whole body, which contacts are damped by.
+// gravity in place of its fix, since every sphere has the mass of its whole body (contacts: shared_contacts.h).
 //
 // Velocity Verlet.  The angular momentum is kept in the world's axes, where nothing but torques changes it.  A
 // free body turns about its principal axes one after the other, z y x y z (A. Dullweber, B. Leimkuhler and
@@ -58,6 +59,7 @@ class FixBodies : public LAMMPS_NS::Fix {
   FixBodies(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg)
       : Fix(lmp, narg, arg), gravity_{std::atof(arg[3]), std::atof(arg[4]), std::atof(arg[5])} {
     time_integrate = 1;
+    comm_forward = kSeen;
     atom->add_callback(0);
     comm->maxexchange_fix += kRow;
     grow_arrays(atom->nmax);
@@ -75,7 +77,7 @@ class FixBodies : public LAMMPS_NS::Fix {
 
   int setmask() override {
     using namespace LAMMPS_NS::FixConst;
-    return INITIAL_INTEGRATE | FINAL_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR;
+    return INITIAL_INTEGRATE | FINAL_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE;
   }
   double extend_cut_ghost() override { return 2.0 * reach_; }
 
@@ -109,6 +111,23 @@ class FixBodies : public LAMMPS_NS::Fix {
   bool same_body(int i, int j) const { return rows_[i].id == rows_[j].id; }
   Vec3 spin_of(const Row &body) const { return spin(body, Axes(body.turn)); }
 
+  // The moment about the centre of its body, in its principal axes, of a force of 1 at sphere i; seen from next
+  // door, too.
+  Vec3 moment_about_centre(int i, Vec3 force) const {
+    const Row &own = rows_[i];
+    const BodyShape &of = shape(own);
+    if (of.is_ball()) return {0, 0, 0};
+    const Vec3 arm_m = own.size_m * of.spheres[static_cast<size_t>(own.part)].place;
+    return cross(arm_m, Axes(turn_of_atom(i)).to_own(force));
+  }
+  // Power of such a moment with the turning velocity that its impulse gives the body of sphere i.
+  double turns_per(int i, Vec3 moment) const {
+    const BodyShape &of = shape(rows_[i]);
+    return (of.per_inertia[0] * moment.x * moment.x + of.per_inertia[1] * moment.y * moment.y +
+            of.per_inertia[2] * moment.z * moment.z) *
+           per_moment_scale(rows_[i], atom->rmass[i]);
+  }
+
   // The ids of spheres follow from those of their bodies, as many for each as the largest shape needs.
   int first_tag(int body_id) const { return (body_id - 1) * most_ + 1; }
   int body_of_tag(int tag) const { return (tag - 1) / most_ + 1; }
@@ -136,12 +155,14 @@ class FixBodies : public LAMMPS_NS::Fix {
   // The forces and torques on the spheres, and gravity, on the bodies.
   void gather() {
     for (int b = 0; b < count(); ++b) {
-      Vec3 torque = {0, 0, 0};
+      Vec3 force = mass_kg(b) * gravity_, torque = {0, 0, 0};
       for (int m = first_[b]; m < first_[b + 1]; ++m) {
         const int i = member_[m];
-        torque = torque + from(atom->torque[i]) + cross(arm_[m], from(atom->f[i]));
+        const Vec3 on_sphere = from(atom->f[i]);
+        force = force + on_sphere;
+        torque = torque + from(atom->torque[i]) + cross(arm_[m], on_sphere);
       }
-      force_[b] = force_now_N(b);
+      force_[b] = force;
       torque_[b] = torque;
     }
   }
@@ -155,19 +176,21 @@ class FixBodies : public LAMMPS_NS::Fix {
       body.velocity = body.velocity + (half / mass_kg(b)) * force_[b];
       body.momentum = body.momentum + half * torque_[b];
       body.place = body.place + step * body.velocity;
-      turn(body, step);
-      carry(b);
     }
+    turn_all(step);
+    for (int b = 0; b < count(); ++b) carry(b);
   }
 
+  // Who looks at spheres between two steps of a run looks at their velocities in the middle of the step.
   void final_integrate() override {
     gather();
     const double half = 0.5 * update->dt;
+    const bool last = update->ntimestep == update->laststep;
     for (int b = 0; b < count(); ++b) {
       Row &body = rows_[lead(b)];
       body.velocity = body.velocity + (half / mass_kg(b)) * force_[b];
       body.momentum = body.momentum + half * torque_[b];
-      move(b, spin_of(body));
+      if (last) move(b, spin_of(body));
     }
   }
 
@@ -190,6 +213,23 @@ class FixBodies : public LAMMPS_NS::Fix {
     comm->forward_comm();
   }
   void setup_pre_neighbor() override { pre_neighbor(); }
+
+  // Next door they see of a sphere whose it is and how it is turned.
+  void pre_force(int) override { comm->forward_comm_fix(this); }
+  void setup_pre_force(int flag) override { pre_force(flag); }
+  int pack_comm(int n, int *atoms, double *buffer, int, int *) override {
+    for (int k = 0; k < n; ++k, buffer += kSeen) {
+      std::copy_n(&rows_[atoms[k]].id, kSeen - 4, buffer);
+      std::copy_n(turn_of_atom(atoms[k]), 4, buffer + kSeen - 4);
+    }
+    return kSeen;
+  }
+  void unpack_comm(int n, int first, double *buffer) override {
+    for (int i = first; i < first + n; ++i, buffer += kSeen) {
+      std::copy_n(buffer, kSeen - 4, &rows_[i].id);
+      std::copy_n(buffer + kSeen - 4, 4, rows_[i].turn);
+    }
+  }
 
   // Back to their places, where nobody has gone to another rank.
   void carry_all() {
@@ -234,6 +274,7 @@ class FixBodies : public LAMMPS_NS::Fix {
 
  private:
   static_assert(sizeof(Row) % sizeof(double) == 0, "rows are packed as numbers");
+  static constexpr int kSeen = 8;  // numbers: id, shape, size, part, and four of the turn
 
   // The rotation of a unit quaternion: rows of its matrix.
   struct Axes {
@@ -248,41 +289,89 @@ class FixBodies : public LAMMPS_NS::Fix {
     Vec3 to_own(Vec3 world) const { return world.x * row[0] + world.y * row[1] + world.z * row[2]; }
   };
 
+  const double *turn_of_atom(int i) const { return rows_[i < atom->nlocal ? lead_[i] : i].turn; }
   const BodyShape &shape(const Row &body) const { return shapes_[static_cast<size_t>(body.shape)]; }
   double mass_of(const Row &body, double density_kg_per_m3) const {
     return density_kg_per_m3 * shape(body).volume * (body.size_m * body.size_m * body.size_m);
   }
 
-  // Mass over volume times size^5: what the moments at a density of 1 are multiplied by.
-  double moment_scale(const Row &body, double mass_kg) const {
-    return mass_kg / shape(body).volume * (body.size_m * body.size_m);
+  // By what the inverse moments at a density and a size of 1 are multiplied.
+  double per_moment_scale(const Row &body, double mass_kg) const {
+    return shape(body).volume / (mass_kg * (body.size_m * body.size_m));
   }
 
   Vec3 spin(const Row &body, const Axes &axes) const {
     const int i = static_cast<int>(&body - rows_.data());
-    const double scale = moment_scale(body, atom->rmass[i]);
+    const double per_scale = per_moment_scale(body, atom->rmass[i]);
     const BodyShape &of = shape(body);
-    const Vec3 own = axes.to_own(body.momentum);
-    return axes.to_world(
-        {own.x / (scale * of.inertia[0]), own.y / (scale * of.inertia[1]), own.z / (scale * of.inertia[2])});
+    const Vec3 own = per_scale * axes.to_own(body.momentum);
+    return axes.to_world({of.per_inertia[0] * own.x, of.per_inertia[1] * own.y, of.per_inertia[2] * own.z});
   }
 
-  // Torque-free turning over a step.
-  void turn(Row &body, double step) const {
-    const BodyShape &of = shape(body);
-    if (of.is_ball()) return;
+  // Torque-free turning over a step.  It is a chain of operations that wait for each other, so that four bodies
+  // take hardly longer than one: they go together where they turn little, to the same bits.
+  using Lanes = double __attribute__((vector_size(32)));
+  static constexpr int kLanes = sizeof(Lanes) / sizeof(double);
+
+  void turn_all(double step) {
+    for (int b = 0; b < count(); b += kLanes) {
+      const int some = std::min(kLanes, count() - b);
+      Lanes own[3], q[4], per[3];
+      bool little = true;
+      for (int n = 0; n < kLanes; ++n) {
+        const Turning one = turning(rows_[lead(b + std::min(n, some - 1))], step);
+        for (int k = 0; k < 3; ++k) own[k][n] = one.own[k];
+        for (int k = 0; k < 3; ++k) per[k][n] = one.per[k];
+        for (int k = 0; k < 4; ++k) q[k][n] = one.q[k];
+        little = little && one.is_little();
+      }
+      if (little) turn(own, q, per);
+      for (int n = 0; n < some; ++n) {
+        Row &body = rows_[lead(b + n)];
+        if (shape(body).is_ball()) continue;
+        if (!little) turn_alone(body, step);
+        for (int k = 0; k < 4 && little; ++k) body.turn[k] = q[k][n];
+      }
+    }
+  }
+
+  struct Turning {
+    double own[3], q[4], per[3];  // angular momentum in its own axes; half a step over the moments
+
+    // A bound for the squared tangents of half angles: the last moment is the least.
+    bool is_little() const {
+      return per[2] * per[2] * (own[0] * own[0] + own[1] * own[1] + own[2] * own[2]) < kLittle / 4.0;
+    }
+  };
+
+  Turning turning(const Row &body, double step) const {
     const int i = static_cast<int>(&body - rows_.data());
-    const double per = 0.5 * step / moment_scale(body, atom->rmass[i]);
-    const Vec3 start = Axes(body.turn).to_own(body.momentum);
-    double own[3] = {start.x, start.y, start.z}, *q = body.turn;
+    const BodyShape &of = shape(body);
+    const double per = 0.5 * step * per_moment_scale(body, atom->rmass[i]);
+    const Vec3 own = Axes(body.turn).to_own(body.momentum);
+    return {{own.x, own.y, own.z},
+            {body.turn[0], body.turn[1], body.turn[2], body.turn[3]},
+            {per * of.per_inertia[0], per * of.per_inertia[1], per * of.per_inertia[2]}};
+  }
+
+  void turn_alone(Row &body, double step) const {
+    Turning one = turning(body, step);
+    turn(one.own, one.q, one.per);
+    std::copy_n(one.q, 4, body.turn);
+  }
+
+  template <class Number>
+  static void turn(Number *own, Number *q, const Number *per) {
     const auto about = [&](int k, double share) {  // axis k; the others follow in a circle
       const int l = (k + 1) % 3, m = (k + 2) % 3;
-      const double h = share * per / of.inertia[k] * own[k];  // tangent of half the angle
-      const double unit = 1.0 / (1.0 + h * h), cosine = (1.0 - h * h) * unit, sine = 2.0 * h * unit;
-      const double a = own[l], b = own[m];
+      const Number h = share * per[k] * own[k];  // tangent of half the angle
+      Number unit = h * h;
+      invert_1_and(unit);
+      const Number cosine = (1.0 - h * h) * unit, sine = 2.0 * h * unit;
+      const Number a = own[l], b = own[m];
       own[l] = cosine * a + sine * b;
       own[m] = cosine * b - sine * a;
-      const double w = q[0], x = q[1 + k], y = q[1 + l], z = q[1 + m];
+      const Number w = q[0], x = q[1 + k], y = q[1 + l], z = q[1 + m];
       q[0] = w - h * x;
       q[1 + k] = x + h * w;
       q[1 + l] = y + h * z;
@@ -293,9 +382,31 @@ class FixBodies : public LAMMPS_NS::Fix {
     about(0, 1.0);
     about(1, 0.5);
     about(2, 0.5);
-    const double size = 1.0 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int k = 0; k < 4; ++k) q[k] *= size;
+    Number size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0;
+    invert_root_of_1_and(size);
+    for (int k = 0; k < 4; ++k) q[k] = size * q[k];
   }
+
+  // x to 1 / (1 + x) and 1 / sqrt(1 + x): without divisions and roots, to rounding, where it is little.
+  template <class Number>
+  static void invert_1_and(Number &x) {
+    if constexpr (std::is_same_v<Number, double>)
+      if (!(x < kLittle)) {
+        x = 1.0 / (1.0 + x);
+        return;
+      }
+    x = (1.0 - x) * (1.0 + x * x);
+  }
+  template <class Number>
+  static void invert_root_of_1_and(Number &x) {
+    if constexpr (std::is_same_v<Number, double>)
+      if (!(x < kLittle)) {
+        x = 1.0 / std::sqrt(1.0 + x);
+        return;
+      }
+    x = 1.0 - x * (0.5 - x * (0.375 - x * 0.3125));
+  }
+  static constexpr double kLittle = 1e-5;  // of which not even five make the fourth power more than rounding
 
   // The spheres to where their body is now.
   void carry(int b) {

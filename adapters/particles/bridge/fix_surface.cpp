@@ -248,8 +248,14 @@ void FixSurface::touch_all(Worn &worn) {
   for (size_t k = 0; k < near.size(); ++k) {
     if (k + 2 * kAhead < near.size()) history_.fetch_place(near[k + 2 * kAhead].sphere);
     if (k + kAhead < near.size()) fetch(near[k + kAhead]);
-    touch(near[k], worn);
+    find_touches(near[k]);
+    if (touches_.empty()) continue;
+    if (bodies_)
+      note_body(near[k].sphere);
+    else
+      push_sphere(near[k].sphere, worn);
   }
+  if (bodies_) push_bodies(worn);
 }
 
 // Asks memory for what is soon wanted of a sphere.
@@ -276,8 +282,8 @@ void FixSurface::search() {
   }
 }
 
-template <class Worn>
-void FixSurface::touch(const ContactSearch::Near &near, Worn &worn) {
+// Where a sphere touches, with what its contacts remember.
+void FixSurface::find_touches(const ContactSearch::Near &near) {
   const int i = near.sphere;
   const double radius = atom->radius[i];
   const double nearest2 =
@@ -293,12 +299,67 @@ void FixSurface::touch(const ContactSearch::Near &near, Worn &worn) {
     history_.keep(i, touches_);
   else
     history_.match(i, touches_);
-  if (touches_.empty()) return;
+}
+
+template <class Worn>
+void FixSurface::push_sphere(int i, Worn &worn) {
   const Given before = {i, from(atom->f[i]), from(atom->torque[i])};
   for (size_t k = 0; k < touches_.size(); ++k)
-    push(i, touches_[k], dnum() > 0 ? history_.values(i, static_cast<int>(k)) : nullptr, worn);
+    push(i, touches_[k], atom->rmass[i], values_of(i, static_cast<int>(k)), worn);
   if (last_evaluation_)
     given_.push_back({i, from(atom->f[i]) - before.force_N, from(atom->torque[i]) - before.torque_N_m});
+}
+
+// The touches of a sphere, among those of its body.
+void FixSurface::note_body(int i) {
+  of_body_.resize(atom->nlocal);
+  BodyTouches &all = of_body_[bodies_->lead_of_atom(i)];
+  bool presses = false;
+  for (size_t k = 0; k < touches_.size(); ++k) {
+    const int number = static_cast<int>(k);
+    SharedContacts::Contact contact = contact_of_body(i, touches_[k], values_of(i, number));
+    body_touches_.push_back({i, number, touches_[k], contact});
+    contact.stiffness *= touches_[k].weight;
+    all.contacts.add(contact);
+    presses = presses || contact.stiffness > 0.0;
+  }
+  all.spheres += presses;
+}
+
+SharedContacts::Contact FixSurface::contact_of_body(int i, const Touch &touch, const double *history) const {
+  const double distance = std::sqrt(touch.distance2), overlap = atom->radius[i] - distance;
+  const Vec3 normal = (1.0 / distance) * touch.away;
+  const bool touches = laws_.touching(overlap, history);
+  const double neck = touches ? laws_.neck_m(atom->radius[i], overlap, history) : 0.0;
+  const Triangle &corner = search_.triangle(touch.triangle);
+  Vec3 closing = from(atom->v[i]);
+  for (int c = 0; c < 3; ++c)
+    closing = closing - touch.at.weight[c] * surface_.velocity_half_way(corner[c]);
+  return {normal, bodies_->moment_about_centre(i, normal), {0, 0, 0}, 2.0 * law(i, touch).e_star_Pa * neck,
+          dot(closing, normal)};
+}
+
+// The mass by which the dampers of a contact go.
+double FixSurface::damped_kg(const BodyTouch &of) const {
+  const double whole_kg = atom->rmass[of.sphere];
+  const auto turning = [&](Vec3 moment, Vec3) { return bodies_->turns_per(of.sphere, moment); };
+  const BodyTouches &all = of_body_[bodies_->lead_of_atom(of.sphere)];
+  if (all.spheres > 1 && of.contact.stiffness > 0.0)
+    return all.contacts.mass_kg(of.contact.stiffness, whole_kg, turning);
+  return 1.0 / (1.0 / whole_kg + turning(of.contact.turned, {}));
+}
+
+template <class Worn>
+void FixSurface::push_bodies(Worn &worn) {
+  for (const BodyTouch &of : body_touches_) {
+    const int i = of.sphere;
+    const Given before = {i, from(atom->f[i]), from(atom->torque[i])};
+    push(i, of.touch, damped_kg(of), values_of(i, of.number), worn);
+    if (last_evaluation_)
+      given_.push_back({i, from(atom->f[i]) - before.force_N, from(atom->torque[i]) - before.torque_N_m});
+  }
+  for (const BodyTouch &of : body_touches_) of_body_[bodies_->lead_of_atom(of.sphere)] = {};
+  body_touches_.clear();
 }
 
 // A contact that sticks lasts as long as its neck, whose depth counts from where it snaps; the neck
@@ -319,7 +380,8 @@ Jkr FixSurface::law(int i, const Touch &touch) const {
   return laws_.jkr(atom->type[i], type_[touch.triangle], atom->radius[i]);
 }
 
-// One contact through LIGGGHTS's own contact model.  What it added to the particle is measured,
+// One contact through LIGGGHTS's own contact model, which takes the particle's mass for its dampers.  What it
+// added to the particle is measured,
 // and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.  Verlet's
 // velocities are those of the middle of the step while forces are evaluated: so is the surface's.
 //
@@ -328,7 +390,7 @@ Jkr FixSurface::law(int i, const Touch &touch) const {
 // point, and by its corners the couple that is left about that point (of resistance to rolling, and as
 // LIGGGHTS lets friction act half an overlap below the surface).
 template <class Worn>
-void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
+void FixSurface::push(int i, const Touch &touch, double damped_kg, double *history, Worn &worn) {
   double *force = atom->f[i], *torque = atom->torque[i];
   const Vec3 force_before = from(force), torque_before = from(torque);
   const Triangle &corner = search_.triangle(touch.triangle);
@@ -357,8 +419,10 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   double *particle_spin = atom->omega[i];
   const Vec3 spin_in_world = from(particle_spin);
   put(particle_spin, spin_in_world - spin);
+  const double whole_kg = std::exchange(atom->rmass[i], damped_kg);
   impl->compute_force(this, contact, overlap > 0, &wall.x);
   const Vec3 slip = StepEnd::slip_of(contact);
+  atom->rmass[i] = whole_kg;
   put(particle_spin, spin_in_world);
 
   Vec3 added = from(force) - force_before, turned = {0, 0, 0};

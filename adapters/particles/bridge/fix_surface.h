@@ -17,6 +17,7 @@
 #include "deepest_overlap.h"
 #include "fix_bodies.h"
 #include "jkr.h"
+#include "shared_contacts.h"
 #include "surface_load.h"
 #include "surface_path.h"
 #include "wear.h"
@@ -129,6 +130,16 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
     int sphere;
     Vec3 force_N, torque_N_m;
   };
+  // A place where a sphere of a body touches, and all places where the body does.
+  struct BodyTouch {
+    int sphere, number;  // of the touch among those of its sphere
+    Touch touch;
+    SharedContacts::Contact contact;
+  };
+  struct BodyTouches {
+    SharedContacts contacts;
+    int spheres = 0;
+  };
 
   void evaluate();
   void push_again();
@@ -136,8 +147,14 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   template <class Worn>
   void touch_all(Worn &worn);
   void fetch(const ContactSearch::Near &near) const;
+  void find_touches(const ContactSearch::Near &near);
   template <class Worn>
-  void touch(const ContactSearch::Near &near, Worn &worn);
+  void push_sphere(int i, Worn &worn);
+  void note_body(int i);
+  SharedContacts::Contact contact_of_body(int i, const Touch &touch, const double *history) const;
+  double damped_kg(const BodyTouch &of) const;
+  template <class Worn>
+  void push_bodies(Worn &worn);
   void keep_necks(int i);
   void weigh(double step_s);
   double step_length2(int i) const;
@@ -149,7 +166,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void add_tangent(const Touch &touch, const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
                const double *history, Vec3 added, Vec3 turned);
   template <class Worn>
-  void push(int i, const Touch &touch, double *history, Worn &worn);
+  void push(int i, const Touch &touch, double damped_kg, double *history, Worn &worn);
+  double *values_of(int i, int contact) { return dnum() > 0 ? history_.values(i, contact) : nullptr; }
 
   SurfacePath surface_;
   std::vector<int> type_;
@@ -172,6 +190,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   bool between_steps_ = true;  // velocities are those of now, and no time passes
   bool jumped_ = false;        // the surface, since the last evaluation
   std::vector<Given> given_;
+  std::vector<BodyTouch> body_touches_;  // of this evaluation
+  std::vector<BodyTouches> of_body_;     // of each body, with its first sphere; empty between evaluations
   ContactEnergy energy_;
   DeepestOverlap deepest_;
   std::vector<Crossing> crossings_;

@@ -3,6 +3,7 @@
 #include "contact_models.h"
 #include "global_properties.h"
 #include "jkr.h"
+#include "shared_contacts.h"
 #include "step_end.h"
 #include "update.h"
 
@@ -114,6 +115,7 @@ class JkrContact : public LIGGGHTS::ContactModels::ContactModelBase {
 
   JkrContact(LAMMPS_NS::LAMMPS *lmp, History *history, bool is_wall, int64_t)
       : ContactModelBase(lmp, is_wall),
+        lmp_(*lmp),
         atom_(*lmp->atom),
         normal_(history),
         surface_(lmp, history, this),
@@ -188,13 +190,14 @@ class JkrContact : public LIGGGHTS::ContactModels::ContactModelBase {
     for (int k = 0; k < 3; ++k) pair.en[k] = pair.delta[k] * pair.rinv;
     pair.mi = atom_.rmass[i];
     pair.mj = atom_.rmass[j];
-    pair.meff = pair.mi * pair.mj / (pair.mi + pair.mj);
+    if (!bodies_of.count(&lmp_)) pair.meff = pair.mi * pair.mj / (pair.mi + pair.mj);  // else set by SpherePairs
     pair.omega_i = atom_.omega[i];
     pair.omega_j = atom_.omega[j];
   }
 
   static constexpr int kSpring = tangential_model == LIGGGHTS::ContactModels::TANGENTIAL_OFF ? -1 : 1;
 
+  const LAMMPS_NS::LAMMPS &lmp_;
   const LAMMPS_NS::Atom &atom_;
   JkrNormal normal_;  // first, so that the history begins with the neck
   LIGGGHTS::ContactModels::SurfaceModel<LIGGGHTS::ContactModels::SURFACE_DEFAULT> surface_;

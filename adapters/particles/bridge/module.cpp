@@ -142,6 +142,7 @@ void set_shapes(Engine &engine, const Ints &count, const Doubles &spheres, const
     shapes[s].volume = volume.at(s);
     shapes[s].bounding_radius = bounding_radius.at(s);
     std::copy_n(inertia.data(s, 0), 3, shapes[s].inertia);
+    for (int k = 0; k < 3; ++k) shapes[s].per_inertia[k] = 1.0 / shapes[s].inertia[k];
   }
   engine.set_shapes(std::move(shapes), reach_m);
 }
@@ -355,9 +356,10 @@ void begin_path(Engine &engine, const Doubles &start_m, const Doubles &start_m_p
 
 void run(Engine &engine, int steps, double step_s) {
   flipflow::FixAir *air = engine.air();
+  engine.set_step(step_s);  // before the sums begin, which may evaluate contacts
   engine.surface().begin_sums(step_s);
   if (air) air->begin_sums(step_s);
-  engine.run(steps, step_s);
+  engine.run(steps);
   engine.surface().end_sums(step_s);
   if (air) air->end_sums(step_s);
 }

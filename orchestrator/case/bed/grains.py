@@ -10,7 +10,7 @@ import numpy as np
 from orchestrator.case import solvers
 from orchestrator.case.bed.size_distribution import classes
 from orchestrator.case.tables.case import Case
-from orchestrator.ports.clumps import clump
+from orchestrator.ports.clumps import clump, divided
 from orchestrator.ports.grains import Grain, Shape, ShapeTable
 
 
@@ -33,12 +33,20 @@ def shapes(case: Case) -> tuple[Shape, ...]:
 
 def shape(case: Case, name: str) -> Shape:
     """Return a shape by its name: the case's own, one of flipflow and its packages, or that with which
-    particles were taken over."""
+    particles were taken over, which is not divided again."""
+    carried = case.bed.carried
     if name in case.bed.shapes:
-        return _own_shape(name, case.bed.shapes[name].spheres)
-    if name not in solvers.names("shapes") and case.bed.carried is not None:
-        return next(each for each in case.bed.carried.grains.shapes.shapes() if each.name == name)
-    return solvers.shape(name)
+        own = _own_shape(name, case.bed.shapes[name].spheres)
+    elif name not in solvers.names("shapes") and carried is not None:
+        return next(each for each in carried.grains.shapes.shapes() if each.name == name)
+    else:
+        own = solvers.shape(name)
+    return _divided(own, case.bed.shape_divisions)
+
+
+@cache
+def _divided(own: Shape, parts: int) -> Shape:
+    return divided(own, parts)
 
 
 @cache

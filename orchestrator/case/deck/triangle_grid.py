@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case, has_particles
@@ -147,6 +146,8 @@ def _outwards(points: Array, rectangle: Rectangle, apertures: AperturePattern) -
     """
     centres = apertures.centres_m(rectangle)
     half = np.array([apertures.length_m, apertures.width_m]) / 2
+    from scipy.spatial import cKDTree  # takes long to import, and few commands need it
+
     far, nearest = cKDTree(centres / half).query(points / half, p=np.inf)
     direction = _from_outline(points - centres[nearest], apertures)
     direction[far > 1.0 + ON_OUTLINE] = 0.0

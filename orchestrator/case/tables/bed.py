@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from annotated_types import Len
-from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from annotated_types import Ge, Le, Len
+from pydantic import Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from orchestrator.case import solvers
@@ -27,7 +27,7 @@ from orchestrator.case.tables.quantities import (
     Vector,
     Whole,
 )
-from orchestrator.ports.clumps import clump
+from orchestrator.ports.clumps import clump, divided_spheres
 
 ShapeName = Annotated[str, solvers.ShapeNames()]
 MOST_SPHERES = 64
@@ -174,6 +174,10 @@ class Bed(Table):
     """Feeds by name."""
     shapes: dict[Name, OwnShape] = Field(default_factory=dict)
     """Shapes of the case's own, by name."""
+    shape_divisions: Annotated[int, Strict(), Ge(1), Le(MOST_SPHERES)] = 1
+    """Number of parts into which spheres divide the way between each two touching spheres of a shape.  1
+    takes a shape's spheres as they are; more make its dents finer, at the same outline and sieve size.  The
+    cost goes with the number of spheres, of which a shape has 64 at most (docs/theory/clumps.md)."""
     from_run: OneLine | None = None
     """Folder of a run whose particles this case begins with, from the case's folder or from the working
     directory.  It may be a run of another level, mesh or machine; that of a run that failed needs a
@@ -220,6 +224,18 @@ class Bed(Table):
                     names = f"{', '.join(most)} or {last}"
                     unknown = PydanticCustomError("literal_error", names)
                     yield _wrong(unknown, row.shape, kind, name, "shape")
+                elif (count := self._sphere_count(row.shape)) > MOST_SPHERES:
+                    why = f'shape "{row.shape}" has {count} spheres then, more than {MOST_SPHERES}'
+                    many = PydanticCustomError(REFUSED, why)
+                    yield _wrong(many, self.shape_divisions, "shape_divisions")
+                    return
+
+    def _sphere_count(self, name: str) -> int:
+        """Return the number of spheres of a shape, divided."""
+        if self.shape_divisions == 1:
+            return 0  # which has been checked
+        own = self.shapes[name].spheres if name in self.shapes else solvers.shape(name).spheres
+        return len(divided_spheres(own, self.shape_divisions))
 
     @property
     def is_carried(self) -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.optimize import brentq
 
 from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.tables.case import Air, Case, has_particles
@@ -24,6 +23,8 @@ SLOWEST_AND_FASTEST_M_PER_S = 1e-9, 1e4
 
 def terminal_speed_m_per_s(grain: Grain[float], air: Air, gravity_m_per_s2: float) -> float:
     """Return the speed at which the drag of the sphere of equal volume is the grain's weight."""
+
+    from scipy.optimize import brentq  # takes long to import, and few commands need it
 
     def surplus(speed_m_per_s: float) -> float:
         return _drag_over_weight(grain, speed_m_per_s, air, gravity_m_per_s2) - 1.0

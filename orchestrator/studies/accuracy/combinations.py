@@ -27,6 +27,8 @@ pull counts (``happens``)."""
 STEADY = 1e-6
 """The share of its peak by which a pull may exceed its root mean square and still count as constant."""
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
+START = ("start", "rest")
+"""The parts of a run's time that do not depend on the simulated time."""
 
 
 def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
@@ -110,9 +112,14 @@ class Combination:
 
     @cached_property
     def cost(self) -> dict[str, float]:
-        """The times of a single run, the number of runs side by side, and the largest memory of a run."""
+        """The times of a single run, the number of runs side by side, and the largest memory of a run.
+
+        ``stepping_s_per_s`` is the processor time per simulated second, without the start.
+        """
         summaries = [of_run.summary for of_run in self.metrics]
+        stepping_s = sum(time_s for part, time_s in self.processor_by_part_s.items() if part not in START)
         return {
+            "stepping_s_per_s": stepping_s / summaries[0]["simulated_s"],
             "processor_s": float(np.mean([summary["processor_s"] for summary in summaries])),
             "wall_s": float(np.mean([summary["wall_s"] for summary in summaries])),
             "side_by_side": max(run.side_by_side() for run in self.runs),

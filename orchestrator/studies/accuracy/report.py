@@ -8,30 +8,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 from rich.table import Table
 
-from orchestrator.studies.accuracy.combinations import (
-    ALONE,
-    BASE,
-    CALIBRATION,
-    REFERENCE,
-    TOGETHER,
-    Combination,
-    Error,
-)
-from orchestrator.studies.accuracy.convergence import MeasuredSeries
+from orchestrator.studies.accuracy.combinations import CALIBRATION, REFERENCE, TOGETHER, Combination, Error
+from orchestrator.studies.accuracy.pictures import draw_convergence, draw_costs, draw_models
 from orchestrator.studies.accuracy.stored import FORMAT, NAME
-from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting, Row
+from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting
 from orchestrator.studies.report import percent
-from orchestrator.workbench import Metrics, Picture, StudyFolder, console_table
+from orchestrator.workbench import Metrics, StudyFolder, console_table
 from orchestrator.workbench.vocabulary import Cell, align_rows
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
-DEEP = 1e4  # the ratio of the largest error to the least error that is drawn
-LEAST = 1e-4  # smaller errors are drawn at this value
-MARKS = "os^vDPX<>"
-RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 
 
 def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
@@ -217,172 +204,3 @@ def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
         return ""
     width = errors[name].half_width
     return percent(errors[name].value) + (f" ± {percent(width)}" if width else "")
-
-
-def _words(name: str) -> str:
-    if name == "energy_defect":
-        return "energy created by the coupling"
-    return Metrics.quantities[name].words.split(" / ")[0] if name in Metrics.quantities else name
-
-
-def _scales(axis: Any, across: str, upward: str) -> None:
-    """Make both scales of a picture logarithmic, with the errors upward in per cent."""
-    axis.set(xscale="log", yscale="log", xlabel=across, ylabel=upward)
-    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-    axis.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axis.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
-    for part in (axis.xaxis, axis.yaxis):
-        part.set_minor_formatter(NullFormatter())
-
-
-Line = tuple[str, list[float], list[float], list[bool], str]
-"""The label, lengths and errors of a line, whether each error is more than chance, and the style."""
-CHANCE = " (open: chance)"
-
-
-def draw_convergence(every: Sequence[MeasuredSeries], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draw the convergence of the series of one axis; return the file, or None where nothing converges."""
-    shown = [(one, _lines(one, judged_by)) for one in every if len(one.settings) > 1 and one.lengths]
-    heights = [y for _, lines in shown for _, _, line_y, *_ in lines for y in line_y]
-    if not heights:
-        return None
-    drawn = Picture(len(shown), 1, 8.4, 4.2)
-    lowest = max(min(heights), max(heights) / DEEP) / 2
-    for axis, (one, lines) in zip(drawn.parts, shown, strict=True):
-        for (label, x, y, certain, style), mark in zip(lines, MARKS, strict=False):
-            (line,) = axis.plot(x, y, style, marker=mark, ms=5, label=label)
-            by_chance = [
-                (h, size) for h, size, is_certain in zip(x, y, certain, strict=True) if not is_certain
-            ]
-            for place in by_chance:
-                axis.plot(*place, marker=mark, ms=5, color=line.get_color(), mfc="white")
-        lengths = one.lengths
-        if lines and one.series.expected:
-            top = 1.5 * max(y for _, _, line_y, *_ in lines for y in line_y)
-            expected = [top * (h / max(lengths)) ** one.series.expected for h in lengths]
-            label = f"expected order {one.series.expected:g}"
-            axis.plot(lengths, expected, color="#999999", lw=3, alpha=0.5, label=label)
-        all_certain = all(each for _, _, _, certain, _ in lines for each in certain)
-        _scales(axis, one.series.length, "error" + CHANCE * (not all_certain))
-        axis.set_ylim(lowest, 3 * max(heights))
-        axis.set_title(one.series.variant or one.series.title)
-        axis.xaxis.set_major_locator(FixedLocator(lengths))
-        axis.xaxis.set_major_formatter(lambda value, _: f"{value:.3g}")
-        axis.tick_params(axis="x", rotation=30)
-        if lines:
-            axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
-    return drawn.save(file)
-
-
-def _lines(one: MeasuredSeries, judged_by: Sequence[str]) -> list[Line]:
-    """Return the lines of a series: errors against the finest setting solid, against exact answers dashed."""
-    lines: list[Line] = []
-    finest = one.errors[:-1]
-    every = [(name, [e.get(name, Error(0.0)) for e in finest], "-") for name in (*judged_by, "shape")]
-    every += [(name, [Error(each.get(name, 0.0)) for each in one.exact], "--") for name in one.exact[0]]
-    for name, found, style in every:
-        places = [(h, e.value, e.is_certain) for h, e in zip(one.lengths, found, strict=False) if e.value]
-        if places:
-            x, y, certain = zip(*places, strict=True)
-            lines.append((_words(name) + _seen(one, name), [*x], [*y], [*certain], style))
-    return lines
-
-
-def _seen(one: MeasuredSeries, name: str) -> str:
-    order = one.orders.get(name)
-    return f", order {order.order:.1f}{'' if one.is_clean(name) else '?'}" if order else ""
-
-
-def draw_models(models: Sequence[ComparedSetting], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draw the error of every model over its cost, with a part for each quantity.
-
-    Numbers beside the marks stand for the settings, whose names would lie over each other.  Return the file,
-    or None where there are no errors.
-    """
-    others = [each for each in models if not each.is_best]
-    names = [name for name in (*judged_by, "shape") if any(name in each.errors for each in others)]
-    if not names:
-        return None
-    columns = min(len(names), 2)
-    drawn = Picture(len(names), columns, 5.6, 4.2)
-    parts = drawn.parts
-    variants = list(dict.fromkeys(each.series.variant for each in models))
-    looks = [_look(variants.index(each.series.variant)) for each in others]
-    for axis, name in zip(parts, names, strict=True):
-        for number, (each, look) in enumerate(zip(others, looks, strict=True), 1):
-            if name in each.errors:
-                place = each.point.processor_s, max(each.errors[name].value, LEAST)
-                open_mark = {} if each.errors[name].is_certain else {"facecolors": "none"}
-                axis.scatter(*place, s=38, **look, **open_mark)
-                beside = ((6, 4), (6, -11), (-12, 4), (-12, -11))[number % 4]
-                axis.annotate(str(number), place, beside, textcoords="offset points", fontsize=8)
-        all_certain = all(each.errors[name].is_certain for each in others if name in each.errors)
-        upward = "error against the best model" + CHANCE * (not all_certain)
-        _scales(axis, "processor time of one run / s", upward)
-        axis.set_title(_words(name))
-        axis.margins(x=0.1, y=0.15)
-    keys = [parts[columns - 1].scatter([], [], s=38, **look) for look in looks]
-    labels = [f"{number}  {each.setting.label}" for number, each in enumerate(others, 1)]
-    parts[columns - 1].legend(keys, labels, loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
-    return drawn.save(file)
-
-
-def _look(number: int) -> dict[str, str]:
-    return {"marker": MARKS[number % len(MARKS)], "color": Picture.colours[number % len(Picture.colours)]}
-
-
-def draw_costs(study: AccuracyStudy, file: Path) -> Path:
-    """Draw the error of all points over their cost, with a line through the points that no other beats."""
-    drawn = Picture(1, 1, 9.6, 5.6)
-    (axis,) = drawn.parts
-    front, shown = study.front(), [row for row in study.rows if row.error is not None]
-    if front:
-        axis.plot(*_places(front), color=GREY, lw=1.2, zorder=1, label="nothing is better in both")
-    groups = [
-        (
-            [r for r in shown if r.point.kind == ALONE and name in r.point.settings],
-            f"{title} only",
-            _look(number),
-        )
-        for number, (name, title) in enumerate(study.offer.titles.items())
-    ]
-    together = [row for row in shown if row.point.kind in (TOGETHER, REFERENCE)]
-    groups.append((together, "several together", {"marker": "*", "color": BLACK}))
-    own = [row for row in shown if row.point.kind == BASE]
-    groups.append((own, "the case as it is", {"marker": "o", "color": RED}))
-    for rows, label, look in groups:
-        if rows:
-            x, y = _places(rows)
-            axis.scatter(x, y, s=90 if look["marker"] == "*" else 34, label=label, zorder=3, **look)
-            widths = [_width(row) for row in rows]
-            low, high = (
-                [max(h + sign * w, LEAST) for h, w in zip(y, widths, strict=True)] for sign in (-1, 1)
-            )
-            axis.vlines(x, low, high, color=look["color"], lw=0.9, alpha=0.6, zorder=2)
-    for number, place in enumerate(zip(*_places(front), strict=True), 1):
-        near = {"textcoords": "offset points", "fontsize": 9, "weight": "bold"}
-        axis.annotate(str(number), place, (6, 5), **near)
-    if any(_width(row) for row in study.rows):
-        axis.plot([], [], color=GREY, lw=0.9, label="where chance leaves it (95 %)")
-    _scales(axis, "processor time of one run / s", "largest error of what decides, against the reference")
-    reference_s = study.measured[study.reference].processor_s
-    axis.axvline(reference_s, color=GREY, ls=":", lw=1)
-    note = {"rotation": 90, "ha": "right", "va": "top", "fontsize": 8.5, "color": GREY}
-    axis.text(reference_s, 0.98, "the reference ", transform=axis.get_xaxis_transform(), **note)
-    for tolerance in RECOMMENDED:
-        axis.axhline(tolerance, color=GREEN, lw=0.8, ls="--", zorder=0)
-    axis.set_ylim(bottom=LEAST / 2 if axis.get_ylim()[0] < LEAST else None)
-    axis.margins(x=0.12, y=0.12)
-    axis.set_title(f"What accuracy costs: {study.loaded.name}, down and left is better")
-    axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
-    return drawn.save(file)
-
-
-def _places(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
-    heights = [max(row.error.value if row.error else 0.0, LEAST) for row in rows]
-    return [row.point.processor_s for row in rows], heights
-
-
-def _width(row: Row) -> float:
-    return (row.error.half_width or 0.0) if row.error else 0.0

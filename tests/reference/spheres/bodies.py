@@ -80,6 +80,8 @@ class Bodies(Rows):
             material=self.grains.material[body],
             body=body,
             own_m=size_m[:, None] * table[row, :3],
+            arm_m=np.empty((len(body), 3)),
+            inverse_inertia_1_kg_m2=np.empty((len(body), 3, 3)),
         )
         self.carry(spheres)
         return spheres
@@ -87,7 +89,10 @@ class Bodies(Rows):
     def carry(self, spheres: Spheres) -> None:
         """Move the spheres to where the grains are now."""
         body = spheres.body
-        arm_m = self._arms_m(spheres)
+        arm_m = spheres.arm_m = self._arms_m(spheres)
+        inverse = 1.0 / self.grains.inertia_kg_m2
+        turned = np.einsum("nij,nj,nkj->nik", self.rotation, inverse, self.rotation)
+        spheres.inverse_inertia_1_kg_m2 = turned[body]
         spheres.position_m = self.position_m[body] + arm_m
         spheres.spin_rad_per_s = self.spin_rad_per_s[body]
         spheres.velocity_m_per_s = self.velocity_m_per_s[body] + cross(spheres.spin_rad_per_s, arm_m)

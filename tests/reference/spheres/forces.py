@@ -9,6 +9,7 @@ import numpy as np
 from orchestrator.ports import Array, ContactTangent, Indices, Motion
 from orchestrator.ports.geometry import TriangleSurface
 from tests.reference.spheres.contacts import Contacts, Neighbours, find_contacts, match_contacts
+from tests.reference.spheres.damped_mass import compute_damped_mass_kg
 from tests.reference.spheres.laws import ContactForces, Laws, across
 from tests.reference.spheres.spheres import Spheres
 
@@ -102,6 +103,9 @@ def compute_forces(
     surface_m_per_s, surface_rad_per_s = contacts.at_contacts(motion.velocity_m_per_s)
     slip_m_per_s = contacts.compute_slip(spheres.velocity_m_per_s, spheres.spin_rad_per_s, surface_m_per_s)
     spin_rad_per_s = contacts.compute_spin(spheres.spin_rad_per_s, surface_rad_per_s)
+    stiffness_N_per_m = laws.stiffness_N_per_m(contacts)
+    damped_kg = compute_damped_mass_kg(contacts, spheres, slip_m_per_s, stiffness_N_per_m)
+    contacts = replace(contacts, mass_kg=damped_kg)
     # what springs and couples were, zero where a contact is new; lost until now: all they stored
     shear_m, tension_N, couple_N_m, shown_m_per_s = np.zeros((4, len(contacts.first), 3))
     approach_m_per_s, lost_J = -np.einsum("ij,ij->i", slip_m_per_s, contacts.normal), 0.0

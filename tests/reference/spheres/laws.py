@@ -181,6 +181,11 @@ class Laws:
             plan.rolling,
         )
 
+    def stiffness_N_per_m(self, contacts: Contacts) -> Array:
+        """The stiffness (n,) along the normal."""
+        neck_m = self.normal.at(contacts, np.maximum(contacts.overlap_m, 0.0)).contact_radius_m
+        return np.asarray(2.0 * self.normal.youngs_modulus_Pa[contacts.materials] * neck_m)
+
     def at(
         self,
         contacts: Contacts,

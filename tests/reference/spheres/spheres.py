@@ -24,6 +24,8 @@ class Spheres:
     material: Indices
     body: Indices
     own_m: Array
+    arm_m: Array  # (n, 3) from the grain's centre
+    inverse_inertia_1_kg_m2: Array  # (n, 3, 3) of the grain, in the world's axes
 
     def __len__(self) -> int:
         return len(self.mass_kg)
