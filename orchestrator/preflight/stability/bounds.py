@@ -173,7 +173,7 @@ fields of the seat that the function takes besides the contact's stiffness and d
 
 CONTACT_LIMITS |= dict.fromkeys(("aitken", "quasi-newton"), CONTACT_LIMITS["particles-first"])
 
-SURE = {"particles-first": 0.6, "robin": 0.2, "serial-staggered": 1 / 16, "aitken": 5.0, "quasi-newton": 5.0}
+SURE = {"particles-first": 0.8, "robin": 0.2, "serial-staggered": 1 / 16, "aitken": 5.0, "quasi-newton": 5.0}
 """Shares of these limits up to which a scheme is sure to be sound (docs/measured/stability.md).
 
 A contact that begins within an interval is not foreseen, and a load that comes late adds energy in every

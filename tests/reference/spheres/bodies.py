@@ -88,6 +88,8 @@ class Bodies(Rows):
 
     def carry(self, spheres: Spheres) -> None:
         """Move the spheres to where the grains are now."""
+        if not len(spheres.body):
+            return
         body = spheres.body
         arm_m = spheres.arm_m = self._arms_m(spheres)
         inverse = 1.0 / self.grains.inertia_kg_m2
