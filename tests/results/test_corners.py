@@ -115,6 +115,9 @@ def test_a_run_tells_the_range_or_the_command_that_computes_it(tmp_path: Path) -
     results, judged = compute_results(run), load_judged(run)
     (line,) = range_lines(run, judged, results)
     assert line.endswith(f"was not computed: flipflow study corners {run} does")
+    assert results.screening is not None
+    without = replace(results.screening, efficiency_percent=None)
+    assert range_lines(run, judged, replace(results, screening=without)) == []
     write_found(tmp_path / "mine-1-corners", run / "case.toml")
     (line,) = range_lines(run, judged, results)
     assert line.startswith("efficiency from 31.0 to 62.0 % within the ranges of the materials")

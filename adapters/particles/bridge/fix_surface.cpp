@@ -381,8 +381,7 @@ Jkr FixSurface::law(int i, const Touch &touch) const {
 }
 
 // One contact through LIGGGHTS's own contact model, which takes the particle's mass for its dampers.  What it
-// added to the particle is measured,
-// and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.  Verlet's
+// added to the particle is measured, and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.  Verlet's
 // velocities are those of the middle of the step while forces are evaluated: so is the surface's.
 //
 // The model sees the particle from the triangle, which moves and turns.  What it adds to the particle,

@@ -144,10 +144,10 @@ def _outwards(points: Array, rectangle: Rectangle, apertures: AperturePattern) -
 
     They lead from an outline to that of openings larger by one all around; other points have none.
     """
-    centres = apertures.centres_m(rectangle)
-    half = np.array([apertures.length_m, apertures.width_m]) / 2
     from scipy.spatial import cKDTree  # takes long to import, and few commands need it
 
+    centres = apertures.centres_m(rectangle)
+    half = np.array([apertures.length_m, apertures.width_m]) / 2
     far, nearest = cKDTree(centres / half).query(points / half, p=np.inf)
     direction = _from_outline(points - centres[nearest], apertures)
     direction[far > 1.0 + ON_OUTLINE] = 0.0

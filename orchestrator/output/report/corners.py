@@ -25,11 +25,11 @@ OWN_RANGES = " --restitution LOW:HIGH --rolling-friction LOW:HIGH"
 def range_lines(folder: Path, judged: JudgedCase, results: Results) -> list[str]:
     """Return how far the results of a run go within the ranges of its materials, or how to compute that.
 
-    There is nothing to say of a run without screening.
+    There is nothing to say of a run without screening, and nothing to compute of one without an efficiency.
     """
     if results.screening is None:
         return []
-    if lines := corner_lines(folder):
+    if (lines := corner_lines(folder)) or results.screening.efficiency_percent is None:
         return lines
     options = "" if any(each.ranges for each in ranged_contacts(judged, {})) else OWN_RANGES
     command = f"flipflow study corners {shlex.quote(str(folder))}{options}"
