@@ -18,10 +18,10 @@ inline std::map<const LAMMPS_NS::LAMMPS *, const FixBodies *> bodies_of;
 
 // The contacts that a body has with one other body, or with the surface, and the mass by which they are damped.
 //
-// Whoever touches at one place gives way there by its turning, too: what acts is  1 / (1/m + t . I^-1 t)  with
-// the normal's moment t about the centre (W. J. Stronge, Impact Mechanics, 2000, chapter 3).  Where several
-// places touch at once, they do it together: all springs pull at the same bodies.  Rayleigh's quotient of the motion
-// that the contacts see, closing at v_k against stiffnesses S_k, is its frequency,
+// A body that touches at one place turns as it is stopped there: the mass that acts is  1 / (1/m + t . I^-1 t)
+// with the normal's moment t about the centre (W. J. Stronge, Impact Mechanics, 2000, chapter 3).  Contacts at
+// several places stop the same bodies together.  Rayleigh's quotient of the motion that they see, closing at
+// v_k against stiffnesses S_k, is its frequency,
 //
 //   omega^2 = (p . p / m + T . I^-1 T of both bodies) / sum S_k v_k^2,   p = sum S_k v_k n_k,  T = sum S_k v_k t_k,
 //
