@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from fractions import Fraction
+from typing import Any, Literal
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.grains import largest_length_m, shapes
@@ -90,6 +91,14 @@ class RefinementSeries:
         """The parameter in words."""
         return PARAMETERS[self.parameter].title
 
+    @property
+    def layer(self) -> Layer:
+        """What its parameter varies: the numerics inside a model, the model, or what is sampled of it."""
+        return PARAMETERS[self.parameter].layer
+
+
+Layer = Literal["numerics", "model", "statistics"]
+
 
 class NotOffered(Exception):
     """An error of a parameter that a case does not have; the message says why."""
@@ -99,12 +108,13 @@ class NotOffered(Exception):
 class Parameter:
     """A refinement parameter.
 
-    ``series`` returns the series of a case with a given number of values, or raises NotOffered.  ``needs``
-    are names of ``NEEDS`` that the case must meet first.
+    ``series`` returns the series of a case with a given number of values, or raises NotOffered.  ``layer``
+    is what it varies.  ``needs`` are names of ``NEEDS`` that the case must meet first.
     """
 
     title: str
     series: Callable[[Case, int], Iterable[RefinementSeries]]
+    layer: Layer
     needs: tuple[str, ...] = ()
 
 
@@ -450,6 +460,17 @@ def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
     yield RefinementSeries("slice", "", settings, "own width / width")
 
 
+def _duration(case: Case, points: int) -> Iterable[RefinementSeries]:
+    """Yield the series of durations up to twice the case's own: what a run says depends on how long it is."""
+    own_s, every_s = exact(case.duration_s), exact(case.output.interval_s)
+    values_s = {
+        degree: float(max(1, round(own_s * Fraction(2) ** degree / every_s)) * every_s)
+        for degree in range(2 - points, 2)
+    }
+    settings = _settings(values_s, "{:g} s", "duration_s={!r}", lambda time_s: case.duration_s / time_s)
+    yield RefinementSeries("duration", "", settings, "own duration / duration", is_choice=False)
+
+
 NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     "panels": (lambda case: bool(case.screen.panels), "the case has no panels"),
     "frames": (lambda case: bool(case.screen.frames), "the case has no frames"),
@@ -462,17 +483,18 @@ NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
 }
 """The conditions that parameters need, by name, and the message where a case does not meet the condition."""
 PARAMETERS = {
-    "sync": Parameter("sync interval", _sync),
-    "scheme": Parameter("coupling scheme", _scheme),
-    "panel-mesh": Parameter("panel mesh", _panel_mesh, ("panels",)),
-    "panel-model": Parameter("panel model", _panel_model, ("panels",)),
-    "panel-step": Parameter("panel's time step", _panel_step, ("panels",)),
-    "frames-model": Parameter("model of the frames", _frames_model, ("frames",)),
-    "particles-model": Parameter("solver of the particles", _particle_model, ("particles",)),
-    "particle-step": Parameter("particles' time step", _particle_step, ("particles",)),
-    "stiffness": Parameter("stiffness of contacts", _stiffness, ("particles",)),
-    "slice": Parameter("slice of the width", _width, ("particles", "many")),
-    "number": Parameter("number of particles", _number, ("particles", "many")),
-    "cut-off": Parameter("finest size fed", _cut_off, ("particles",)),
-    "shape": Parameter("spheres in a grain", _shape, ("particles", "uncarried")),
+    "sync": Parameter("sync interval", _sync, "numerics"),
+    "scheme": Parameter("coupling scheme", _scheme, "numerics"),
+    "panel-mesh": Parameter("panel mesh", _panel_mesh, "numerics", ("panels",)),
+    "panel-model": Parameter("panel model", _panel_model, "model", ("panels",)),
+    "panel-step": Parameter("panel's time step", _panel_step, "numerics", ("panels",)),
+    "frames-model": Parameter("model of the frames", _frames_model, "model", ("frames",)),
+    "particles-model": Parameter("solver of the particles", _particle_model, "model", ("particles",)),
+    "particle-step": Parameter("particles' time step", _particle_step, "numerics", ("particles",)),
+    "stiffness": Parameter("stiffness of contacts", _stiffness, "numerics", ("particles",)),
+    "slice": Parameter("slice of the width", _width, "statistics", ("particles", "many")),
+    "duration": Parameter("duration", _duration, "statistics"),
+    "number": Parameter("number of particles", _number, "model", ("particles", "many")),
+    "cut-off": Parameter("finest size fed", _cut_off, "model", ("particles",)),
+    "shape": Parameter("spheres in a grain", _shape, "model", ("particles", "uncarried")),
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from orchestrator.studies.criteria import FILE, read_criteria
 from orchestrator.studies.facts import predicted_facts
 from orchestrator.studies.points import CaseStudy
+from orchestrator.studies.recorded import read_rows
 from orchestrator.studies.report import markdown_table
 from orchestrator.studies.verdicts import (
     WORST_FIRST,
@@ -80,7 +80,8 @@ def recorded_results(
     ``note``, a remark that the page shows.  A criterion that it does not have gives no number.  Raises
     CaseError where a column is missing or a row is of no criterion, or in another unit.
     """
-    rows = _rows_of(file)
+    every = read_rows(file, RECORDED, ("value", "half width"), "docs/criteria.md")
+    rows = {(row["case"], row["criterion"]): row for row in every}
     known = {(paper.name, row.what): row for paper in papers for row in paper.criteria.criteria}
     names = {paper.name for paper in papers}
     problems = []
@@ -105,34 +106,6 @@ def recorded_results(
             found.append(CriterionResult(paper.name, criterion, value, why, width, row.get("note") or ""))
         results.append((paper, found))
     return results
-
-
-def _rows_of(file: Path) -> dict[tuple[str, str], dict[str, str]]:
-    """Return the rows of a table of recorded numbers by case and criterion.  Raises CaseError."""
-    try:
-        with file.open(encoding="utf-8", newline="") as text:
-            table = csv.DictReader(text)
-            rows = [*table]
-            missing = [name for name in RECORDED if name not in (table.fieldnames or ())]
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError([CaseProblem((), f"cannot be read: {error}", file=str(file), kind="file")]) from None
-    if missing:
-        raise CaseError(
-            [
-                CaseProblem((name,), "is a missing column", "docs/criteria.md", str(file), kind="missing")
-                for name in missing
-            ]
-        )
-    for number, row in enumerate(rows):
-        for name in ("value", "half width"):
-            try:
-                float(row[name] or 0.0)
-            except ValueError:
-                what = f'"{row[name]}" is no number'
-                raise CaseError(
-                    [CaseProblem((number, name), what, file=str(file), kind="wrong-type")]
-                ) from None
-    return {(row["case"], row["criterion"]): row for row in rows}
 
 
 def write_paper(

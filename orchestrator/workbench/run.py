@@ -118,6 +118,11 @@ class Run:
         """The wall time in s by the part that worked: what a scheme repeats is in the parts of solvers."""
         return summary.worked_by_part_s(self.summary)
 
+    @property
+    def processor_by_part_s(self) -> dict[str, float]:
+        """The processor time in s by part of the program."""
+        return summary.processor_by_part_s(self.summary)
+
     def number(self, question: quantities.Question) -> float:
         """Return the number that a question asks, in SI units.  Raises Unknown."""
         return quantities.number_of(question, self.folder)

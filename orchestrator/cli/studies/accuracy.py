@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.table import Table
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.cli.options import StudyOutput
 from orchestrator.preflight.refinement import PARAMETERS
 from orchestrator.studies.accuracy.combinations import COMPARED, DECISIVE, StudyRequest, afford
-from orchestrator.studies.accuracy.report import advice, cost_table, warnings, write_study
-from orchestrator.studies.accuracy.study import plan_study, run_study
+from orchestrator.studies.accuracy.layers import marks_of, read_marks
+from orchestrator.studies.accuracy.report import advice, cost_table, warnings, write_layers, write_study
+from orchestrator.studies.accuracy.scenes import find_scenes, is_case
+from orchestrator.studies.accuracy.study import AccuracyStudy, plan_study, run_study
 from orchestrator.studies.points import CaseStudy
 from orchestrator.workbench import StudyFolder
 
@@ -41,19 +45,26 @@ def command(
         str, typer.Option(help="which errors decide, with commas [default: what repeats itself]")
     ] = "",
     dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
+    recorded: Annotated[
+        Path | None,
+        typer.Option("--recorded", help="make no run, and draw the picture of this earlier layers.csv"),
+    ] = None,
 ) -> StudyOutput:
     """Measure the cost of accuracy: run a case over its refinement parameters.
 
     First, one parameter is changed at a time.  These runs propose joint settings, which are run next:
     the reference, and for each tolerance the cheapest settings that should meet it.  Errors are
     against the reference, and costs are processor times.  Called again, the command makes only the
-    missing runs.  The folder gets accuracy.csv, .parquet, .json, pictures and accuracy.html;
-    flipflow plan uses accuracy.json.
+    missing runs.  The folder gets accuracy.csv, .parquet, .json, layers.csv, pictures and
+    accuracy.html; flipflow plan uses accuracy.json.
+
+    CASE may be a folder of cases: then every case below it that has an accuracy.toml is studied as
+    that file says, and layers.csv and layers.png have all of them together.
 
     Exit code 4: a run failed; 2: the case is wrong.
     """
     duration_sets = [f"duration_s={duration!r}"] if duration else []
-    request = StudyRequest(
+    asked = StudyRequest(
         replace(study, sets=(*study.sets, *duration_sets)),
         _names("--parameters", parameters, [*PARAMETERS], [*PARAMETERS]),
         QUICK_VALUES if quick else values,
@@ -61,17 +72,55 @@ def command(
         budget,
         _names("--quantities", quantities, [name for name in COMPARED if name != "shape"], DECISIVE),
     )
-    if dry:
-        yield from _predictions(request)
+    if recorded is not None:
+        with StudyFolder(study.folder).lock():
+            yield from write_layers(read_marks(recorded), study.folder)
         return True
-    with StudyFolder(study.folder).lock():
+    requests = {"": asked} if is_case(study.case) else dict(_scenes(asked, quick))
+    studies = {}
+    for title, request in requests.items():
+        if title:
+            yield f"{title}:"
+        if dry:
+            yield from _predictions(request)
+        else:
+            studies[title] = yield from _study(request)
+    if studies and not is_case(study.case):
+        marks = [mark for title, each in studies.items() for mark in marks_of(each, title)]
+        with StudyFolder(study.folder).lock():
+            yield from write_layers(marks, study.folder)
+    return not any(row.why and not row.point.omitted for each in studies.values() for row in each.rows)
+
+
+def _scenes(asked: StudyRequest, quick: bool) -> Iterator[tuple[str, StudyRequest]]:
+    """Yield the requests of the scenes below a folder by their titles.  Raises CaseError."""
+    for scene, study in find_scenes(asked.study):
+        sized = scene.sized(quick)
+        yield (
+            scene.title,
+            StudyRequest(
+                replace(study, sets=(*study.sets, *sized.sets)),
+                _names("--parameters", ",".join(scene.parameters), [*PARAMETERS], []),
+                sized.points or asked.values,
+                sized.seeds or asked.seeds,
+                sized.budget_s or asked.budget_s,
+                _names("--quantities", ",".join(scene.quantities), COMPARED, []),
+                keeps_model=True,
+            ),
+        )
+
+
+def _study(request: StudyRequest) -> Generator[str | Table | Path, None, AccuracyStudy]:
+    """Make the study of a case, yield what it says and writes, and return it."""
+    folder = request.study.folder
+    with StudyFolder(folder).lock():
         completed = yield from run_study(request)
     yield cost_table(completed)
     yield from (f"not compared: {row.point.label}: {row.why}" for row in completed.rows if row.why)
     yield from advice(completed)
     yield from warnings(completed)
-    yield from write_study(completed, study.folder)
-    return not any(row.why and not row.point.omitted for row in completed.rows)
+    yield from write_study(completed, folder)
+    return completed
 
 
 def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) -> tuple[str, ...]:
@@ -100,5 +149,5 @@ def _predictions(request: StudyRequest) -> Iterator[str]:
     by = "by what was measured here" if any(one.metrics for one in start) else "good to a factor of three"
     yield (
         f"in all {total_s:.0f} s of processor time ({by}), {request.study.crew.workers} at a time; "
-        "then up to six points, each within the budget, that these propose"
+        "then up to eight points, each within the budget, that these propose"
     )

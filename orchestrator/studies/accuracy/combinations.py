@@ -31,6 +31,14 @@ START = ("start", "rest")
 """The parts of a run's time that do not depend on the simulated time."""
 
 
+def stepping_s_per_s(parts_s: Mapping[str, float], simulated_s: float) -> float:
+    """Return the processor time per simulated second in s, without the start.
+
+    ``parts_s`` is the processor time in s by part of the program.
+    """
+    return sum(time_s for part, time_s in parts_s.items() if part not in START) / simulated_s
+
+
 def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
     """Return the ``--set`` overlays of joint settings by axis, in the order of the axes."""
     return tuple(overlay for setting in settings.values() for overlay in setting.sets)
@@ -47,7 +55,8 @@ class StudyRequest:
 
     ``values`` is the number of values of each parameter, ``seeds`` the number of runs of each point with
     different random numbers, and ``budget_s`` the largest processor time of a single run.  ``judged_by`` are
-    the quantities whose errors decide.
+    the quantities whose errors decide.  ``keeps_model`` says whether other models are only compared, and not
+    recommended.
     """
 
     study: CaseStudy
@@ -56,6 +65,7 @@ class StudyRequest:
     seeds: int
     budget_s: float
     judged_by: tuple[str, ...]
+    keeps_model: bool = False
 
 
 @dataclass(frozen=True)
@@ -114,12 +124,13 @@ class Combination:
     def cost(self) -> dict[str, float]:
         """The times of a single run, the number of runs side by side, and the largest memory of a run.
 
-        ``stepping_s_per_s`` is the processor time per simulated second, without the start.
+        ``stepping_s_per_s`` is the processor time per simulated second, without the start, which takes
+        ``start_s``.
         """
-        summaries = [of_run.summary for of_run in self.metrics]
-        stepping_s = sum(time_s for part, time_s in self.processor_by_part_s.items() if part not in START)
+        summaries, parts_s = [of_run.summary for of_run in self.metrics], self.processor_by_part_s
         return {
-            "stepping_s_per_s": stepping_s / summaries[0]["simulated_s"],
+            "stepping_s_per_s": stepping_s_per_s(parts_s, summaries[0]["simulated_s"]),
+            "start_s": sum(parts_s.get(part, 0.0) for part in START),
             "processor_s": float(np.mean([summary["processor_s"] for summary in summaries])),
             "wall_s": float(np.mean([summary["wall_s"] for summary in summaries])),
             "side_by_side": max(run.side_by_side() for run in self.runs),

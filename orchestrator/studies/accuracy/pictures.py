@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 
+from orchestrator.studies.accuracy import layers
 from orchestrator.studies.accuracy.combinations import ALONE, BASE, REFERENCE, TOGETHER, Error
 from orchestrator.studies.accuracy.convergence import MeasuredSeries
+from orchestrator.studies.accuracy.layers import Mark, scenes_of
 from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting, Row
 from orchestrator.workbench import Metrics, Picture
 
 DEEP = 1e4  # the ratio of the largest error to the least error that is drawn
-LEAST = 1e-4  # smaller errors are drawn at this value
+LEAST = 1e-6  # smaller errors are drawn at this value
 MARKS = "os^vDPX<>"
 RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 
@@ -132,6 +135,74 @@ def _look(number: int) -> dict[str, str]:
     return {"marker": MARKS[number % len(MARKS)], "color": Picture.colours[number % len(Picture.colours)]}
 
 
+def draw_layers(marks: Sequence[Mark], file: Path) -> Path:
+    """Draw the layers of every scene: numerics in decades over cost, and bands that no numerics change."""
+    scenes = scenes_of(marks)
+    columns = min(3, len(scenes))
+    drawn = Picture(len(scenes), columns, 5.2, 4.6, margin=0.0 if len(scenes) > 1 else 2.4)
+    curves = list(dict.fromkeys(mark.curve for mark in marks if mark.layer == layers.NUMERICS))
+    looks = {curve: _look(number) for number, curve in enumerate(curves)}
+    for axis, (title, of_scene) in zip(drawn.parts, scenes.items(), strict=True):
+        _draw_scene(axis, title, of_scene, looks)
+    keys = [
+        Line2D([], [], ms=6, label=curve, marker=look["marker"], color=look["color"])
+        for curve, look in looks.items()
+    ]
+    keys += [
+        Line2D([], [], marker="*", color=BLACK, ls="", ms=9, label="several together"),
+        Line2D([], [], marker="o", color=RED, ls="", ms=10, mfc="none", label="the case as it is"),
+        Line2D([], [], marker="o", color=GREY, ls="", mfc="white", label="within chance"),
+        Line2D([], [], marker="x", color=RED, ls="", ms=7, label="doubtful, or ended early"),
+        Line2D([], [], color=BLACK, ls="--", lw=0.9, label="no numerics change it"),
+    ]
+    free = drawn.grid.flat[len(scenes)] if len(scenes) < drawn.grid.size else None
+    if free is not None:
+        free.legend(handles=keys, loc="center left", fontsize=9.5)
+    else:
+        drawn.parts[columns - 1].legend(
+            handles=keys, loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5
+        )
+    return drawn.save(file)
+
+
+def _draw_scene(axis: Any, title: str, marks: Sequence[Mark], looks: Mapping[str, dict[str, str]]) -> None:
+    shown = [m for m in marks if m.layer in (layers.NUMERICS, layers.TOGETHER) and m.error and m.s_per_s]
+    bands = [m for m in marks if m.layer not in (layers.NUMERICS, layers.TOGETHER, layers.LOST) and m.error]
+    for curve, look in looks.items():
+        of_curve = sorted((m for m in shown if m.curve == curve), key=lambda m: m.s_per_s or 0.0)
+        axis.plot(*_spots(of_curve), color=look["color"], lw=1.1, alpha=0.8)
+    for mark in shown:
+        look = looks.get(mark.curve, {"marker": "*", "color": BLACK})
+        size = 9.0 if mark.layer == layers.TOGETHER else 5.5
+        grey = {"color": GREY, "mfc": "white"} if mark.is_chance else {"color": look["color"]}
+        axis.plot(mark.s_per_s, mark.error, look["marker"], ms=size, **grey)
+        if mark.is_own:
+            axis.plot(mark.s_per_s, mark.error, "o", ms=11, color=RED, mfc="none")
+    _scales(axis, "processor time per simulated second / s", "error")
+    axis.set_title(title)
+    axis.margins(x=0.08, y=0.08)
+    for mark in bands:
+        colour = GREY if mark.layer == layers.CHANCE else BLACK
+        axis.axhline(mark.error, color=colour, ls="--", lw=0.9, zorder=0)
+        if mark.layer == layers.CHANCE:
+            axis.axhspan(axis.get_ylim()[0] / 1e3, mark.error, color=GREY, alpha=0.10, lw=0, zorder=0)
+    heights = [m.error for m in (*shown, *bands) if m.error]
+    if heights:
+        axis.set_ylim(min(heights) / 2, 6 * max(heights))
+    for mark in marks:
+        if mark.layer == layers.LOST and mark.s_per_s:
+            axis.plot(mark.s_per_s, 0.97, "x", color=RED, ms=7, transform=axis.get_xaxis_transform())
+    near = {"fontsize": 7.5, "color": BLACK, "ha": "right", "va": "bottom"}
+    for mark in bands:
+        axis.text(
+            0.995, mark.error, f"{mark.curve}: {mark.label}", transform=axis.get_yaxis_transform(), **near
+        )
+
+
+def _spots(marks: Sequence[Mark]) -> tuple[list[float], list[float]]:
+    return [m.s_per_s or 0.0 for m in marks], [m.error or 0.0 for m in marks]
+
+
 def draw_costs(study: AccuracyStudy, file: Path) -> Path:
     """Draw the error of all points over their cost, with a line through the points that no other beats."""
     drawn = Picture(1, 1, 9.6, 5.6)
@@ -153,8 +224,11 @@ def draw_costs(study: AccuracyStudy, file: Path) -> Path:
     groups.append((own, "the case as it is", {"marker": "o", "color": RED}))
     for rows, label, look in groups:
         if rows:
-            x, y = _places(rows)
-            axis.scatter(x, y, s=90 if look["marker"] == "*" else 34, label=label, zorder=3, **look)
+            size, (x, y) = 90 if look["marker"] == "*" else 34, _places(rows)
+            sure, unsure = ([r for r in rows if r.error and r.error.is_certain is it] for it in (True, False))
+            axis.scatter(*_places(sure), s=size, label=label, zorder=3, **look)
+            by_chance = {"marker": look["marker"], "facecolors": "white", "edgecolors": GREY}
+            axis.scatter(*_places(unsure), s=size, zorder=3, **by_chance)
             widths = [_width(row) for row in rows]
             low, high = (
                 [max(h + sign * w, LEAST) for h, w in zip(y, widths, strict=True)] for sign in (-1, 1)

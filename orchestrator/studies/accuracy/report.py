@@ -11,7 +11,8 @@ from typing import Any
 from rich.table import Table
 
 from orchestrator.studies.accuracy.combinations import CALIBRATION, REFERENCE, TOGETHER, Combination, Error
-from orchestrator.studies.accuracy.pictures import draw_convergence, draw_costs, draw_models
+from orchestrator.studies.accuracy.layers import FILE, Mark, marks_of
+from orchestrator.studies.accuracy.pictures import draw_convergence, draw_costs, draw_layers, draw_models
 from orchestrator.studies.accuracy.stored import FORMAT, NAME
 from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting
 from orchestrator.studies.report import percent
@@ -27,6 +28,7 @@ def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
     tables = [into.write_csv("accuracy.csv", lines), into.write_parquet("accuracy.parquet", lines)]
     stored = into.write_json(NAME, as_json(study))
     plot = draw_costs(study, folder / "work-precision.png")
+    layers = write_layers(marks_of(study, study.loaded.name), folder)
     axes = [_axis(study, axis, folder) for axis in study.offer.titles]
     known = {name: each for name, each in Metrics.quantities.items() if not each.is_defect}
     page = into.write_page(
@@ -45,9 +47,16 @@ def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
         percent=percent,
         error=_error_in_words,
         plot=plot,
+        layers=layers[-1],
         axes=axes,
     )
-    return [*tables, stored, plot, *(file for each in axes for file in each["files"]), page]
+    return [*tables, stored, *layers, plot, *(file for each in axes for file in each["files"]), page]
+
+
+def write_layers(marks: Sequence[Mark], folder: Path) -> list[Path]:
+    """Write marks as a table and as a picture of all their scenes, and return the files."""
+    table = StudyFolder(folder).write_csv(FILE, [mark.cells for mark in marks])
+    return [table, draw_layers(marks, folder / "layers.png")]
 
 
 def _axis(study: AccuracyStudy, axis: str, folder: Path) -> dict[str, Any]:

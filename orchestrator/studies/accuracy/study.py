@@ -50,7 +50,7 @@ from orchestrator.studies.points import Point, is_random, run_points, seed_sets
 from orchestrator.workbench import Case, CaseError, CaseProblem, Offer, RefinementSeries, Run, Setting
 from orchestrator.workbench.vocabulary import exact
 
-TOLERANCES = (0.01, 0.02, 0.05, 0.1, 0.2)
+TOLERANCES = (1e-4, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2)
 RECOMMENDED = (0.01, 0.05, 0.1)
 SHORT = 5  # the number of parts of the run, of which the short run has one
 
@@ -196,17 +196,24 @@ class AccuracyStudy:
         every = (measure_series(one, self.measured, self.spread, self.known) for one in self.offer.series)
         return [one for one in every if one is not None]
 
-    def best(self, axis: str) -> MeasuredSeries | None:
-        """Return the measured series of an axis that is nearest to the truth; None where there is none."""
-        mine = [one for one in self.measured_series if one.series.axis == axis]
-        return max(mine, key=lambda one: one.series.rank, default=None)
+    def best(self, axis: str, of_choices: bool = False) -> MeasuredSeries | None:
+        """Return the measured series of an axis that is nearest to the truth; None where there is none.
 
-    def compare_settings(self, axis: str, spread: Scatter | None = None) -> list[ComparedSetting]:
+        With ``of_choices``, only series whose settings may be recommended count.
+        """
+        mine = (one for one in self.measured_series if one.series.axis == axis)
+        counted = [one for one in mine if one.series.is_choice or not of_choices]
+        return max(counted, key=lambda one: one.series.rank, default=None)
+
+    def compare_settings(
+        self, axis: str, spread: Scatter | None = None, of_choices: bool = False
+    ) -> list[ComparedSetting]:
         """Compare every measured setting of an axis with the best of them.
 
-        ``spread`` is the scatter that counts as chance, by default the scatter of this study.
+        ``spread`` is the scatter that counts as chance, by default the scatter of this study.  With
+        ``of_choices``, the best is one that may be recommended.
         """
-        best = self.best(axis)
+        best = self.best(axis, of_choices)
         if best is None:
             return []
         finest, reference, spread = best.settings[-1], best.points[-1], spread or self.spread
@@ -224,7 +231,7 @@ class AccuracyStudy:
         """
         options: dict[str, list[Option]] = {}
         for axis in self.offer.titles:
-            every = self.compare_settings(axis, spread)
+            every = self.compare_settings(axis, spread, of_choices=True)
             deciding = next((self.deciding(one.point) for one in every if one.is_best), [])
             choices = {
                 one.setting: one
@@ -242,7 +249,7 @@ class AccuracyStudy:
     @cached_property
     def remaining_errors(self) -> dict[str, float]:
         """The sum of the errors that remain with the best setting of every axis, by quantity."""
-        best = [one for axis in self.offer.titles if (one := self.best(axis)) is not None]
+        best = [one for axis in self.offer.titles if (one := self.best(axis, of_choices=True)) is not None]
         return {name: sum(one.remaining_error(name) for one in best) for name in self.judged_by}
 
     def model(self, spread: Scatter | None = None) -> Model:
@@ -323,6 +330,9 @@ def plan_study(request: StudyRequest) -> AccuracyStudy:
     """
     loaded = request.study.check()
     offered = loaded.refined(request.parameters, request.values)
+    if request.keeps_model:
+        kept = (replace(one, is_choice=one.is_choice and one.layer != "model") for one in offered.series)
+        offered = replace(offered, series=tuple(kept))
     lengths_s = [one.h or 0.0 for series in offered.of("coupling") for one in series.settings]
     shared = shared_sets(loaded, max([loaded.tables.coupling.sync_interval_s, *lengths_s]))
     # the answers are for the described case: overlays that change its physics make them invalid
