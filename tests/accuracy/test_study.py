@@ -113,6 +113,15 @@ def test_a_study_of_nothing_says_so(out: Path) -> None:
     assert (problem.file, problem.kind) == (str(out.with_name("nothing") / "base"), "conflict")
 
 
+def test_a_seed_that_finds_no_room_is_a_problem_of_the_case(tmp_path: Path) -> None:
+    """298 stones find room by the case's own random numbers, and not by those of all other seeds."""
+    stones = ("bed.blocks.coal.count=298", "bed.blocks.coal.shape=stone")
+    study = CaseStudy(ROOT / "cases/quickstart", "draft", stones, tmp_path, Crew(1))
+    study.check()
+    with pytest.raises(CaseError, match="has room for"):
+        plan_study(StudyRequest(study, ("sync",), 3, 6, 600.0, DECISIVE))
+
+
 def test_a_study_without_a_quantity_that_decides_says_so(study: AccuracyStudy, out: Path) -> None:
     """No particle leaves this panel, so that no efficiency can be wrong."""
     with pytest.raises(CaseError) as refused:

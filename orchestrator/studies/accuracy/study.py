@@ -130,7 +130,8 @@ class AccuracyStudy:
     def combine(self, kind: str, settings: dict[str, Setting]) -> Combination:
         """Check joint settings, and return them as a point of this study with the predicted time of a run.
 
-        Settings with which the case is wrong give a point without runs.
+        Settings with which the case is wrong give a point without runs.  Raises CaseError where the unchanged
+        case is wrong with one of the seeds.
         """
         name, case = folder_name(kind, settings), self.loaded
         seeds = self.request.seeds if is_random(case) and kind != CALIBRATION else 1
@@ -141,6 +142,8 @@ class AccuracyStudy:
                 run = self.request.study.point(name, sets, f"{name}-seed{number}" if number else name)
                 runs.append(replace(run, ended=Run.is_over))
         except CaseError as error:
+            if kind == BASE:
+                raise
             return Combination(kind, name, settings, omitted=str(error.problems[0]))
         return Combination(kind, name, settings, tuple(runs), runs[0].loaded.predicted_s)
 
