@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.studies.accuracy.combinations import StudyRequest
 from orchestrator.studies.accuracy.layers import (
     CHANCE,
     FILE,
@@ -18,12 +19,14 @@ from orchestrator.studies.accuracy.layers import (
     MODEL,
     NUMERICS,
     Mark,
+    marks_of,
     read_marks,
     scenes_of,
 )
 from orchestrator.studies.accuracy.report import write_layers
 from orchestrator.studies.accuracy.scenes import Scene, find_scenes
-from orchestrator.studies.points import CaseStudy
+from orchestrator.studies.points import CaseStudy, Crew
+from tests.accuracy.test_study import made
 from tests.runs.outside import ROOT, flipflow
 
 BALL = Mark("ball", NUMERICS, "panel mesh", "strip, 22 cells", s_per_s=3.0, start_s=1.0, error=1e-2)
@@ -126,3 +129,27 @@ def test_a_folder_without_scenes_ends_with_a_hint(tmp_path: Path) -> None:
     done = flipflow("study", "accuracy", str(tmp_path))
     assert done.returncode == 2
     assert "has no case with accuracy.toml" in done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_a_study_that_keeps_its_model_draws_another_one_as_a_band(tmp_path: Path) -> None:
+    """The finest strip is held against the finest sheet, and the reference stays a strip."""
+    where = CaseStudy(ROOT / "cases/panel-cycle", "draft", ("duration_s=0.1",), tmp_path, Crew(2))
+    parameters, judged_by = ("panel-mesh", "panel-model=sheet"), ("deflection_m",)
+    asked = StudyRequest(where, parameters, 3, 1, 600.0, judged_by, keeps_model=True)
+    kept, free = made(asked), made(replace(asked, keeps_model=False))
+    assert "sheet" in free.measured[free.reference].label
+    assert "sheet" not in kept.measured[kept.reference].label
+    marks = marks_of(kept, "panel")
+    mesh = [mark for mark in marks if mark.layer == NUMERICS]
+    assert [mark.label for mark in mesh] == ["strip, 11 cells", "strip, 22 cells"]
+    assert [mark.is_own for mark in mesh] == [False, True]
+    (band,) = (mark for mark in marks if mark.layer == MODEL)
+    names = ("panel-strip-44-cells", "panel-sheet-33-x-12-cells")
+    finest, sheet = (kept.measured[name].mean("deflection_m") for name in names)
+    assert finest
+    assert sheet
+    assert band.label == "strip, 44 cells"
+    assert band.error == pytest.approx(abs(finest - sheet) / sheet)
+    assert all(mark.s_per_s and mark.start_s for mark in mesh)
