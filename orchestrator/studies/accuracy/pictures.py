@@ -169,7 +169,7 @@ def _draw_scene(axis: Any, title: str, marks: Sequence[Mark], looks: Mapping[str
     shown = [m for m in marks if m.layer in (layers.NUMERICS, layers.TOGETHER) and m.error and m.s_per_s]
     bands = [m for m in marks if m.layer not in (layers.NUMERICS, layers.TOGETHER, layers.LOST) and m.error]
     for curve, look in looks.items():
-        of_curve = sorted((m for m in shown if m.curve == curve), key=lambda m: m.s_per_s or 0.0)
+        of_curve = [mark for mark in shown if mark.curve == curve]  # from coarse to fine
         axis.plot(*_spots(of_curve), color=look["color"], lw=1.1, alpha=0.8)
     for mark in shown:
         look = looks.get(mark.curve, {"marker": "*", "color": BLACK})
