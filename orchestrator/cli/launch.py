@@ -27,6 +27,7 @@ from orchestrator.case import provenance
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, open_hdf5
 from orchestrator.case.file.whole import write_json
+from orchestrator.cli import accuracy
 from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, TextConsole, find_all_problems
 from orchestrator.cli.overview import adhesion_lines
 from orchestrator.coupling import mpi
@@ -46,6 +47,7 @@ from orchestrator.output.records.run_folder import (
     write_case,
 )
 from orchestrator.output.report.corners import range_lines
+from orchestrator.output.report.errors import closing_line
 from orchestrator.output.report.headline import headline_lines
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
@@ -279,7 +281,8 @@ def _execute(
         for line in lines:
             LOG.warning(line)
             console.print(f"warning: {line}")
-        coupled_run = Run(loaded, entries, stability, folder, world, console, checkpoint)
+        found = mpi.first_rank_does(world, lambda: accuracy.found(loaded, folder, checkpoint is not None))
+        coupled_run = Run(loaded, entries, stability, folder, world, console, found, checkpoint)
         return _run_to_the_end(coupled_run, loaded, folder, world, console)
 
 
@@ -387,6 +390,7 @@ def _finish(
             ranges = range_lines(folder, loaded, results)
             for line in (*summary.closing_lines(figures), *headline_lines(results), *ranges):
                 _print_and_log(line, console)
+            _print_and_log(closing_line(figures), console)
             for doubt in figures["doubts"]:
                 LOG.warning("do not trust this run: %s", doubt)
                 console.print(f"WARNING: do not trust this run: {doubt}")

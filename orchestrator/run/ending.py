@@ -14,12 +14,14 @@ from typing import Any
 from rich.console import Console
 
 from orchestrator.case.file.slice import share
+from orchestrator.figures.accuracy import Accuracy
 from orchestrator.figures.figure import to_json
 from orchestrator.figures.results import Results
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import summary, trust
 from orchestrator.output.records.history import write_accelerations, write_results
 from orchestrator.output.records.run_folder import HISTORY, LOG
+from orchestrator.output.report.errors import errors_table
 from orchestrator.output.results.compute import compute_results, record_error
 from orchestrator.output.results.machine import acceleration_series, point_ranges
 from orchestrator.output.results.observed import check_effects_by_run
@@ -37,13 +39,15 @@ KILLED = "stopped while its results were being made"  # what the summary says un
 
 @dataclass(frozen=True)
 class Ending:
-    """The writer of a run's end; ``effects`` and ``stability`` are the judgements from before the run."""
+    """The writer of a run's end; ``effects``, ``stability`` and ``accuracy`` are what was known before the
+    run."""
 
     loaded: JudgedCase
     effects: Mapping[str, Entry]
     stability: StabilityReport
     folder: Path
     console: Console
+    accuracy: Accuracy
 
     def write(self, progress: Progress, status: str, reason: str) -> dict[str, Any]:
         """Write ``summary.json`` and the pictures, and return the summary.
@@ -78,6 +82,7 @@ class Ending:
         if figures["sync_intervals"]:
             self._add_results(figures)
         figures["doubts"] = trust.doubts(figures) if status != "failed" else []
+        figures["accuracy"] = errors_table(self.accuracy, figures)
         if status == trust.DONE:
             figures["status"] = trust.state_at_end(figures)
         summary.write_summary(folder, figures)

@@ -17,6 +17,7 @@ from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State, initial_state
+from orchestrator.figures.accuracy import Accuracy
 from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import LOG
@@ -37,7 +38,8 @@ from orchestrator.run.progress import Progress, ProgressBar
 class Run:
     """A coupled run in its folder; every rank of ``world`` (MPI communicator or None) has one.
 
-    With a ``checkpoint`` the run goes on from there, in the folder of the run that wrote it.
+    ``accuracy`` is what a stored study says about it.  With a ``checkpoint`` the run goes on from there, in
+    the folder of the run that wrote it.
     """
 
     def __init__(
@@ -48,12 +50,13 @@ class Run:
         folder: Path,
         world: Any,
         console: Console,
+        accuracy: Accuracy,
         checkpoint: Checkpoint | None = None,
     ) -> None:
         self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
         self._case, self._stability, self.resumes = loaded.case, stability, checkpoint
         self._coupled_as = replace(loaded, case=with_scheme(loaded.case, stability.scheme))
-        self._ending = Ending(loaded, effects, stability, folder, console)
+        self._ending = Ending(loaded, effects, stability, folder, console, accuracy)
         self._progress = Progress()
         if checkpoint is not None:
             self._progress.restore(checkpoint.about["progress"])

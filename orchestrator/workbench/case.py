@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.case.file.layers import find_changes
+from orchestrator.case.file.nested import leaves
 from orchestrator.case.load import read_tables
 from orchestrator.case.tables.case import Case as Tables
 from orchestrator.case.tables.case import has_particles
@@ -19,7 +21,7 @@ from orchestrator.preflight import cost, level_file, refinement
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import NUMERICS, JudgedCase, load_judged
 from orchestrator.preflight.scene.scene import bed_kg
-from orchestrator.preflight.stability.report import stability_report
+from orchestrator.preflight.stability.report import case_with_scheme, stability_report
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,33 @@ class Case:
             (before["files"], now["files"]),
         )
         return [*dict.fromkeys(".".join(key) for one, other in parts for key in find_changes(one, other))]
+
+    @property
+    def left_out(self) -> list[str]:
+        """The effects that its key ``effects`` leaves out."""
+        return sorted(self.judged.choice.left_out)
+
+    @property
+    def overrides(self) -> tuple[str, ...]:
+        """Its ``--set`` overlays."""
+        return self.judged.origin.overrides
+
+    @cached_property
+    def values(self) -> dict[str, Any]:
+        """The values of all keys as it will be run, by dotted keys."""
+        return {".".join(map(str, key)): value for key, value in leaves(resolved_case(self.judged))}
+
+    @cached_property
+    def scheme(self) -> str:
+        """The name of its coupling scheme, chosen by the program where the case leaves it to that."""
+        return case_with_scheme(self.tables).coupling.scheme
+
+    def with_sets(self, sets: Sequence[str]) -> Case:
+        """Return the case of the same folder and level with these ``--set`` overlays in place of its own.
+
+        It is not checked.  Raises CaseError.
+        """
+        return Case(load_judged(self.folder, self.level, sets))
 
     def changes_in(self, run: Path) -> list[str]:
         """Return the dotted keys and the files in which the case of the run in a folder differs.

@@ -64,6 +64,9 @@ def test_the_keys_of_the_summary(folder: Path) -> None:
     assert set(table) == documented("## `summary.json`")
     for row in table["effects"].values():
         assert set(row) == documented("### each of `effects`")
+    assert set(table["accuracy"]) == documented("### `accuracy`")
+    for figure in table["accuracy"]["figures"].values():
+        assert set(figure) == documented("### each of `accuracy.figures`")
     assert set(table["material"]) == documented("### `material`")
     assert set(table["monitor"]) == documented("### `monitor`")
     for figure in table["monitor"]["figures"].values():

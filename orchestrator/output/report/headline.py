@@ -34,7 +34,9 @@ class Tile:
 
     ``interval`` is the half width of its confidence interval, or empty.  ``over`` names the particles, cycles
     and seconds behind the figure; ``unsteady`` is True if it comes from a transient.  ``also`` is the value
-    in another unit, or empty.  Where the value is ``UNKNOWN``, ``over`` says why.
+    in another unit, or empty.  Where the value is ``UNKNOWN``, ``over`` says why.  ``path`` has the keys of
+    the figure in ``summary.json``, with a * for the largest of several, and ``estimate`` its value of the
+    whole width in SI units; empty and None for a figure without a value of its own.
     """
 
     name: str
@@ -44,6 +46,8 @@ class Tile:
     over: str
     unsteady: bool
     also: str = ""
+    path: str = ""
+    estimate: Estimate | None = None
 
     @property
     def line(self) -> str:
@@ -89,17 +93,22 @@ class Teller:
     unsteady: bool
     share_of_width: float
 
-    def tile(self, path: str, estimate: Estimate | None, words: str = "") -> Tile:
-        """Return the tile of the figure at a path below ``results``, by words of its own or the figure's."""
+    def tile(self, path: str, estimate: Estimate | None, words: str = "", name: str = "*") -> Tile:
+        """Return the tile of the figure at a path below ``results``, by words of its own or the figure's.
+
+        ``name`` stands in the path for a *; without it the figure is the largest of several.
+        """
         figure, over = FIGURES[f"results.{path}"], self.over
-        scale = figure.shown_scale
         words = words or figure.words
-        if figure.is_extensive and self.share_of_width < 1.0:
-            scale, words = scale / self.share_of_width, f"{words}, of the whole width"
-        value, _, width = interval(estimate, scale).partition(" ± ")
+        if estimate and figure.is_extensive and self.share_of_width < 1.0:
+            estimate, words = estimate.times(1.0 / self.share_of_width), f"{words}, of the whole width"
+        value, _, width = interval(estimate, figure.shown_scale).partition(" ± ")
         if estimate and estimate.reason:
             over += f"; {estimate.reason}"
-        return Tile(words, value, width, figure.shown_unit, over, self.unsteady)
+        place = figure.path.replace("*", name)
+        return Tile(
+            words, value, width, figure.shown_unit, over, self.unsteady, path=place, estimate=estimate
+        )
 
 
 def _material_tiles(results: Results) -> Iterator[Tile]:
@@ -140,7 +149,8 @@ def _screening_tiles(screening: Screening, missing: dict[str, str], told: Teller
         else:
             estimate = None if name == RECOVERY and _is_efficiency(screening) else getattr(screening, name)
             over = f"{getattr(screening, counted)} {counted.replace('_', ' ')} that left, {told.over}"
-        yield replace(told, over=over).tile(f"screening.{name}", estimate, words)
+        tile = replace(told, over=over).tile(f"screening.{name}", estimate, words)
+        yield replace(tile, path=f"results.screening.cohort.{name}") if cohort else tile
 
 
 def _describe_cohort(cohort: CohortShares) -> str:
@@ -175,23 +185,22 @@ def _motion_tiles(results: Results) -> Iterator[Tile]:
         return
     told = Teller(_describe_window(motion), not motion.is_settled, results.share_of_width)
     for name, orbit in motion.relative.items():
-        yield told.tile("motion.relative.*.along_m", orbit.along_m, f"relative amplitude {name}, along")
+        words = f"relative amplitude {name}, along"
+        yield told.tile("motion.relative.*.along_m", orbit.along_m, words, name)
     for name, speed_rad_per_s in motion.shafts_rad_per_s.items():
         speed = Estimate(speed_rad_per_s)
-        yield told.tile("motion.shafts_rad_per_s.*", speed, f"speed of the shaft {name}")
+        yield told.tile("motion.shafts_rad_per_s.*", speed, f"speed of the shaft {name}", name)
     if ground := motion.ground:
         for axis, name in (("x", "horizontal"), ("z", "vertical")):
             words = f"force of the bushings on the ground, {name} amplitude"
-            yield told.tile("motion.ground.amplitude_N.*", ground.amplitude_N[axis], words)
+            yield told.tile("motion.ground.amplitude_N.*", ground.amplitude_N[axis], words, axis)
     if points := motion.panel_points:
         name = max(points, key=lambda name: points[name].cycle_peak_g.value or 0.0)
         part = "cycle" if motion.cycles else "fiftieth of the run"
         for key in ("cycle_peak_g", "cycle_peak_100_Hz_g", "rms_g"):
             words = FIGURES[f"results.motion.panel_points.*.{key}"].words.replace("cycle", part)
-            estimate = getattr(points[name], key)
-            yield told.tile(
-                f"motion.panel_points.*.{key}", estimate, f"panel acceleration at {name}, {words}"
-            )
+            words = f"panel acceleration at {name}, {words}"
+            yield told.tile(f"motion.panel_points.*.{key}", getattr(points[name], key), words, name)
     arched = [panel.turns_up_share for panel in motion.panels.values()]
     if any(arched):
         share = number(max(up for up in arched if up is not None), 100)

@@ -26,6 +26,7 @@ from orchestrator.output import checkpoints
 from orchestrator.output.records.run_folder import HISTORY, PAGE, SUMMARY, is_at_work
 from orchestrator.output.report import facts
 from orchestrator.output.report.corners import range_lines
+from orchestrator.output.report.errors import about_errors, error_of
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
@@ -188,6 +189,8 @@ def page(folder: Path, results: Results, film: Callable[[Path, float], Film]) ->
             describe_sizes=facts.describe_sizes,
             cut_size_m=results.screening.cut_size_m if results.screening else cut_size_m(run.case),
             headline=headline(results),
+            error_of=lambda tile: error_of(summary, tile.path),
+            about_errors=about_errors(summary),
             not_steady=NOT_STEADY,
             driven=run.is_driven,
             ranges=range_lines(folder, run.judged, results),

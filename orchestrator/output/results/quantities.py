@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -23,7 +23,7 @@ from orchestrator.case.tables.quantities import Number, OneLine, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.figures.figure import Figure
 from orchestrator.figures.results import FIGURES, orbit_places, why_no_orbits
-from orchestrator.figures.short_names import Value, unit_at, value_at
+from orchestrator.figures.short_names import SHORT_NAMES, Value, unit_at, value_at
 from orchestrator.output.cycles import cycle_numbers, cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import processor_by_part_s
@@ -298,6 +298,22 @@ def _own(name: str, words: str, short: str, **known: Any) -> Quantity:
     return Quantity(words, short=short, path=name, **known)
 
 
+def _of_headline(name: str, short_name: str, short: str) -> Quantity:
+    """Return the quantity that is a result with a short name, of the whole width; it is compared, but does
+    not decide."""
+    record = SHORT_NAMES[short_name].figure
+    return Quantity(**vars(replace(record, path=name, is_extensive=False, is_decisive=False)), short=short)
+
+
+NAMED = {
+    "stroke_m": ("stroke", "stroke"),
+    "points_rms_g": ("rms_g", "points rms"),
+    "points_peak_g": ("cycle_peak_g", "points peak"),
+    "stretch_percent": ("stretch", "stretch"),
+    "power_W": ("power", "power"),
+}
+"""Quantities that are results with short names: by their own names, which end with a unit, the short name of
+the result and the head of a column."""
 _EVERY = (
     _own("deflection_m", "panel: half range of the middle against its clamps, in a cycle", "deflection"),
     _own("shape", "panel: shape over the cycles", "shape", is_decisive=False),
@@ -315,6 +331,7 @@ _EVERY = (
     _own("passing_kg_per_s", "passing: through the exits", "passing", is_extensive=True),
     _of_results("screening.efficiency_percent", "efficiency"),
     _of_results("bed.velocity_m_per_s", "velocity"),
+    *(_of_headline(name, *names) for name, names in NAMED.items()),
     _own(
         "energy_defect",
         "energy created by the coupling, of what was exchanged and lost",
@@ -369,6 +386,8 @@ def measure(folder: Path) -> Metrics:
         values = {"frame_half_range_m": _frame_half_range_m(history, start_s)} if case.screen.frames else {}
         if case.screen.exits:  # without exits nothing flows, and a mean velocity is the velocity of a swing
             values |= _exit_values(history, summary, start_s, end_s)
+    of_results = {name: value_at(summary, short_name) for name, (short_name, _) in NAMED.items()}
+    values |= {name: value.value for name, value in of_results.items() if value is not None}
     for name in panels[0][0] if panels else ():
         values[name] = float(np.mean([of_panel[name] for of_panel, _ in panels]))
     for name, value in values.items():

@@ -116,6 +116,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
         "level": study.loaded.level,
         "read": study.loaded.as_read,
         "sets": list(study.request.study.sets),
+        "left_out": study.loaded.left_out,
         "shared": list(study.shared),
         "duration_s": base.metrics[0].summary["simulated_s"],
         "judged_by": study.judged_by,

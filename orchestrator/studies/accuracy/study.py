@@ -253,7 +253,7 @@ class AccuracyStudy:
     def remaining_errors(self) -> dict[str, float]:
         """The sum of the errors that remain with the best setting of every axis, by quantity."""
         best = [one for axis in self.offer.titles if (one := self.best(axis, of_choices=True)) is not None]
-        return {name: sum(one.remaining_error(name) for one in best) for name in self.judged_by}
+        return {name: sum(one.remaining_error(name) for one in best) for name in COMPARED}
 
     def model(self, spread: Scatter | None = None) -> Model:
         """Return the model that predicts error, against the best settings, and cost of joint settings."""
