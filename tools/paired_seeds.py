@@ -1,7 +1,7 @@
 """Whether cheap runs foretell dear ones: pairs of runs with the same seeds.
 
     python -m tools.paired_seeds CASE OUT --cheap SETTING [--cheap SETTING ...] [--dear SETTING]
-        [--both SETTING] [--seeds 10] [--first 1] [--from SECONDS] [--parts 1,2,4]
+        [--both SETTING] [--seeds 10] [--first 1] [--from SECONDS]
 
 A SETTING is a text of words: KEY=VALUE as of ``--set``, or the name of a level.  For each seed the tool runs
 the dear setting and each cheap one with this seed in all feeds, unless the run is there, and adds a line to
@@ -11,9 +11,8 @@ the run's own.  It prints, for each cheap setting,
 - the correlation with the dear one over the seeds, with its 95 % interval by Fisher's z;
 - the standard error of the mean efficiency for one processor hour, by the dear setting alone, by two levels
   (Giles, Operations Research 56(3), 2008, 607-617, doi 10.1287/opre.1070.0496) and with the cheap setting as
-  a control variate of known coefficient; and the correlation from which the latter would pay;
+  a control variate of known coefficient; and the correlation from which the latter would pay.
 
-and how the scatter of the efficiency depends on the seconds that are counted, from parts of the same runs.
 Measured figures: docs/measured/accuracy.md, "Cheap runs beside dear ones".
 """
 
@@ -24,7 +23,7 @@ import csv
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -32,11 +31,9 @@ import numpy as np
 
 import flipflow
 from orchestrator.figures.short_names import value_at
-from orchestrator.output.results.events import Events, read_events
-from orchestrator.output.results.listed_feed import listed_feed
-from orchestrator.output.results.run_reader import RunReader, cut_size_m
-from orchestrator.output.results.screening import fine_or_coarse, placements
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
+from tools.scatter import efficiencies
 
 HOUR_S = 3600.0
 NORMAL_95 = 1.96
@@ -111,25 +108,6 @@ def _of_both(first: float, first_s: float, second: float, second_s: float, proce
     return (first * math.sqrt(first_s) + second * math.sqrt(second_s)) / math.sqrt(processor_s)
 
 
-def efficiencies(run: RunReader, from_s: float, parts: int = 1) -> Array:
-    """Return the efficiency in % of what left in each of equal parts (parts,) after a time."""
-    tables = read_events(run.history)
-    assert tables is not None, "the run counts what leaves"
-    events, feeds = Events(*tables, run.edges_s), tuple(run.case.bed.feeds.values())
-    events = replace(events, listed=listed_feed(feeds, (from_s, run.end_s)))
-    removed, exits = events.removed, events.exits
-    edges_s, group = np.linspace(from_s, run.end_s, parts + 1), 2 * removed.exit
-    group = group + fine_or_coarse(removed.sieve_size_m, cut_size_m(run.case) or np.inf)
-    part = np.searchsorted(edges_s, removed.time_s) - 1
-    found = []
-    for number in range(parts):
-        rows = (part == number) & (removed.exit >= 0)
-        out_kg = np.bincount(group[rows], events.left_kg[rows], 2 * len(exits.names)).astype(float)
-        out_kg = out_kg.reshape(-1, 2)
-        found.append(100.0 * placements(out_kg, exits)["efficiency"])
-    return np.array(found)
-
-
 def made(given: argparse.Namespace, setting: str, seed: int, folder: Path) -> flipflow.Run:
     """Return the run of a setting with a seed, which is made if it is missing."""
     if (folder / "summary.json").exists():
@@ -162,22 +140,6 @@ def row(run: flipflow.Run, setting: str, seed: int, given_s: float | None) -> di
                 "standard_error"
             ),
         }
-
-
-def print_scatter(folders: Sequence[Path], from_s: float | None, parts: Sequence[int]) -> None:
-    """Print the deviation of the efficiency between equal parts of runs, by the number of parts."""
-    for count in parts:
-        values = []
-        for folder in folders:
-            with RunReader(folder) as run:
-                begin_s = run.end_s / 2 if from_s is None else from_s
-                values.append(efficiencies(run, begin_s, count))
-                seconds = (run.end_s - begin_s) / count
-        deviation = float(np.concatenate(values).std(ddof=1))
-        print(
-            f"  {seconds:.2f} s, {len(values)} x {count}: deviation {deviation:.2f} %, "
-            f"times the root of the seconds {deviation * math.sqrt(seconds):.2f}"
-        )
 
 
 def print_pairs(name: str, column: str, levels: Levels) -> None:
@@ -217,7 +179,6 @@ def main(words: Sequence[str]) -> None:
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--from", dest="from_s", type=float)
-    parser.add_argument("--parts", type=lambda text: [int(word) for word in text.split(",")], default=[1])
     given = parser.parse_args(words)
     settings = {"dear": given.dear} | {f"cheap-{i}": text for i, text in enumerate(given.cheap, 1)}
     given.out.mkdir(parents=True, exist_ok=True)
@@ -237,13 +198,10 @@ def main(words: Sequence[str]) -> None:
         for column in ("efficiency_percent", "velocity_m_per_s", "processor_s")
     }
     for name, setting in settings.items():
-        folders = [given.out / f"{name}-{given.first + i}" for i in range(given.seeds)]
-        print(f"{name} ({setting or 'as it is'}): scatter of the efficiency by the seconds counted")
-        print_scatter(folders, given.from_s, given.parts)
         if name == "dear":
             continue
-        costs = (float(values[kind, "processor_s"].mean()) for kind in (name, "dear"))
-        cheap_s, dear_s = costs
+        print(f"{name}: {setting}")
+        cheap_s, dear_s = (float(values[kind, "processor_s"].mean()) for kind in (name, "dear"))
         for column in ("efficiency_percent", "velocity_m_per_s"):
             print_pairs(name, column, Levels(values[name, column], values["dear", column], cheap_s, dear_s))
 

@@ -327,7 +327,10 @@ def _lines(
     if measured.fixed > 0:
         yield f"of which ± {measured.fixed:.2g} {unit} are the error of the continued curve, and stay"
     if plan.within:
-        yield console_table("ways to it", HEAD, [*_rows(plan)], left=("settings",))
+        head, rows = HEAD, [*_rows(plan)]
+        if not any(one.way.numerics.sets for one in plan.within):
+            head, rows = head[:1] + head[2:], [each[:1] + each[2:] for each in rows]
+        yield console_table("ways to it", head, rows, left=("settings",))
     if (chosen := plan.choice) is not None:
         yield from _chosen(request, measured, chosen, unit)
     else:
@@ -335,7 +338,7 @@ def _lines(
     yield from _unknown(measured, plan, study, request)
 
 
-HEAD = ("way", "settings", "runs", "duration / s", "width / mm", "chance", "processor", "wall")
+HEAD = ["way", "settings", "runs", "duration / s", "width / mm", "chance", "processor", "wall"]
 
 
 def _kind(priced: Priced) -> str:

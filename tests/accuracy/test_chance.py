@@ -196,13 +196,13 @@ def test_a_run_is_planned_from(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     (run / "checkpoints/0001").mkdir(parents=True)
     asked = ("--for", "efficiency", "--budget", "2h", "--jobs", "1")
     for words in (("--tolerance", "5%", "--from", str(run)), ("--tolerance", "1.5 points")):
-        code, said = called(*asked, *words)
+        code, output = called(*asked, *words)
         assert code == 0
-        assert "± 1.5 points, 5 % of the value" in said
-        assert "flipflow run" in said or "flipflow resume" in said
-    code, said = called(*asked[:2], "--budget", "10s", "--tolerance", "0.5%")
+        assert "± 1.5 points, 5 % of the value" in output
+        assert "flipflow run" in output or "flipflow resume" in output
+    code, output = called(*asked[:2], "--budget", "10s", "--tolerance", "0.5%")
     assert code == 4
-    assert "flipflow study accuracy" in said
+    assert "flipflow study accuracy" in output
 
 
 @pytest.mark.parametrize(
