@@ -407,9 +407,32 @@ def materials(
 @app.command()
 def plan(
     case: CasePath,
-    tolerance: Annotated[str, typer.Option(metavar="SHARE", help="error, as 5% or 0.05")],
+    tolerance: Annotated[
+        str,
+        typer.Option(
+            metavar="SIZE", help='error, as 5% or 0.05 (relative); with --for of a share "2 points", too'
+        ),
+    ],
     budget: Annotated[str, typer.Option(metavar="TIME", help="wall time, as 90s, 30min, 1h or 2d")],
     level: Level = None,
+    result: Annotated[
+        str | None,
+        typer.Option(
+            "--for", metavar="NAME", help="result of the separation (efficiency, ...) whose chance counts"
+        ),
+    ] = None,
+    run: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="RUN",
+            help="with --for: measured run of the case [default: the longest in runs/ or in the study]",
+        ),
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", min=1, help="with --for: runs at a time [default: as the machine bears]"),
+    ] = None,
     study: Annotated[
         Path | None,
         typer.Option(
@@ -427,11 +450,37 @@ def plan(
     tolerance, their wall time on this machine and their error.  If the time does not fit the budget,
     the command prints what would.
 
+    With --for, the scatter of a measured run of the case says how many seconds, how wide a slice and
+    how many seeds leave half the width of the result's 95 % interval within the tolerance at the least
+    processor time; settings of the study, if there is one, count with the bound of their error.  Without a
+    measured run a pilot is made if it is cheap.
+
+      flipflow plan cases/near-mesh --for efficiency --tolerance 5% --budget 2h
+
     Exit code 0: the time fits; 4: it does not; 2: the case, the study or the command is wrong.
     """
     from orchestrator.cli.plan import choose_settings, parse_share, parse_time_s, print_choice
 
-    largest_error, budget_s = parse_share(tolerance), parse_time_s(budget)
+    budget_s = parse_time_s(budget)
+    if result is not None:
+        from orchestrator.cli.plan_result import Request, plan_result
+        from orchestrator.studies.points import workers_that_fit
+
+        if write is not None:
+            refuse("--write: writes settings of a study, and goes without --for")
+        loaded, sets, cores = (
+            check_or_report(case, level, overrides),
+            overrides or [],
+            jobs or workers_that_fit(),
+        )
+        request = Request(loaded, case, sets, result, tolerance, budget_s, run, study, cores)
+        if not plan_result(request):
+            raise typer.Exit(FAILED)
+        return
+    for name, given in (("--from", run), ("--jobs", jobs)):
+        if given is not None:
+            refuse(f"{name}: goes with --for alone")
+    largest_error = parse_share(tolerance)
     loaded, sets = check_or_report(case, level, overrides), overrides or []
     plan = choose_settings(loaded, case, level, study, largest_error, budget_s, sets)
     if not print_choice(plan, case, sets, loaded):

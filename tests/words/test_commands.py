@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import console
 from orchestrator.cli.main import app
+from tests.accuracy.test_chance import run_folder as measured_run
 from tests.case import test_apertures, test_checks, test_slice, test_units
 from tests.case.test_apertures import KEY, SLOTTED
 from tests.cases import CASE, LEVEL, case_folder, complaints
@@ -175,6 +176,18 @@ def test_plan(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> No
     assert output_of("plan", case, "--tolerance", "5%", "--budget", "1 week") == snapshot(name="no time")
     given = ["--tolerance", "5%", "--budget", "1h", "--study", "absent.json"]
     assert output_of("plan", case, *CHEAP, *given) == snapshot(name="no study")
+
+
+def test_plan_for(output_of: OutputOf, tmp_path: Path, snapshot: SnapshotAssertion) -> None:
+    case, run = str(ROOT / "cases/near-mesh"), measured_run(tmp_path / "run")
+    (run / "checkpoints/0001").mkdir(parents=True)
+    asked = ["plan", case, "--for", "efficiency", "--jobs", "2", "--from", "run"]
+    assert output_of(*asked, "--tolerance", "5%", "--budget", "1h") == snapshot(name="a way")
+    assert output_of(*asked, "--tolerance", "0.2 points", "--budget", "2min") == snapshot(name="no time")
+    assert output_of(*asked, "--tolerance", "5 mm", "--budget", "1h") == snapshot(name="no tolerance")
+    assert output_of(*asked, "--tolerance", "5", "--budget", "1h", "--for", "stroke") == snapshot(
+        name="stroke"
+    )
 
 
 def test_study(output_of: OutputOf, case: str, snapshot: SnapshotAssertion) -> None:
