@@ -11,8 +11,8 @@ from typing import Any
 
 from rich.table import Table
 
-from orchestrator.workbench import Picture, Run, console_table
-from orchestrator.workbench.vocabulary import Value, in_unit, interval
+from orchestrator.workbench import Picture, Run
+from orchestrator.workbench.vocabulary import Value, console_table, in_unit, interval
 
 LOOKS: dict[str, dict[str, Any]] = {
     "good": {"marker": "o", "ms": 4},

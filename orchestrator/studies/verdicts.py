@@ -20,8 +20,8 @@ from orchestrator.studies.criteria import (
 )
 from orchestrator.studies.points import CaseStudy, Point
 from orchestrator.studies.report import markdown_table, percent
-from orchestrator.workbench import Run, StudyFolder, Unknown, console_table
-from orchestrator.workbench.vocabulary import Cell
+from orchestrator.workbench import Run, StudyFolder, Unknown
+from orchestrator.workbench.vocabulary import Cell, console_table
 
 WORST_FIRST = (
     "NOT MET",

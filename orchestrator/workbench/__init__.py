@@ -2,17 +2,15 @@
 
 A ``Case`` is read with overlays, checked, compared, predicted, and refined by a ``Setting`` of a
 ``RefinementSeries`` that it can ``Offer``.  A ``Run`` is made, answers a ``Question`` and has ``Metrics``.  A
-``StudyFolder`` takes what a study writes, and a ``Picture`` and a ``console_table`` show it.  ``CaseError``
-with its ``CaseProblem``, ``FolderUnusable`` and ``Unknown`` say what is wrong.  A study tells the
-``Accuracy`` of a run, with a ``KnownError`` of each quantity.  ``vocabulary`` has the words
-that belong to no room, such as kinds of values and units.
+``StudyFolder`` takes what a study writes, and a ``Picture`` shows it.  A study tells the ``Accuracy`` of a
+run.  ``CaseError`` with its ``CaseProblem``, ``FolderUnusable`` and ``Unknown`` say what is wrong.
+``vocabulary`` has the words that belong to no room, such as kinds of values and units.
 """
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.folder import FolderUnusable
-from orchestrator.figures.accuracy import Accuracy, Basis, KnownError
+from orchestrator.figures.accuracy import Accuracy
 from orchestrator.output.results.quantities import Metrics, Question, Unknown
-from orchestrator.output.tables import console_table
 from orchestrator.preflight.refinement import Offer, RefinementSeries, Setting
 from orchestrator.workbench import vocabulary
 from orchestrator.workbench.case import Case
@@ -22,12 +20,10 @@ from orchestrator.workbench.run import Run
 
 __all__ = [
     "Accuracy",
-    "Basis",
     "Case",
     "CaseError",
     "CaseProblem",
     "FolderUnusable",
-    "KnownError",
     "Metrics",
     "Offer",
     "Picture",
@@ -37,6 +33,5 @@ __all__ = [
     "Setting",
     "StudyFolder",
     "Unknown",
-    "console_table",
     "vocabulary",
 ]

@@ -20,11 +20,12 @@ from orchestrator.case.tables.quantities import (
     same_unit,
     unit_of,
 )
+from orchestrator.figures.accuracy import Basis, KnownError
 from orchestrator.figures.figure import in_unit, to_json
 from orchestrator.figures.short_names import Value
 from orchestrator.output.report.formatting import interval
 from orchestrator.output.results.estimate import CONFIDENCE, NORMAL_95
-from orchestrator.output.tables import Cell, align_rows
+from orchestrator.output.tables import Cell, align_rows, console_table
 from orchestrator.ports import Array
 from orchestrator.ports.clock import exact, sample_s
 from orchestrator.preflight.cost import in_words

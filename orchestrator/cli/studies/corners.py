@@ -14,10 +14,11 @@ from orchestrator.cli.studies.sweep import check_results
 from orchestrator.figures.short_names import Value, unit_at
 from orchestrator.output.report.corners import CENTRE, FILE, corner_lines
 from orchestrator.output.report.formatting import interval
+from orchestrator.output.tables import console_table
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.material_ranges import Range, RangedContact, corner_sets, ranged_contacts
 from orchestrator.studies.points import CaseStudy, Point
-from orchestrator.workbench import StudyFolder, console_table
+from orchestrator.workbench import StudyFolder
 
 Found = Mapping[str, Mapping[str, Value | None]]
 """The results of each run by their names."""

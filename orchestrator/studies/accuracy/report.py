@@ -16,8 +16,8 @@ from orchestrator.studies.accuracy.pictures import draw_convergence, draw_costs,
 from orchestrator.studies.accuracy.stored import FORMAT, NAME
 from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, ComparedSetting
 from orchestrator.studies.report import percent
-from orchestrator.workbench import Metrics, StudyFolder, console_table
-from orchestrator.workbench.vocabulary import Cell, align_rows
+from orchestrator.workbench import Metrics, StudyFolder
+from orchestrator.workbench.vocabulary import Cell, align_rows, console_table
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
 

@@ -18,8 +18,8 @@ from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.design.tables import term_name, write_recommended, write_tables
 from orchestrator.studies.design.trials import Journal, Outcome
 from orchestrator.studies.points import CaseStudy, Crew
-from orchestrator.workbench import CaseProblem, FolderUnusable, StudyFolder, console_table
-from orchestrator.workbench.vocabulary import Array, in_words, read_toml
+from orchestrator.workbench import CaseProblem, FolderUnusable, StudyFolder
+from orchestrator.workbench.vocabulary import Array, console_table, in_words, read_toml
 
 RUNS = "runs"  # folder of the runs, in the study's folder
 
