@@ -18,17 +18,17 @@ SHORT, HALF = "duration_s=0.04", "coupling.sync_interval_s=4e-5"
 
 def done(place: Path, *words: str) -> str:
     process = started(*words, cwd=place)
-    said, errors = process.communicate(timeout=HANG_S)
-    assert process.returncode == 0, said + errors
-    return said + errors
+    output, errors = process.communicate(timeout=HANG_S)
+    assert process.returncode == 0, output + errors
+    return output + errors
 
 
 def run(place: Path, name: str, *sets: str) -> tuple[dict[str, Any], str]:
-    """The table of errors of a run, and what the run said."""
+    """The table of errors of a run, and what the run output."""
     every = (LOW, SHORT, "output.pictures=false", *sets)
     words = ["run", BALL, "--level", "draft", "--out", name, *(w for one in every for w in ("--set", one))]
-    said = done(place, *words)
-    return summary(place / name)["accuracy"], said
+    output = done(place, *words)
+    return summary(place / name)["accuracy"], output
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def study(place: Path) -> dict[str, Any]:
 
 def test_a_point_of_the_study_and_its_page(place: Path) -> None:
     """The run as it is, and the run that goes on to a later end in its folder."""
-    told, said = run(place, "base")
+    told, output = run(place, "base")
     base = next(one for one in study(place)["points"] if one["point"] == "base")
     assert told["basis"] == "measured"
     for name, error in told["errors"].items():
@@ -55,7 +55,7 @@ def test_a_point_of_the_study_and_its_page(place: Path) -> None:
     assert told["errors"].keys() >= {"deflection_m", "clamp_rms_N", "middle_rms_g", "points_rms_g"}
     figures = {one["quantity"]: one for one in told["figures"].values()}
     assert figures["points_rms_g"]["error"] == told["errors"]["points_rms_g"]["value"]
-    assert "how far off, by a study" in said
+    assert "how far off, by a study" in output
     done(place, "report", "base")
     assert told["study"] in (place / "base/report.html").read_text()
     done(place, "resume", "base", "--set", "duration_s=0.05")
@@ -72,10 +72,10 @@ def test_another_interval_of_the_study(place: Path) -> None:
 
 
 def test_other_physics_and_no_study(place: Path, tmp_path: Path) -> None:
-    other, said = run(place, "other", "contacts.0.restitution=0.5")
+    other, output = run(place, "other", "contacts.0.restitution=0.5")
     assert (other["basis"], other["errors"]) == ("not known", {})
     assert "contacts.0.restitution" in other["why"]
-    assert other["command"] in said
-    nothing, said = run(tmp_path, "nothing")
+    assert other["command"] in output
+    nothing, output = run(tmp_path, "nothing")
     assert (nothing["basis"], nothing["study"], nothing["errors"]) == ("not known", "", {})
-    assert nothing["command"] in said
+    assert nothing["command"] in output

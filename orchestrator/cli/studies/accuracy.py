@@ -149,5 +149,5 @@ def _predictions(request: StudyRequest) -> Iterator[str]:
     by = "by what was measured here" if any(one.metrics for one in start) else "good to a factor of three"
     yield (
         f"in all {total_s:.0f} s of processor time ({by}), {request.study.crew.workers} at a time; "
-        "then up to eight points, each within the budget, that these propose"
+        "then up to six points, each within the budget, that these propose"
     )

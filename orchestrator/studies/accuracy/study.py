@@ -50,7 +50,7 @@ from orchestrator.studies.points import Point, is_random, run_points, seed_sets
 from orchestrator.workbench import Case, CaseError, CaseProblem, Offer, RefinementSeries, Run, Setting
 from orchestrator.workbench.vocabulary import exact
 
-TOLERANCES = (1e-4, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2)
+TOLERANCES = (0.01, 0.02, 0.05, 0.1, 0.2)
 RECOMMENDED = (0.01, 0.05, 0.1)
 SHORT = 5  # the number of parts of the run, of which the short run has one
 
