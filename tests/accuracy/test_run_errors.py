@@ -24,9 +24,17 @@ def done(place: Path, *words: str) -> str:
 
 
 def run(place: Path, name: str, *sets: str) -> tuple[dict[str, Any], str]:
-    """The table of errors of a run, and what the run output."""
+    """The table of errors of a run, and its output."""
     every = (LOW, SHORT, "output.pictures=false", *sets)
-    words = ["run", BALL, "--level", "draft", "--out", name, *(w for one in every for w in ("--set", one))]
+    words = [
+        "run",
+        BALL,
+        "--level",
+        "draft",
+        "--out",
+        name,
+        *(w for overlay in every for w in ("--set", overlay)),
+    ]
     output = done(place, *words)
     return summary(place / name)["accuracy"], output
 
@@ -47,28 +55,28 @@ def study(place: Path) -> dict[str, Any]:
 
 def test_a_point_of_the_study_and_its_page(place: Path) -> None:
     """The run as it is, and the run that goes on to a later end in its folder."""
-    told, output = run(place, "base")
-    base = next(one for one in study(place)["points"] if one["point"] == "base")
-    assert told["basis"] == "measured"
-    for name, error in told["errors"].items():
+    table, output = run(place, "base")
+    base = next(row for row in study(place)["points"] if row["point"] == "base")
+    assert table["basis"] == "measured"
+    for name, error in table["errors"].items():
         assert error["value"] == pytest.approx(base[f"{name}_error"] + (error["remains"] or 0.0))
-    assert told["errors"].keys() >= {"deflection_m", "clamp_rms_N", "middle_rms_g", "points_rms_g"}
-    figures = {one["quantity"]: one for one in told["figures"].values()}
-    assert figures["points_rms_g"]["error"] == told["errors"]["points_rms_g"]["value"]
+    assert table["errors"].keys() >= {"deflection_m", "clamp_rms_N", "middle_rms_g", "points_rms_g"}
+    figures = {row["quantity"]: row for row in table["figures"].values()}
+    assert figures["points_rms_g"]["error"] == table["errors"]["points_rms_g"]["value"]
     assert "how far off, by a study" in output
     done(place, "report", "base")
-    assert told["study"] in (place / "base/report.html").read_text()
+    assert table["study"] in (place / "base/report.html").read_text()
     done(place, "resume", "base", "--set", "duration_s=0.05")
     later = summary(place / "base")["accuracy"]
-    assert {**later, "figures": 0} == {**told, "figures": 0}
-    assert later["figures"].keys() == told["figures"].keys()
+    assert {**later, "figures": 0} == {**table, "figures": 0}
+    assert later["figures"].keys() == table["figures"].keys()
 
 
 def test_another_interval_of_the_study(place: Path) -> None:
-    told, _ = run(place, "half", HALF)
-    half = next(one for one in study(place)["points"] if "4e-05" in one["sets"])
-    assert (told["basis"], half["point"]) == ("measured", study(place)["reference"])
-    assert all(error["value"] == error["remains"] for error in told["errors"].values())
+    table, _ = run(place, "half", HALF)
+    half = next(row for row in study(place)["points"] if "4e-05" in row["sets"])
+    assert (table["basis"], half["point"]) == ("measured", study(place)["reference"])
+    assert all(error["value"] == error["remains"] for error in table["errors"].values())
 
 
 def test_other_physics_and_no_study(place: Path, tmp_path: Path) -> None:
