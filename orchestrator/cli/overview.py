@@ -169,7 +169,7 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
     yield from adhesion_lines(case)
     if (carried := case.bed.carried) is not None:
         at = "" if math.isnan(carried.time_s) else f", at t = {carried.time_s:g} s"
-        yield f"  bed        from {carried.source}{at}"
+        yield f"  bed        from {carried.source}{at}{f', {carried.note}' if carried.note else ''}"
     yield (
         f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
         "smallest particle's Rayleigh time"

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from orchestrator.case.file.bushing_curve import Elements, fit_points, harmonic_stiffness
+from orchestrator.case.file.bushing_loop import fit_loop, points_of
+from orchestrator.case.file.data_table import Answers, TableError
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.solver_plans import bushings
 from orchestrator.cli.overview import overview
@@ -168,14 +170,17 @@ def test_new_points_take_fitted_elements_away(tmp_path: Path) -> None:
 
 
 def test_all_mistakes_in_a_file_are_told(tmp_path: Path) -> None:
-    (tmp_path / "bad.csv").write_text("amplitude_m,frequenzy_Hz,loss_factor\n1,2\n0.001,ten,0.1\n")
-    lines = complaints(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="bad.csv"}]')
+    head = "amplitude_m,frequenzy_Hz,loss_factor\n"
+    lines = []
+    for text in (head + "0.001,10,0.1\n", head + "1,2\n", head.replace("zy", "cy") + "0.001,ten,0.1\n"):
+        (tmp_path / "bad.csv").write_text(text)
+        lines += complaints(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="bad.csv"}]')
     assert any(
         "bad.csv" in line and """no column 'frequenzy_Hz'; did you mean "frequency_Hz"?""" in line
         for line in lines
     )
-    assert any("row 2: 2 cells instead of 3" in line for line in lines)
-    assert any("row 3: frequenzy_Hz: 'ten' is no number" in line for line in lines)
+    assert any("line 2: 2 cells instead of 3" in line for line in lines)
+    assert any("line 2: frequency_Hz = 'ten' is no number" in line for line in lines)
     missing = only_complaint(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="none.csv"}]')
     assert "none.csv" in missing
     assert "cannot be read: No such file" in missing
@@ -201,3 +206,78 @@ def _refused(folder: Path) -> CaseError:
     with pytest.raises(CaseError) as raised:
         load_judged(folder, "light", [EXUDYN.replace("exudyn", "two-mass")])
     return raised.value
+
+
+def loop(frequency_Hz: float = 12.5, cycles: float = 2.5, sign: float = 1.0, offset_kN: float = 2.0) -> str:
+    """Return a loop of KNOWN's linear part by hand: 4 mm, 20 kN/m in phase and 2 kN/m a quarter ahead."""
+    angle = np.arange(200) / 200 * 2 * np.pi * cycles
+    columns = [angle / (2 * np.pi * frequency_Hz), 4 * np.sin(angle) + 1]
+    columns.append(sign * (0.08 * np.sin(angle) + 0.008 * np.cos(angle)) + offset_kN)
+    lines = [
+        "Zeit [s];Weg [mm];Kraft [kN]",
+        *(";".join(f"{cell:.9f}" for cell in row) for row in np.array(columns).T),
+    ]
+    return "\n".join(lines).replace(".", ",")
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_loop_is_a_point(sign: float) -> None:
+    """A mean force and place drop out, and a force that is counted the other way."""
+    (point,) = points_of(loop(sign=sign), Answers())
+    expected = {"amplitude_m": 4e-3, "frequency_Hz": 12.5, "stiffness_N_per_m": 2e4, "loss_factor": 0.1}
+    assert point == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_loop_of_friction_has_its_first_harmonic() -> None:
+    """The law's own closed form at A = 2 s, from a force in small steps."""
+    x_m = 2e-3 * np.sin(2 * np.pi * np.arange(4001) / 1000)
+    force_N = [0.0]
+    for step_m in np.diff(x_m):
+        force_N.append(float(np.clip(force_N[-1] + 1e3 * step_m, -1.0, 1.0)))
+    fit = fit_loop(np.arange(3000) / 1000, x_m[1001:], np.array(force_N[1001:]))
+    storage, ahead = harmonic_stiffness(Elements(0.0, ((1e3, 1e-3),), ()), np.array([2e-3]), np.array([1.0]))
+    assert fit.stiffness_N_per_m == pytest.approx(storage[0], rel=1e-3)
+    assert fit.loss_factor == pytest.approx(ahead[0] / storage[0], rel=2e-3)
+    assert 0.05 < fit.residual < 0.3
+
+
+def test_a_case_has_loops_of_several_files(tmp_path: Path) -> None:
+    """One without times, whose frequency the case says."""
+    (tmp_path / "one.csv").write_text(loop())
+    rows = [line.split(";", 1)[1] for line in loop().splitlines()]
+    (tmp_path / "two.csv").write_text("\n".join(rows))
+    curve = '{axes="x", file=["one.csv", "two.csv"], frequency_Hz="12.5 Hz"}'
+    (read,) = (
+        loaded(tmp_path, [f"screen.bushings.isolation.curves=[{curve}]"])
+        .case.screen.bushings["isolation"]
+        .curves
+    )
+    assert [point.loss_factor for point in read.points] == pytest.approx([0.1, 0.1], rel=1e-5)
+    assert [point.frequency_Hz for point in read.points] == pytest.approx([12.5, 12.5])
+
+
+@pytest.mark.parametrize(
+    ("text", "clue"),
+    [
+        (loop(cycles=0.6), "cycle"),
+        ("\n".join(line.split(";", 1)[1] for line in loop().splitlines()), "frequency_Hz = "),
+        (loop().replace("Kraft [kN]", "Kraft"), "unit.*'Kraft'"),
+        ("Weg [mm];Zeit [s]\n1;0\n2;1\n", "'force_N'"),
+        ("displacement_mm,force_N,frequency_Hz\n" + "1,1,5\n" * 20, "moves"),
+        ("amplitude_m,frequency_Hz,dynamic stiffness [N/mm],loss_factor\n0.001,10,262,0.1\n", "modulus"),
+        ("amplitude_m,frequency_Hz,stiffness,loss_factor\n0.001,10,262,0.1\n", "unit.*'stiffness'"),
+        ("amplitude_m,frequency_Hz,complex stiffness [N/mm]\n0.001,10,262\n", "loss"),
+    ],
+)
+def test_a_test_that_leaves_something_open(text: str, clue: str) -> None:
+    with pytest.raises(TableError, match=clue):
+        points_of(text, Answers())
+
+
+def test_a_test_in_other_words() -> None:
+    """A peak-to-peak amplitude is halved; a modulus and an angle are k' and a loss factor."""
+    head = "Amplitude peak-to-peak [mm];Frequency [Hz];Complex stiffness [N/mm];Loss angle [deg]\n"
+    (point,) = points_of(head + "2;10;100;60\n", Answers())
+    assert point == pytest.approx(
+        {"amplitude_m": 1e-3, "frequency_Hz": 10.0, "stiffness_N_per_m": 5e4, "loss_factor": np.sqrt(3)}
+    )

@@ -233,8 +233,8 @@ def test_a_run_that_left_particles_out_knows_them_and_its_materials(tmp_path: Pa
 @pytest.mark.parametrize(
     ("rows", "kind", "name"),
     [
-        (ROWS.rename(columns={"vz_m_per_s": "vz_m_s"}), "file", '"vz_m_per_s"'),
-        (ROWS.drop(columns="material"), "file", '"material"'),
+        (ROWS.rename(columns={"vz_m_per_s": "vz_m_s"}), "file", "'vz_m_s'"),
+        (ROWS.rename(columns={"vz_m_per_s": "fall_m_per_s"}), "file", "'fall_m_per_s'"),
         (ROWS.assign(sieve_size_m=[0.02, -0.01, 0.02]), "file", "-0.01"),
         (ROWS.assign(x_m=["a", 0.1, "b"]), "file", "'a'"),
         (ROWS.assign(material="cool"), "conflict", '"coal"'),

@@ -26,7 +26,6 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_m
 from orchestrator.case.file.folder import FolderUnusable, UnreadableFile, admit, part_of, read_json
 from orchestrator.case.file.layers import read_toml
 from orchestrator.case.file.slice import bounds_m, cut_to_slice, period_m
-from orchestrator.case.tables.bed import Bed
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
@@ -64,7 +63,7 @@ def carry_bed(case: Case, folder: Path) -> Case:
         raise CaseError([CaseProblem(("bed", "table"), "contradicts bed.from_run", "give one of them")])
     key: Key = ("bed", "from_run" if bed.from_run is not None else "table")
     try:
-        found = _find_particles(bed, folder)
+        found = _find_particles(case, folder)
     except UnreadableBed as error:
         raise CaseError([CaseProblem(key, str(error), kind="file")]) from None
     if not len(found):
@@ -77,8 +76,9 @@ def carry_bed(case: Case, folder: Path) -> Case:
     return case.model_copy(update={"bed": bed.with_carried(_as_wanted(case, found))})
 
 
-def _find_particles(bed: Bed, folder: Path) -> CarriedBed:
+def _find_particles(case: Case, folder: Path) -> CarriedBed:
     """Return the particles that the table ``[bed]`` names.  Raises UnreadableBed."""
+    bed = case.bed
     if bed.from_run is not None:
         run = _locate(bed.from_run, folder)
         found = read_run(run, bed.from_time_s)
@@ -90,7 +90,7 @@ def _find_particles(bed: Bed, folder: Path) -> CarriedBed:
     if bed.from_time_s is not None:
         raise UnreadableBed("a table has no times: bed.from_time_s belongs to bed.from_run")
     path = _locate(bed.table, folder)
-    return saved_bed.read(path) if path.suffix == ".h5" else read_table(path)
+    return saved_bed.read(path) if path.suffix == ".h5" else read_table(path, case)
 
 
 def _status(run: Path) -> tuple[str, str]:

@@ -22,18 +22,19 @@ closest of all.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
-from io import StringIO
+from functools import cache, partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from orchestrator.case.file.data_file import read_data_file
-from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, show_value
+from orchestrator.case.file.bushing_loop import points_of
+from orchestrator.case.file.data_file import read_with
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
+from orchestrator.case.file.units import in_own_units
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Bushing, BushingCurve, CurvePoint, FrictionElement, MaxwellElement
 from orchestrator.ports import Array
@@ -145,13 +146,22 @@ def read_curve_files(table: dict[str, Any], folder: Path, source: str) -> Iterat
     for name, bushing in rows.items() if isinstance(rows, dict) else ():
         curves = bushing.get("curves", []) if isinstance(bushing, dict) else []
         for number, curve in enumerate(curves if isinstance(curves, list) else []):
-            if isinstance(curve, dict) and isinstance(curve.get("file"), str):
-                key: Key = ("screen", "bushings", name, "curves", number, "file")
-                try:
-                    curve["points"] = _read_points(folder, curve["file"], key, source)
-                    del curve["file"]
-                except CaseError as error:
-                    yield from error.problems
+            files = curve.get("file") if isinstance(curve, dict) else None
+            files = files if isinstance(files, list) else [files]
+            if not all(isinstance(file, str) for file in files):
+                continue
+            key: Key = ("screen", "bushings", name, "curves", number, "file")
+            told = in_own_units(curve).get("frequency_Hz")
+            frequency_Hz = float(told) if isinstance(told, int | float) else None
+            read = partial(points_of, frequency_Hz=frequency_Hz)
+            try:
+                points = [read_with(read, curve, folder, file, key, source) for file in files]
+            except CaseError as error:
+                yield from error.problems
+                continue
+            curve["points"] = [*chain(*points)]
+            for word in ("file", "columns", "decimal", "frequency_Hz"):
+                curve.pop(word, None)
 
 
 @cache
@@ -303,46 +313,6 @@ def _misfits(
                     "the points"
                 )
             yield CaseProblem(_key(name, number), what, hint)
-
-
-def _read_points(folder: Path, name: str, key: Key, source: str) -> list[dict[str, float]]:
-    """Return the rows of a CSV file in the case's folder.  Raises CaseError with all that is wrong in it."""
-    text = read_data_file(folder, name, key, source)
-    try:
-        rows = [row for row in csv.reader(StringIO(text)) if any(cell.strip() for cell in row)]
-    except csv.Error as error:
-        raise CaseError([CaseProblem(key, f"cannot be read: {error}", file=name, kind="file")]) from error
-    head = [cell.strip() for cell in rows[0]] if rows else []
-    known = [*CurvePoint.model_fields]
-    problems = [
-        CaseProblem(
-            key, f"no column {show_value(word)}", did_you_mean(word, known), file=name, kind="unknown-name"
-        )
-        for word in head
-        if word not in known
-    ]
-    if len(rows) < 2:
-        problems.append(
-            CaseProblem(key, "has no rows", f"first line: {', '.join(known[:4])}", file=name, kind="file")
-        )
-    points = []
-    for number, row in enumerate(rows[1:], start=2):
-        if len(row) != len(head):
-            what = f"row {number}: {len(row)} cells instead of {len(head)}"
-            problems.append(CaseProblem(key, what, file=name, kind="wrong-type"))
-            continue
-        point = {}
-        for word, cell in zip(head, row, strict=True):
-            try:
-                if cell.strip():
-                    point[word] = float(cell)
-            except ValueError:
-                what = f"row {number}: {word}: {show_value(cell)} is no number"
-                problems.append(CaseProblem(key, what, file=name, kind="wrong-type"))
-        points.append(point)
-    if problems:
-        raise CaseError(problems)
-    return points
 
 
 def _key(name: str, number: int) -> Key:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any, TypeVar
 
+from orchestrator.case.file.data_table import Answers, TableError, decode
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, show_value
 
 LARGEST_BYTES = 1_000_000
+Read = TypeVar("Read")
 
 
 def read_data_file(folder: Path, name: str, key: Key, source: str) -> str:
-    """Return the text of a file in the case's folder, in UTF-8 or, as spreadsheets write, in Windows' code.
+    """Return the text of a file in the case's folder, in one of the codes that ``decode`` knows.
 
     ``key`` names the file, and ``source`` is the file or option that gave the key.  Raises CaseError for a
     file outside of the folder, and for one that cannot be read or is no text.
@@ -26,15 +30,38 @@ def read_data_file(folder: Path, name: str, key: Key, source: str) -> str:
             raise CaseError(
                 [CaseProblem(key, f"is larger than {LARGEST_BYTES} bytes", file=name, kind="file")]
             )
-        return _text(file.read_bytes())
-    except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else error
-        raise CaseError([CaseProblem(key, f"cannot be read: {why}", file=name, kind="file")]) from error
+        return decode(file.read_bytes())
+    except (OSError, TableError) as error:
+        why = f"cannot be read: {error.strerror}" if isinstance(error, OSError) else str(error)
+        raise CaseError([CaseProblem(key, why, file=name, kind="file")]) from error
 
 
-def _text(data: bytes) -> str:
-    """Return the text that the bytes of a file are.  Raises UnicodeDecodeError."""
+def read_with(
+    read: Callable[[str, Answers], Read],
+    table: Mapping[str, Any],
+    folder: Path,
+    name: str,
+    key: Key,
+    source: str,
+) -> Read:
+    """Return what a function reads from a file and from what its table of the case answers of it.
+
+    ``table`` stands around the key; its ``columns`` and ``decimal`` go to the function.  Raises CaseError.
+    """
+    text = read_data_file(folder, name, key, source)
     try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("cp1252")
+        return read(text, answers_in(table))
+    except TableError as error:
+        raise CaseError(
+            [CaseProblem(key, reason, file=name, kind="file") for reason in error.reasons]
+        ) from None
+
+
+def answers_in(table: Mapping[str, Any]) -> Answers:
+    """Return the answers in a table of a case.  Raises TableError for what can be none."""
+    columns, decimal = table.get("columns", {}), table.get("decimal", "")
+    if not isinstance(columns, dict) or not all(isinstance(each, str) for each in columns.values()):
+        raise TableError("columns is a table from a column's name in the file to a name that is clear")
+    if decimal not in ("", ".", ","):
+        raise TableError(f'decimal is "." or ",", not {show_value(decimal)}')
+    return Answers(columns, decimal)

@@ -1,10 +1,9 @@
 """Sieve analyses: tables of a laboratory that a bed's ``curve.file`` names, read as cumulative curves.
 
-The first line names two columns: the sieves, and what passed or was retained, as shares, in per cent or as
-masses.  Rows may be in any order.  Cells are separated by commas, semicolons or tabs; with the latter two,
-numbers may have decimal commas.  A sieve is a length ("4 mm", "63 µm"), or a name of ASTM E11: "No. 4",
-"1/2 in".  The openings behind the names are those of ASTM E11-20, table 1 (metric sizes are those of ISO 565
-and ISO 3310-1).
+A column has the sieves, and one or several others what passed or was retained, as shares, in per cent or
+as masses.  Rows may be in any order (data_table.py reads them).  A sieve is a length ("4 mm", "63 µm"), or a
+name of ASTM E11: "No. 4", "1/2 in".  The openings behind the names are those of ASTM E11-20, table 1 (metric
+sizes are those of ISO 565 and ISO 3310-1).
 
 What is finer than the finest sieve has no sizes of its own in such a table.  It is spread evenly over the
 sizes from ``OPEN_END`` of that sieve up to it.
@@ -12,7 +11,6 @@ sizes from ``OPEN_END`` of that sieve up to it.
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -22,7 +20,16 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.file.data_file import read_data_file
+from orchestrator.case.file.data_file import read_with
+from orchestrator.case.file.data_table import (
+    IGNORE,
+    Answers,
+    Column,
+    DataTable,
+    TableError,
+    answer,
+    read_text,
+)
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, show_value
 from orchestrator.case.file.units import parse_quantity
 
@@ -51,11 +58,21 @@ NUMBERED = re.compile(r"(?:no\.?|nr\.?|#)\s*(\d+(?:[ -]1/2)?)", re.IGNORECASE)
 INCHES = re.compile(
     r"(\d+(?:\.\d+)?(?:[ -]\d+/\d+)?|\d+/\d+|\.\d+)\s*-?(?:in\.?|inch(?:es)?|\"|”|″)", re.IGNORECASE
 )
-PAN = re.compile(r"pan|bottom|tray|receiver|0|0[.,]0+", re.IGNORECASE)
+PAN = re.compile(r"pan|bottom|tray|receiver|boden|0|0[.,]0+", re.IGNORECASE)
 NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)")
-SIEVE_WORDS = ("sieve", "size", "opening", "aperture", "diameter", "screen")
-PASSING_WORDS = ("passing", "passed", "finer", "undersize", "through")
-RETAINED_WORDS = ("retained", "oversize", "coarser")
+SIEVE_WORDS = (
+    "sieve",
+    "size",
+    "opening",
+    "aperture",
+    "diameter",
+    "screen",
+    "siebweite",
+    "maschenweite",
+    "korngr",
+)
+PASSING_WORDS = ("passing", "passed", "finer", "undersize", "through", "durchgang")
+RETAINED_WORDS = ("retained", "oversize", "coarser", "rückstand")
 HEAD = 'its first line must be such as "sieve / mm; passing / %"'
 
 
@@ -66,7 +83,7 @@ class _Column:
     ``unit`` is "%", "share", "mass", or "" if its head does not say; ``sums`` is "cumulative", "class" or "".
     """
 
-    number: int
+    cells: Column
     is_passing: bool
     unit: str
     sums: str
@@ -85,86 +102,78 @@ def read_sieve_analyses(table: dict[str, Any], folder: Path, source: str) -> Ite
             if isinstance(curve, dict) and isinstance(curve.get("file"), str):
                 key: Key = ("bed", kind, name, "curve", "file")
                 try:
-                    row["curve"] = read_sieve_analysis(folder, curve["file"], key, source)
+                    row["curve"] = read_with(curve_of, curve, folder, curve["file"], key, source)
                 except CaseError as error:
                     yield from error.problems
 
 
-def read_sieve_analysis(folder: Path, name: str, key: Key, source: str) -> list[dict[str, float]]:
-    """Return the points of the curve that a sieve analysis in a folder gives, from fine to coarse.
-
-    ``key`` names the file, and ``source`` is the file or option that gave the key.  Raises CaseError with
-    what is wrong in the file.
-    """
-    text = read_data_file(folder, name, key, source)
-    try:
-        return curve_of(text)
-    except ValueError as error:
-        raise CaseError([CaseProblem(key, str(error), file=name, kind="file")]) from None
-
-
-def curve_of(text: str) -> list[dict[str, float]]:
+def curve_of(text: str, answers: Answers | None = None) -> list[dict[str, float]]:
     """Return the points (``sieve_size_m``, ``passing``) of a table of a sieve analysis, from fine to coarse.
 
-    Raises ValueError, whose message says what is wrong.
+    Of several columns, what passes is taken, or else what is cumulative; the others must say the same.
+    Raises TableError, whose message says what is wrong.
     """
-    rows = _rows(text)
-    sieve, unit, column = _columns(rows[0])
+    sieves, columns = _columns(read_text(text, answers))
+    curves: list[list[dict[str, float]]] = []
+    faults = []
+    for column in columns:
+        try:
+            curves.append(_curve(sieves, column))
+        except ValueError as error:
+            faults.append(error)
+    if not curves:
+        raise faults[0]
+    first, *others = ({point["sieve_size_m"]: point["passing"] for point in curve} for curve in curves)
+    for other in others:
+        if any(abs(other.get(size_m, passing) - passing) > ROUNDING for size_m, passing in first.items()):
+            raise TableError("its columns of passing and retained contradict each other; keep one of them")
+    return curves[0]
+
+
+def _curve(sieves: Column, column: _Column) -> list[dict[str, float]]:
+    """Return the points of the curve that one column gives.  Raises TableError."""
+    values = column.cells.numbers()
     found: dict[float, float] = {}
     named: dict[float, str] = {}
-    for line, row in enumerate(rows[1:], start=2):
-        if len(row) != len(rows[0]):
-            raise ValueError(f"row {line}: {len(row)} cells instead of {len(rows[0])}")
-        sieve_size_m = _opening_m(row[sieve], unit, line)
+    for line, cell, value in zip(sieves.lines, sieves.texts, values.tolist(), strict=True):
+        if value < 0:
+            raise TableError(f"line {line}: {show_value(f'{value:g}')} is negative")
+        sieve_size_m = _opening_m(cell, sieves, line)
         if sieve_size_m in found:
-            raise ValueError(f"row {line}: {row[sieve]} is there twice, as {named[sieve_size_m]} before")
-        found[sieve_size_m], named[sieve_size_m] = _number(row[column.number], line), row[sieve]
+            raise TableError(f"line {line}: {cell} is there twice, as {named[sieve_size_m]} before")
+        found[sieve_size_m], named[sieve_size_m] = value, cell
     sizes_m = sorted(found)
     if len([size_m for size_m in sizes_m if size_m]) < 2:
-        raise ValueError(f"has less than two sieves; {HEAD}")
+        raise TableError(f"has less than two sieves; {HEAD}")
     passing = _passing(sizes_m, [found[size_m] for size_m in sizes_m], column)
     _refuse_wrong_course([named[size_m] for size_m in sizes_m], passing)
     return [*_with_lower_end(sizes_m, passing)]
 
 
-def _rows(text: str) -> list[list[str]]:
-    """Return the cells of all rows that are not empty.  Raises ValueError if there is no row but the head."""
-    lines = [line for line in text.splitlines() if line.strip()]
-    separator = next((mark for mark in ";\t" if lines and mark in lines[0]), ",")
-    try:
-        rows = [*csv.reader(lines, delimiter=separator)]
-    except csv.Error as error:
-        raise ValueError(f"cannot be read: {error}") from None
-    rows = [[cell.strip() for cell in row] for row in rows]
-    if len(rows) < 2:
-        raise ValueError(f"has no rows; {HEAD}")
-    return rows
+def _columns(table: DataTable) -> tuple[Column, list[_Column]]:
+    """Return the column of the sieves, and those of the shares, with what is best known first.
 
-
-def _columns(head: Sequence[str]) -> tuple[int, str, _Column]:
-    """Return the number of the sieves' column, their unit, and the column of the shares.
-
-    Raises ValueError for a head that names other columns or more of them.
+    Raises TableError for a head that leaves open what its columns are.
     """
-    sieves = [n for n, cell in enumerate(head) if _has(cell, SIEVE_WORDS) and not _value_words(cell)]
-    values = [n for n, cell in enumerate(head) if _value_words(cell)]
-    if other := [cell for n, cell in enumerate(head) if n not in (*sieves, *values)]:
-        raise ValueError(f"no column {show_value(other[0])}; {HEAD}")
-    if len({_value_words(head[n]) for n in values}) > 1 or any(
-        "both" in _value_words(head[n]) for n in values
-    ):
-        raise ValueError("mixes passing and retained; keep one of the two columns")
-    if len(sieves) != 1 or len(values) != 1:
-        raise ValueError(
-            f"has {len(sieves)} columns of sieves and {len(values)} of shares, not one each; {HEAD}"
-        )
-    cell = head[values[0]]
-    unit = re.search(r"(?:^|[\s_(\[/])(mm|cm|m|µm|μm|um|in)[)\]]?\s*$", head[sieves[0]])
-    return (
-        sieves[0],
-        unit[1] if unit else "",
-        _Column(values[0], _value_words(cell) == "passing", _unit_of_values(cell), _sums(cell)),
-    )
+    values = [column for column in table.columns if _value_words(column.head)]
+    sieves = [column for column in table.columns if column not in values and _has(column.head, SIEVE_WORDS)]
+    for column in table.columns:
+        if column not in (*values, *sieves):
+            passing, ignored = answer(column.head, "passing / %"), answer(column.head, IGNORE)
+            raise TableError(
+                f"is {show_value(column.head)} passing or retained, or no share? {passing} or {ignored}"
+            )
+    if any("both" in _value_words(column.head) for column in values):
+        raise TableError("a column mixes passing and retained; keep one of the two")
+    if len(sieves) != 1 or not values:
+        raise TableError(f"has {len(sieves)} columns of sieves and {len(values)} of shares; {HEAD}")
+    shares = [
+        _Column(each, _value_words(each.head) == "passing", _unit_of_values(each), _sums(each.head))
+        for each in values
+    ]
+    best = ("cumulative", "class", "")
+    shares.sort(key=lambda each: (not each.is_passing, each.unit == "mass", best.index(each.sums)))
+    return sieves[0], shares
 
 
 def _has(cell: str, words: Sequence[str]) -> bool:
@@ -177,50 +186,63 @@ def _value_words(cell: str) -> str:
     return "both" if passing and retained else "passing" if passing else "retained" if retained else ""
 
 
-def _unit_of_values(cell: str) -> str:
-    """Return "%", "share" or "mass" as the head of a column of shares says, "" if it does not say."""
-    if re.search(r"%|per ?cent|pct", cell.lower()):
+def _unit_of_values(column: Column) -> str:
+    """Return "%", "share" or "mass" as the head of a column of shares says, "" if it does not say.
+
+    Raises TableError for another unit.
+    """
+    if column.unit in ("", "1"):
+        return "share" if column.unit or _has(column.head, ("share", "fraction")) else ""
+    if column.unit == "%":
         return "%"
-    if re.search(r"(?:^|[\s_(\[/])(k?g|t)[)\]]?\s*$", cell):
-        return "mass"
-    return "share" if _has(cell, ("share", "fraction")) else ""
+    try:
+        parse_quantity(f"1 {column.unit}", "mass_kg")
+    except ValueError:
+        raise TableError(
+            f"column {show_value(column.head)} is in {column.unit}, not in %, shares or g"
+        ) from None
+    return "mass"
 
 
 def _sums(cell: str) -> str:
     """Return whether a head says that its column is cumulative or by class."""
-    if "cum" in cell.lower():
+    if _has(cell, ("cum", "kumul", "summe", "total")):
         return "cumulative"
-    return "class" if _has(cell, ("class", "individual", "each", "single", "differential")) else ""
+    return "class" if _has(cell, ("class", "individual", "each", "single", "differential", "klasse")) else ""
 
 
-def _opening_m(text: str, unit: str, line: int) -> float:
-    """Return the opening of a sieve, 0 for the pan.  Raises ValueError for a name that no sieve has."""
+def _opening_m(text: str, column: Column, line: int) -> float:
+    """Return the opening of a sieve, 0 for the pan.  Raises TableError for a name that no sieve has."""
     plain = " ".join(text.split())
     if PAN.fullmatch(plain):
         return 0.0
     if match := NUMBERED.fullmatch(plain):
         number = match[1].replace("-", " ")
         if number not in NUMBERED_MM:
-            raise ValueError(f"row {line}: ASTM E11 has no sieve {show_value(text)}; {_near(number)}")
+            raise TableError(f"line {line}: ASTM E11 has no sieve {show_value(text)}; {_near(number)}")
         return NUMBERED_MM[number] * 1e-3
-    if (match := INCHES.fullmatch(plain)) or (unit == "in" and (match := INCHES.fullmatch(f"{plain} in"))):
+    in_inches = INCHES.fullmatch(f"{plain} in") if column.unit in ("in", "inch") else None
+    if match := INCHES.fullmatch(plain) or in_inches:
         return _inches_m(match[1])
     if "mesh" in plain.lower():
-        raise ValueError(
-            f'row {line}: {show_value(text)} may be of Tyler or of ASTM; write "No. 4" or "4.75 mm"'
+        raise TableError(
+            f'line {line}: {show_value(text)} may be of Tyler or of ASTM; write "No. 4" or "4.75 mm"'
         )
-    given = plain.replace(",", ".")
+    given = plain.replace(",", ".") if column.comma else plain
     if NUMBER.fullmatch(plain):
-        if not unit:
-            raise ValueError(f'row {line}: {show_value(text)} has no unit; name the column "sieve / mm"')
-        given += f" {unit}"
+        if not column.unit:
+            unit = answer(column.head, "sieve / mm")
+            raise TableError(
+                f'line {line}: {show_value(text)} has no unit; name the column "sieve / mm", or {unit}'
+            )
+        given += f" {column.unit}"
     try:
         sieve_size_m = parse_quantity(given, "sieve_size_m")
     except ValueError:
         hint = 'such as "63 µm", "No. 4" or "1/2 in"'
-        raise ValueError(f"row {line}: {show_value(text)} is no sieve, {hint}") from None
+        raise TableError(f"line {line}: {show_value(text)} is no sieve, {hint}") from None
     if not 0 < sieve_size_m < math.inf:
-        raise ValueError(f"row {line}: {show_value(text)} is no opening of a sieve")
+        raise TableError(f"line {line}: {show_value(text)} is no opening of a sieve")
     return sieve_size_m
 
 
@@ -240,36 +262,25 @@ def _inches_m(text: str) -> float:
     return float(inches) * 0.0254
 
 
-def _number(text: str, line: int) -> float:
-    """Return the number in a cell, which may have a decimal comma and a % sign."""
-    plain = text.removesuffix("%").strip()
-    if not NUMBER.fullmatch(plain):
-        raise ValueError(f"row {line}: {show_value(text)} is no number")
-    value = float(plain.replace(",", "."))
-    if value < 0:
-        raise ValueError(f"row {line}: {show_value(text)} is negative")
-    return value
-
-
 def _passing(sizes_m: Sequence[float], values: Sequence[float], column: _Column) -> list[float]:
-    """Return the share that passes each sieve, from fine to coarse.  Raises ValueError."""
+    """Return the share that passes each sieve, from fine to coarse.  Raises TableError."""
     if column.unit == "mass":
         if column.is_passing or column.sums == "cumulative":
-            raise ValueError("masses are wanted as retained on each sieve; or give shares or per cent")
+            raise TableError("masses are wanted as retained on each sieve; or give shares or per cent")
         if sizes_m[0] != 0:
-            raise ValueError("masses without that in the pan have no sum; add a row such as pan;12.5")
+            raise TableError("masses without that in the pan have no sum; add a row such as pan;12.5")
         return _passing_of_classes(sizes_m, values, sum(values))
     if not column.is_passing and _is_by_class(sizes_m, values, column):
         whole = _whole(sum(values), column.unit)
         if sum(values) > whole * (1 + ROUNDING):
-            raise ValueError(f"what is retained adds up to {sum(values):g}, more than {whole:g}")
+            raise TableError(f"what is retained adds up to {sum(values):g}, more than {whole:g}")
         closed = sizes_m[0] == 0
         if closed and abs(sum(values) / whole - 1) > ROUNDING:
-            raise ValueError(f"what is retained adds up to {sum(values):g} with the pan, not to {whole:g}")
+            raise TableError(f"what is retained adds up to {sum(values):g} with the pan, not to {whole:g}")
         return _passing_of_classes(sizes_m, values, sum(values) if closed else max(whole, sum(values)))
     whole = _whole(max(values), column.unit)
     if max(values) > whole * (1 + 1e-9):
-        raise ValueError(f"{max(values):g} is more than {whole:g}")
+        raise TableError(f"{max(values):g} is more than {whole:g}")
     return [value / whole if column.is_passing else 1 - value / whole for value in values]
 
 
@@ -283,7 +294,7 @@ def _whole(largest: float, unit: str) -> float:
 def _passing_of_classes(sizes_m: Sequence[float], values: Sequence[float], whole: float) -> list[float]:
     """Return the share that passes each sieve, from what is retained on each."""
     if whole <= 0:
-        raise ValueError("nothing is retained on any sieve")
+        raise TableError("nothing is retained on any sieve")
     coarser, passing = 0.0, []
     for _, value in sorted(zip(sizes_m, values, strict=True), reverse=True):
         coarser += value
@@ -294,7 +305,7 @@ def _passing_of_classes(sizes_m: Sequence[float], values: Sequence[float], whole
 def _is_by_class(sizes_m: Sequence[float], values: Sequence[float], column: _Column) -> bool:
     """Return whether what is retained is given for each sieve by itself, and not with all coarser ones.
 
-    Raises ValueError if it may be either.
+    Raises TableError if it may be either.
     """
     if column.sums:
         return column.sums == "class"
@@ -306,21 +317,21 @@ def _is_by_class(sizes_m: Sequence[float], values: Sequence[float], column: _Col
         return False
     if sizes_m[0] == 0 and abs(sum(values) / whole - 1) <= ROUNDING:
         return True
-    raise ValueError(
+    raise TableError(
         "may be retained on each sieve or on it and all coarser ones; name the column "
         '"retained per class / %" or "cumulative retained / %"'
     )
 
 
 def _refuse_wrong_course(names: Sequence[str], passing: Sequence[float]) -> None:
-    """Raise ValueError for a curve that falls, or that does not reach the whole mass."""
+    """Raise TableError for a curve that falls, or that does not reach the whole mass."""
     for (fine, less), (coarse, more) in pairwise(zip(names, passing, strict=True)):
         if more < less:
-            raise ValueError(
+            raise TableError(
                 f"the curve falls: {100 * more:.4g} % pass {coarse}, and {100 * less:.4g} % the finer {fine}"
             )
     if passing[-1] < 1 - WHOLE:
-        raise ValueError(
+        raise TableError(
             f"{100 * (1 - passing[-1]):.3g} % are coarser than the coarsest sieve, {names[-1]}; "
             "add the sieve that all pass"
         )

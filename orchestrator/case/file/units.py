@@ -122,6 +122,14 @@ def parse_quantity(text: str, key: str) -> float:
     return float(_registry().Quantity(number, given).to(own).magnitude)
 
 
+def is_unit(text: str) -> bool:
+    """Return whether a text denotes a unit."""
+    try:
+        return bool(re.fullmatch(UNIT, text)) and _unit(text) is not None
+    except ValueError:
+        return False
+
+
 def split_quantity(text: str) -> tuple[str, str]:
     """Return the number and the unit of a text such as "45 mm"; the whole text and "" if it has no unit."""
     match = NUMBER_AND_UNIT.fullmatch(text)

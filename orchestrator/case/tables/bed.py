@@ -186,9 +186,19 @@ class Bed(Table):
     """With ``from_run``: time of the state; the nearest recorded state is taken.  By default, it is the
     last one.  States of checkpoints are exact, others are those of the ParaView files."""
     table: OneLine | None = None
-    """Table of particles, a CSV or Parquet file, from the case's folder or from the working directory.
-    Its columns are x_m, y_m, z_m, sieve_size_m, material; and, if given, vx_m_per_s, vy_m_per_s, vz_m_per_s,
-    wx_rad_per_s, wy_rad_per_s, wz_rad_per_s.  All are in world axes."""
+    """Table of particles, from the case's folder or from the working directory: CSV or another text, Parquet,
+    ParaView's .vtu, .vtp or .vtk, a dump or data file of LIGGGHTS or LAMMPS, or an export of YADE
+    (how-to/come-from-another-program.md).  Its own names of columns are x_m, y_m, z_m, sieve_size_m and
+    material; and, if given, vx_m_per_s, vy_m_per_s, vz_m_per_s, wx_rad_per_s, wy_rad_per_s, wz_rad_per_s.
+    All are in world axes."""
+    columns: dict[OneLine, OneLine] = Field(default_factory=dict)
+    """What columns of ``table`` are, where their names leave it open: "size" = "diameter / mm"; "ignore"
+    leaves one out."""
+    decimal: Literal["", ".", ","] = ""
+    """Decimal mark of ``table``, where it leaves it open."""
+    material: OneLine | dict[OneLine, OneLine] | None = None
+    """Material of all particles of a ``table`` that names none; or the material of each of its types, such as
+    1 = "coal"."""
     velocities: Literal["keep", "zero"] = "keep"
     """Velocities and spins of the particles taken over.  keep: as they were.  zero: all at rest."""
     outside: Literal["refuse", "leave-out"] = "refuse"

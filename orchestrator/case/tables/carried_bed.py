@@ -38,6 +38,8 @@ class CarriedBed:
     unfit
         What does not fit the case, with what helps, besides the places: materials and coarse graining.  Their
         stand-ins in the record serve to check the places in the same round, and never run.
+    note
+        How a table was understood, where it says less than it might, in words.
     orientation
         (n, 4) how they are turned, as ``ParticleList`` has it; upright, if it is not given.
     """
@@ -52,6 +54,7 @@ class CarriedBed:
     source: str
     doubt: str = ""
     unfit: tuple[tuple[str, str], ...] = ()
+    note: str = ""
     orientation: Array = field(default_factory=lambda: upright(0))
 
     def __post_init__(self) -> None:

@@ -6,10 +6,10 @@ All of them are in deck axes, which screen.py defines.
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
-from pydantic import Strict, StringConstraints
+from pydantic import Field, Strict, StringConstraints
 
 from orchestrator.case.tables.quantities import (
     NotNegative,
@@ -124,9 +124,17 @@ class BushingCurve(Table):
     """Axes of the bushing to which the curve belongs, such as "xz"."""
     points: tuple[CurvePoint, ...] = ()
     """Measured points."""
-    file: OneLine | None = None
-    """CSV file in the case's folder with the points, in place of ``points``.  Its first line has the names
-    of their keys."""
+    file: OneLine | tuple[OneLine, ...] | None = None
+    """Table in the case's folder with the points, in place of ``points``, or several of them: a text such as
+    CSV, whose columns have the names of the points' keys or those of testing machines ("Amplitude [mm]").  A
+    loop of force over displacement gives one point (how-to/come-from-another-program.md)."""
+    columns: dict[OneLine, OneLine] = Field(default_factory=dict)
+    """What columns of ``file`` are, where their names leave it open: "k" = "stiffness / kN/mm"; "ignore"
+    leaves one out."""
+    decimal: Literal["", ".", ","] = ""
+    """Decimal mark of ``file``, where it leaves it open."""
+    frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e4)] | None = None
+    """Frequency of a loop in ``file`` that has no times."""
     elastic_N_per_m: Positive | None = None
     """Stiffness of the spring alone, at a large amplitude and a low frequency."""
     friction: tuple[FrictionElement, ...] = ()
