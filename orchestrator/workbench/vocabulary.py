@@ -1,7 +1,7 @@
 """General words, which belong to no room and know neither cases nor runs.
 
 Kinds of values and tables for the files of studies, with the reading of such files; units; numbers with their
-uncertainty; exact times.
+uncertainty, and errors that are known of a run; exact times.
 """
 
 from orchestrator.case.file.errors import Key, did_you_mean, from_validation, show_value
@@ -20,6 +20,7 @@ from orchestrator.case.tables.quantities import (
     same_unit,
     unit_of,
 )
+from orchestrator.figures.accuracy import Accuracy, Basis, KnownError
 from orchestrator.figures.figure import in_unit, to_json
 from orchestrator.figures.short_names import Value
 from orchestrator.output.report.formatting import interval

@@ -63,7 +63,7 @@ def table(case: Path = BALL, level: str = "draft", *sets: str) -> dict[str, Any]
     }
 
 
-def said(folder: Path, study: Any, *sets: str, case: Path = BALL) -> Accuracy:
+def by_study(folder: Path, study: Any, *sets: str, case: Path = BALL) -> Accuracy:
     folder.mkdir(exist_ok=True)
     (folder / "accuracy.json").write_text(json.dumps(study))
     return accuracy_of(Case(load_judged(case, "draft", sets)), [folder / "accuracy.json"])
@@ -83,20 +83,25 @@ def said(folder: Path, study: Any, *sets: str, case: Path = BALL) -> Accuracy:
 def test_a_point_of_the_study_has_its_measured_error(
     tmp_path: Path, sets: tuple[str, ...], error: float
 ) -> None:
-    found = said(tmp_path, table(), *sets)
-    assert (found.basis, found.study_s, found.reference_error, found.chance) == ("measured", 0.1, 0.01, 0.003)
-    assert found.errors == {NAME: KnownError(pytest.approx(error), 0.003, 0.01)}
-    assert Accuracy.from_json(json.loads(json.dumps(found.as_json()))) == found
+    accuracy = by_study(tmp_path, table(), *sets)
+    assert (accuracy.basis, accuracy.study_s, accuracy.reference_error, accuracy.chance) == (
+        "measured",
+        0.1,
+        0.01,
+        0.003,
+    )
+    assert accuracy.errors == {NAME: KnownError(pytest.approx(error), 0.003, 0.01)}
+    assert Accuracy.from_json(json.loads(json.dumps(accuracy.as_json()))) == accuracy
 
 
 def test_options_that_were_measured_alone_add_up(tmp_path: Path) -> None:
     """4 % is the finer mesh's gain: 2 % of the own interval stay, and 1 % that the finest are off."""
-    found = said(tmp_path, table(), FINE)
-    assert (found.basis, found.errors) == ("predicted", {NAME: KnownError(0.03, 0.003, 0.01)})
+    accuracy = by_study(tmp_path, table(), FINE)
+    assert (accuracy.basis, accuracy.errors) == ("predicted", {NAME: KnownError(0.03, 0.003, 0.01)})
     study = table()
     study["points"].pop()  # the reference is another one
     study |= {"reference": "half"}
-    both = said(tmp_path, study, FINE, HALF)
+    both = by_study(tmp_path, study, FINE, HALF)
     assert (both.basis, both.errors[NAME].value) == ("predicted", pytest.approx(0.01))
     assert both.errors[NAME].half_width == pytest.approx(2**0.5 * 0.003)
 
@@ -116,26 +121,26 @@ def test_options_that_were_measured_alone_add_up(tmp_path: Path) -> None:
     ],
 )
 def test_what_the_study_is_not_of_is_not_told(tmp_path: Path, sets: tuple[str, ...], key: str) -> None:
-    found = said(tmp_path, table(), *sets)
-    assert (found.basis, found.errors) == ("not known", {})
-    assert key in found.why
+    accuracy = by_study(tmp_path, table(), *sets)
+    assert (accuracy.basis, accuracy.errors) == ("not known", {})
+    assert key in accuracy.why
 
 
 def test_what_a_study_set_is_its_physics(tmp_path: Path) -> None:
     """A study with another restitution tells of runs with that one alone."""
     study = table(BALL, "draft", "contacts.0.restitution=0.5", SHORT)
-    assert said(tmp_path, study, "contacts.0.restitution=0.50").basis == "measured"
-    assert "contacts.0.restitution" in said(tmp_path, study).why
+    assert by_study(tmp_path, study, "contacts.0.restitution=0.50").basis == "measured"
+    assert "contacts.0.restitution" in by_study(tmp_path, study).why
 
 
 def test_a_case_that_was_edited_is_another_one(tmp_path: Path) -> None:
     case = shutil.copytree(BALL, tmp_path / BALL.name)
     study, file = table(case), case / "case.toml"
-    assert said(tmp_path / "a", study, case=case).basis == "measured"
+    assert by_study(tmp_path / "a", study, case=case).basis == "measured"
     file.write_text(file.read_text().replace('title = "One ball', 'title = "A ball'))
-    assert said(tmp_path / "a", study, case=case).basis == "measured"
+    assert by_study(tmp_path / "a", study, case=case).basis == "measured"
     file.write_text(file.read_text().replace("density_kg_per_m3 = 1430.0", "density_kg_per_m3 = 1300.0"))
-    assert "materials.coal.density_kg_per_m3" in said(tmp_path / "a", study, case=case).why
+    assert "materials.coal.density_kg_per_m3" in by_study(tmp_path / "a", study, case=case).why
 
 
 @pytest.mark.parametrize(
@@ -151,21 +156,21 @@ def test_a_case_that_was_edited_is_another_one(tmp_path: Path) -> None:
     ],
 )
 def test_a_study_that_cannot_tell_says_why(tmp_path: Path, change: dict[str, Any], why: str) -> None:
-    found = said(tmp_path, table() | change)
-    assert (found.basis, found.errors) == ("not known", {})
-    assert why in found.why
+    accuracy = by_study(tmp_path, table() | change)
+    assert (accuracy.basis, accuracy.errors) == ("not known", {})
+    assert why in accuracy.why
 
 
 def test_a_reference_of_unknown_error_is_said_to_be_one(tmp_path: Path) -> None:
-    found = said(tmp_path, table() | {"reference_error": None})
-    assert (found.reference_error, found.errors) == (None, {NAME: KnownError(0.05, 0.003, None)})
+    accuracy = by_study(tmp_path, table() | {"reference_error": None})
+    assert (accuracy.reference_error, accuracy.errors) == (None, {NAME: KnownError(0.05, 0.003, None)})
 
 
 def test_other_random_numbers_are_of_the_same_study(tmp_path: Path) -> None:
     case = ROOT / "cases/quickstart"
     study = table(case) | {"options": {}}
-    assert said(tmp_path, study, "bed.blocks.coal.seed=77", case=case).basis == "measured"
-    assert said(tmp_path, study, "bed.blocks.coal.count=77", case=case).basis == "not known"
+    assert by_study(tmp_path, study, "bed.blocks.coal.seed=77", case=case).basis == "measured"
+    assert by_study(tmp_path, study, "bed.blocks.coal.count=77", case=case).basis == "not known"
 
 
 def test_the_nearest_study_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -55,8 +55,8 @@ def test_a_figure_has_the_error_of_the_quantity_that_it_is(summary: dict[str, An
         0.012,
         0.03,
     )
-    own = summary["results"]["bed"]["velocity_m_per_s"]
-    assert velocity["interval"] == pytest.approx(own["half_width"] / own["value"])
+    measured = summary["results"]["bed"]["velocity_m_per_s"]
+    assert velocity["interval"] == pytest.approx(measured["half_width"] / measured["value"])
     assert (load["quantity"], load["error"]) == (None, None)
     assert error_of(with_errors, VELOCITY) == "error 1.2 % ± 3.0 %, measured"
     assert error_of(with_errors, LOAD) == UNKNOWN
@@ -69,7 +69,9 @@ def test_quantities_of_several_panels_are_no_figure_of_one(summary: dict[str, An
     points = changed["results"]["motion"]["panel_points"]
     first = next(iter(points))
     points[first]["rms_g"]["value"] *= 1.5
-    quantities = {path: one["quantity"] for path, one in errors_table(FOUND, changed)["figures"].items()}
+    quantities = {
+        path: figure["quantity"] for path, figure in errors_table(FOUND, changed)["figures"].items()
+    }
     assert quantities[f"results.motion.panel_points.{first}.rms_g"] is None
     assert list(quantities.values()).count("power_W") == 1
 
@@ -82,7 +84,7 @@ def test_a_bound_that_was_passed_is_told_in_place_of_an_error(summary: dict[str,
         {"doubts": ["why"]},
     ):
         table = told(summary, FOUND, **changes)
-        assert all(one["error"] is None for one in table["accuracy"]["figures"].values())
+        assert all(figure["error"] is None for figure in table["accuracy"]["figures"].values())
         assert len(table["accuracy"]["passed"]) == 1
         assert table["accuracy"]["passed"][0] in closing_line(table)
         assert error_of(table, VELOCITY) == PASSED
@@ -92,7 +94,7 @@ def test_one_line_where_nothing_is_known(summary: dict[str, Any]) -> None:
     table = told(summary, NOTHING)
     assert NOTHING.command in closing_line(table)
     assert error_of(table, VELOCITY) == ""
-    assert not any(one["error"] for one in table["accuracy"]["figures"].values())
+    assert not any(figure["error"] for figure in table["accuracy"]["figures"].values())
 
 
 def test_the_page_is_made_from_the_summary(folder: Path, summary: dict[str, Any]) -> None:

@@ -15,7 +15,8 @@ from typing import Any
 
 from orchestrator.studies.accuracy.stored import StoredStudy, find_study
 from orchestrator.studies.points import seed_sets
-from orchestrator.workbench import Accuracy, Basis, Case, CaseError, KnownError
+from orchestrator.workbench import Case, CaseError
+from orchestrator.workbench.vocabulary import Accuracy, Basis, KnownError
 
 NEARNESS = ("not known", "predicted", "measured")
 OBSERVES = ("title", "description", "default_level", "effects_for", "duration_s", "checkpoint", "monitor")

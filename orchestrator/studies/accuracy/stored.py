@@ -11,7 +11,8 @@ from typing import Any
 from orchestrator.studies.accuracy.combinations import ALONE, BASE, Error, happens, joint_label, joint_sets
 from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.recommendation import recommend
-from orchestrator.workbench import Accuracy, Case, CaseError, CaseProblem, Setting, StudyFolder
+from orchestrator.workbench import Case, CaseError, CaseProblem, Setting, StudyFolder
+from orchestrator.workbench.vocabulary import Accuracy
 
 NAME = Accuracy.stored_in
 FORMAT = 3
