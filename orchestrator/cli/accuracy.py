@@ -19,6 +19,7 @@ OBSERVES = (
     "output.shapes_s",
     "monitor.",
     "checkpoint.",
+    "duration_s=",
 )
 """The beginnings of overlays that a study does without."""
 

@@ -176,9 +176,9 @@ def test_other_random_numbers_are_of_the_same_study(tmp_path: Path) -> None:
 def test_the_nearest_study_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The usual folder has a study of other physics; another folder has one of this."""
     monkeypatch.chdir(tmp_path)
-    loaded = load_judged(BALL, "draft", [SHORT, "output.pictures=false"])
+    loaded = load_judged(BALL, "draft", [SHORT, FINE, "output.pictures=false"])
     nothing = look_up(loaded)
-    command = f"flipflow study accuracy {BALL} --level draft --set {SHORT}"
+    command = f"flipflow study accuracy {BALL} --level draft --set '{FINE}'"
     assert (nothing.basis, nothing.command) == ("not known", command)
     for name, sets in (("ball-on-panel-accuracy", ("contacts.0.restitution=0.5",)), ("other", ())):
         (tmp_path / "runs" / name).mkdir(parents=True)
