@@ -12,7 +12,15 @@ from orchestrator.figures.accuracy import Accuracy
 from orchestrator.preflight.judge import JudgedCase
 
 STUDIES = Path("runs")
-OBSERVES = ("output.pictures", "output.interval_s", "output.series_s", "output.shapes_s", "monitor.")
+OBSERVES = (
+    "output.pictures",
+    "output.interval_s",
+    "output.series_s",
+    "output.shapes_s",
+    "monitor.",
+    "checkpoint.",
+    "duration_s=",
+)
 """The beginnings of overlays that a study does without."""
 
 

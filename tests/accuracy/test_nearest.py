@@ -63,7 +63,7 @@ def table(case: Path = BALL, level: str = "draft", *sets: str) -> dict[str, Any]
     }
 
 
-def told_by(folder: Path, study: Any, *sets: str, case: Path = BALL) -> Accuracy:
+def by_study(folder: Path, study: Any, *sets: str, case: Path = BALL) -> Accuracy:
     folder.mkdir(exist_ok=True)
     (folder / "accuracy.json").write_text(json.dumps(study))
     return accuracy_of(Case(load_judged(case, "draft", sets)), [folder / "accuracy.json"])
@@ -83,7 +83,7 @@ def told_by(folder: Path, study: Any, *sets: str, case: Path = BALL) -> Accuracy
 def test_a_point_of_the_study_has_its_measured_error(
     tmp_path: Path, sets: tuple[str, ...], error: float
 ) -> None:
-    accuracy = told_by(tmp_path, table(), *sets)
+    accuracy = by_study(tmp_path, table(), *sets)
     assert (accuracy.basis, accuracy.study_s, accuracy.reference_error, accuracy.chance) == (
         "measured",
         0.1,
@@ -96,12 +96,12 @@ def test_a_point_of_the_study_has_its_measured_error(
 
 def test_options_that_were_measured_alone_add_up(tmp_path: Path) -> None:
     """4 % is the finer mesh's gain: 2 % of the own interval stay, and 1 % that the finest are off."""
-    accuracy = told_by(tmp_path, table(), FINE)
+    accuracy = by_study(tmp_path, table(), FINE)
     assert (accuracy.basis, accuracy.errors) == ("predicted", {NAME: KnownError(0.03, 0.003, 0.01)})
     study = table()
     study["points"].pop()  # the reference is another one
     study |= {"reference": "half"}
-    both = told_by(tmp_path, study, FINE, HALF)
+    both = by_study(tmp_path, study, FINE, HALF)
     assert (both.basis, both.errors[NAME].value) == ("predicted", pytest.approx(0.01))
     assert both.errors[NAME].half_width == pytest.approx(2**0.5 * 0.003)
 
@@ -121,7 +121,7 @@ def test_options_that_were_measured_alone_add_up(tmp_path: Path) -> None:
     ],
 )
 def test_what_the_study_is_not_of_is_not_told(tmp_path: Path, sets: tuple[str, ...], key: str) -> None:
-    accuracy = told_by(tmp_path, table(), *sets)
+    accuracy = by_study(tmp_path, table(), *sets)
     assert (accuracy.basis, accuracy.errors) == ("not known", {})
     assert key in accuracy.why
 
@@ -129,18 +129,18 @@ def test_what_the_study_is_not_of_is_not_told(tmp_path: Path, sets: tuple[str, .
 def test_what_a_study_set_is_its_physics(tmp_path: Path) -> None:
     """A study with another restitution tells of runs with that one alone."""
     study = table(BALL, "draft", "contacts.0.restitution=0.5", SHORT)
-    assert told_by(tmp_path, study, "contacts.0.restitution=0.50").basis == "measured"
-    assert "contacts.0.restitution" in told_by(tmp_path, study).why
+    assert by_study(tmp_path, study, "contacts.0.restitution=0.50").basis == "measured"
+    assert "contacts.0.restitution" in by_study(tmp_path, study).why
 
 
 def test_a_case_that_was_edited_is_another_one(tmp_path: Path) -> None:
     case = shutil.copytree(BALL, tmp_path / BALL.name)
     study, file = table(case), case / "case.toml"
-    assert told_by(tmp_path / "a", study, case=case).basis == "measured"
+    assert by_study(tmp_path / "a", study, case=case).basis == "measured"
     file.write_text(file.read_text().replace('title = "One ball', 'title = "A ball'))
-    assert told_by(tmp_path / "a", study, case=case).basis == "measured"
+    assert by_study(tmp_path / "a", study, case=case).basis == "measured"
     file.write_text(file.read_text().replace("density_kg_per_m3 = 1430.0", "density_kg_per_m3 = 1300.0"))
-    assert "materials.coal.density_kg_per_m3" in told_by(tmp_path / "a", study, case=case).why
+    assert "materials.coal.density_kg_per_m3" in by_study(tmp_path / "a", study, case=case).why
 
 
 @pytest.mark.parametrize(
@@ -156,29 +156,29 @@ def test_a_case_that_was_edited_is_another_one(tmp_path: Path) -> None:
     ],
 )
 def test_a_study_that_cannot_tell_says_why(tmp_path: Path, change: dict[str, Any], why: str) -> None:
-    accuracy = told_by(tmp_path, table() | change)
+    accuracy = by_study(tmp_path, table() | change)
     assert (accuracy.basis, accuracy.errors) == ("not known", {})
     assert why in accuracy.why
 
 
 def test_a_reference_of_unknown_error_is_said_to_be_one(tmp_path: Path) -> None:
-    accuracy = told_by(tmp_path, table() | {"reference_error": None})
+    accuracy = by_study(tmp_path, table() | {"reference_error": None})
     assert (accuracy.reference_error, accuracy.errors) == (None, {NAME: KnownError(0.05, 0.003, None)})
 
 
 def test_other_random_numbers_are_of_the_same_study(tmp_path: Path) -> None:
     case = ROOT / "cases/quickstart"
     study = table(case) | {"options": {}}
-    assert told_by(tmp_path, study, "bed.blocks.coal.seed=77", case=case).basis == "measured"
-    assert told_by(tmp_path, study, "bed.blocks.coal.count=77", case=case).basis == "not known"
+    assert by_study(tmp_path, study, "bed.blocks.coal.seed=77", case=case).basis == "measured"
+    assert by_study(tmp_path, study, "bed.blocks.coal.count=77", case=case).basis == "not known"
 
 
 def test_the_nearest_study_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The usual folder has a study of other physics; another folder has one of this."""
     monkeypatch.chdir(tmp_path)
-    loaded = load_judged(BALL, "draft", [SHORT, "output.pictures=false"])
+    loaded = load_judged(BALL, "draft", [SHORT, FINE, "output.pictures=false"])
     nothing = look_up(loaded)
-    command = f"flipflow study accuracy {BALL} --level draft --set {SHORT}"
+    command = f"flipflow study accuracy {BALL} --level draft --set '{FINE}'"
     assert (nothing.basis, nothing.command) == ("not known", command)
     for name, sets in (("ball-on-panel-accuracy", ("contacts.0.restitution=0.5",)), ("other", ())):
         (tmp_path / "runs" / name).mkdir(parents=True)

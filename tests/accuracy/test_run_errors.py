@@ -18,13 +18,13 @@ SHORT, HALF = "duration_s=0.04", "coupling.sync_interval_s=4e-5"
 
 def done(place: Path, *words: str) -> str:
     process = started(*words, cwd=place)
-    output, errors = process.communicate(timeout=HANG_S)
-    assert process.returncode == 0, output + errors
-    return output + errors
+    output, problems = process.communicate(timeout=HANG_S)
+    assert process.returncode == 0, output + problems
+    return output + problems
 
 
 def run(place: Path, name: str, *sets: str) -> tuple[dict[str, Any], str]:
-    """The table of errors of a run, and its output."""
+    """The table of errors of a run, and what the run printed."""
     every = (LOW, SHORT, "output.pictures=false", *sets)
     words = [
         "run",
@@ -33,7 +33,7 @@ def run(place: Path, name: str, *sets: str) -> tuple[dict[str, Any], str]:
         "draft",
         "--out",
         name,
-        *(w for overlay in every for w in ("--set", overlay)),
+        *(word for key in every for word in ("--set", key)),
     ]
     output = done(place, *words)
     return summary(place / name)["accuracy"], output
@@ -55,28 +55,28 @@ def study(place: Path) -> dict[str, Any]:
 
 def test_a_point_of_the_study_and_its_page(place: Path) -> None:
     """The run as it is, and the run that goes on to a later end in its folder."""
-    table, output = run(place, "base")
-    base = next(row for row in study(place)["points"] if row["point"] == "base")
-    assert table["basis"] == "measured"
-    for name, error in table["errors"].items():
+    errors, output = run(place, "base")
+    base = next(entry for entry in study(place)["points"] if entry["point"] == "base")
+    assert errors["basis"] == "measured"
+    for name, error in errors["errors"].items():
         assert error["value"] == pytest.approx(base[f"{name}_error"] + (error["remains"] or 0.0))
-    assert table["errors"].keys() >= {"deflection_m", "clamp_rms_N", "middle_rms_g", "points_rms_g"}
-    figures = {row["quantity"]: row for row in table["figures"].values()}
-    assert figures["points_rms_g"]["error"] == table["errors"]["points_rms_g"]["value"]
+    assert errors["errors"].keys() >= {"deflection_m", "clamp_rms_N", "middle_rms_g", "points_rms_g"}
+    figures = {entry["quantity"]: entry for entry in errors["figures"].values()}
+    assert figures["points_rms_g"]["error"] == errors["errors"]["points_rms_g"]["value"]
     assert "how far off, by a study" in output
     done(place, "report", "base")
-    assert table["study"] in (place / "base/report.html").read_text()
+    assert errors["study"] in (place / "base/report.html").read_text()
     done(place, "resume", "base", "--set", "duration_s=0.05")
     later = summary(place / "base")["accuracy"]
-    assert {**later, "figures": 0} == {**table, "figures": 0}
-    assert later["figures"].keys() == table["figures"].keys()
+    assert {**later, "figures": 0} == {**errors, "figures": 0}
+    assert later["figures"].keys() == errors["figures"].keys()
 
 
 def test_another_interval_of_the_study(place: Path) -> None:
-    table, _ = run(place, "half", HALF)
-    half = next(row for row in study(place)["points"] if "4e-05" in row["sets"])
-    assert (table["basis"], half["point"]) == ("measured", study(place)["reference"])
-    assert all(error["value"] == error["remains"] for error in table["errors"].values())
+    errors, _ = run(place, "half", HALF)
+    half = next(entry for entry in study(place)["points"] if "4e-05" in entry["sets"])
+    assert (errors["basis"], half["point"]) == ("measured", study(place)["reference"])
+    assert all(error["value"] == error["remains"] for error in errors["errors"].values())
 
 
 def test_other_physics_and_no_study(place: Path, tmp_path: Path) -> None:

@@ -55,8 +55,8 @@ def test_a_figure_has_the_error_of_the_quantity_that_it_is(summary: dict[str, An
         0.012,
         0.03,
     )
-    own = summary["results"]["bed"]["velocity_m_per_s"]
-    assert velocity["interval"] == pytest.approx(own["half_width"] / own["value"])
+    measured = summary["results"]["bed"]["velocity_m_per_s"]
+    assert velocity["interval"] == pytest.approx(measured["half_width"] / measured["value"])
     assert (load["quantity"], load["error"]) == (None, None)
     assert error_of(with_errors, VELOCITY) == "error 1.2 % ± 3.0 %, measured"
     assert error_of(with_errors, LOAD) == UNKNOWN
