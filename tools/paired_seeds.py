@@ -1,12 +1,12 @@
 """Whether cheap runs foretell dear ones: pairs of runs with the same seeds.
 
     python -m tools.paired_seeds CASE OUT --cheap SETTING [--cheap SETTING ...] [--dear SETTING]
-        [--both SETTING] [--seeds 10] [--first 1] [--from SECONDS]
+        [--both SETTING] [--seeds 10] [--first 1] [--from SECONDS] [--to SECONDS]
 
 A SETTING is a text of words: KEY=VALUE as of ``--set``, or the name of a level.  For each seed the tool runs
 the dear setting and each cheap one with this seed in all feeds, unless the run is there, and adds a line to
-OUT/pairs.csv.  The efficiency is that of what left after ``--from`` (half the duration), and the velocity is
-the run's own.  It prints, for each cheap setting,
+OUT/pairs.csv.  The efficiency is that of what left between ``--from`` and ``--to`` (in the second half), and
+the velocity is the run's own.  It prints, for each cheap setting,
 
 - the correlation with the dear one over the seeds, with its 95 % interval by Fisher's z;
 - the standard error of the mean efficiency for one processor hour, by the dear setting alone, by two levels
@@ -37,6 +37,7 @@ from tools.scatter import efficiencies
 
 HOUR_S = 3600.0
 NORMAL_95 = 1.96
+FEWEST_PAIRS = 4  # of which Fisher's z has a variance
 COLUMNS = (
     "setting",
     "seed",
@@ -45,6 +46,7 @@ COLUMNS = (
     "to_s",
     "efficiency_percent",
     "velocity_m_per_s",
+    "simulated_s",
     "processor_s",
     "own_start_s",
     "own_efficiency_percent",
@@ -108,30 +110,38 @@ def _of_both(first: float, first_s: float, second: float, second_s: float, proce
     return (first * math.sqrt(first_s) + second * math.sqrt(second_s)) / math.sqrt(processor_s)
 
 
-def made(given: argparse.Namespace, setting: str, seed: int, folder: Path) -> flipflow.Run:
-    """Return the run of a setting with a seed, which is made if it is missing."""
+def made(given: argparse.Namespace, setting: str, seed: int, folder: Path) -> flipflow.Run | None:
+    """Return the run of a setting with a seed, which is made if it is missing; None where it fails."""
     if (folder / "summary.json").exists():
-        return flipflow.open_run(folder)
+        run = flipflow.open_run(folder)
+        return None if run.status == "failed" else run
     words = f"{given.both} {setting}".split()
     level = next((word for word in words if "=" not in word), None)
     case = flipflow.load(given.case, level, [word for word in words if "=" in word])
     seeds = {f"bed.feeds.{name}.seed": seed for name in case.settings["bed"]["feeds"]}
-    return case.change(seeds).run(folder)
+    try:
+        return case.change(seeds).run(folder)
+    except flipflow.RunFailed as failed:
+        print(f"{folder.name} fails: {failed}", flush=True)
+        return None
 
 
-def row(run: flipflow.Run, setting: str, seed: int, given_s: float | None) -> dict[str, Any]:
+def row(run: flipflow.Run, setting: str, seed: int, span_s: Sequence[float | None]) -> dict[str, Any]:
     """Return the line of a run for the table."""
     with RunReader(run.folder) as reader:
-        from_s = reader.end_s / 2 if given_s is None else given_s
+        from_s, to_s = (
+            given or own for given, own in zip(span_s, (reader.end_s / 2, reader.end_s), strict=True)
+        )
         own = value_at(run.summary, "efficiency")
         return {
             "setting": setting,
             "seed": seed,
             "status": run.status,
             "from_s": from_s,
-            "to_s": reader.end_s,
-            "efficiency_percent": efficiencies(reader, from_s)[0],
+            "to_s": to_s,
+            "efficiency_percent": efficiencies(reader, from_s, to_s)[0],
             "velocity_m_per_s": getattr(value_at(run.summary, "velocity"), "value", None),
+            "simulated_s": run.summary["simulated_s"],
             "processor_s": run.summary["processor_s"],
             "own_start_s": run.summary["results"]["steady"]["start_s"],
             "own_efficiency_percent": own and own.value,
@@ -179,31 +189,39 @@ def main(words: Sequence[str]) -> None:
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--from", dest="from_s", type=float)
+    parser.add_argument("--to", dest="to_s", type=float)
     given = parser.parse_args(words)
     settings = {"dear": given.dear} | {f"cheap-{i}": text for i, text in enumerate(given.cheap, 1)}
     given.out.mkdir(parents=True, exist_ok=True)
-    rows: list[dict[str, Any]] = []
+    rows: dict[tuple[str, int], dict[str, Any]] = {}
     with (given.out / "pairs.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         for seed in range(given.first, given.first + given.seeds):
             for name, setting in settings.items():
                 run = made(given, setting, seed, given.out / f"{name}-{seed}")
-                rows.append(row(run, name, seed, given.from_s))
-                writer.writerow(rows[-1])
-                file.flush()
-    values = {
-        (name, column): np.array([one[column] for one in rows if one["setting"] == name], dtype=float)
-        for name in settings
-        for column in ("efficiency_percent", "velocity_m_per_s", "processor_s")
-    }
-    for name, setting in settings.items():
-        if name == "dear":
-            continue
-        print(f"{name}: {setting}")
-        cheap_s, dear_s = (float(values[kind, "processor_s"].mean()) for kind in (name, "dear"))
+                if run is not None:
+                    rows[name, seed] = row(run, name, seed, (given.from_s, given.to_s))
+                    writer.writerow(rows[name, seed])
+                    file.flush()
+    for name in [name for name in settings if name != "dear"]:
+        print(f"{name}: {settings[name]}")
         for column in ("efficiency_percent", "velocity_m_per_s"):
-            print_pairs(name, column, Levels(values[name, column], values["dear", column], cheap_s, dear_s))
+            pairs = [
+                (rows[name, seed], rows[kind, seed])
+                for kind, seed in rows
+                if kind == "dear" and (name, seed) in rows
+            ]
+            pairs = [each for each in pairs if None not in (each[0][column], each[1][column])]
+            if len(pairs) < FEWEST_PAIRS:
+                print(f"{name}: {column}, {len(pairs)} pairs, too few")
+                continue
+            cheap, dear, cheap_s, dear_s = (
+                np.array([each[side][key] for each in pairs], dtype=float)
+                for key in (column, "processor_s")
+                for side in (0, 1)
+            )
+            print_pairs(name, column, Levels(cheap, dear, float(cheap_s.mean()), float(dear_s.mean())))
 
 
 if __name__ == "__main__":

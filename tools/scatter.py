@@ -30,20 +30,23 @@ DIVISIONS = ((2, 1), (3, 1), (4, 1), (1, 2), (1, 4), (2, 2), (4, 2))
 """Parts in time and across the width."""
 
 
-def efficiencies(run: RunReader, from_s: float, parts: int = 1, strips: int = 1) -> Array:
-    """Return the efficiency in % of what left in equal parts of the time from ``from_s`` to the run's end and
-    in strips across the width with equally many particles, (parts * strips,)."""
+def efficiencies(
+    run: RunReader, from_s: float, to_s: float | None = None, parts: int = 1, strips: int = 1
+) -> Array:
+    """Return the efficiency in % of what left in equal parts of the time from ``from_s`` to ``to_s``, or to
+    the run's end, and in strips across the width with equally many particles, (parts * strips,)."""
     tables = read_events(run.history)
     assert tables is not None, "the run counts what leaves"
+    end_s = run.end_s if to_s is None else to_s
     events, feeds = Events(*tables, run.edges_s), tuple(run.case.bed.feeds.values())
     if feeds:
-        events = replace(events, listed=listed_feed(feeds, (from_s, run.end_s)))
+        events = replace(events, listed=listed_feed(feeds, (from_s, end_s)))
     removed, exits = events.removed, events.exits
     group = 2 * removed.exit + fine_or_coarse(removed.sieve_size_m, cut_size_m(run.case) or np.inf)
-    counts = (removed.exit >= 0) & (removed.time_s > from_s)
+    counts = (removed.exit >= 0) & (removed.time_s > from_s) & (removed.time_s <= end_s)
     across_m = removed.position_m[:, 1]
     edges_m = np.quantile(across_m[counts], np.arange(1, strips) / strips)
-    part = np.searchsorted(np.linspace(from_s, run.end_s, parts + 1)[1:-1], removed.time_s)
+    part = np.searchsorted(np.linspace(from_s, end_s, parts + 1)[1:-1], removed.time_s)
     place = part * strips + np.searchsorted(edges_m, across_m)
     out_kg = np.zeros((parts * strips, 2 * len(exits.names)))
     np.add.at(out_kg, (place[counts], group[counts]), events.left_kg[counts])
@@ -69,7 +72,7 @@ def main(words: Sequence[str]) -> None:
     ]
     print("parts in time | strips of the width | chance of the whole run / % | known within")
     for parts, strips in DIVISIONS:
-        each = [efficiencies(*one, parts, strips) for one in zip(readers, begins_s, strict=True)]
+        each = [efficiencies(*one, None, parts, strips) for one in zip(readers, begins_s, strict=True)]
         known = 100 / np.sqrt(2 * len(each) * (parts * strips - 1))
         print(f"{parts} | {strips} | {chance_of_whole(each):.2f} | {known:.0f} %")
     whole = [efficiencies(*one)[0] for one in zip(readers, begins_s, strict=True)]

@@ -11,7 +11,7 @@ from typing import Any
 from scipy.special import chdtri, stdtrit
 
 from orchestrator.case.bed.grains import largest_length_m
-from orchestrator.case.file.folder import admit
+from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, between_openings_m, whole_width_m
 from orchestrator.cli.chance import MOST_S, Basis, ChancePlan, Numerics, Priced
 from orchestrator.cli.console import CONSOLE, UNLIMITED, refuse, reported_errors
@@ -236,8 +236,7 @@ def _measured(request: Request, study: StoredStudy | None) -> Measured:
 def _if_usable(request: Request, folder: Path) -> Measured | None:
     try:
         summary = RunReader(admit(folder)).summary
-    except Exception as error:  # what lies about in a folder of runs is no error of this command
-        del error
+    except (FolderUnusable, OSError, ValueError):  # what lies about in a folder of runs
         return None
     if _why_unusable(request, summary) or _changes(request, folder):
         return None

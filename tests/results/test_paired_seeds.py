@@ -53,7 +53,7 @@ def test_the_interval_of_a_correlation_is_that_of_fisher() -> None:
 def test_parts_have_the_efficiency_of_the_whole(tmp_path: Path) -> None:
     """In every cycle five of five fines of 2 mm pass, two of three of 2.8 mm, and none of two coarse ones."""
     with RunReader(folder_of(tmp_path)) as run:
-        whole, halves = (efficiencies(run, run.end_s / 2, parts) for parts in (1, 2))
+        whole, halves = (efficiencies(run, run.end_s / 2, None, parts) for parts in (1, 2))
     fine, middle, _ = MASS_KG
     passes = 100 * (5 * fine + 2 * middle) / (5 * fine + 3 * middle)
     assert whole == pytest.approx([passes], rel=1e-6)
