@@ -266,6 +266,7 @@ def test_a_case_has_loops_of_several_files(tmp_path: Path) -> None:
         ("displacement_mm,force_N,frequency_Hz\n" + "1,1,5\n" * 20, "moves"),
         ("amplitude_m,frequency_Hz,dynamic stiffness [N/mm],loss_factor\n0.001,10,262,0.1\n", "modulus"),
         ("amplitude_m,frequency_Hz,stiffness,loss_factor\n0.001,10,262,0.1\n", "unit.*'stiffness'"),
+        ("amplitude_m,frequency_Hz,stiffness_N_per_m,loss_factor\n0.001,10,2e5,9%\n0.002,10,2e5,0.1\n", "%"),
         ("amplitude_m,frequency_Hz,complex stiffness [N/mm]\n0.001,10,262\n", "loss"),
     ],
 )
@@ -281,3 +282,14 @@ def test_a_test_in_other_words() -> None:
     assert point == pytest.approx(
         {"amplitude_m": 1e-3, "frequency_Hz": 10.0, "stiffness_N_per_m": 5e4, "loss_factor": np.sqrt(3)}
     )
+
+
+@pytest.mark.parametrize(
+    ("head", "cell"),
+    [("loss_factor", "10%"), ("loss_factor", "10 %"), ("Loss factor [%]", "10"), ("tan delta", "0.1")],
+)
+def test_a_loss_factor_in_per_cent(head: str, cell: str) -> None:
+    (point,) = points_of(
+        f"amplitude_m,frequency_Hz,stiffness_N_per_m,{head}\n0.001,10,2e5,{cell}\n", Answers()
+    )
+    assert point["loss_factor"] == pytest.approx(0.1)

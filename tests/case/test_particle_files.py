@@ -134,6 +134,20 @@ def test_a_file_for_paraview(tmp_path: Path, suffix: str) -> None:
     assert bed.velocity_m_per_s[:, 2].tolist() == [-1.0, -2.0]
 
 
+def test_a_file_for_paraview_that_ends_too_early(tmp_path: Path) -> None:
+    """VTK reads what is there."""
+    head = b"# vtk DataFile Version 3.0\nx\nBINARY\nDATASET POLYDATA\nPOINTS 2 float\n"
+    radii = b"\nPOINT_DATA 2\nSCALARS radius float 1\nLOOKUP_TABLE default\n"
+    whole = head + np.array(PLACES, ">f4").tobytes() + radii + np.array(RADII, ">f4").tobytes() + b"\n"
+    file = tmp_path / "bed.vtk"
+    file.write_bytes(whole)
+    assert len(read_table(file, case_of(tmp_path))) == 2
+    for length in (len(head) + 10, len(whole) - 6):
+        file.write_bytes(whole[:length])
+        with pytest.raises(UnreadableBed, match="whole"):
+            read_table(file, case_of(tmp_path))
+
+
 @pytest.mark.parametrize(
     ("text", "clue"),
     [

@@ -208,7 +208,10 @@ def _numbers(key: str, column: Column) -> Array:
             raise TableError(
                 f"column {show_value(column.head)} is in {column.unit}, and a loss factor is a pure number"
             )
-        return column.numbers(empty=True) * (0.01 if column.unit == "%" else 1.0)
+        signs = {cell.endswith("%") for cell in column.texts if cell}
+        if len(signs) > 1:
+            raise TableError(f"column {show_value(column.head)} has numbers with % and without")
+        return column.numbers(empty=True) * (0.01 if column.unit == "%" or True in signs else 1.0)
     if not column.unit:
         example = {"amplitude_m": "mm", "frequency_Hz": "Hz", "stiffness_N_per_m": "N/mm"}.get(
             key, key.partition("_")[2]

@@ -8,13 +8,13 @@ that style granular, too.
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from orchestrator.case.file.data_table import Column, DataTable, TableError, split_head
-from orchestrator.case.file.errors import show_value
 from orchestrator.ports import Array
 
 VTK = (".vtk", ".vtu", ".vtp")
@@ -145,21 +145,21 @@ def read_vtk(file: Path) -> DataTable:
     Raises TableError.
     """
     import pyvista
-    from vtkmodules.vtkCommonCore import vtkObject
+    from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
-    vtkObject.GlobalWarningDisplayOff()  # what VTK says of a damaged file is said below
+    usual, said = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(said)  # VTK says of a damaged file that it is one, and reads on
     try:
-        mesh = pyvista.read(file)
-        arrays = {
-            "Points": np.asarray(mesh.points),
-            **{name: np.asarray(mesh.point_data[name]) for name in mesh.point_data},
-        }
+        with warnings.catch_warnings(action="ignore"):
+            mesh = pyvista.read(file)
+        data = {name: np.asarray(mesh.point_data[name]) for name in mesh.point_data}
+        arrays = {"Points": np.asarray(mesh.points), **data}
     except Exception as error:  # pyvista and VTK raise what they like for a damaged file
-        raise TableError(
-            f"cannot be read: {show_value(str(error).splitlines()[0] if str(error) else error)}"
-        ) from None
+        raise TableError(f"cannot be read ({type(error).__name__}): is it whole?") from None
     finally:
-        vtkObject.GlobalWarningDisplayOn()
+        vtkOutputWindow.SetInstance(usual)
+    if said.GetOutput().strip():
+        raise TableError("cannot be read: is it whole?")
     if not len(arrays["Points"]):
         raise TableError("has no particles")
     return DataTable(
