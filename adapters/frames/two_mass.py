@@ -20,10 +20,11 @@ import numpy as np
 from adapters.frames.common.collocation import Collocation
 from adapters.frames.common.drive import drawn_pose
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
-from adapters.frames.common.rigid_frames import RigidFrames, Unbalances, onto_bodies
+from adapters.frames.common.rigid_frames import BushingTable, RigidFrames, Unbalances, onto_bodies
 from orchestrator.ports import Account, Array, Load, Motion, Pose, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.frames import FrameLoads
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
 
 LARGEST_STEP_RAD = 1.0
@@ -49,12 +50,13 @@ class TwoMassFrames(RigidFrames):
         if any(bushing.hysteresis for bushing in plan.bushings):
             raise ValueError("two_mass has linear bushings; measured curves need exudyn")
         super().__init__(plan)
-        self._unbalances = Unbalances(plan, plan.exciters)
+        self._unbalances, self._bushings = Unbalances(plan, plan.exciters), BushingTable(plan)
         self._onto_excited = onto_bodies(plan, self._unbalances.body)
         self._onto_bodies = onto_bodies(plan, self._carrier)
         weight_N = np.outer([body.mass_kg for body in plan.bodies], plan.gravity_m_per_s2)
         self._unheld_N = weight_N - self._held.reshape(-1, 3)
         self._displacement_m, self._velocity_m_per_s = np.zeros((2, len(self._held)))
+        self._ended_s, self._reaction_N = 0.0, np.zeros((len(plan.bodies), 3))  # of the last interval
         self._longest_s = self._largest_step_s(LARGEST_STEP_RAD)
         machine = self._machine
         self._collocation, self._damping = Collocation(machine), machine.damping
@@ -75,6 +77,7 @@ class TwoMassFrames(RigidFrames):
         steps = interval.steps(self._longest_s)
         self._collocation.set_step(interval.length_s / steps)
         reaction_N = self._onto_bodies @ reaction.force_N
+        self._ended_s, self._reaction_N = interval.start_s + interval.length_s, reaction_N
         before_m = self._displacement_m
         for step in range(steps):
             self._step(interval.start_s + step * self._collocation.step_s, reaction_N)
@@ -87,6 +90,26 @@ class TwoMassFrames(RigidFrames):
         drawn, moved = drawn_pose(self._plan), self._bodies()
         position_m = drawn.position_m + moved.moved_m
         return replace(drawn, position_m=position_m, velocity_m_per_s=moved.velocity_m_per_s)
+
+    def loads(self) -> FrameLoads:
+        machine, moved = self._machine, np.vstack([self._bodies().moved_m, np.zeros(3)])
+        x_m, v_m_per_s = self._displacement_m, self._velocity_m_per_s
+        along_N = machine.stiffness_N_per_m * (machine.stretch @ (self._sag + x_m))
+        along_N += machine.damping_N_s_per_m * (machine.stretch @ v_m_per_s)
+        exciter_N = self._unbalances.force_N(np.array([self._ended_s]))[0]
+        load_N = (self._onto_excited @ exciter_N + self._reaction_N + self._unheld_N).ravel()
+        load_N -= machine.stiffness @ x_m + machine.damping @ v_m_per_s
+        acceleration = np.linalg.solve(machine.mass, load_N).reshape(-1, 3)
+        table = self._bushings
+        return FrameLoads(
+            bushing_N=np.einsum("nij,ni->nj", table.axes, along_N.reshape(-1, 3)),
+            bushing_m=table.place_m + moved[table.second],
+            exciter_N=exciter_N,
+            exciter_m=self._unbalances.place_m + moved[self._unbalances.body],
+            lag_N_m=np.zeros_like(acceleration),
+            acceleration_m_per_s2=acceleration,
+            angular_acceleration_rad_per_s2=np.zeros_like(acceleration),
+        )
 
     def account(self) -> Account:
         stretch_m = self._machine.stretch @ (self._sag + self._displacement_m)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from itertools import chain
@@ -23,6 +24,7 @@ from orchestrator.cli.console import (
 from orchestrator.cli.new import new
 from orchestrator.cli.options import CasePath, Level, Overrides
 from orchestrator.cli.study import study
+from orchestrator.output.loads import Format
 
 if TYPE_CHECKING:
     from orchestrator.preflight.judge import JudgedCase
@@ -328,6 +330,31 @@ def results(
     from orchestrator.cli.results import print_results
 
     print_results(runs, out, as_json)
+
+
+@app.command()
+def loads(
+    run: RunPath,
+    frame: Annotated[str, typer.Option("--frame", help="name of the frame")],
+    out: Annotated[Path, typer.Option("--out", help="new folder for the files")],
+    how: Annotated[Format, typer.Option("--format", help="of the loads")] = Format.CSV,
+    from_s: Annotated[float, typer.Option("--from-s", help="first time of the run")] = 0.0,
+    to_s: Annotated[float, typer.Option("--to-s", help="last time of the run [default: its end]")] = math.inf,
+) -> None:
+    """Write the loads on a frame over time, for a program that computes its strength.
+
+    The run needs output.loads_s.  The files have the forces of clamps, stops, walls, bushings and exciters
+    with their places, gravity and inertia, in the deck axes that move with the frame; together they are in
+    balance.  README.txt in the folder says what is what.  csv: one table; calculix: *AMPLITUDE and *CLOAD on
+    a node set for each place; apdl: tables and F on a node for each place.
+
+    Exit code 0: done; 2: the folder is no run with such loads, or the command is wrong.
+    """
+    from orchestrator.cli.loads import export
+
+    with reported_errors():
+        for line in export(run, frame, how, out, from_s, to_s):
+            CONSOLE.print(line, soft_wrap=True)
 
 
 @app.command()

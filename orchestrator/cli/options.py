@@ -67,6 +67,11 @@ Scheduler = Annotated[
     str, typer.Option("--scheduler", help="address of a Dask scheduler with workers elsewhere")
 ]
 
+WriteJobs = Annotated[
+    bool,
+    typer.Option("--write-jobs", help="write jobs.txt and job.sh for a cluster's scheduler, and run nothing"),
+]
+
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:
     """Return the requested crew; by default it has as many workers as the machine bears.

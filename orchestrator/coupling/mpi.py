@@ -18,7 +18,13 @@ import numpy.typing as npt
 
 from orchestrator.ports import Account, Array, Frames, Known, Load, Motion, Pose, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.frames import find_driven_points, find_element_forces_N, find_shaft_angles_rad
+from orchestrator.ports.frames import (
+    FrameLoads,
+    find_driven_points,
+    find_element_forces_N,
+    find_frame_loads,
+    find_shaft_angles_rad,
+)
 
 Shared = TypeVar("Shared")
 FIRST = Interval(0, 1e-6)
@@ -119,6 +125,10 @@ class FramesOnFirstRank:
     def shaft_angles_rad(self) -> Mapping[str, float]:
         """Return the angles on rank 0, which records them; none on other ranks."""
         return find_shaft_angles_rad(self._frames) if self._frames is not None else {}
+
+    def loads(self) -> FrameLoads | None:
+        """Return the forces on rank 0, which records them; None on other ranks."""
+        return find_frame_loads(self._frames) if self._frames is not None else None
 
     def account(self) -> Account:
         return self._broadcast(lambda frames: frames.account())

@@ -31,7 +31,13 @@ from orchestrator.ports import (
     Saved,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.frames import find_driven_points, find_element_forces_N, find_shaft_angles_rad
+from orchestrator.ports.frames import (
+    FrameLoads,
+    find_driven_points,
+    find_element_forces_N,
+    find_frame_loads,
+    find_shaft_angles_rad,
+)
 from orchestrator.ports.panel import surface_ahead, surface_inertia
 from orchestrator.ports.state import Solver
 
@@ -77,6 +83,9 @@ class FramesWrapper(Wrapper[Frames]):
 
     def shaft_angles_rad(self) -> Mapping[str, float]:
         return find_shaft_angles_rad(self._solver)
+
+    def loads(self) -> FrameLoads | None:
+        return find_frame_loads(self._solver)
 
 
 class PanelWrapper(Wrapper[Panel]):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from orchestrator.ports.clock import Interval
@@ -155,6 +156,50 @@ class Hysteretic(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class FrameLoads:
+    """The forces on the bodies at the last sync point, and their accelerations under them, in world axes.
+
+    They belong to the end of the last interval, whose reaction still acts, too.
+
+    Parameters
+    ----------
+    bushing_N, bushing_m
+        (bushings, 3) each, the force of a bushing on its first body, whose opposite acts on its second body,
+        and the place of both.
+    exciter_N, exciter_m
+        (exciters, 3) each, forces and places.
+    lag_N_m
+        (bodies, 3), the moments by which the solver's own loads differ from these forces at these places,
+        because it extrapolates or averages lever arms.
+    acceleration_m_per_s2, angular_acceleration_rad_per_s2
+        (bodies, 3) each, of the centres of mass, and of the bodies.
+    """
+
+    bushing_N: Array
+    bushing_m: Array
+    exciter_N: Array
+    exciter_m: Array
+    lag_N_m: Array
+    acceleration_m_per_s2: Array
+    angular_acceleration_rad_per_s2: Array
+
+
+@runtime_checkable
+class Loaded(Protocol):
+    """Frames that forces move, and that tell these forces."""
+
+    def loads(self) -> FrameLoads | None:
+        """Return the forces at the last sync point, after the first interval.  The call changes nothing.
+
+        Returns
+        -------
+        FrameLoads or None
+            The forces, in the order of the plan; None where a drive moves a body.
+        """
+        ...
+
+
 class Motorised(Protocol):
     """Frames of which motors may turn shafts, which then lag behind their named speed."""
 
@@ -179,6 +224,12 @@ def find_element_forces_N(frames: Frames) -> Array | None:
     """Return the forces (bushings, 3) of friction and Maxwell elements along the bushings' axes, for frames
     that are ``Hysteretic`` or not; None without elements."""
     return frames.element_forces_N() if isinstance(frames, Hysteretic) else None
+
+
+def find_frame_loads(frames: Frames) -> FrameLoads | None:
+    """Return the forces on bodies at the last sync point, for frames that are ``Loaded`` or not; None where
+    they do not tell them."""
+    return frames.loads() if isinstance(frames, Loaded) else None
 
 
 def find_driven_points(frames: Frames, interval: Interval) -> Known | None:

@@ -117,6 +117,7 @@ class Point:
     ``value`` is its name, ``loaded`` its case and ``folder`` its folder.  The command ``words`` makes the
     run, and a second command ``then``, if there is one, continues in the same folder.  ``ended`` says whether
     nothing of the run is left to be made.  A finished run may differ from the case in the keys ``free``.
+    The command ``job`` makes the run unless it is done.
     """
 
     value: str
@@ -126,6 +127,7 @@ class Point:
     then: tuple[str, ...] = ()
     ended: Callable[[Run], bool] = Run.came_to_its_end
     free: tuple[str, ...] = ()
+    job: tuple[str, ...] = ()
 
     def done(self) -> bool:
         """Return whether the point has been run to its end.
@@ -190,7 +192,12 @@ class CaseStudy:
         CaseError for a case with problems.
         """
         loaded, place = self.check(sets), self.folder / (folder or value)
-        return Point(value, loaded, Run(place).command(self.case, loaded.level, (*self.sets, *sets)), place)
+        every = (*self.sets, *sets)
+        level = ("--level", loaded.level) if loaded.level else ()
+        options = [word for each in every for word in ("--set", each)]
+        at = ("--out", str(self.folder.resolve()), "--folder", place.name)
+        job = ("flipflow", "study", "job", str(self.case.resolve()), *level, *options, *at)
+        return Point(value, loaded, Run(place).command(self.case, loaded.level, every), place, job=job)
 
     def run(self, points: Sequence[Point]) -> Iterator[str]:
         """Run the points that are not done, and yield a line when a run has ended.

@@ -23,7 +23,7 @@ class StudyFolder:
     known_by: ClassVar[Mapping[str, str]] = {
         "case.toml": "",
         "accuracy.csv": "accuracy",
-        "sweep.csv": "sweep",
+        "sweep.csv": "sweep job",
         "corners.csv": "corners",
         "paper.csv": "paper",
         "stability.html": "stability",

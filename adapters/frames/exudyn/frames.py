@@ -28,6 +28,7 @@ from adapters.frames.exudyn.compiled import CompiledBodies
 from adapters.frames.exudyn.shaft import SpatialShaft
 from orchestrator.ports import Account, Array, Load, Motion, Pose, Saved, check_point_count, linear_frames
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.frames import FrameLoads
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 
 try:
@@ -66,6 +67,7 @@ class ExudynFrames(RigidFrames):
         prescribed = replace(plan, exciters=steady)
         self._bodies = CompiledBodies(prescribed, self._carrier, self._drawn_m, sag_m)
         self._sag_m, self._step_s = sag_m, 0.0
+        self._reaction, self._torque_N_m = Load.zero(len(plan.points_m)), np.zeros((len(plan.bodies), 3))
         self._multibody = exudyn_system.assemble_system(prescribed, sag_m, self._element_force_N)
         self._system = self._multibody.system
         self._data = self._system.systemData
@@ -84,6 +86,7 @@ class ExudynFrames(RigidFrames):
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         check_point_count("frames' reaction", reaction, len(self._plan.points_m))
         kernel, length_s = self._bodies.kernel, interval.length_s
+        self._reaction = reaction
         reaction_N = np.ascontiguousarray(reaction.force_N)
         wrench = kernel.wrench_of(force_N=reaction_N, length_s=length_s)
         for shaft in self._shafts:
@@ -103,6 +106,34 @@ class ExudynFrames(RigidFrames):
 
     def pose(self) -> Pose:
         return self._bodies.pose()
+
+    def loads(self) -> FrameLoads | None:
+        if self._driven:
+            return None
+        memory, poses, data = self._bodies.memory, self._bodies.poses, self._data
+        rate, growth = (
+            np.reshape(each, (-1, 6)) for each in (data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
+        )
+        steady, shafts = zip(memory["exciter_N"], memory["exciter_m"], strict=True), iter(self._shafts)
+        lag_N_m = self._torque_N_m - memory["couple_N_m"]
+        lag_N_m -= self._bodies.kernel.wrench_of(force_N=self._reaction.force_N, length_s=0.0)[:, 3:]
+        exciter_N, exciter_m = np.empty((2, len(self._plan.exciters), 3))
+        for n, exciter in enumerate(self._plan.exciters):
+            if exciter.motor is None:
+                exciter_N[n], exciter_m[n] = next(steady)
+                continue
+            shaft = next(shafts)
+            exciter_N[n], exciter_m[n] = shaft.wrench[:3], shaft.place_m(poses)
+            lag_N_m[shaft.body] -= np.cross(exciter_m[n] - poses.center_m[shaft.body], exciter_N[n])
+        return FrameLoads(
+            bushing_N=memory["pull_N"].copy(),
+            bushing_m=memory["to_m"].copy(),
+            exciter_N=exciter_N,
+            exciter_m=exciter_m,
+            lag_N_m=lag_N_m,
+            acceleration_m_per_s2=growth[:, :3],
+            angular_acceleration_rad_per_s2=poses.angular_acceleration_rad_per_s2(rate[:, 3:], growth[:, 3:]),
+        )
 
     def account(self) -> Account:
         shafts = [(shaft, shaft.velocity_m_per_s(self._bodies.poses)) for shaft in self._shafts]
@@ -162,10 +193,10 @@ class ExudynFrames(RigidFrames):
             wrench = bodies.memory["wrench"].copy()
             wrench[shaft.body] += shaft.turn(bodies.poses, end_s, step_s)
             self._apply(wrench)
-        exciter_N, torque_N_m = bodies.kernel.coming_loads(end_s=end_s)
+        exciter_N, self._torque_N_m = bodies.kernel.coming_loads(end_s=end_s)
         for load, force_N in zip(self._multibody.exciters, exciter_N, strict=True):
             system.SetLoadParameter(load, "loadVector", force_N)
-        for load, couple_N_m in zip(self._multibody.torques, torque_N_m, strict=True):
+        for load, couple_N_m in zip(self._multibody.torques, self._torque_N_m, strict=True):
             system.SetLoadParameter(load, "loadVector", couple_N_m)
         for driven in self._driven:
             driven.steer(self._data, step_s, end_s)

@@ -25,6 +25,16 @@ class Poses:
     spin_rad_per_s: Array
     spin_per_rate: Array
 
+    def angular_acceleration_rad_per_s2(self, rate_rad_per_s: Array, growth_rad_per_s2: Array) -> Array:
+        """Return the angular accelerations (bodies, 3) for first and second derivatives of the rotation
+        angles, (bodies, 3) each: each axis is turned by the angles before it."""
+        first, second, third = np.moveaxis(self.spin_per_rate, -1, 0)
+        spin = rate_rad_per_s[:, :1] * first
+        turned = rate_rad_per_s[:, 1:2] * cross(spin, second)
+        spin = spin + rate_rad_per_s[:, 1:2] * second
+        turned += rate_rad_per_s[:, 2:] * cross(spin, third)
+        return turn(self.spin_per_rate, growth_rad_per_s2) + turned
+
 
 def turning(angles_rad: Array) -> tuple[Array, Array]:
     """Return the rotation Rx Ry Rz (bodies, 3, 3), and the axes of the three rates as columns."""

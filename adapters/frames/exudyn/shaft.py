@@ -42,6 +42,10 @@ class SpatialShaft(Shaft):
         """Return the velocity (3,) of the shaft's place."""
         return np.asarray(self._at.motion(poses)[1][0])
 
+    def place_m(self, poses: Poses) -> Array:
+        """Return the place (3,) of the shaft."""
+        return np.asarray(self._at.motion(poses)[0][0])
+
     def turn(self, poses: Poses, end_s: float, step_s: float) -> Array:
         """Turn the shaft in the step from ``poses`` on, and return the change (6,) of the wrench."""
         expected_m_per_s2 = 2 * self._felt_m_per_s2 - self._felt_before_m_per_s2

@@ -64,7 +64,7 @@ _KEYS: dict[Limits, str] = {
     (1e-18, 1e-7): "specific_wear_m3_per_N_m",
     (1e-7, 0.02): "sync_interval_s",
     (1e-10, 0.02): "step_s",
-    (1e-7, 1e4): "interval_s series_s shapes_s every_s",
+    (1e-7, 1e4): "interval_s series_s shapes_s loads_s every_s",
     (1e-3, 1e5): "wall_min",
     (0.0, 1e4): "start_s stop_s run_up_s run_down_s from_time_s",
     (0.0, 360.0): "rotation_deg",

@@ -230,6 +230,9 @@ class Output(Table):
     need a row every 0.9 ms."""
     shapes_s: NotNegative = 0.0
     """Time between two rows of the panels' whole shapes; 0 writes none."""
+    loads_s: NotNegative = 0.0
+    """Time between two rows of all forces on the frames, which ``flipflow loads`` hands to a program for
+    their strength; 0 writes none."""
     pictures: Switch = True
     """Whether pictures are made at the end of the run."""
     cut_size_m: Positive | None = None

@@ -6,9 +6,10 @@ from typing import Annotated
 
 import typer
 
-from orchestrator.cli.options import Out, StudyOutput, StudyPath
+from orchestrator.cli.options import Out, StudyOutput, StudyPath, WriteJobs
 from orchestrator.output.tables import console_table
 from orchestrator.preflight.cost import in_words
+from orchestrator.studies import jobs
 from orchestrator.studies.design.campaign import planned_settings
 from orchestrator.studies.design.page import hours_in_words
 from orchestrator.studies.design.study import DesignStudy
@@ -23,6 +24,7 @@ def command(
     dry: Annotated[
         bool, typer.Option("--dry", help="check and list the runs, predict their time, and stop")
     ] = False,
+    write_jobs: WriteJobs = False,
 ) -> StudyOutput:
     """Run the plan of a design study: the centre, then settings over the ranges of all factors.
 
@@ -35,6 +37,9 @@ def command(
     design = DesignStudy(read_study(study), crew, out)
     if dry:
         yield from _foretell(design)
+        return True
+    if write_jobs:
+        yield from jobs.write_jobs(design.planned_points(), design.folder)
         return True
     yield from design.run(search=False)
     yield from design.write()

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from orchestrator.cli.options import StudyOutput
+from orchestrator.cli.options import StudyOutput, WriteJobs
 from orchestrator.preflight.cost import in_words
+from orchestrator.studies import jobs
 from orchestrator.studies.points import MOST_VALUES, CaseStudy, Point, Vary, parse_vary
 from orchestrator.studies.sweep import sweep_rows, write_sweep
 from orchestrator.studies.sweep_plan import Arrangement, SweepPlan, check_names, plan_sweep
@@ -50,6 +51,7 @@ def command(
     dry: Annotated[
         bool, typer.Option("--dry", help="check and list the runs, predict their time, and stop")
     ] = False,
+    write_jobs: WriteJobs = False,
 ) -> StudyOutput:
     """Run a case over values of one key, or of several keys.
 
@@ -71,6 +73,9 @@ def command(
     points = settings.points(study)
     if dry:
         yield from _predictions(settings, points, study.crew.workers)
+        return True
+    if write_jobs:
+        yield from jobs.write_jobs(points, study.folder)
         return True
     yield from study.run(points)
     rows, folder = sweep_rows(settings, points, wanted), StudyFolder(study.folder)

@@ -138,6 +138,11 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "forces": ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N"),
     "bushings": ("deformation_m", "force_N"),
+    "loads": (
+        *("center_m", "rotation_rad", "spin_rad_per_s"),
+        *("acceleration_m_per_s2", "angular_acceleration_rad_per_s2"),
+        *("lag_N_m", "place_m", "force_N"),
+    ),
     "shafts": ("angle_rad",),
     "shapes": ("position_m", "velocity_m_per_s"),
     "panels": ("centre_line_m",),

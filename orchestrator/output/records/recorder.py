@@ -6,6 +6,7 @@
   ``output.series_s``;
 - ``point_cycles`` and ``panel_cycles`` at the end of every cycle of the machine;
 - ``energy_cycles`` at the last sync point of every cycle of the machine;
+- ``loads/<frame>`` every ``output.loads_s``;
 - ``shapes/<panel>`` every ``output.shapes_s``;
 - ``panels/<name>`` (centre line), ``energy``, ``bed`` and the groups of deck_record.py at every output
   time;
@@ -34,6 +35,7 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import counted_cycle_s, cycle_number, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
+from orchestrator.output.records.frame_loads import FrameLoadRecord
 from orchestrator.output.records.history import COLUMNS, History, columns
 from orchestrator.output.records.run_folder import HISTORY, WALLS
 from orchestrator.output.records.series import PanelForces, TimeSeries
@@ -100,6 +102,7 @@ class Recorder:
         self._interval_s, self._cycle_s = interval_s, counted_cycle_s(case)
         self._every = steps_in(case.output.series_s or interval_s, interval_s)
         self._shapes_every = steps_in(shapes_s, interval_s) if shapes_s else 0
+        self._loads_every = steps_in(case.output.loads_s, interval_s) if case.output.loads_s else 0
         if self._writes:
             self._open(folder, start, case, goes_on)
 
@@ -111,6 +114,9 @@ class Recorder:
         self._forces, self._deepest = PanelForces(machine, start), DeepestOverlaps()
         self._series = TimeSeries(machine, start, self._history)
         self._cycles = CycleRecord(machine, start, rectangles, counted_cycle_s(case), self._history)
+        self._loads = FrameLoadRecord(machine, self._history)
+        if self._loads_every:
+            self._loads.describe({name: row.frame for name, row in case.screen.exciters.items()})
         self._parts: dict[str, Restorable]
         self._parts = {"overlaps": self._deepest, "series": self._series, "cycles": self._cycles}
         self._on_panels = machine.panel_of_triangle >= 0
@@ -154,6 +160,8 @@ class Recorder:
                 for panel in self._machine.panels:
                     values = columns("shapes", state.panel.surface.part(panel.shape))
                     self._history.add(f"shapes/{panel.name}", time_s, values)
+            if self._loads_every and done and done % self._loads_every == 0:
+                self._loads.write_row(time_s)
         if self._ends_cycle(time_s):
             terms = self._ledger.energy_J()
             if self._writes:

@@ -67,7 +67,11 @@ def rounded_times(case: Case) -> Iterator[str]:
     """Yield warnings about times that are longer in the run, which has whole sync intervals."""
     interval_s, output = case.coupling.sync_interval_s, case.output
     times_s = {"duration_s": case.duration_s, "output.interval_s": output.interval_s}
-    times_s |= {"output.series_s": output.series_s, "output.shapes_s": output.shapes_s}
+    times_s |= {
+        "output.series_s": output.series_s,
+        "output.shapes_s": output.shapes_s,
+        "output.loads_s": output.loads_s,
+    }
     for key, wanted_s in times_s.items():
         taken_s = steps_in(wanted_s, interval_s) * interval_s
         if wanted_s > 0 and taken_s - wanted_s > ROUNDED * wanted_s:
@@ -85,6 +89,7 @@ def whole_times(case: Case) -> Iterator[CaseProblem]:
         ("output", "interval_s"): output.interval_s,
         ("output", "series_s"): output.series_s or interval_s,
         ("output", "shapes_s"): output.shapes_s or interval_s,
+        ("output", "loads_s"): output.loads_s or interval_s,
     }
     for key, time_s in times_s.items():
         if time_s < interval_s:

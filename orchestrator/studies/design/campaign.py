@@ -90,6 +90,17 @@ class Campaign:
         setting = self.study.space.coded(np.array(list(values.values())))
         return replace(trial, setting=tuple(map(float, setting)), values=values)
 
+    def store_planned(self) -> list[Trial]:
+        """Store the trials of the centre, the cheap level and the plan, and return them with those that were
+        stored before; nothing is run.
+
+        Raises FolderUnusable where the stored trials are of other factors.
+        """
+        self.read_trials()
+        return [
+            each for stage in self._settings for each in self._stage(stage, partial(self._planned, stage))
+        ]
+
     def run(self, search: bool = True) -> Generator[Outcome, None, None]:
         """Run the centre and the plan, then search and confirm, and yield the outcome of each trial.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
@@ -92,6 +93,14 @@ class Runs:
         """
         outcomes = (self._make(trial) for trial in trials)
         return [outcome for outcome in outcomes if outcome.status not in UNFINISHED]
+
+    def points(self, trials: Iterable[Trial]) -> list[Point]:
+        """Return the runs of trials, without those that no case can have."""
+        points = []
+        for trial in trials:
+            with suppress(CaseError, BadFormula):
+                points.append(self._point(trial))
+        return points
 
     def _make(self, trial: Trial, beside: int = 0) -> Outcome:
         """Return the outcome of a trial, which is run if ``beside``, the number of runs at a time, is above

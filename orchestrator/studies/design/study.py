@@ -17,7 +17,7 @@ from orchestrator.studies.design.study_file import Study, StudyError
 from orchestrator.studies.design.table_data import read_published, read_table
 from orchestrator.studies.design.tables import term_name, write_recommended, write_tables
 from orchestrator.studies.design.trials import Journal, Outcome
-from orchestrator.studies.points import CaseStudy, Crew
+from orchestrator.studies.points import CaseStudy, Crew, Point
 from orchestrator.workbench import CaseProblem, FolderUnusable, StudyFolder
 from orchestrator.workbench.vocabulary import Array, console_table, in_words, read_toml
 
@@ -69,6 +69,15 @@ class DesignStudy:
             for outcome in self.campaign.run(search):
                 self._check_first(outcome)
                 yield self._line(outcome, search)
+
+    def planned_points(self) -> list[Point]:
+        """Check the study, write down the trials of the centre and the plan, and return their runs.
+
+        Raises StudyError as :meth:`check`.
+        """
+        self.check()
+        with StudyFolder(self.folder).lock():
+            return self.runs.points(self.campaign.store_planned())
 
     def _check_first(self, outcome: Outcome) -> None:
         """Raise StudyError where the centre lacks a response: all other runs would, too."""

@@ -1,0 +1,31 @@
+"""``flipflow study job``: one run of a study, for a scheduler of a cluster."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from orchestrator.cli.options import StudyOutput
+from orchestrator.studies.points import CaseStudy, run_points
+from orchestrator.workbench import CaseError, CaseProblem
+
+
+def command(
+    study: CaseStudy,
+    folder: Annotated[str, typer.Option("--folder", help="name of the run's folder in the study's folder")],
+) -> StudyOutput:
+    """Make one run of a study, as --write-jobs of a study lists them.
+
+    If the run is done, nothing is made.  If it was ended too early, its folder is put aside, and it is made
+    again.  The study, called again, finds the run.
+
+    Exit code 0: the run is done, or doubtful or incomplete; 4: it failed; 2: the case is wrong, or the folder
+    holds a run of another case.
+    """
+    if Path(folder).name != folder:
+        raise CaseError([CaseProblem((), "is no name of a folder", file=f"--folder {folder}")])
+    point = study.point(folder)
+    yield from run_points([point], study.crew)
+    return point.run.came_to_its_end()
