@@ -12,6 +12,7 @@ from orchestrator.case.bed.contact_times import shortest_rayleigh_s
 from orchestrator.case.bed.grains import smallest_grains
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.deck.surface_file import read_surface
 from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.file.base import case_folders
 from orchestrator.case.file.bushing_curve import compare_with_points
@@ -105,6 +106,9 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
     of_panels = f"{_triangles_on_panels(case)}, " if panels else ""
     if panels or rigid:
         yield f"  triangles  {of_panels}{sum(rigid)} on {len(rigid)} rigid surfaces"
+    for name, surface in case.screen.surfaces.items():
+        if surface.corner_m is None and (line := read_surface(surface, loaded.folder).line):
+            yield f"             {name}: {line}"
 
 
 def _sheet(loaded: JudgedCase) -> Iterator[str]:

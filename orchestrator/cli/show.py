@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from orchestrator.case.deck.stl import UnreadableStl
+from orchestrator.case.deck.stl import UnreadableSurface
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import find_all_problems, refuse
 from orchestrator.output.records.run_folder import write_page
@@ -26,7 +26,7 @@ def show(loaded: JudgedCase, out: Path | None) -> tuple[list[Path], CheckFinding
     problems = find_all_problems(loaded)
     try:
         views = Views(loaded)
-    except UnreadableStl as error:
+    except UnreadableSurface as error:
         raise CaseError(problems) from error
     found = CheckFindings([str(problem) for problem in problems], [] if problems else warnings(loaded))
     try:

@@ -44,7 +44,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
         return problems
     rounds = (  # generators, which start only if the rounds before have found no problem
         (
-            surfaces.stl_files(whole, folder),
+            surfaces.surface_files(whole, folder),
             surfaces.panels_inside(whole),
             surfaces.parts_in_one_place(whole),
             machine.solvers_objections(whole),

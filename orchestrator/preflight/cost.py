@@ -240,7 +240,7 @@ def surface_triangles(case: Case) -> int:
 
 
 def rigid_triangles(case: Case, folder: Path) -> list[int]:
-    """Return the numbers of triangles of a case's rigid surfaces.  Raises stl.UnreadableStl."""
+    """Return the numbers of triangles of a case's rigid surfaces.  Raises stl.UnreadableSurface."""
     return [len(wall.triangles) for wall in walls(case, folder)]
 
 

@@ -124,7 +124,7 @@ class MachineOutline:
 def outline(
     case: Case, folder: Path, rates_kg_per_s: Mapping[str, float] = MappingProxyType({})
 ) -> MachineOutline:
-    """Return the outline of a case without problems.  Raises stl.UnreadableStl.
+    """Return the outline of a case without problems.  Raises stl.UnreadableSurface.
 
     ``rates_kg_per_s`` are those of the machine's feeds of which the case, at its level, has a part.
     """

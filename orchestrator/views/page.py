@@ -42,7 +42,7 @@ class Views:
     """The views of a judged case; a slice is shown as a part of its whole machine."""
 
     def __init__(self, loaded: JudgedCase) -> None:
-        """Take the case's geometry.  Raises stl.UnreadableStl."""
+        """Take the case's geometry.  Raises stl.UnreadableSurface."""
         self._loaded = loaded
         self._case: Case = loaded.case.whole_machine
         rates_kg_per_s = rates_above_the_level(loaded.origin.given, loaded.layers)

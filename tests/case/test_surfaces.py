@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from meshes.side_walls import side_walls
+from orchestrator.case.deck.heal import heal
 from orchestrator.case.deck.panels import walls
-from orchestrator.case.deck.stl import Facets, UnreadableStl, read
-from orchestrator.preflight.checks.surfaces import faults
+from orchestrator.case.deck.stl import Facets, UnreadableSurface, read
 from tests.cases import complaints, keys_and_kinds, loaded, only_complaint, problems
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -36,27 +36,76 @@ def write(folder: Path, points: np.ndarray = CUBE_M, triangles: np.ndarray = OUT
 
 
 def test_a_cube_with_normals_outwards_is_right() -> None:
-    assert list(faults(facets(OUTWARD))) == []
+    healed = heal(facets(OUTWARD))
+    assert (healed.line, healed.open_edges) == ("", 0)
+    assert healed.volume_m3 == pytest.approx(1e-3)
+    assert (healed.triangles == OUTWARD).all()
 
 
 @pytest.mark.parametrize(
-    ("triangles", "fault"),
+    ("triangles", "healing"),
     [
-        (OUTWARD[:, ::-1], "normals point inwards"),
-        (np.vstack([OUTWARD[:1, ::-1], OUTWARD[1:]]), "oriented against each other"),
-        (np.vstack([OUTWARD, [(0, 1, 7)]]), "2 edges with more than two triangles"),
-        (np.vstack([OUTWARD, [(0, 1, 1)]]), "1 triangles without area, the first is number 12"),
+        (OUTWARD[:, ::-1], "12 triangles turned over"),
+        (np.vstack([OUTWARD[:1, ::-1], OUTWARD[1:]]), "1 triangles turned over"),
+        (np.vstack([OUTWARD, [(0, 1, 1)]]), "1 triangles without area removed"),
+        (np.vstack([OUTWARD, OUTWARD[3:5, [2, 1, 0]]]), "2 double triangles removed"),
     ],
 )
-def test_faults_of_a_triangulation(triangles: np.ndarray, fault: str) -> None:
-    assert [fault in what for what, _ in faults(facets(triangles))] == [True]
+def test_a_fault_is_healed_to_the_clean_cube(triangles: np.ndarray, healing: str) -> None:
+    healed = heal(facets(triangles))
+    assert healed.line == healing
+    normal = np.cross(*np.diff(healed.position_m[healed.triangles], axis=1).transpose(1, 0, 2))
+    assert np.sort(healed.triangles) == pytest.approx(np.sort(OUTWARD))
+    assert normal == pytest.approx(np.cross(*np.diff(CUBE_M[OUTWARD], axis=1).transpose(1, 0, 2)))
 
 
-def test_normals_that_contradict_the_corners() -> None:
-    corners = CUBE_M[OUTWARD]
-    inward = -np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    (fault,) = faults(Facets(CUBE_M, OUTWARD, inward))
-    assert fault[0].startswith(str(len(OUTWARD)))
+def test_three_sheets_at_an_edge_are_left_and_counted() -> None:
+    healed = heal(facets(np.vstack([OUTWARD, [(0, 1, 7)]])))
+    assert healed.line == "2 edges have three or more triangles"
+    assert len(healed.triangles) == 13
+
+
+def test_a_needle_is_removed_and_corners_are_joined_to_rounding() -> None:
+    """A needle of 10 nm on a cube of 0.1 m, and each triangle with corners of its own."""
+    needle = np.vstack([CUBE_M, (CUBE_M[0] + CUBE_M[1]) / 2 + [1e-8, 0.0, 0.0]])
+    triangles = np.vstack([OUTWARD, [(0, 1, 8)]])
+    assert heal(Facets(needle, triangles, np.zeros((13, 3)))).line == "1 triangles without area removed"
+    apart = CUBE_M[OUTWARD].reshape(-1, 3) + np.random.default_rng(1).uniform(-2e-9, 2e-9, (36, 3))
+    healed = heal(Facets(apart, np.arange(36).reshape(-1, 3), np.zeros((12, 3))))
+    assert (len(healed.position_m), healed.open_edges) == (8, 0)
+
+
+def test_a_band_with_one_side_stays_as_it_is() -> None:
+    angle = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    way = np.stack([np.cos(angle / 2) * np.cos(angle), np.cos(angle / 2) * np.sin(angle), np.sin(angle / 2)])
+    middle = np.stack([np.cos(angle), np.sin(angle), 0 * angle])
+    points = np.concatenate([(middle - 0.3 * way).T, (middle + 0.3 * way).T])
+    edge = [(k, k + 12) for k in range(12)] + [(12, 0)]
+    rows = [t for k in range(12) for t in ((*edge[k], edge[k + 1][0]), (edge[k][1], *edge[k + 1][::-1]))]
+    healed = heal(Facets(points, np.array(rows), np.zeros((24, 3))))
+    assert (healed.triangles == rows).all()
+
+
+@pytest.mark.parametrize(
+    "head", [b"solid from somewhere".ljust(80, b"\0"), b"COLOR=\xff\0\0".ljust(80, b" ")]
+)
+def test_binary_files_with_odd_heads_and_tails(tmp_path: Path, head: bytes) -> None:
+    meshio.stl.write(tmp_path / "wall.stl", meshio.Mesh(CUBE_M, [("triangle", OUTWARD)]), binary=True)
+    body = (tmp_path / "wall.stl").read_bytes()[80:]
+    for tail in (b"", b"\0\0", b"\r\n", b"made by a program" * 9):
+        (tmp_path / "wall.stl").write_bytes(head + body + tail)
+        assert len(read(tmp_path, "wall.stl").triangles) == 12
+
+
+def test_texts_with_a_mark_before_and_padding_behind(tmp_path: Path) -> None:
+    write(tmp_path)
+    text = (tmp_path / "wall.stl").read_bytes()
+    for odd in (b"\xef\xbb\xbf" + text, text + b"\0" * 12, text + b"\x1a", text.replace(b"\n", b"\r\n")):
+        (tmp_path / "wall.stl").write_bytes(odd)
+        assert len(read(tmp_path, "wall.stl").triangles) == 12
+    (tmp_path / "wall.stl").write_bytes(text.replace(b".", b","))
+    with pytest.raises(UnreadableSurface, match="decimal comma"):
+        read(tmp_path, "wall.stl")
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
@@ -77,7 +126,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     ):
         if content is not None:
             file.write_bytes(content)
-        with pytest.raises(UnreadableStl, match=reason):
+        with pytest.raises(UnreadableSurface, match=reason):
             read(tmp_path, file.name)
 
 
@@ -90,7 +139,7 @@ def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
     assert len(read(tmp_path, "wall.stl").triangles) == 12
     for kept in range(0, whole.rindex(b"endsolid") if not binary else len(whole), 7):
         (tmp_path / "wall.stl").write_bytes(whole[:kept])
-        with pytest.raises(UnreadableStl, match="is cut off"):
+        with pytest.raises(UnreadableSurface, match="is cut off"):
             read(tmp_path, "wall.stl")
 
 
@@ -104,7 +153,7 @@ def test_a_file_is_read_as_it_was_written(tmp_path: Path, binary: bool) -> None:
     corners = CUBE_M[OUTWARD]
     outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert surface.normal == pytest.approx(100 * outward, abs=1e-6)
-    assert list(faults(surface)) == []
+    assert heal(surface).line == ""
 
 
 def test_a_text_of_two_solids_in_capitals(tmp_path: Path) -> None:
@@ -122,14 +171,14 @@ def test_a_file_of_somebody_else(tmp_path: Path) -> None:
     (folder / "link.stl").symlink_to(tmp_path / "wall.stl")
     for name in ("../wall.stl", str(tmp_path / "wall.stl"), "link.stl", "levels/../../wall.stl"):
         (folder / "levels").mkdir(exist_ok=True)
-        with pytest.raises(UnreadableStl, match="outside"):
+        with pytest.raises(UnreadableSurface, match="outside"):
             read(folder, name)
     for name in ("/dev/zero", "levels", "x" * 5000, "nul\0.stl", "/etc"):
-        with pytest.raises(UnreadableStl):
+        with pytest.raises(UnreadableSurface):
             read(folder, name)
     (folder / "large.stl").touch()
     os.truncate(folder / "large.stl", 10**12)  # takes no room on the disk
-    with pytest.raises(UnreadableStl, match="larger"):
+    with pytest.raises(UnreadableSurface, match="larger"):
         read(folder, "large.stl")
 
 

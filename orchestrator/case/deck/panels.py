@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case.deck import stl
+from orchestrator.case.deck.surface_file import read_surface
 from orchestrator.case.file.slice import cut_surface
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.deck import PanelSheet, Stop
@@ -135,9 +135,9 @@ class Wall:
 
 
 def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
-    """Return the rigid surfaces of the case: plates, and STL files in its ``folder``.
+    """Return the rigid surfaces of the case: plates, and files in its ``folder``.
 
-    Surfaces outside of a slice are left out.  Raises stl.UnreadableStl.
+    Surfaces outside of a slice are left out.  Raises UnreadableSurface.
     """
     surfaces = []
     for name, surface in case.screen.surfaces.items():
@@ -150,9 +150,9 @@ def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
 
 def _triangles(surface: Surface, folder: Path) -> tuple[Array, Indices]:
     """Return the corners (n, 3) of a surface, in deck axes, and its triangles (m, 3)."""
-    if surface.stl is not None:
-        facets = stl.read(folder, surface.stl)
-        return facets.position_m, facets.triangles
+    if surface.stl is not None or surface.file is not None:
+        healed = read_surface(surface, folder)
+        return healed.position_m, healed.triangles
     return plate_corners_m(surface), np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int64)
 
 

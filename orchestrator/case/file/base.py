@@ -140,7 +140,7 @@ def _file_keys(table: Mapping[str, Any]) -> list[tuple[str, ...]]:
     screen = table.get("screen")
     surfaces = screen.get("surfaces") if isinstance(screen, Mapping) else None
     names = [*surfaces] if isinstance(surfaces, Mapping) else []
-    keys = [*BEDS, *(("screen", "surfaces", name, "stl") for name in names)]
+    keys = [*BEDS, *(("screen", "surfaces", name, key) for name in names for key in ("file", "stl"))]
     return [key for key in keys if isinstance(value_at(table, key), str)]
 
 

@@ -13,7 +13,10 @@ from orchestrator.case.file.nested import leaves
 
 CHEAP_LEVEL = "draft"
 """The level at which a case is tried out if it has a level of this name."""
-FILES = (".stl", ".h5", ".csv", ".parquet")
+FILES = (
+    *(".stl", ".obj", ".ply", ".vtk", ".msh", ".step", ".stp", ".iges", ".igs"),
+    *(".h5", ".csv", ".parquet"),
+)
 """Endings of the files that a case may name."""
 LONGEST_NAME = 200  # of a file
 LAST_STATES = "checkpoints/[0-9]*/bed.h5"
@@ -40,7 +43,7 @@ class Origin:
     def read(self) -> dict[str, Any]:
         """Read everything that defines the case except its choice of effects.
 
-        The result has tables, overrides, and checksums of the files that these name: STL files,
+        The result has tables, overrides, and checksums of the files that these name: files of surfaces,
         tables of particles, and the last state of a run from which particles come.  Raises CaseError for a
         level that cannot be read.
         """
@@ -75,7 +78,7 @@ class Origin:
         if not 0 < len(word) <= LONGEST_NAME:
             return None
         for place in (self.folder / word, Path(word)):
-            if word.endswith(FILES) and place.is_file():
+            if word.lower().endswith(FILES) and place.is_file():
                 return place
             if beds := sorted(place.glob(LAST_STATES)):
                 return beds[-1]

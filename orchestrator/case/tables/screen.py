@@ -44,10 +44,23 @@ class PanelTable(PanelSheet):
 
 class Surface(Table):
     """A rigid surface that particles touch from both sides, such as a side wall or a chute.  It is either
-    an STL file, or a plate with a corner and the two edges that start there."""
+    a file, or a plate with a corner and the two edges that start there."""
 
+    file: str | None = None
+    """File in the case's folder: STEP or IGES, whose units are read, or STL, OBJ, PLY, VTK or MSH (of Gmsh),
+    which want ``unit``.  Faults such as double triangles are healed, and `check` says what was."""
     stl: str | None = None
-    """STL file in the case's folder, in m and deck axes."""
+    """STL file in the case's folder, given instead of ``file``; its unit is m unless ``unit`` is given."""
+    unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
+    """Unit of the file's coordinates.  STEP and IGES say it themselves."""
+    scale: Positive | None = None
+    """Factor of all the file's coordinates; 1 without it."""
+    rotation_deg: Vector | None = None
+    """Angles by which the file's geometry is turned about the deck's x, then y, then z axis."""
+    move_m: Vector | None = None
+    """Distance by which the file's geometry is moved, after turning."""
+    tolerance_m: Positive | None = None
+    """Largest distance between curved faces of STEP or IGES and their triangles; 1e-4 without it."""
     corner_m: Vector | None = None
     """Corner of the plate; give ``edges_m``, too."""
     edges_m: tuple[Vector, Vector] | None = None

@@ -25,6 +25,7 @@ from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.case.file.whole import write_json, write_text
 from orchestrator.case.provenance import provenance, read_provenance
 from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.screen import Surface
 from orchestrator.preflight.judge import JudgedCase
 
 LOG = logging.getLogger("flipflow")
@@ -68,8 +69,8 @@ def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
     folder = make_folder(out) if out else _next_folder(Path("runs"), loaded.name)
     try:
         for name, surface in loaded.case.whole_machine.screen.surfaces.items():
-            if surface.stl is not None:
-                shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
+            if (file := surface.file or surface.stl) is not None:
+                shutil.copyfile(loaded.folder / file, folder / copy_name(name, surface))
         if (carried := loaded.case.original.bed.carried) is not None:
             saved_bed.write(folder / BED, carried)
         write_case(folder, loaded)
@@ -105,7 +106,10 @@ def _origin_of_bed(case: Case) -> dict[str, Any]:
 def changed_files(loaded: JudgedCase, folder: Path) -> Iterator[str]:
     """Yield the keys of the case's files that have changed since the run in a folder took its copies."""
     files = {
-        f"screen.surfaces.{name}.stl": (surface.stl, f"{name}.stl")
+        f"screen.surfaces.{name}.{'stl' if surface.file is None else 'file'}": (
+            surface.file or surface.stl,
+            copy_name(name, surface),
+        )
         for name, surface in loaded.case.whole_machine.screen.surfaces.items()
     }
     for key, (named, name) in files.items():
@@ -119,6 +123,11 @@ def changed_files(loaded: JudgedCase, folder: Path) -> Iterator[str]:
             yield "bed"
 
 
+def copy_name(name: str, surface: Surface) -> str:
+    """Return the name of a surface's file in the folder of a run."""
+    return f"{name}{Path(surface.file).suffix.lower() if surface.file is not None else '.stl'}"
+
+
 def write_case(folder: Path, loaded: JudgedCase) -> None:
     """Write the resolved case as ``case.toml``."""
     write_text(folder / "case.toml", tomli_w.dumps(resolved_case(loaded)))
@@ -129,8 +138,8 @@ def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
     case_bed = loaded.case.original.bed
     table = loaded.case.original.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
-        if "stl" in surface:
-            surface["stl"] = f"{name}.stl"
+        for key in surface.keys() & {"file", "stl"}:
+            surface[key] = copy_name(name, loaded.case.original.screen.surfaces[name])
     if case_bed.carried is not None:
         for key in ("from_run", "from_time_s"):
             table["bed"].pop(key, None)

@@ -13,7 +13,7 @@ from typing import Any
 
 from jinja2 import UndefinedError
 
-from orchestrator.case.deck.stl import UnreadableStl
+from orchestrator.case.deck.stl import UnreadableSurface
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.folder import FolderUnusable, admit
 from orchestrator.case.file.whole import write_text
@@ -106,7 +106,7 @@ def _write_page(folder: Path) -> Path:
 
 def _draw_side(case: Case, folder: Path) -> Iterator[tuple[str, Any]]:
     """Yield the side view of the whole machine; nothing if the run's folder lacks a surface's file."""
-    with suppress(UnreadableStl):
+    with suppress(UnreadableSurface):
         yield "side", draw_view(outline(case.whole_machine, folder), SIDE)
 
 

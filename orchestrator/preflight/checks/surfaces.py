@@ -14,15 +14,16 @@ import numpy.typing as npt
 
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
-from orchestrator.case.deck import stl
 from orchestrator.case.deck.openings import half_depths_m
 from orchestrator.case.deck.panels import axes, plate_corners_m, single_panels, to_world, walls
+from orchestrator.case.deck.stl import UnreadableSurface
+from orchestrator.case.deck.surface_file import read_surface
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid, surface_grids
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.slice import bounds_m, period_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Rectangle, TriangleSurface, area_vectors_m2, overlap_m, reach_into
+from orchestrator.ports.geometry import Rectangle, TriangleSurface, overlap_m, reach_into
 from orchestrator.ports.grains import placed_spheres
 from orchestrator.ports.penetration import IN_PLANE, Penetrations
 from orchestrator.ports.plans import ParticleList
@@ -34,31 +35,39 @@ LEAVE_OUT = 'bed.outside = "leave-out" leaves them out'
 THINNEST = 1e-6  # area of a plate over its longest edge squared: thinner ones have no normal to rounding
 
 
-def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """Check that STL files of ``[screen.surfaces]`` are whole, consistently oriented and in the domain."""
-    for key, file in rows(case, "screen.surfaces.stl"):
+def surface_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
+    """Check that files of ``[screen.surfaces]`` can be read and are in the domain."""
+    for row, surface in rows(case, "screen.surfaces"):
+        file = surface.file if surface.file is not None else surface.stl
+        if file is None:
+            continue
+        key = (*row, "file" if surface.file is not None else "stl")
         try:
-            facets = stl.read(folder, file)
-        except stl.UnreadableStl as error:
+            healed = read_surface(surface, folder)
+        except UnreadableSurface as error:
             yield CaseProblem(key, f'"{file}": {error}', kind="file")
             continue
-        for what, hint in faults(facets):
-            yield CaseProblem(key, f'"{file}": {what}', hint, kind="file")
-        position_m = to_world(case, facets.position_m)
+        position_m = to_world(case, healed.position_m)
         if outside := _outside(case, position_m):
             millimetres = np.ptp(position_m, axis=0).max() > 50
-            hint = "is it in mm? m are wanted" if millimetres else ENLARGE
+            hint = 'is it in mm? give unit = "mm"' if millimetres else ENLARGE
             yield CaseProblem(key, f'"{file}": {outside}', hint, kind="misplaced")
 
 
 def plates(case: Case) -> Iterator[CaseProblem]:
-    """Check that each surface is either a file or a plate, and that plates have an area."""
+    """Check that each surface is either one file or a plate, and that plates have an area."""
     for key, surface in rows(case, "screen.surfaces"):
         given = [surface.corner_m is not None, surface.edges_m is not None]
-        if surface.stl is not None and any(given):
-            yield CaseProblem(key, "is a file and a plate", "give stl, or corner_m and edges_m")
-        elif surface.stl is None and not all(given):
-            yield CaseProblem(key, "is no surface", "give stl, or corner_m and edges_m", kind="missing")
+        files = [name for name in (surface.file, surface.stl) if name is not None]
+        of_files = ("unit", "scale", "rotation_deg", "move_m", "tolerance_m")
+        if len(files) == 2:
+            yield CaseProblem(key, "is two files", "give file or stl")
+        elif files and any(given):
+            yield CaseProblem(key, "is a file and a plate", "give file, or corner_m and edges_m")
+        elif not files and not all(given):
+            yield CaseProblem(key, "is no surface", "give file, or corner_m and edges_m", kind="missing")
+        elif not files and (told := [name for name in of_files if getattr(surface, name) is not None]):
+            yield CaseProblem((*key, told[0]), "is for files, and this is a plate", "leave it out")
         elif surface.edges_m is not None:
             longest_m = max(math.hypot(*edge) for edge in surface.edges_m)
             one, two = np.array(surface.edges_m) / (longest_m or 1.0)
@@ -120,33 +129,6 @@ def _reach_into_panel(
     high_m = np.array([r.span_m + clamp_m - ROUNDED_M, r.width_m - ROUNDED_M, height_m])
     in_panel_m = (corners_m - r.corner_m) @ np.column_stack([r.along, r.across, r.normal])
     return reach_into(in_panel_m, np.stack([low_m, high_m]))
-
-
-def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
-    """Yield a description and a remedy for each fault of a triangulation."""
-    corners = facets.position_m[facets.triangles]
-    normal = 2 * area_vectors_m2(corners)
-    size = np.ptp(corners.reshape(-1, 3), axis=0).max()
-    flat = np.flatnonzero(np.linalg.norm(normal, axis=1) <= 1e-10 * size**2)
-    if len(flat):
-        yield f"{len(flat)} triangles without area, the first is number {flat[0]}", "remove them"
-        return
-    # edges as pairs of points, as the triangles run through them
-    edges = facets.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, alike = np.unique(edges, axis=0, return_counts=True)
-    pairs, sharing = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
-    if (sharing > 2).any():
-        middle = np.round(facets.position_m[pairs[np.argmax(sharing > 2)]].mean(axis=0), 4).tolist()
-        what = f"{(sharing > 2).sum()} edges with more than two triangles, the first at {middle}"
-        yield what, "remove double or inner triangles"
-    elif (alike > 1).any():
-        yield "neighbouring triangles are oriented against each other", "orient all alike"
-    elif (sharing == 2).all() and np.linalg.det(corners - corners.reshape(-1, 3).mean(axis=0)).sum() < 0:
-        # the sum is six times the enclosed volume, by the divergence theorem
-        yield "a closed surface whose normals point inwards", "turn its triangles over"
-    against = np.einsum("ij,ij->i", normal, facets.normal) < 0
-    if against.any():
-        yield f"{against.sum()} normals contradict the order of the corners", "export it again"
 
 
 def _outside(case: Case, position_m: Array) -> str:

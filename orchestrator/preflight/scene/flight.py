@@ -39,7 +39,7 @@ class Solids:
 
 
 def solids(case: Case, folder: Path) -> Solids:
-    """Return the panels and rigid surfaces of a case.  Raises stl.UnreadableStl."""
+    """Return the panels and rigid surfaces of a case.  Raises stl.UnreadableSurface."""
     turn = axes(case)
     corners_m, numbers = [np.empty((0, 3, 3))], [np.empty(0, dtype=np.int64)]
     for number, panel in enumerate(single_panels(case)):
