@@ -143,22 +143,22 @@ def test_calculix_reads_back_what_was_written(tmp_path: Path) -> None:
         name, *lines = block.splitlines()
         assert all(len(line.split(",")) <= 8 for line in lines)
         curves[name] = np.array([float(word) for line in lines for word in line.split(",")]).reshape(-1, 2)
-    found = {}
+    loads = {}
     for block in (tmp_path / "cloads.inc").read_text().split("*CLOAD, AMPLITUDE=")[1:]:
         name, load = block.splitlines()
         node_set, degree, factor = (word.strip() for word in load.split(","))
         assert curves[name][:, 0] == pytest.approx(forces.time_s - 0.4)
-        found[node_set, int(degree)] = float(factor) * curves[name][:, 1]
+        loads[node_set, int(degree)] = float(factor) * curves[name][:, 1]
     wanted = expected(forces)
-    assert found.keys() == wanted.keys()
-    assert [*found.values()] == pytest.approx(np.array([wanted[key] for key in found]), rel=1e-8)
+    assert loads.keys() == wanted.keys()
+    assert [*loads.values()] == pytest.approx(np.array([wanted[key] for key in loads]), rel=1e-8)
 
 
 def test_apdl_reads_back_what_was_written(tmp_path: Path) -> None:
     forces = small_forces()
     write_loads(forces, Format.APDL, tmp_path, "a", "driving")
     tables: dict[str, Array] = {}
-    found = {}
+    loads = {}
     for line in (tmp_path / "loads.mac").read_text().splitlines():
         if words := re.fullmatch(r"\*DIM,(\w+),TABLE,(\d+),1,1,TIME", line):
             tables[words[1]] = np.full((int(words[2]), 2), np.nan)
@@ -169,10 +169,10 @@ def test_apdl_reads_back_what_was_written(tmp_path: Path) -> None:
             assert words, line
             degree = ("FX", "FY", "FZ", "MX", "MY", "MZ").index(words[2]) + 1
             assert tables[words[3]][:, 0] == pytest.approx(forces.time_s - 0.4)
-            found[words[1], degree] = tables[words[3]][:, 1]
+            loads[words[1], degree] = tables[words[3]][:, 1]
     wanted = expected(forces)
-    assert found.keys() == wanted.keys()
-    assert [*found.values()] == pytest.approx(np.array([wanted[key] for key in found]), rel=1e-8)
+    assert loads.keys() == wanted.keys()
+    assert [*loads.values()] == pytest.approx(np.array([wanted[key] for key in loads]), rel=1e-8)
     assert [row["place"] for row in table(tmp_path / "places.csv")] == ["P1", "P2"]
     assert "driving" in (tmp_path / README).read_text()
 
