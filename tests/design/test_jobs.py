@@ -46,12 +46,12 @@ class StandIn:
         if len(self.made) == KILLED:
             return -signal.SIGKILL
         way_m = drive.amplitude_m[0]
-        plate = {"peak_speed_m_per_s": way_m * drive.speed_rad_per_s, "half_range_m": [way_m, 0.0, 0.0]}
+        moved = {"peak_speed_m_per_s": way_m * drive.speed_rad_per_s, "half_range_m": [way_m, 0.0, 0.0]}
         table = {
             "format_version": SUMMARY_FORMAT,
             "status": "done",
             "wall_s": 1.0,
-            "probes": {"plate": plate},
+            "probes": {"plate": moved},
         }
         (folder / "summary.json").write_text(json.dumps(table))
         return 0
