@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.sieve_analysis import OPEN_END, curve_of
+from orchestrator.cli.proposal.wishes import _read_feed
 from orchestrator.preflight.judge import load_judged
 from tests.cases import case_folder, keys_and_kinds, kinds, loaded, problems
 
@@ -151,3 +152,10 @@ def test_a_wrong_file_is_named_with_its_key(tmp_path: Path) -> None:
         assert keys_and_kinds([problem]) == ["bed.feeds.more.curve.file: file"]
         assert problem.file == file
     assert "bed.feeds.more.curve: wrong-type" in kinds(tmp_path, given.replace("file=", "fiel="))
+
+
+@pytest.mark.parametrize("code", ["utf-8-sig", "utf-16", "cp1252"])
+def test_a_new_case_takes_a_file_in_any_code(tmp_path: Path, code: str) -> None:
+    (tmp_path / "lab.csv").write_text("Sieve [µm];Passing [%]\n16000;100\n8000;0\n", encoding=code)
+    (points, _) = _read_feed(str(tmp_path / "lab.csv"), (), "coal", 0.01)
+    assert points == ((8e-3, 0.0), (16e-3, 1.0))

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from orchestrator.case.file.data_table import decode
 from orchestrator.case.file.errors import CaseError, CaseProblem, Kind, did_you_mean, show_value
 from orchestrator.case.file.sieve_analysis import curve_of
 from orchestrator.case.file.units import parse_quantity, split_quantity
@@ -351,7 +352,7 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
 def _read_feed(text: str, ends_m: tuple[float, ...], material: str, smaller_m: float) -> tuple[Points, str]:
     """Return the points of the feed's curve, and the text of its sieve analysis, "" for a typical curve."""
     if is_file_name(text):
-        analysis = Path(text).read_text(encoding="utf-8-sig")
+        analysis = decode(Path(text).read_bytes())
         return tuple((row["sieve_size_m"], row["passing"]) for row in curve_of(analysis)), analysis
     smallest_m, largest_m = ends_m or (0.0, USUAL_LARGEST * smaller_m)
     exponent = find_grains(material).material.quantities[SIZE_EXPONENT].value
@@ -364,9 +365,9 @@ def is_file_name(feed: str) -> bool:
 
 
 def _check_feed_file(name: str) -> None:
-    """Raise ImpossibleWishes if a file is no sieve analysis in UTF-8."""
+    """Raise ImpossibleWishes if a file is no sieve analysis."""
     try:
-        curve_of(Path(name).read_text(encoding="utf-8-sig"))
+        curve_of(decode(Path(name).read_bytes()))
     except OSError as error:
         raise ImpossibleWishes(
             [problem("feed", f"{show_value(name)} cannot be read: {error.strerror}", kind="file")]
