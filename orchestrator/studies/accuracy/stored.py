@@ -14,7 +14,7 @@ from orchestrator.studies.accuracy.recommendation import recommend
 from orchestrator.workbench import Accuracy, Case, CaseError, CaseProblem, Setting, StudyFolder
 
 NAME = Accuracy.stored_in
-FORMAT = 3
+FORMAT = 4
 """Version of this file, which holds for its keys and for what its numbers mean."""
 
 
