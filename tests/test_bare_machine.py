@@ -38,7 +38,7 @@ def test_ci_runs_everything_once(
         file.chmod(0o755)
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci/run", tmp_path / ".ci/run")
-    done = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, capture_output=True, encoding="utf-8")
     assert done.returncode == code
     assert ("NOT ON A BARE MACHINE" in done.stderr) == loud
     assert done.stdout.splitlines() == directly
@@ -56,7 +56,7 @@ def test_a_bare_machine_is_for_root() -> None:
         shutil.copy(ROOT / "README.md", place)
         command = ["bash", f"{place}/docker/bare.sh"]
         words = [*nobody, *command] if os.geteuid() == 0 else command
-        done = subprocess.run(words, capture_output=True, text=True, cwd="/")
+        done = subprocess.run(words, capture_output=True, encoding="utf-8", cwd="/")
     assert done.returncode == 125
     assert done.stderr == "bare.sh: cannot make a bare Debian 12 here: that needs root\n"
 

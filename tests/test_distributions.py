@@ -45,7 +45,7 @@ def test_every_imported_module_belongs_to_a_pinned_distribution() -> None:
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", IMPORT_ALL],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=True,
         cwd=CHECKOUT,
     )
@@ -130,7 +130,7 @@ def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=True,
         env={"PYTHONPATH": str(tmp_path)},
     )

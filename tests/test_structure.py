@@ -24,7 +24,7 @@ MOST_NAMES_OF_STUDIES = 15
     ids=["imports", "ruff", "format", "mypy"],
 )
 def test_rules_hold(command: list[str]) -> None:
-    done = subprocess.run([BIN / command[0], *command[1:]], capture_output=True, text=True)
+    done = subprocess.run([BIN / command[0], *command[1:]], capture_output=True, encoding="utf-8")
     assert done.returncode == 0, done.stdout + done.stderr
 
 

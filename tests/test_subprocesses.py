@@ -29,7 +29,7 @@ with worker() as pool:
 @pytest.mark.parametrize("code", [PROGRAM, WORKER], ids=["program", "worker"])
 def test_nothing_outlives_a_killed_process(code: str) -> None:
     with subprocess.Popen(
-        [sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, encoding="utf-8"
     ) as parent:
         assert parent.stdout is not None
         child = Path(f"/proc/{int(parent.stdout.readline())}")

@@ -263,6 +263,6 @@ def test_pint_is_not_imported_without_a_unit(tmp_path: Path) -> None:
     )
     for overrides, imported in (((), "False"), (("duration_s=100 ms",), "True")):
         done = subprocess.run(
-            [sys.executable, "-c", script, *overrides], capture_output=True, text=True, check=True
+            [sys.executable, "-c", script, *overrides], capture_output=True, encoding="utf-8", check=True
         )
         assert done.stdout.strip() == imported

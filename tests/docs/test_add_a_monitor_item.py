@@ -16,7 +16,7 @@ LIMIT = ["monitor.items.fast_particles.then=warn", "monitor.items.fast_particles
 
 def done_by(words: list[str], before: str = "") -> subprocess.CompletedProcess[str]:
     run = command(*words, before=before)
-    return subprocess.run(run, cwd=ROOT, capture_output=True, text=True, timeout=240, check=False)
+    return subprocess.run(run, cwd=ROOT, capture_output=True, encoding="utf-8", timeout=240, check=False)
 
 
 @pytest.mark.process

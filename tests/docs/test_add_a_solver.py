@@ -56,7 +56,7 @@ def flipflow(package: Path, *words: str) -> str:
         env={**os.environ, "PYTHONPATH": str(package)},
         cwd=ROOT,
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
         timeout=300,
     )

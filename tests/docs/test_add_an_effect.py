@@ -25,7 +25,7 @@ assert judged.verdict.number == "lift / weight" and judged.verdict.matters is Fa
 
 
 def done_by(words: list[str]) -> str:
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=240, check=False)
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, encoding="utf-8", timeout=240, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
@@ -52,7 +52,7 @@ def test_one_that_no_run_can_check_is_refused(tmp_path: Path) -> None:
     module = tmp_path / "buoyancy.py"
     module.write_text(module.read_text().replace('about=("particles",)', 'checked_by="lift"'))
     done = subprocess.run(
-        [sys.executable, "-c", before + WEIGH], cwd=ROOT, capture_output=True, text=True, check=False
+        [sys.executable, "-c", before + WEIGH], cwd=ROOT, capture_output=True, encoding="utf-8", check=False
     )
     assert done.returncode != 0
     assert "buoyancy:" in done.stderr.splitlines()[-1]

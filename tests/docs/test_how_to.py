@@ -21,7 +21,7 @@ def test_the_example_runs(name: str, tmp_path: Path) -> None:
     """The example runs in a process of its own, so that what it adds to the program is gone afterwards."""
     program = tmp_path / "example.py"
     program.write_text("\n".join(BLOCK.findall(PAGES[name].read_text(encoding="utf-8"))), encoding="utf-8")
-    done = subprocess.run([sys.executable, program], capture_output=True, text=True, cwd=ROOT)
+    done = subprocess.run([sys.executable, program], capture_output=True, encoding="utf-8", cwd=ROOT)
     assert done.returncode == 0, done.stderr
 
 

@@ -20,7 +20,7 @@ LOADED = re.compile(r'<(?:script[^>]*?src|img[^>]*?src|link[^>]*?href)="([^"]+)"
 @pytest.mark.slow
 def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tools.site", str(tmp_path / "site")]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", cwd=ROOT)
     assert done.returncode == 0, done.stdout + done.stderr
     pages = {str(page.relative_to(tmp_path / "site")): page for page in (tmp_path / "site").rglob("*.html")}
     assert {"index.html", "docs/gallery.html", "docs/python.html", "docs/theory/coupling.html"} <= set(pages)

@@ -157,7 +157,7 @@ def test_nothing_of_the_solvers_is_imported() -> None:
         "sys.exit(f'imported: {bad}' if bad else 0)\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", say], capture_output=True, text=True, check=False, timeout=60
+        [sys.executable, "-c", say], capture_output=True, encoding="utf-8", check=False, timeout=60
     )
     assert done.returncode == 0, done.stderr
     assert "ffs0827-slice" in done.stdout

@@ -43,7 +43,7 @@ def started(cache: Path, program: str = PROGRAM) -> subprocess.Popen[str]:
         env=os.environ | own,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="utf-8",
         start_new_session=True,
     )
 

@@ -109,7 +109,7 @@ def ranks(n: int, *words: str) -> Any:
     command += ["-m", "tests.particles.clump_bed", *words]
     own = ("OMPI_", "PMIX_", "ORTE_", "PMI_")  # this process has started MPI itself
     environment = {name: value for name, value in os.environ.items() if not name.startswith(own)}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, env=environment)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -107,6 +107,6 @@ def test_two_ranks_go_on_bit_for_bit() -> None:
     # this process has started MPI itself; mpirun must not take it for one of its own
     own = ("OMPI_", "PMIX_", "ORTE_", "PMI_")
     environment = {name: value for name, value in os.environ.items() if not name.startswith(own)}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, env=environment)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == [[], []]

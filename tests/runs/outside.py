@@ -55,7 +55,7 @@ def flipflow(*words: str, before: str = "", ranks: int = 1) -> subprocess.Comple
         cwd=ROOT,
         env=_environment(),
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         timeout=HANG_S,
         check=False,
     )
@@ -72,7 +72,7 @@ def started(
         env=_environment(),
         stdout=output,
         stderr=output,
-        text=True,
+        encoding="utf-8",
     )
 
 
@@ -83,7 +83,7 @@ def _environment() -> dict[str, str]:
 
 def of(run: Path) -> list[int]:
     """The ids of all processes that were started for this folder."""
-    result = subprocess.run(["pgrep", "-f", str(run)], capture_output=True, text=True, check=False)
+    result = subprocess.run(["pgrep", "-f", str(run)], capture_output=True, encoding="utf-8", check=False)
     return [int(word) for word in result.stdout.split()]
 
 

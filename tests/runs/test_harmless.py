@@ -56,7 +56,7 @@ def flipflow(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
         cwd=cwd,
         env=os.environ | {"OMP_NUM_THREADS": "1"},
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         timeout=HANG_S,
         check=False,
     )

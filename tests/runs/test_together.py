@@ -99,7 +99,7 @@ def test_a_folder_is_let_go_of_by_a_holder_that_is_killed(tmp_path: Path) -> Non
         "with lock(Path(sys.argv[1])): print('held', flush=True); time.sleep(300)"
     )
     words = [sys.executable, "-c", hold, str(folder / RUN_LOCK)]
-    with subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, text=True) as holder:
+    with subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, encoding="utf-8") as holder:
         assert holder.stdout is not None
         assert holder.stdout.readline() == "held\n"
         assert is_at_work(folder)

@@ -215,7 +215,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     program = place / "program.py"
     program.write_text(WITHOUT_SOLVERS)
     words = ["show", str(CASES / "quickstart"), "--out", str(place / "out")]
-    done = subprocess.run([sys.executable, program, *words], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, program, *words], capture_output=True, encoding="utf-8")
     assert done.returncode == 0, done.stderr
     return place / "out", done.stdout
 
