@@ -126,7 +126,12 @@ def test_the_page_on_a_format_is_the_tables(page: str, words: tuple[str, ...]) -
     command = ["-m", "tools.case_reference", *words]
     own = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     written = subprocess.run(
-        [sys.executable, *command], capture_output=True, encoding="utf-8", check=True, env=own, cwd=docs.parent
+        [sys.executable, *command],
+        capture_output=True,
+        encoding="utf-8",
+        check=True,
+        env=own,
+        cwd=docs.parent,
     )
     assert (docs / page).read_text() == written.stdout, f"python {' '.join(command)} > docs/{page}"
 

@@ -26,7 +26,9 @@ NOTEBOOKS = sorted((Path(__file__).parents[2] / "docs/notebooks").glob("*.ipynb"
 @pytest.mark.slow
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=[file.stem for file in NOTEBOOKS])
 def test_a_notebook_runs(notebook: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", EXECUTE, str(notebook)], capture_output=True, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", EXECUTE, str(notebook)], capture_output=True, encoding="utf-8"
+    )
     assert done.returncode == 0, done.stderr
 
 

@@ -52,7 +52,9 @@ def test_missing_package_says_what_to_install(solver):
         "import sys; sys.modules['dolfinx'] = None\n"
         f"from adapters.panel import {solver}; {solver}.ADAPTER.load()"
     )
-    failed = subprocess.run([sys.executable, "-c", script], capture_output=True, encoding="utf-8", check=False)
+    failed = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, encoding="utf-8", check=False
+    )
     assert failed.returncode == 1
     assert "SolverMissing: " in failed.stderr
     assert f"'{solver}'" in failed.stderr.splitlines()[-1]

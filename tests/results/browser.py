@@ -70,7 +70,9 @@ def _run(*words: str) -> subprocess.CompletedProcess[str]:
     assert path is not None
     options = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars")
     options += ("--virtual-time-budget=4000", "--window-size=1280,900")
-    done = subprocess.run([path, *options, *words], capture_output=True, encoding="utf-8", timeout=120, check=False)
+    done = subprocess.run(
+        [path, *options, *words], capture_output=True, encoding="utf-8", timeout=120, check=False
+    )
     assert done.returncode == 0, done.stderr
     return done
 
