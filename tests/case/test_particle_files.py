@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import locale
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -128,7 +129,9 @@ def test_a_file_for_paraview(tmp_path: Path, suffix: str) -> None:
     data = {"radii": np.array(RADII), "linVelVec": np.array([[0.0, 0, -1], [0, 0, -2]])}
     mesh = meshio.Mesh(np.array(PLACES), [("vertex", np.array([[0], [1]]))], point_data=data)
     mesh.write(tmp_path / f"bed.{suffix}")
+    before = locale.setlocale(locale.LC_ALL)
     bed = read_table(tmp_path / f"bed.{suffix}", case_of(tmp_path))
+    assert locale.setlocale(locale.LC_ALL) == before
     np.testing.assert_allclose(bed.position_m, PLACES, rtol=1e-6)
     np.testing.assert_allclose(bed.grains.sieve_size_m, [0.005, 0.01])
     assert bed.velocity_m_per_s[:, 2].tolist() == [-1.0, -2.0]

@@ -7,6 +7,7 @@ that style granular, too.
 
 from __future__ import annotations
 
+import locale
 import re
 import warnings
 from collections.abc import Sequence
@@ -148,6 +149,7 @@ def read_vtk(file: Path) -> DataTable:
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
     usual, said = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
+    own_locale = locale.setlocale(locale.LC_ALL)  # VTK sets another, in which Python reads text as ASCII
     vtkOutputWindow.SetInstance(said)  # VTK says of a damaged file that it is one, and reads on
     try:
         with warnings.catch_warnings(action="ignore"):
@@ -158,6 +160,7 @@ def read_vtk(file: Path) -> DataTable:
         raise TableError(f"cannot be read ({type(error).__name__}): is it whole?") from None
     finally:
         vtkOutputWindow.SetInstance(usual)
+        locale.setlocale(locale.LC_ALL, own_locale)
     if said.GetOutput().strip():
         raise TableError("cannot be read: is it whole?")
     if not len(arrays["Points"]):
