@@ -49,9 +49,8 @@ def look_up(loaded: JudgedCase) -> Accuracy:
     every = dict.fromkeys((*usual, *sorted(STUDIES.glob(f"*/{name}"))))
     found = Accuracy("not known", "no study of this case and level")
     if files := [file for file in every if file.is_file()]:
-        from orchestrator.studies.accuracy.nearest import (
-            accuracy_of,
-        )  # it takes a second, and few have a study
+        # these imports take a second, and few have a study
+        from orchestrator.studies.accuracy.nearest import accuracy_of
         from orchestrator.workbench import Case
 
         found = accuracy_of(Case(loaded), files)

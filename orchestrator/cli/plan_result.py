@@ -87,9 +87,8 @@ class Measured:
             total_s,
             timing,
             summary["results"].get("slice_width_m"),
-            max(
-                FEWEST_CYCLES * counted_cycle_s(case), steady["start_s"]
-            ),  # a run leaves out at most its half
+            # a run leaves out at most its first half
+            max(FEWEST_CYCLES * counted_cycle_s(case), steady["start_s"]),
             min(stops_s, default=MOST_S),
             case.output.interval_s,
         )

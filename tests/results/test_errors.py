@@ -45,6 +45,14 @@ def told(summary: dict[str, Any], accuracy: Accuracy, **changes: Any) -> dict[st
     return changed | {"accuracy": errors_table(accuracy, changed)}
 
 
+@pytest.mark.parametrize(("simulated_s", "is_told"), [(0.1, False), (0.105, False), (10.0, True)])
+def test_a_study_of_another_duration_tells_its_own(
+    summary: dict[str, Any], simulated_s: float, is_told: bool
+) -> None:
+    line = closing_line(told(summary, FOUND, simulated_s=simulated_s))
+    assert ("whose runs lasted" in line) == is_told
+
+
 def test_a_figure_has_the_error_of_the_quantity_that_it_is(summary: dict[str, Any]) -> None:
     """Nobody compares loads; the interval by the run's own statistics stands beside."""
     with_errors = told(summary, FOUND)

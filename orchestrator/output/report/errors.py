@@ -25,6 +25,8 @@ SHORT_NAME |= {name: names[0] for name, names in NAMED.items()}
 """The short names of the results that are quantities."""
 UNKNOWN, PASSED = "error not known", "no error told: a bound was passed"
 DIGITS = 2
+LIKE = 0.1
+"""The relative difference of two durations up to which a study speaks of a run without naming its own."""
 
 
 def errors_table(accuracy: Accuracy, summary: Summary) -> dict[str, Any]:
@@ -137,7 +139,10 @@ def closing_line(summary: Summary) -> str:
         for figure in table["figures"].values()
         if figure["error"] is not None
     ]
-    return f"how far off, {table['why']}: {', '.join(known or _others(table)) or 'nothing was compared'}"
+    is_as_long = math.isclose(table["study_s"], summary["simulated_s"], rel_tol=LIKE)
+    lasting = "" if is_as_long else f", whose runs lasted {duration(table['study_s'])}"
+    errors = ", ".join(known or _others(table)) or "nothing was compared"
+    return f"how far off, {table['why']}{lasting}: {errors}"
 
 
 def _others(table: Mapping[str, Any]) -> list[str]:
