@@ -32,6 +32,7 @@ DIMENSIONLESS = frozenset(
         "passing",
         "poisson_ratio",
         "ratio",
+        "scale",
         "restitution",
         "bond_number",
         "sliding_friction",

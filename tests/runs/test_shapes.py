@@ -30,15 +30,21 @@ SPHERES = np.array([2, 1])  # in a grain of each shape, by its number
 DOUBTFUL = 5  # exit code: particles are lost on purpose
 
 
-def run(folder: Path, sets: list[str]) -> Path:
-    code = launch.run(case(folder.parent / "case"), None, folder, [*SETS, *sets])
-    assert code in (launch.DONE, DOUBTFUL)
-    return folder
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return case(tmp_path_factory.mktemp("shapes") / "case")
+
+
+def run(case_folder: Path, out: Path, sets: list[str]) -> Path:
+    assert launch.run(case_folder, None, out, [*SETS, *sets]) in (launch.DONE, DOUBTFUL)
+    return out
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return run(tmp_path_factory.mktemp("whole") / "run", ["checkpoint.every_s=0", "checkpoint.wall_min=0"])
+def whole(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return run(
+        folder, tmp_path_factory.mktemp("whole") / "run", ["checkpoint.every_s=0", "checkpoint.wall_min=0"]
+    )
 
 
 def test_books_tables_and_pictures_know_the_dumbbells(whole: Path) -> None:
@@ -63,8 +69,8 @@ def test_books_tables_and_pictures_know_the_dumbbells(whole: Path) -> None:
     np.testing.assert_allclose(ratio, np.cbrt(SPHERES[last["shape"]]), rtol=1e-6)
 
 
-def test_a_resumed_run_is_the_run_that_never_stopped(whole: Path, tmp_path: Path) -> None:
-    stopped = run(tmp_path / "run", ["checkpoint.every_s=0.071"])
+def test_a_resumed_run_is_the_run_that_never_stopped(folder: Path, whole: Path, tmp_path: Path) -> None:
+    stopped = run(folder, tmp_path / "run", ["checkpoint.every_s=0.071"])
     saved = sorted(each for each in (stopped / "checkpoints").iterdir() if each.name.isdigit())
     shutil.rmtree(saved[-1])
     assert resume(stopped, []) in (launch.DONE, DOUBTFUL)

@@ -7,14 +7,16 @@ import sys
 import tempfile
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from orchestrator.case.deck import stl
-from orchestrator.case.deck.heal import Healed, heal
 from orchestrator.case.deck.stl import Facets, UnreadableSurface, each_corner_once, find_file
 from orchestrator.case.tables.screen import Surface
+
+if TYPE_CHECKING:
+    from orchestrator.case.deck.heal import Healed
 
 WITH_UNIT = (".step", ".stp", ".iges", ".igs")
 """Endings of files that say their unit."""
@@ -71,6 +73,11 @@ def _read(
     if len(facets.triangles) > MOST_TRIANGLES:
         what = f"has {len(facets.triangles)} triangles, more than {MOST_TRIANGLES}"
         raise UnreadableSurface(f"{what}: give a larger tolerance_m, or export it coarser")
+    # these imports take long, and few commands read a surface
+    from scipy.spatial.transform import Rotation
+
+    from orchestrator.case.deck.heal import heal
+
     turned = Rotation.from_euler("xyz", rotation_deg, degrees=True)
     position_m, normal = facets.position_m * factor, facets.normal
     if any(rotation_deg):

@@ -22,7 +22,7 @@ _KEYS: dict[Limits, str] = {
     (1e-6, 1e4): "duration_s jam_s calm_s stop_s",
     (0.0, 100.0): (
         "position_m positions_m corner_m center_m center_of_mass_m point_m box_m gravity_m_per_s2 "
-        "domain_m phase_rad rotation_phase_rad rotation_rad edges_m"
+        "domain_m move_m phase_rad rotation_phase_rad rotation_rad edges_m"
     ),
     (50.0, 25e3): "density_kg_per_m3",
     (5e-6, 5e-5): "viscosity_Pa_s",
@@ -50,6 +50,7 @@ _KEYS: dict[Limits, str] = {
     (0.01, 5.0): "length_m span_m",
     (0.005, 10.0): "width_m",
     (2e-4, 0.05): "thickness_m",
+    (1e-7, 0.05): "tolerance_m",
     (1e-4, 0.5): "clamp_m",
     (0.0, 0.1): "tension_m moulded_sag_m",
     (0.0, 5.0): "from_m margin_along_m",
@@ -71,6 +72,7 @@ _KEYS: dict[Limits, str] = {
     (1e-3, 10.0): "height_m",
     (0.0, 1.0): "gap_m",
     (1e-9, 1e3): "ratio",
+    (1e-9, 1e6): "scale",
     (1e-5, 1.0): "strain_amplitude",
     (1.0, 1e15): "cycles",
     (0.01, 50.0): "slope",
