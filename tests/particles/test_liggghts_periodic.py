@@ -107,6 +107,38 @@ def test_two_spheres_touch_across_the_boundary():
     np.testing.assert_allclose(collide(0.0), [-0.6, 0.6], atol=2e-3)
 
 
+class OneByOne:
+    """Offers a grain in each interval, where nobody is."""
+
+    def due(self, interval):
+        return spheres([-0.09 + 0.006 * interval.index, PERIOD_M / 2, 0.09], (0.0, 0.0, 1.0), 1e-3)
+
+    def settle(self, accepted):
+        assert accepted.all()
+
+
+def test_pairs_that_slide_across_the_boundary_keep_the_momentum_at_a_feed():
+    """Both sides of a pair take a contact that has slid for one that slides, however they are rounded.
+
+    LIGGGHTS puts the spring of a sliding contact to the limit of friction, and evaluates forces anew when
+    grains come.
+    """
+    turn, x_m = np.linspace(0.2, 1.2, 14), np.linspace(-0.085, 0.085, 14)
+    away_m = 2.4999e-3 * np.stack([0 * turn, np.cos(turn), np.sin(turn)], axis=1)
+    first_m = np.stack([x_m, 0 * x_m, 0.03 + 0 * x_m], axis=1)
+    place_m = np.concatenate([first_m + away_m, first_m - away_m])
+    place_m[:, 1] %= PERIOD_M
+    pairs = spheres(place_m, np.repeat([[0.7, -0.9, 0.1], [-0.4, 0.8, 0.2]], 14, axis=0))
+    laws = {"restitution": 0.4, "sliding_friction": 0.1}
+    plan = plan_of(flat, 0.0, pairs, feed=OneByOne(), largest_radius_m=2.5e-3, **laws)
+    with closing(liggghts.build(plan)) as solver:
+        travel(solver, lambda t: still(plan.surface), range(20), 5e-6)
+        books = solver.account()
+    change = books.momentum_kg_m_per_s - books.outside_impulse_N_s
+    begin = pairs.grains.mass_kg @ pairs.velocity_m_per_s
+    np.testing.assert_allclose(change, begin, rtol=0.0, atol=1e-12 * books.moved_N_s)
+
+
 class Late:
     """Offers one particle whose place is taken across the boundary, and one with room."""
 

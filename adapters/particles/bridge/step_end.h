@@ -45,7 +45,7 @@ class StepEnd {
     const Vec3 slip = slip_of(pair), shown = history[slip_ + 3] * (slip - from(history + slip_));
     put(history + slip_, slip);
     history[slip_ + 3] = in_a_step ? 0.5 : 1.0;
-    if (!in_a_step) return model();  // velocities are those of now
+    if (!in_a_step) return between_steps(history, spring, model);
     if (law.damping_N_s_per_m == 0.0) return model();
     const Vec3 n = from(pair.en);
     const double half = 0.5 * step_s / pair.meff, along = dot(slip, n);
@@ -82,6 +82,17 @@ class StepEnd {
   }
 
  private:
+  // Velocities are those of now, and nothing moves.  The spring of a contact that slid is at the limit of friction,
+  // to rounding: it slides on, on both sides of a pair that two ranks or two periodic sides see.
+  template <class Model>
+  static void between_steps(double *history, int spring, Model model) {
+    if (spring < 0) return model();
+    const Vec3 stretch = from(history + spring);
+    put(history + spring, (1.0 + kRounding) * stretch);
+    model();
+    put(history + spring, stretch);
+  }
+
   static Vec3 own(double half, double damping, Vec3 elastic, Vec3 slip) {
     return half / (1.0 + half * damping) * (elastic - damping * slip);
   }
@@ -90,6 +101,8 @@ class StepEnd {
     const double all = dot(own, own);
     return all > 0.0 ? std::clamp(dot(shown, own) / all, 0.0, 1.0) * own : own;
   }
+
+  static constexpr double kRounding = 1e-9;  // of a force, more than places far from the origin let it have
 
   int slip_;
 };
