@@ -81,6 +81,7 @@ ADAPTER = PanelAdapter(
     mesh_size=mesh_size,
     memory_GiB=lambda plan: mesh_size(plan).memory_GiB,
     lightest_kg=lightest_kg,
+    compresses=True,
     fidelity=3,
     refined_by=1.5,
 )

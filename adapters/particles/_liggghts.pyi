@@ -22,6 +22,7 @@ class Engine:
         screen_file: str,
         log_file: str,
         contact_distance_factor: float,
+        class_ratio: float,
         as_packaged: bool = False,
     ) -> None:
         """``communicator`` is a Fortran handle (mpi4py: ``py2f()``).  ``as_packaged`` takes the contact

@@ -20,6 +20,7 @@ from mpi4py import MPI
 
 from adapters.particles import liggghts
 from adapters.particles._liggghts import Engine
+from adapters.particles.liggghts.input import CLASS_RATIO
 from orchestrator.case.bed.packing import equal_particles, find_places, random_orientations
 from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
@@ -120,6 +121,7 @@ def stock_s(shape: Shape, bodies: int, settling: int, timed: int) -> float:
             screen_file=str(Path(folder) / "screen"),
             log_file=str(Path(folder) / "log"),
             contact_distance_factor=1.05,
+            class_ratio=CLASS_RATIO,
             as_packaged=True,
         )
         for line in stock_input(shape, bodies, Path(folder)):

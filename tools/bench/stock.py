@@ -23,6 +23,7 @@ from mpi4py import MPI
 from adapters.particles._liggghts import Engine
 from adapters.particles.liggghts.engine import contact_distance_factor, create_particles
 from adapters.particles.liggghts.input import (
+    CLASS_RATIO,
     FIRST_EVALUATION,
     contact_model,
     cutoff_m,
@@ -147,6 +148,7 @@ def stock_engine(
         screen_file=str(folder / "screen.liggghts"),
         log_file=str(folder / "log.liggghts"),
         contact_distance_factor=contact_distance_factor(plan),
+        class_ratio=CLASS_RATIO,
         as_packaged=as_packaged,
     )
     for line in stock_input(plan, wiggle, folder):
@@ -175,7 +177,7 @@ def stock_input(plan: ParticlesPlan, wiggle: Wiggle | None, folder: Path) -> Ite
             case ["fix", "surface"]:
                 yield from _stock_walls(plan, wiggle, folder)
             case ["neighbor", _]:
-                yield f"neighbor {skin_m(plan, *LISTED)!r} bin"
+                yield f"neighbor {skin_m(plan, *LISTED, class_ratio=math.inf)!r} bin"
             case ["fix", "exits"]:
                 yield "thermo_modify lost ignore"
             case _:

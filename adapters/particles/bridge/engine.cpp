@@ -65,7 +65,8 @@ class QuietErrors {
 }  // namespace
 
 Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
-               const std::string &log_file, double contact_distance_factor, bool as_packaged) {
+               const std::string &log_file, double contact_distance_factor, double class_ratio,
+               bool as_packaged) {
   std::vector<std::string> words = {"liggghts", "-screen", screen_file, "-log", log_file,
                                     "-nocite"};
   std::vector<char *> arguments;
@@ -75,7 +76,7 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
   register_contact_models(as_packaged);
   if (!as_packaged) {
     delete lammps_->neighbor;
-    lammps_->neighbor = new PairLists(lammps_);
+    lammps_->neighbor = new PairLists(lammps_, class_ratio);
   }
   lammps_->neighbor->register_contact_dist_factor(contact_distance_factor);
   FixStyles &styles = *(lammps_->modify->*style_table());

@@ -473,12 +473,12 @@ PYBIND11_MODULE(_liggghts, module) {
   const py::kw_only by_keyword;
   py::class_<Engine>(module, "Engine")
       .def(py::init([](int communicator, const std::string &screen, const std::string &log,
-                       double contact_distance_factor, bool as_packaged) {
+                       double contact_distance_factor, double class_ratio, bool as_packaged) {
              return std::make_unique<Engine>(MPI_Comm_f2c(communicator), screen, log,
-                                             contact_distance_factor, as_packaged);
+                                             contact_distance_factor, class_ratio, as_packaged);
            }),
            by_keyword, py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"),
-           py::arg("contact_distance_factor"), py::arg("as_packaged") = false)
+           py::arg("contact_distance_factor"), py::arg("class_ratio"), py::arg("as_packaged") = false)
       .def("command", &Engine::command, py::arg("line"))
       .def("set_surface", &set_surface, by_keyword, exactly("position_m"), exactly("rigid_first"),
            exactly("rigid_share"), exactly("triangles"), exactly("type"), py::arg("largest_radius_m"))

@@ -14,11 +14,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr double kCellsPerParticle = 64.0;  // at most, besides the frame: all are cleared for every list
-
-// As many cells are as long as the farthest neighbour is far.  They are short along x, in which they follow each
-// other in memory: short cells there make short rows, elsewhere they would make many.
-constexpr int kFarthest[3] = {4, 1, 1};
+constexpr int kMostClasses = 8;
 
 }  // namespace
 
@@ -28,12 +24,9 @@ void PairLists::choose_build(int index, NeighRequest *request) {
     pair_build[index] = static_cast<PairPtr>(&PairLists::list_pairs);
 }
 
-// A pair of own particles is listed with the first of them, a pair with a ghost on both ranks.
+// A pair of own particles is listed once, a pair with a ghost on both ranks.
 void PairLists::list_pairs(NeighList *list) {
-  const int all = atom->nlocal + atom->nghost;
-  const double largest_m = all > 0 ? *std::max_element(atom->radius, atom->radius + all) : 0.0;
-  lay_out_cells(all, 2.0 * largest_m * contactDistanceFactor + skin);
-  sort_into_cells(all);
+  sort_into_classes();
   if (modify->n_fixes_style("neighlist/mesh") > 0) bin_atoms();  // LIGGGHTS's own walls look there
   list->ipage->reset();
   if (list->fix_history) {
@@ -54,68 +47,44 @@ void PairLists::list_pairs(NeighList *list) {
   list->inum = atom->nlocal;
 }
 
-// The cells cover all particles, within a frame of empty ones.
-void PairLists::lay_out_cells(int particles, double reach_m) {
-  double size_m[3];
-  for (int d = 0; d < 3; ++d) {
-    double low_m = INFINITY, high_m = -INFINITY;
-    for (int i = 0; i < particles; ++i) {
-      low_m = std::min(low_m, atom->x[i][d]);
-      high_m = std::max(high_m, atom->x[i][d]);
-    }
-    low_m_[d] = low_m;
-    size_m[d] = std::isfinite(high_m - low_m) ? high_m - low_m : 0.0;  // who is nowhere is found elsewhere
-    cell_m_[d] = reach_m / kFarthest[d];
+void PairLists::sort_into_classes() {
+  const int all = atom->nlocal + atom->nghost;
+  const double largest_m = all > 0 ? *std::max_element(atom->radius, atom->radius + all) : 0.0;
+  for (SizeClass &of : classes_) {
+    of.numbers.clear();
+    of.ghost_numbers.clear();
   }
-  const auto along = [&](int d) { return std::floor(size_m[d] / cell_m_[d]) + 1.0; };
-  while (along(0) * along(1) * along(2) > kCellsPerParticle * particles + 1.0)
-    for (double &cell_m : cell_m_) cell_m *= 1.25;
-  for (int d = 0; d < 3; ++d) count_[d] = static_cast<int>(along(d)) + 2 * kFarthest[d];
-}
-
-int PairLists::cell_at(const double *place_m) const {
-  int cell = 0;
-  for (int d = 2; d >= 0; --d) {
-    const double along = std::max(0.0, (place_m[d] - low_m_[d]) / cell_m_[d]);  // 0 where it is no number
-    const double last = count_[d] - 2 * kFarthest[d] - 1;
-    cell = cell * count_[d] + kFarthest[d] + static_cast<int>(std::min(along, last));
+  class_of_.resize(all);
+  neighbours_.resize(all + 1);
+  const double per_class = 1.0 / std::log(class_ratio_);
+  for (int i = 0; i < all; ++i) {
+    class_of_[i] = std::min(kMostClasses - 1, static_cast<int>(per_class * std::log(largest_m / atom->radius[i])));
+    if (class_of_[i] >= static_cast<int>(classes_.size())) classes_.resize(class_of_[i] + 1);
+    classes_[class_of_[i]].numbers.push_back(i);
+    if (i >= atom->nlocal) classes_[class_of_[i]].ghost_numbers.push_back(i);
   }
-  return cell;
-}
-
-void PairLists::sort_into_cells(int particles) {
-  cell_.resize(particles);
-  number_.resize(particles);
-  copies_.resize(particles);
-  neighbours_.resize(particles + 1);
-  first_.assign(static_cast<size_t>(count_[0]) * count_[1] * count_[2] + 1, 0);
-  for (int i = 0; i < particles; ++i) ++first_[cell_[i] = cell_at(atom->x[i])];
-  int end = 0;
-  for (int &first : first_) first = end += first;  // now one past each cell's last
-  for (int i = particles; i-- > 0;) {
-    const int copy = --first_[cell_[i]];
-    number_[copy] = i;
-    copies_[copy] = {from(atom->x[i]), atom->radius[i]};
+  double class_m = 2.0 * largest_m;
+  for (SizeClass &of : classes_) {
+    const double usual_m = class_m * contactDistanceFactor + skin;
+    of.all.sort(of.numbers, atom->x, atom->radius, usual_m);
+    of.ghosts.sort(of.ghost_numbers, atom->x, atom->radius, usual_m);
+    class_m /= class_ratio_;
   }
 }
 
-// Fills `neighbours_` with the particles of higher number that are, less skin, no farther than contacts reach,
-// and returns their number.  There is no branch: that would depend on what no processor foresees.
+// Fills `neighbours_` with a particle's neighbours of its own class that have a higher number, with all of coarser
+// classes and with the ghosts of finer ones, and returns their number.
 int PairLists::find_neighbours(int i) {
-  const Vec3 here = from(atom->x[i]);
-  const double radius_m = atom->radius[i];
-  int found = 0;
-  for (int z = -kFarthest[2]; z <= kFarthest[2]; ++z)
-    for (int y = -kFarthest[1]; y <= kFarthest[1]; ++y) {
-      const int *middle = &first_[cell_[i] + (z * count_[1] + y) * count_[0]];
-      for (int copy = middle[-kFarthest[0]]; copy < middle[kFarthest[0] + 1]; ++copy) {
-        const Vec3 apart_m = here - copies_[copy].position_m;
-        const double reach_m = (radius_m + copies_[copy].radius_m) * contactDistanceFactor + skin;
-        neighbours_[found] = number_[copy];
-        found += (number_[copy] > i) & (dot(apart_m, apart_m) <= reach_m * reach_m);
-      }
-    }
-  return found;
+  int *found = neighbours_.data();
+  const auto look = [&](const Cells &cells, int above) {
+    if (!cells.empty())
+      found = cells.find(from(atom->x[i]), atom->radius[i], contactDistanceFactor, skin, above, found);
+  };
+  const int own = class_of_[i];
+  look(classes_[own].all, i);
+  for (int coarser = 0; coarser < own; ++coarser) look(classes_[coarser].all, -1);
+  for (size_t finer = own + 1; finer < classes_.size(); ++finer) look(classes_[finer].ghosts, -1);
+  return static_cast<int>(found - neighbours_.data());
 }
 
 // The number of neighbours that are left.  A body is whole on its rank, so no ghost belongs to it.

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from adapters.particles._liggghts import Engine
 from adapters.particles.liggghts.domain_cuts import first_cuts
 from adapters.particles.liggghts.input import (
+    CLASS_RATIO,
     FIRST_EVALUATION,
     cutoff_m,
     has_bodies,
@@ -39,6 +40,7 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
         screen_file=str(folder / "screen.liggghts"),
         log_file=str(folder / "log.liggghts"),
         contact_distance_factor=contact_distance_factor(plan),
+        class_ratio=CLASS_RATIO,
     )
     for rebound in plan.rebounds:
         one, other = rebound.materials

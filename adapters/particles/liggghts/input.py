@@ -21,7 +21,10 @@ pair that is near but does not touch costs in a step."""
 FILLED, SPEED_M_PER_S = 0.2, 1.0
 """The share of space that a thrown bed fills, and how fast its particles move against each other."""
 SKINS = 0.05, 0.6
-"""The least and the largest skin, as shares of the largest diameter."""
+"""The least skin over the mean diameter, and the largest over the largest diameter."""
+CLASS_RATIO = 3.0
+"""The largest diameter of a class of sizes over that of the next finer one. Each class has its own cells, in
+which neighbours are looked for."""
 MOST_BINS = 1e6
 """The largest number of bins in the box at the start. LIGGGHTS sorts particles in memory by them, every
 thousand steps, and clears them all; for small grains on a large machine they would be too many to count."""
@@ -99,23 +102,49 @@ def ranks(plan: ParticlesPlan) -> int:
     return 1 if plan.communicator is None else int(plan.communicator.size)
 
 
-def skin_m(plan: ParticlesPlan, listing: float = LISTING, each_looked_at: float = LOOKED_AT) -> float:
+def skin_m(
+    plan: ParticlesPlan,
+    listing: float = LISTING,
+    each_looked_at: float = LOOKED_AT,
+    class_ratio: float = CLASS_RATIO,
+) -> float:
     """Return the skin: the gap up to which two particles are listed as neighbours.
 
     With a wide one each step has more pairs to look at; with a narrow one neighbours are listed more often.
     The skin has the least cost for a thrown bed of the particles at the start or, without any, of the largest
     ones (docs/measured/cost.md compares skins).
     """
-    largest_m = 2.0 * plan.largest_radius_m
-    diameter_m = plan.particles.grains.sieve_size_m if len(plan.particles) else np.array([largest_m])
+    diameter_m, largest_m = _diameters_m(plan), 2.0 * plan.largest_radius_m
+    mean_m = float(np.mean(diameter_m))
     per_m3 = FILLED / (math.pi / 6.0 * np.mean(diameter_m**3))
-    skins_m = largest_m * np.geomspace(*SKINS, 100)
-    mean_m = np.mean(diameter_m)
+    skins_m = np.geomspace(SKINS[0] * mean_m, SKINS[1] * largest_m, 100)
     near = 2.0 / 3.0 * math.pi * per_m3 * ((mean_m + skins_m) ** 3 - mean_m**3)
-    looked_at = per_m3 * 20.25 * (largest_m + skins_m) ** 3  # in nine rows, each 2.25 cutoffs long
+    looked_at = per_m3 * _looked_at_m3(diameter_m, largest_m, skins_m, class_ratio)
     listings_per_step = 2.0 * SPEED_M_PER_S * plan.step_s / skins_m
     cost = near + (listing + each_looked_at * looked_at) * listings_per_step
     return float(f"{skins_m[np.argmin(cost)]:.3g}")
+
+
+def _looked_at_m3(diameter_m: Array, largest_m: float, skins_m: Array, class_ratio: float) -> Array:
+    """Return the volume that is looked at for a particle's neighbours, for each skin; the mean of all.
+
+    Of each class of sizes it counts with the class's share of the particles.
+    """
+    number = np.floor(np.log(largest_m / diameter_m) / math.log(class_ratio)).astype(int)
+    looked_at_m3 = np.zeros(len(skins_m))
+    for coarse in np.unique(number):
+        finer = number >= coarse
+        cell_m = largest_m / class_ratio ** float(coarse) + skins_m
+        reach_m = (diameter_m[finer].mean() - largest_m / class_ratio ** float(coarse)) / 2.0 + cell_m
+        volume_m3 = (2.0 * reach_m + cell_m) ** 2 * (2.0 * reach_m + cell_m / 4.0)
+        looked_at_m3 += np.mean(number == coarse) * np.mean(finer) * volume_m3
+    return looked_at_m3
+
+
+def _diameters_m(plan: ParticlesPlan) -> Array:
+    if len(plan.particles):
+        return plan.particles.grains.sieve_size_m
+    return np.array([2.0 * plan.largest_radius_m])
 
 
 def cutoff_m(plan: ParticlesPlan) -> float:
@@ -166,9 +195,12 @@ def input_text(plan: ParticlesPlan) -> str:
 
 
 def bin_size_m(plan: ParticlesPlan) -> float:
-    """Return the size of the bins in which LIGGGHTS sorts particles in memory: half a cutoff, or larger."""
+    """Return the size of the bins in which LIGGGHTS sorts particles in memory.
+
+    It is half of the distance up to which particles of the mean size are neighbours, or larger."""
+    near_m = float(np.mean(_diameters_m(plan))) + skin_m(plan)
     box_m3 = float(np.prod(np.diff(smallest_box_m(plan), axis=0)))
-    return float(f"{max(cutoff_m(plan) / 2.0, math.cbrt(box_m3 / MOST_BINS)):.3g}")
+    return float(f"{max(near_m / 2.0, math.cbrt(box_m3 / MOST_BINS)):.3g}")
 
 
 def _processors(plan: ParticlesPlan) -> str:
