@@ -101,6 +101,8 @@ class PanelAdapter(Adapter[PanelPlan, PanelsWork, MeshedPanel]):
         frames.
     varies_across
         The surface may move otherwise at the middle of the width than at its edges.
+    compresses
+        The material changes its volume as ``bulk_modulus_Pa`` lets it; False where it keeps it.
     joins_sides
         Explicit steps join the sides of a panel that goes on beyond them (``PanelPlan.joined_sides``); False
         where sides are free.
@@ -124,6 +126,7 @@ class PanelAdapter(Adapter[PanelPlan, PanelsWork, MeshedPanel]):
     deforms: bool = True
     yields: bool = True
     varies_across: bool = True
+    compresses: bool = False
     joins_sides: bool = False
     integrators: tuple[str, ...] = ("explicit", "implicit")
     largest_step_s: Callable[[PanelPlan], float] | None = None

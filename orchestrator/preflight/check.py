@@ -171,6 +171,7 @@ def warnings(loaded: JudgedCase) -> list[str]:
         *bed.rounded_counts(case),
         *bed.doubtful_slice(case, loaded.folder),
         *panels.machine_memory(case),
+        *panels.incompressible_mats(case),
         *mat_warnings(shaken),
         *loaded.choice.lacking,
     ]

@@ -416,6 +416,16 @@ def test_steel_panels_are_said_to_be_unusual_and_taken(tmp_path: Path) -> None:
     assert [line for line in warned(tmp_path) if "usual range" in line] == []
 
 
+def test_a_solver_that_keeps_the_volume_says_what_it_makes_of_a_compressible_panel(tmp_path: Path) -> None:
+    """E = 20 MPa and nu = 0.3 are mu = 7.692 MPa and K = 16.67 MPa; with nu = 0.5 it is 3 mu = 23.1 MPa."""
+    law = "materials.PU.hyperelastic"
+    given = f"{law}.c10_Pa=3.846e6", f"{law}.c01_Pa=0", f"{law}.bulk_modulus_Pa=16.667e6"
+    (line,) = [line for line in warned(tmp_path, *given) if "incompressible" in line]
+    assert line.endswith("with Young's modulus 2.31e+07 Pa; that of this material is 2e+07 Pa")
+    assert [line for line in warned(tmp_path, *given, "panel.solver=solid") if "incompressible" in line] == []
+    assert [line for line in warned(tmp_path) if "incompressible" in line] == []
+
+
 @pytest.mark.parametrize(
     ("override", "wanted"),
     [

@@ -21,6 +21,7 @@ from orchestrator.preflight.checks.names import rows
 
 DEEPEST_SAG = 0.2  # moulded, over the free length: its slope is 40 degrees
 THINNEST_LAND = 0.02  # over the longer pitch: no unit cell's mesh resolves thinner lands
+COMPRESSES = 0.01  # relative error of Young's modulus by which a compressible material is told
 PLATE = 3.0  # ratio of thickness to the openings' longer pitch above which a panel is a block, no plate
 GIB = 2**30
 
@@ -226,6 +227,27 @@ def machine_memory(case: Case) -> Iterator[str]:
             f"the panels' meshes need some {needed_GiB:.0f} GiB, this machine has "
             f"{there_GiB:.0f} GiB: fewer panel.cells, or a slice"
         )
+
+
+def incompressible_mats(case: Case) -> Iterator[str]:
+    """Yield a warning for each compressible material of panels whose solver keeps its volume.
+
+    Such a solver has Young's modulus 3 mu in place of 9 K mu / (3 K + mu).
+    """
+    adapter = case.panel.adapter
+    if adapter.compresses or not adapter.deforms:
+        return
+    for name in dict.fromkeys(panel.material for panel in case.screen.panels.values()):
+        law = case.materials[name].hyperelastic
+        assert law is not None, "complete_materials has passed"
+        shear_Pa, bulk_Pa = 2.0 * (law.c10_Pa + law.c01_Pa), law.bulk_modulus_Pa
+        kept_Pa, youngs_Pa = 3.0 * shear_Pa, 9.0 * bulk_Pa * shear_Pa / (3.0 * bulk_Pa + shear_Pa)
+        if kept_Pa > (1.0 + COMPRESSES) * youngs_Pa:
+            yield (
+                f"materials.{name}.hyperelastic.bulk_modulus_Pa: {case.panel.solver} takes panels as "
+                f"incompressible, with Young's modulus {kept_Pa:.3g} Pa; that of this material is "
+                f"{youngs_Pa:.3g} Pa"
+            )
 
 
 def stops(case: Case) -> Iterator[CaseProblem]:
