@@ -73,7 +73,7 @@ def write(confusion: Confusion, folder: Path) -> list[Path]:
 
 
 def markdown(confusion: Confusion) -> str:
-    """Return the tables of docs/measured/effects.md."""
+    """Return the confusion table and the table of all rows, as Markdown."""
     head = ["explain says", *OUTCOMES]
     table = [
         [predicted, *(str(confusion.count(predicted, outcome)) for outcome in OUTCOMES)]
