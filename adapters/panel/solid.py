@@ -55,9 +55,11 @@ def objections(plan: PanelPlan) -> Iterator[Objection]:
         what = f"panel {plan.name} has sensors, whose masses a solid does not carry"
         yield Objection(what, 'take the sensor_kg of its probes away, or panel.solver = "sheet"')
     if plan.apertures is not None and plan.apertures.shape != "rectangle":
-        what = f"{plan.apertures.shape}: the solid's cells are boxes and follow no round ends"
-        hint = 'take "rectangle", or panel.solver = "sheet"'
-        yield Objection(what, hint, ("screen", "panels", plan.name, "apertures", "shape"))
+        drawn = plan.apertures.drawn is not None
+        ends, remedy = ("outlines", "give a pattern") if drawn else ("round ends", 'take "rectangle"')
+        what = f"{plan.apertures.shape}: the solid's cells are boxes and follow no {ends}"
+        key = ("screen", "panels", plan.name, "apertures", *(() if drawn else ("shape",)))
+        yield Objection(what, f'{remedy}, or panel.solver = "sheet"', key)
     if plan.apertures is not None and plan.apertures.margin_share > 0.0:
         what = f"panel {plan.name} is a slice of a panel with margins, which a solid has only where they are"
         yield Objection(what, 'leave the slice away, or take panel.solver = "sheet"')

@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from orchestrator.case.bed.carry import carry_bed, leave_out_outside
 from orchestrator.case.bed.work_of_adhesion import resolve_works_of_adhesion, typical_grains
+from orchestrator.case.deck.drawing import fill_in_sheets, read_drawings
 from orchestrator.case.file.base import (
     CASE_FILE,
     lay_chain,
@@ -168,13 +169,14 @@ def validate(layers: Layers, folder: Path) -> Case:
 
 
 def read_tables(merged: Mapping[str, Any], folder: Path) -> Case:
-    """Return the case that merged tables describe, with materials of the library, the particles that it takes
-    over, and all works of adhesion in J/m2; ``folder`` is the case's.
+    """Return the case that merged tables describe, with materials of the library, its drawings, the particles
+    that it takes over, and all works of adhesion in J/m2; ``folder`` is the case's.
 
-    Raises pydantic's ValidationError for tables that are no case, and CaseError for particles that cannot be
-    taken over, and for contacts that give their adhesion twice.
+    Raises pydantic's ValidationError for tables that are no case, and CaseError for drawings that cannot be
+    read, for particles that cannot be taken over, and for contacts that give their adhesion twice.
     """
-    described = Case.model_validate(fill_in_materials(merged))
+    tables = Case.model_validate(fill_in_materials(fill_in_sheets(merged, folder)))
+    described = read_drawings(tables, folder)
     carried = carry_bed(described, folder)
     return resolve_works_of_adhesion(carried, typical_grains(described, carried))
 

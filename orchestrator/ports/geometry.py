@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.drawn_openings import DrawnOpenings
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ class Rectangle:
 
 @dataclass(frozen=True)
 class AperturePattern:
-    """A regular pattern of equal openings in a rectangular panel, in its material coordinates.
+    """A pattern of openings in a rectangular panel, in its material coordinates: equal ones, or drawn ones.
 
     Each opening stands in a cell of ``pitch_along_m`` by ``pitch_across_m``; as many whole cells
     as fit between the margins are centred on the panel.  A row of cells runs across; every second
@@ -106,6 +107,8 @@ class AperturePattern:
     ``depth_m``: the length of an opening from the upper to the lower side; 0 for a rim without depth.
     ``relief_deg``: the angle by which each wall leaves the normal, so that an opening widens downwards where
     it is positive.  Lengths and widths are those of the upper side.
+    ``drawn``: openings with places and outlines of their own, whose ``shape`` is "polygon".  Lengths, widths
+    and pitches are then means, and neither stagger nor margins along and across have a meaning.
     """
 
     shape: str
@@ -119,6 +122,7 @@ class AperturePattern:
     margin_share: float = 0.0
     depth_m: float = 0.0
     relief_deg: float = 0.0
+    drawn: DrawnOpenings | None = None
 
     def widening_m(self, below_m: float) -> float:
         """Return how far a wall has gone outwards so far below the upper side."""
@@ -128,9 +132,14 @@ class AperturePattern:
         """Return the pattern without depth that the openings have so far below the upper side."""
         if self.depth_m == 0.0:
             return self
-        both_m = 2 * self.widening_m(below_m)
+        outwards_m = self.widening_m(below_m)
         return replace(
-            self, length_m=self.length_m + both_m, width_m=self.width_m + both_m, depth_m=0.0, relief_deg=0.0
+            self,
+            length_m=self.length_m + 2 * outwards_m,
+            width_m=self.width_m + 2 * outwards_m,
+            depth_m=0.0,
+            relief_deg=0.0,
+            drawn=self.drawn.grown(outwards_m) if self.drawn and outwards_m else self.drawn,
         )
 
     @property
@@ -145,18 +154,24 @@ class AperturePattern:
 
     @property
     def land_m(self) -> float:
-        """The least width of material between neighbours of a row or column."""
+        """The least width of material between neighbours of a row or column, or between drawn openings."""
+        if self.drawn:
+            return self.drawn.land_m
         return min(self.pitch_along_m - self.length_m, self.pitch_across_m - self.width_m)
 
     @property
     def opening_m2(self) -> float:
-        """The exact area of one opening."""
+        """The exact area of one opening, the mean one of drawn openings."""
+        if self.drawn:
+            return float(self.drawn.areas_m2.mean())
         round_m = min(self.length_m, self.width_m) if self.shape == "slot" else 0.0
         return self.length_m * self.width_m - (1 - math.pi / 4) * round_m**2
 
     @property
     def solid_share(self) -> float:
         """The material's share of a cell's area."""
+        if self.drawn:
+            return self.drawn.solid_share
         return 1.0 - self.opening_m2 / (self.pitch_along_m * self.pitch_across_m)
 
     def material_share(self, rectangle: Rectangle) -> float:
@@ -174,12 +189,16 @@ class AperturePattern:
     def region_m(self, rectangle: Rectangle) -> Array:
         """Return the lowest and highest (s, y) of the perforated region, (2, 2), which consists of whole
         cells."""
+        if self.drawn:
+            return self.drawn.region_m
         middle = np.array([rectangle.length_m, rectangle.width_m]) / 2
         half = np.multiply(self.counts(rectangle), (self.pitch_along_m, self.pitch_across_m)) / 2
         return np.stack([middle - half, middle + half])
 
     def centres_m(self, rectangle: Rectangle) -> Array:
-        """Return the material coordinates (openings, 2) of the openings' centers, row by row."""
+        """Return the material coordinates (openings, 2) of the openings' centers, row by row or as drawn."""
+        if self.drawn:
+            return self.drawn.centres_m
         rows, columns = self.counts(rectangle)
         low, high = self.region_m(rectangle)
         row, column = (n.ravel() for n in np.mgrid[:rows, :columns])
@@ -187,6 +206,26 @@ class AperturePattern:
         y = low[1] + (column + 0.5 + self.stagger * (row % 2)) * self.pitch_across_m
         fits = y + 0.5 * self.pitch_across_m <= high[1] * (1 + 1e-9)
         return np.asarray(np.column_stack([s, y])[fits])
+
+    @property
+    def spheres_m(self) -> tuple[float, float]:
+        """The diameters of the largest spheres that pass the narrowest and the widest opening."""
+        if self.drawn:
+            return self.drawn.spheres_m
+        smaller_m = min(self.length_m, self.width_m)
+        return smaller_m, smaller_m
+
+    def half_sides_m(self) -> Array:
+        """Return half the length and width (openings or 1, 2) of the boxes around the openings."""
+        if self.drawn:
+            return np.asarray(np.ptp(self.drawn.boxes_m, axis=1) / 2)
+        return np.array([[self.length_m, self.width_m]]) / 2
+
+    def outlines_m(self, rectangle: Rectangle) -> list[Array]:
+        """Return all openings as polygons (corners, 2), anticlockwise, in the order of their centers."""
+        if self.drawn:
+            return [*self.drawn.corners_m]
+        return [*(self.centres_m(rectangle)[:, None] + self.outline_m())]
 
     def outline_m(self) -> Array:
         """Return one opening as a polygon (corners, 2) about its center, anticlockwise.

@@ -19,7 +19,7 @@ from orchestrator.case.file.folder import FolderUnusable
 from orchestrator.case.file.nested import leaves
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import ORIGIN_KEYS, Checkpoint
-from orchestrator.output.records.run_folder import copy_name, resolved_case
+from orchestrator.output.records.run_folder import named_files, resolved_case
 from orchestrator.preflight.judge import JudgedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
@@ -29,9 +29,8 @@ SAME_BITS = tuple(name for name in ORIGIN_KEYS if name != "ranks")
 
 def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
     """Return where a checkpoint comes from, for ``checkpoint.json``; ``run`` is the folder of the run."""
-    surfaces = loaded.case.whole_machine.screen.surfaces.items()
-    copies = [copy_name(name, row) for name, row in surfaces if row.file is not None or row.stl is not None]
-    named = [run / name for name in copies if (run / name).is_file()] + [*run.glob(BED)]
+    copies = [run / named.copy for named in named_files(loaded.case.whole_machine)]
+    named = [copy for copy in copies if copy.is_file()] + [*run.glob(BED)]
     return {
         "name": loaded.name,
         "level": loaded.level,

@@ -170,7 +170,7 @@ class _Drawing:
             self._axes.add_patch(Polygon(free, fc=color, ec=color, lw=2.6, zorder=5))
             self._lines.append(np.vstack([whole, whole[:1]]))
             if self._view.name == "top" and row.panel.apertures is not None:
-                places = list(self._view.of(row.openings_m))
+                places = [self._view.of(corners) for corners in row.openings_m]
                 openings = PolyCollection(places, fc="white", ec="none", rasterized=True, zorder=6)
                 self._axes.add_collection(openings)
         if not self._machine.panels:

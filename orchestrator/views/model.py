@@ -55,8 +55,10 @@ def _scene(machine: MachineOutline) -> Any:
             plotter.add_mesh(_polygons([row.free_m for row in rows]), color=PANEL_COLORS[number], **MATT)
     if clamps := [clamp_m for row in machine.panels for clamp_m in _clamps(row)]:
         plotter.add_mesh(_polygons(clamps), color="#333333")
-    if openings := _openings(machine):
-        plotter.add_mesh(_polygons(openings), color=OPENING, **MATT)
+    openings = _openings(machine)
+    for corners in {len(outline) for outline in openings}:
+        alike = [outline for outline in openings if len(outline) == corners]
+        plotter.add_mesh(_polygons(alike), color=OPENING, **MATT)
     for wall in machine.walls:
         color = frame_color(machine, wall.frame)
         plotter.add_mesh(_polygons(wall.triangles_m), color=color, opacity=0.12)
@@ -165,11 +167,11 @@ def _points_and_cells(corners_m: Sequence[Array] | Array) -> tuple[Array, Indice
 
 
 def _openings(machine: MachineOutline) -> list[Array]:
-    """Return the openings as rectangles (4, 3) on the panels' faces; none if there are very many."""
+    """Return the openings as polygons (n, 3) on the panels' faces; none if there are very many."""
     rows: list[Array] = []
     for outline in machine.panels:
-        lifted_m = outline.openings_m + 1e-3 * outline.panel.rectangle.normal
-        rows += [*lifted_m, *(lifted_m - 2e-3 * outline.panel.rectangle.normal)]
+        lift_m = 1e-3 * outline.panel.rectangle.normal
+        rows += [corners + way * lift_m for way in (1.0, -1.0) for corners in outline.openings_m]
     return rows if len(rows) <= 2 * MOST_OPENINGS else []
 
 

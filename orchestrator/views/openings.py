@@ -13,6 +13,7 @@ from orchestrator.case.bed.size_distribution import classes
 from orchestrator.case.deck.panels import SinglePanel, perforated_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import AperturePattern
 from orchestrator.views.style import LINES, figure
 
 PITCHES = 4.6  # of the pattern along the panel that are shown
@@ -55,6 +56,8 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
     first_m = centres_m.min(axis=0)
     along_m = min(at.length_m, first_m[0] + PITCHES * pattern.pitch_along_m)
     across_m = min(at.width_m, first_m[1] + max(ACROSS * along_m, PITCHES * pattern.pitch_across_m))
+    if pattern.drawn:  # which has more than a corner tells
+        along_m, across_m = at.length_m, min(at.width_m, at.length_m)
     shown_sizes_m = sizes_m(case)
     gap_m = 0.06 * along_m
     room_m = (max(shown_sizes_m) + 2 * gap_m) if shown_sizes_m else gap_m
@@ -77,14 +80,14 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
             va="center",
             fontsize=8,
         )
-    near = (centres_m < [along_m + pattern.length_m, across_m + pattern.width_m]).all(axis=1)
-    outlines = [mm * (centre + pattern.outline_m()) for centre in centres_m[near]]
+    corner_m = [along_m, across_m]
+    outlines = [mm * hole_m for hole_m in pattern.outlines_m(at) if (hole_m.min(axis=0) < corner_m).all()]
     openings = PolyCollection(outlines, facecolors="white", edgecolors=EDGE, lw=0.8, zorder=3)
     axes.add_collection(openings)
     shown = _rectangle(0, along_m, 0, across_m, "none")
     axes.add_patch(shown)
     openings.set_clip_path(shown)
-    limit_m = min(pattern.length_m, pattern.width_m)
+    _, limit_m = pattern.spheres_m
     left_m = along_m + gap_m
     for size_m, bottom_m in rows_m:
         passes = size_m < limit_m
@@ -102,13 +105,11 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
             fontsize=8.5,
             color=color,
         )
-    _dimensions(axes, pattern, first_m, across_m)
+    if not pattern.drawn:
+        _dimensions(axes, pattern, first_m, across_m)
     who = f"{panel.name} and {count - 1} more" if count > 1 else panel.name
     open_share = len(centres_m) * pattern.opening_m2 / (at.length_m * at.width_m)
-    axes.set_title(
-        f"{who}: {len(centres_m)} {pattern.shape}s of {mm * pattern.length_m:g} × "
-        f"{mm * pattern.width_m:g} mm, {open_share:.0%} of the free panel is open"
-    )
+    axes.set_title(f"{who}: {len(centres_m)} {_kind(pattern)}, {open_share:.0%} of the free panel is open")
     axes.set(
         xlim=(-at.clamp_m * mm - 0.02 * wide_m * mm, wide_m * mm - at.clamp_m * mm),
         ylim=(-0.04 * tall_m * mm, tall_m * mm),
@@ -118,6 +119,13 @@ def _draw(case: Case, panel: SinglePanel, count: int) -> Any:
     )
     axes.grid(visible=False)
     return fig
+
+
+def _kind(pattern: AperturePattern) -> str:
+    """Return the openings of a pattern in words."""
+    if pattern.drawn:
+        return f"openings of a drawing, the widest for {1e3 * pattern.spheres_m[1]:.3g} mm"
+    return f"{pattern.shape}s of {1e3 * pattern.length_m:g} × {1e3 * pattern.width_m:g} mm"
 
 
 def _rows(shown_sizes_m: list[float], gap_m: float) -> list[tuple[float, float]]:

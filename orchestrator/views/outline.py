@@ -33,14 +33,16 @@ class PanelOutline:
     free_m: Array
 
     @property
-    def openings_m(self) -> Array:
-        """The corners (n, 4, 3) of the rectangles around the openings; none without a pattern."""
+    def openings_m(self) -> list[Array]:
+        """The corners (n, 3) of each drawn opening, or else (4, 3) of the rectangle around each opening."""
         pattern, at = self.panel.apertures, self.panel.rectangle
         if pattern is None:
-            return np.empty((0, 4, 3))
+            return []
+        if pattern.drawn:
+            return [at.mounted(corners) for corners in pattern.drawn.corners_m]
         half_m = np.array([pattern.length_m, pattern.width_m]) / 2
         corners_m = pattern.centres_m(at)[:, None] + half_m * [[-1, -1], [1, -1], [1, 1], [-1, 1]]
-        return at.mounted(corners_m.reshape(-1, 2)).reshape(-1, 4, 3)
+        return [*at.mounted(corners_m.reshape(-1, 2)).reshape(-1, 4, 3)]
 
 
 @dataclass(frozen=True)

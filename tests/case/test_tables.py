@@ -65,8 +65,7 @@ DIMENSIONLESS = frozenset(
 def tables(table: type[BaseModel] = Case) -> Iterator[type[BaseModel]]:
     yield table
     for field in table.model_fields.values():
-        inner, _ = case_reference.table_in(field.annotation)
-        if inner is not None:
+        for inner, _ in case_reference.tables_in(field.annotation):
             yield from tables(inner)
 
 

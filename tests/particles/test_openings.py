@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.stats import binom
 
+from orchestrator.case.deck.drawing import read_drawing
 from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.triangle_grid import perforated_grid
+from orchestrator.case.tables.deck import DrawnApertures
 from orchestrator.ports import Array
+from orchestrator.ports.drawn_openings import DrawnOpenings
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
+from tests.drawn import draw_pattern
 from tests.particles.contract import LIGGGHTS_ALONE, Run, particles, plan, solver_adapter, table
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
@@ -152,3 +158,23 @@ def test_a_sphere_rests_on_an_opening_s_rim(solver: str, pattern: AperturePatter
     weight_N = 1430.0 * np.pi / 6 * diameter_m**3 * 9.81
     assert carried_N == pytest.approx([0.0, 0.0, -weight_N], abs=0.02 * weight_N)
     done.solver.close()
+
+
+@every_solver
+def test_spheres_fall_through_a_drawing_as_through_the_pattern(solver: str, tmp_path: Path) -> None:
+    """A DXF file of the slots, in m and with the panel's outline: every sphere has the same place, to the
+    last bit, since the triangles are the same."""
+    table_of_file = DrawnApertures(file=draw_pattern(tmp_path / "panel.dxf", SLOTS, PANEL).name)
+    drawing = read_drawing(table_of_file, tmp_path)
+    drawn = replace(SLOTS, shape="polygon", drawn=DrawnOpenings(drawing.outlines_m, (0.3, 0.3)))
+    places = over_the_pattern(SLOTS, 0.0025, 3)
+    heights = np.full(len(places), 0.0015)
+    ends_m = []
+    for pattern in (SLOTS, drawn):
+        given = particles(np.column_stack([places, heights]), (0.0, 0.0, -1.0), diameter_m=0.0025)
+        done = run(solver, still(pattern), given=given, sync_interval_s=2e-4, step_s=1e-5)
+        done.advance(50)
+        ends_m.append(done.solver.snapshot().position_m)
+        done.solver.close()
+    assert 0 < (ends_m[0][:, 2] < 0.0).sum() < len(places)
+    np.testing.assert_array_equal(*ends_m)

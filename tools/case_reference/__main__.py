@@ -83,20 +83,28 @@ def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]], fil
     yield "| key | value | unit | default | meaning |\n| --- | --- | --- | --- | --- |"
     inner = []
     for key, field in table.model_fields.items():
-        inner_table, place = table_in(field.annotation)
-        yield _row(key, field, inner_table)
-        if inner_table is not None and inner_table not in seen:
-            name = f"{path.strip('[]')}.{key}{place}".lstrip(".")
-            inner.append((inner_table, f"[[{name}]]" if _is_list(field) else f"[{name}]"))
+        tables = tables_in(field.annotation)
+        yield _row(key, field, bool(tables))
+        for inner_table, place in tables:
+            if inner_table not in seen:
+                name = f"{path.strip('[]')}.{key}{place}".lstrip(".")
+                other_way = "" if inner_table is tables[0][0] else f"` with `{_wanted(inner_table)}"
+                inner.append((inner_table, (f"[[{name}]]" if _is_list(field) else f"[{name}]") + other_way))
     yield ""
     for inner_table, place in inner:
         yield from _sections(inner_table, place, seen, file)
 
 
-def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
+def _wanted(table: type[BaseModel]) -> str:
+    """Return the first key that a table must give."""
+    own = [key for key in table.__annotations__ if key in table.model_fields]
+    return next(key for key in own if table.model_fields[key].is_required())
+
+
+def _row(key: str, field: FieldInfo, holds_tables: bool) -> str:
     if choices := _choices(field.annotation):
         value = " or ".join(_kind(each) + _limits(each) for each in choices)
-    elif table is not None:
+    elif holds_tables:
         value = "tables" if get_origin(field.annotation) in (dict, tuple) else "table"
     else:
         value = _solvers(field) or _kind(field.annotation) + _limits(field.annotation, field.metadata)
@@ -125,16 +133,12 @@ def _choices(kind: Any) -> list[Any]:
     return choices if ROWS in map(_kind, choices) and NoneType not in choices else []
 
 
-def table_in(kind: Any) -> tuple[type[BaseModel] | None, str]:
-    """Return the table in values of this type, or None, and the part of its name after the key."""
+def tables_in(kind: Any) -> list[tuple[type[BaseModel], str]]:
+    """Return the tables in values of this type, each with the part of its name after the key."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return kind, ""
+        return [(kind, "")]
     place = ".<name>" if get_origin(kind) is dict else ""
-    for argument in get_args(kind):
-        table, inner = table_in(argument)
-        if table is not None:
-            return table, place + inner
-    return None, ""
+    return [(table, place + inner) for argument in get_args(kind) for table, inner in tables_in(argument)]
 
 
 def _kind(kind: Any) -> str:
@@ -147,7 +151,7 @@ def _kind(kind: Any) -> str:
     if origin is Annotated:
         return _kind(arguments[0])
     if origin is Literal:
-        return " or ".join(f'"{word}"' for word in arguments)
+        return " or ".join(f'"{word}"' if isinstance(word, str) else str(word) for word in arguments)
     if origin is tuple:
         if arguments[-1] is Ellipsis and _kind(arguments[0]) == "table":
             return ROWS

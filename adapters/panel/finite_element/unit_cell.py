@@ -28,6 +28,7 @@ from orchestrator.ports.meshing import closed_line, gmsh_session, made_triangles
 
 TRIANGLES_PER_LAND = 6
 MOST_TRIANGLES = 6_000
+TRIANGLES_PER_OPENING = 60  # of a cell with very many: at least so many
 POISSON_RATIO = 0.5
 SHEAR_CORRECTION = 5 / 6
 # plane stress of unit modulus, for strains (11, 22, 2 x 12)
@@ -150,7 +151,9 @@ def _periodic(points_m: Array, period_m: Array, size: int) -> csr_matrix:
 
 
 def cell_m(apertures: AperturePattern) -> tuple[float, float]:
-    """Return the period along and across: two rows if they are staggered."""
+    """Return the period along and across: two rows if they are staggered, and that of drawn openings."""
+    if apertures.drawn:
+        return apertures.drawn.period_m
     rows = 2 if apertures.stagger else 1
     return rows * apertures.pitch_along_m, apertures.pitch_across_m
 
@@ -164,14 +167,16 @@ def cell_triangles(apertures: AperturePattern) -> tuple[Array, Indices]:
 def _meshed(gmsh: Any, apertures: AperturePattern) -> tuple[Array, Indices]:
     model, (along_m, across_m) = gmsh.model.occ, cell_m(apertures)
     box = model.addRectangle(0.0, 0.0, 0.0, along_m, across_m)
-    holes = [(2, model.addPlaneSurface([closed_line(model, outline)])) for outline in _outlines(apertures)]
+    outlines = _outlines(apertures)
+    holes = [(2, model.addPlaneSurface([closed_line(model, outline)])) for outline in outlines]
     model.cut([(2, box)], holes)
     model.synchronize()
     for axis, period_m in ((0, along_m), (1, across_m)):
         _match(gmsh, axis, period_m)
-    narrowest_m = min(apertures.land_m, apertures.length_m, apertures.width_m)
+    narrowest_m = min(apertures.land_m, apertures.spheres_m[0])
     solid_m2 = apertures.solid_share * along_m * across_m
-    size_m = max(narrowest_m / TRIANGLES_PER_LAND, math.sqrt(2.5 * solid_m2 / MOST_TRIANGLES))
+    most_triangles = max(MOST_TRIANGLES, TRIANGLES_PER_OPENING * len(outlines))
+    size_m = max(narrowest_m / TRIANGLES_PER_LAND, math.sqrt(2.5 * solid_m2 / most_triangles))
     gmsh.option.setNumber("Mesh.MeshSizeMin", size_m)
     gmsh.option.setNumber("Mesh.MeshSizeMax", size_m)
     gmsh.model.mesh.generate(2)
@@ -182,6 +187,8 @@ def _meshed(gmsh: Any, apertures: AperturePattern) -> tuple[Array, Indices]:
 
 def _outlines(apertures: AperturePattern) -> list[Array]:
     """Return the outlines of all openings that reach into the cell."""
+    if apertures.drawn:
+        return apertures.drawn.cell_m
     along_m, across_m = apertures.pitch_along_m, apertures.pitch_across_m
     rows = (0.0, apertures.stagger) if apertures.stagger else (0.0,)
     outline = apertures.outline_m()

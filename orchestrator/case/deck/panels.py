@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +16,14 @@ import numpy as np
 from orchestrator.case.deck.surface_file import read_surface
 from orchestrator.case.file.slice import cut_surface
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.deck import PanelSheet, Stop
+from orchestrator.case.tables.deck import DrawnApertures, PanelSheet, Stop
 from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.drawn_openings import Drawing, DrawnOpenings, as_outline
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import StopPlan
+
+REMEMBERED = 32  # drawings of panels: more than a case has
 
 
 def axes(case: Case) -> Array:
@@ -79,11 +83,37 @@ def aperture_pattern(row: PanelSheet) -> AperturePattern | None:
     """Return the openings of a panel; None without any."""
     if row.apertures is None:
         return None
+    depth_m = relief_deg = 0.0
+    if row.apertures.rims == "deep":
+        depth_m, relief_deg = row.apertures.depth_m or row.thickness_m, row.apertures.relief_deg or 0.0
+    if isinstance(row.apertures, DrawnApertures):
+        sides_m = (row.length_m, row.width_m, row.clamp_m)
+        flat = _drawn_pattern(row.apertures.drawing, *sides_m, row.apertures.margin_share)
+        return replace(flat, depth_m=depth_m, relief_deg=relief_deg) if flat else None
     given = row.apertures.model_dump(exclude={"rims", "depth_m", "relief_deg"})
-    if row.apertures.rims == "thin":
-        return AperturePattern(**given)
-    depth_m = row.apertures.depth_m or row.thickness_m
-    return AperturePattern(**given, depth_m=depth_m, relief_deg=row.apertures.relief_deg or 0.0)
+    return AperturePattern(**given, depth_m=depth_m, relief_deg=relief_deg)
+
+
+@lru_cache(REMEMBERED)
+def _drawn_pattern(
+    drawing: Drawing, length_m: float, width_m: float, clamp_m: float, margin_share: float
+) -> AperturePattern | None:
+    """Return the openings of a drawing on the free length; None if all lie under the clamps."""
+    free = (corners - (clamp_m, 0.0) for corners in map(np.array, drawing.outlines_m))
+    outlines_m = tuple(as_outline(at) for at in free if at[:, 0].max() > 0.0 and at[:, 0].min() < length_m)
+    if not outlines_m:
+        return None
+    drawn = DrawnOpenings(outlines_m, (length_m, width_m))
+    (along_m, across_m), (pitch_along_m, pitch_across_m) = drawn.mean_sides_m, drawn.pitch_m
+    return AperturePattern(
+        shape="polygon",
+        length_m=along_m,
+        width_m=across_m,
+        pitch_along_m=pitch_along_m,
+        pitch_across_m=pitch_across_m,
+        margin_share=margin_share,
+        drawn=drawn,
+    )
 
 
 def perforated_panels(case: Case) -> list[tuple[SinglePanel, ...]]:

@@ -17,6 +17,7 @@ import numpy as np
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.drawn_openings import area_m2, outwards
 from orchestrator.ports.geometry import LOWER, UPPER, WALL, AperturePattern, Rectangle
 from orchestrator.ports.meshing import closed_line, gmsh_session, made_triangles
 
@@ -95,22 +96,22 @@ def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tup
     size_m = min(rectangle.length_m / cells[0], rectangle.width_m / cells[1])
     a, b = rectangle.length_m, rectangle.width_m
     border = _divide_sides(np.array([[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]), size_m)  # anticlockwise
-    outline = _divide_sides(apertures.outline_m(), size_m)
-    holes = [outline + centre for centre in apertures.centres_m(rectangle)]
+    holes = _holes(rectangle, apertures, size_m)
     inner = _between_m(rectangle, apertures, size_m)
     points, triangles = _triangulate([border, *holes], inner)
     points, triangles = _add_clamps(rectangle, points, triangles)
     s = _rows_m(rectangle, cells[0])
     line = np.column_stack([s, np.full(len(s), rectangle.width_m / 2)])
     result = TriangleGrid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
-    _inspect(result, rectangle, len(holes) * _area_m2(outline))
+    _inspect(result, rectangle, sum(map(area_m2, holes)))
     if apertures.depth_m == 0.0:
         return result
     widening_m = apertures.widening_m(apertures.depth_m)
-    lower_m = np.vstack([points + widening_m * _outwards(points, rectangle, apertures), line])
-    below = outline + widening_m * _from_outline(outline, apertures)
+    ways = _ways(rectangle, apertures, holes)
+    lower_m = np.vstack([points + widening_m * _outwards(points, holes, ways), line])
+    below = [hole + widening_m * way for hole, way in zip(holes, ways, strict=True)]
     lower = TriangleGrid(lower_m, triangles, result.centre_line)
-    _inspect(lower, rectangle, len(holes) * _area_m2(below))
+    _inspect(lower, rectangle, sum(map(area_m2, below)))
     return deepened(result, lower_m, apertures.depth_m)
 
 
@@ -139,23 +140,34 @@ def deepened(flat: TriangleGrid, lower_m: Array, depth_m: float) -> TriangleGrid
     return TriangleGrid(coordinates_m[used], number[np.vstack(parts)], flat.centre_line, side)
 
 
-def _outwards(points: Array, rectangle: Rectangle, apertures: AperturePattern) -> Array:
-    """Return the directions (n, 2) in which points (n, 2) on the outlines of openings go away from them.
+def _holes(rectangle: Rectangle, apertures: AperturePattern, size_m: float) -> list[Array]:
+    """Return the outlines (n, 2) of all openings, whose sides are divided into pieces of about ``size_m``."""
+    if apertures.drawn:
+        return [_divide_sides(corners, size_m) for corners in apertures.drawn.corners_m]
+    outline = _divide_sides(apertures.outline_m(), size_m)
+    return [outline + centre for centre in apertures.centres_m(rectangle)]
 
-    They lead from an outline to that of openings larger by one all around; other points have none.
-    """
+
+def _ways(rectangle: Rectangle, apertures: AperturePattern, holes: list[Array]) -> list[Array]:
+    """Return the way (n, 2) of each point of the outlines while all sides move outwards by one."""
+    if apertures.drawn:
+        return [*map(outwards, holes)]
+    centres = apertures.centres_m(rectangle)
+    return [_from_outline(hole - centre, apertures) for hole, centre in zip(holes, centres, strict=True)]
+
+
+def _outwards(points: Array, holes: list[Array], ways: list[Array]) -> Array:
+    """Return the ways (n, 2) of points (n, 2), which are those of outlines; other points have none."""
     from scipy.spatial import cKDTree  # takes long to import, and few commands need it
 
-    centres = apertures.centres_m(rectangle)
-    half = np.array([apertures.length_m, apertures.width_m]) / 2
-    far, nearest = cKDTree(centres / half).query(points / half, p=np.inf)
-    direction = _from_outline(points - centres[nearest], apertures)
-    direction[far > 1.0 + ON_OUTLINE] = 0.0
-    return direction
+    far_m, nearest = cKDTree(np.vstack(holes)).query(points)
+    direction = np.vstack(ways)[nearest]
+    direction[far_m > ON_OUTLINE * np.ptp(holes[0], axis=0).max()] = 0.0
+    return np.asarray(direction)
 
 
 def _from_outline(places_m: Array, apertures: AperturePattern) -> Array:
-    """Return the directions (n, 2) of ``_outwards`` for places (n, 2) on an outline about its centre."""
+    """Return the ways (n, 2) of places (n, 2) on an outline about its centre."""
     half = np.array([apertures.length_m, apertures.width_m]) / 2
     if apertures.shape == "rectangle":
         on_side = np.abs(np.abs(places_m) / half - 1.0) < ON_OUTLINE
@@ -209,10 +221,10 @@ def _between_m(rectangle: Rectangle, apertures: AperturePattern, size_m: float) 
     s = np.linspace(0.0, rectangle.length_m, along + 1)[1:-1]
     y = np.linspace(0.0, rectangle.width_m, across + 1)[1:-1]
     centres = apertures.centres_m(rectangle)
-    reach = np.array([apertures.length_m, apertures.width_m]) / 2 + size_m / 2
-    reach += max(apertures.widening_m(apertures.depth_m), 0.0)
+    reaches = apertures.half_sides_m() + size_m / 2
+    reaches += max(apertures.widening_m(apertures.depth_m), 0.0)
     free = np.ones((len(s), len(y)), dtype=bool)
-    for centre in centres:
+    for centre, reach in zip(centres, np.broadcast_to(reaches, centres.shape), strict=True):
         near = np.abs(s - centre[0])[:, None] < reach[0]
         free &= ~(near & (np.abs(y - centre[1])[None, :] < reach[1]))
     i, j = np.nonzero(free)
@@ -254,12 +266,6 @@ def _add_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tupl
         second = np.column_stack([left[:-1], right[1:], left[1:]])
         triangles = np.vstack([triangles, first, second])
     return points, triangles
-
-
-def _area_m2(polygon: Array) -> float:
-    """Return the area of a polygon (n, 2); it is positive for anticlockwise corners."""
-    after = np.roll(polygon, -1, axis=0)
-    return float((polygon[:, 0] * after[:, 1] - polygon[:, 1] * after[:, 0]).sum() / 2)
 
 
 def surface_grids(case: Case) -> dict[str, TriangleGrid]:

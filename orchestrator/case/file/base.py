@@ -24,6 +24,11 @@ CASE_FILE = "case.toml"
 BASE = "base"
 BEDS = (("bed", "table"), ("bed", "from_run"))
 """Keys of beds that a case takes over, which are found from the case's folder or the working directory."""
+IN_SCREEN = (
+    *(("surfaces", key) for key in ("file", "stl")),
+    *((kind, "apertures", "file") for kind in ("panels", "decks")),
+)
+"""Keys of files in the rows of tables of ``[screen]``: the table, and the key in a row."""
 
 
 @dataclass(frozen=True)
@@ -137,10 +142,10 @@ def with_files_at(table: Mapping[str, Any], written: Path, folder: Path) -> dict
 
 def _file_keys(table: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """Return the keys in a case's table whose values are names of files."""
-    screen = table.get("screen")
-    surfaces = screen.get("surfaces") if isinstance(screen, Mapping) else None
-    names = [*surfaces] if isinstance(surfaces, Mapping) else []
-    keys = [*BEDS, *(("screen", "surfaces", name, key) for name in names for key in ("file", "stl"))]
+    keys = [*BEDS]
+    for kind, *inner in IN_SCREEN:
+        rows = value_at(table, ("screen", kind))
+        keys += [("screen", kind, name, *inner) for name in (rows if isinstance(rows, Mapping) else ())]
     return [key for key in keys if isinstance(value_at(table, key), str)]
 
 

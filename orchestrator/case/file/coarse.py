@@ -57,9 +57,7 @@ def _across_openings(case: Case) -> list[CaseProblem]:
     Particles that are taken over have coarse diameters already.
     """
     openings_m = [
-        min(panel.apertures.length_m, panel.apertures.width_m)
-        for panel in case.screen.panels.values()
-        if panel.apertures is not None
+        panel.apertures.smaller_m for panel in case.screen.panels.values() if panel.apertures is not None
     ]
     if not openings_m:
         return []

@@ -37,6 +37,7 @@ BEYOND = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", 
 REFUSED = "refused"
 """The kind of an error whose message says all that is wrong."""
 MOST = 50  # A message shows at most so many problems.
+OTHER_WAY = "it belongs to another way of giving this table: give all of one way"
 LONGEST = 600  # The line about a problem has at most so many characters.
 
 
@@ -142,9 +143,8 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
             what = f"unknown key (its value: {show_value(detail['input'])})"
-            problems.append(
-                CaseProblem(detail["loc"], what, did_you_mean(str(key), known), kind="unknown-key")
-            )
+            hint = OTHER_WAY if key in known else did_you_mean(str(key), known)
+            problems.append(CaseProblem(detail["loc"], what, hint, kind="unknown-key"))
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
             continue
@@ -210,16 +210,14 @@ def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
     place: Any = model
     for part in table:
         place = _inside(place, part)
-    table_type = _table_in(place)
-    return list(table_type.model_fields) if table_type else []
+    return [key for table_type in _tables_in(place) for key in table_type.model_fields]
 
 
 def _inside(place: Any, part: str | int) -> Any:
     """Return the type one step further in: of a field of a table, or of an element of a dict or tuple."""
-    table_type = _table_in(place)
-    if table_type is not None:
-        field = table_type.model_fields.get(str(part))
-        return field.annotation if field else None
+    if tables := _tables_in(place):
+        fields = (table_type.model_fields.get(str(part)) for table_type in tables)
+        return next((field.annotation for field in fields if field), None)
     arguments = get_args(place)
     if get_origin(place) is dict:
         return arguments[1]
@@ -228,11 +226,10 @@ def _inside(place: Any, part: str | int) -> Any:
     return next((inner for each in arguments if (inner := _inside(each, part)) is not None), None)
 
 
-def _table_in(place: Any) -> type[BaseModel] | None:
-    """Return the table that a type is or may be (as in ``Table | None``); None for any other type."""
+def _tables_in(place: Any) -> list[type[BaseModel]]:
+    """Return the tables that a type is or may be (as in ``Table | None``); none for any other type."""
     if isinstance(place, type) and issubclass(place, BaseModel):
-        return place
+        return [place]
     if get_origin(place) in (dict, tuple):
-        return None
-    tables = (_table_in(argument) for argument in get_args(place))
-    return next((table for table in tables if table is not None), None)
+        return []
+    return [table for argument in get_args(place) for table in _tables_in(argument)]

@@ -70,6 +70,11 @@ def is_outside(file: Path, folder: Path) -> bool:
 
 NAMES_FILE = "file"
 """The key of a table that stands for a list and names the file with its elements."""
+OF_PATTERNS = (
+    *("shape", "length_m", "width_m", "pitch_along_m", "pitch_across_m"),
+    *("stagger", "margin_along_m", "margin_across_m"),
+)
+"""Keys of a pattern of openings, for which a drawing may stand."""
 REPLACED_BY = {
     "work_of_adhesion_J_per_m2": ("bond_number", "bond_diameter_m", "moisture"),
     "bond_number": ("work_of_adhesion_J_per_m2", "moisture"),
@@ -78,7 +83,8 @@ REPLACED_BY = {
     "sizes": ("curve",),
     "curve": ("sizes",),
     "points": ("file", "elastic_N_per_m", "friction", "maxwell"),
-    "file": ("points", "elastic_N_per_m", "friction", "maxwell"),
+    "file": ("points", "elastic_N_per_m", "friction", "maxwell", *OF_PATTERNS),
+    "pitch_along_m": ("file", "unit", "layers", "rotation_deg"),
 }
 """Keys that a key of a later layer replaces, because it gives the same quantity in another way.
 

@@ -14,7 +14,7 @@ from orchestrator.case.file.nested import leaves
 CHEAP_LEVEL = "draft"
 """The level at which a case is tried out if it has a level of this name."""
 FILES = (
-    *(".stl", ".obj", ".ply", ".vtk", ".msh", ".step", ".stp", ".iges", ".igs"),
+    *(".stl", ".obj", ".ply", ".vtk", ".msh", ".step", ".stp", ".iges", ".igs", ".dxf"),
     *(".h5", ".csv", ".parquet"),
 )
 """Endings of the files that a case may name."""

@@ -17,7 +17,7 @@ from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.bed import Bed, Filling
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.deck import Apertures
+from orchestrator.case.tables.deck import Apertures, DrawnApertures
 from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.case.tables.quantities import Box
 from orchestrator.case.tables.screen import PanelTable, Screen
@@ -183,6 +183,9 @@ def _through_openings(case: Case) -> list[CaseProblem]:
         openings = panel.apertures
         if openings is None:
             continue
+        if isinstance(openings, DrawnApertures):
+            what = f"the openings of panel {name} come from a drawing, which is not cut"
+            return [CaseProblem(("slice",), what, "leave the slice out, or give a pattern of openings")]
         pitch_m, most = openings.pitch_across_m, _openings_across(panel, openings)
         pitches = width_m / pitch_m
         if abs(pitches - round(pitches)) > 1e-6 or pitches > most + 1e-6:
@@ -199,7 +202,7 @@ def between_openings_m(case: Case, width_m: float) -> float:
     ``case`` is that of the whole machine.
     """
     for panel in case.screen.panels.values():
-        if (openings := panel.apertures) is not None:
+        if isinstance(openings := panel.apertures, Apertures):
             pitch_m, most = openings.pitch_across_m, _openings_across(panel, openings)
             return max(min(round(width_m / pitch_m), most), 1) * pitch_m
     return width_m
@@ -281,7 +284,7 @@ def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
     x, _, z = row.corner_m
     corner_m = (x, y_m[0] if row.across[1] > 0 else y_m[1], z)
     update: dict[str, object] = {"corner_m": corner_m, "width_m": y_m[1] - y_m[0]}
-    if row.apertures is not None:
+    if isinstance(row.apertures, Apertures):
         perforated_m = _openings_across(row, row.apertures) * row.apertures.pitch_across_m
         perforated = (1.0 - row.apertures.margin_share) * perforated_m / row.width_m
         openings = {"margin_across_m": 0.0, "margin_share": max(1.0 - perforated, 0.0)}

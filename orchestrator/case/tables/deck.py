@@ -7,13 +7,43 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from annotated_types import Ge, Le, Lt
-from pydantic import BeforeValidator, Field, Strict
+from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Strict, StringConstraints, Tag
 
-from orchestrator.case.tables.quantities import Few, Name, NotNegative, Number, Positive, Share, Table, Vector
+from orchestrator.case.tables.quantities import (
+    Few,
+    Name,
+    NotNegative,
+    Number,
+    OneLine,
+    Positive,
+    Share,
+    Table,
+    Vector,
+)
+from orchestrator.ports.drawn_openings import Drawing
 
 
-class Apertures(Table):
+class Rims(Table):
+    """What particles meet at openings, and how much of the panel counts as solid besides."""
+
+    margin_share: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
+    """Share of the panel's width that counts as solid for its mass and stiffness although particles find
+    openings there.  A slice takes its part of the whole panel's margins in this way, in place of
+    ``margin_across_m``."""
+    rims: Literal["thin", "deep"] = "thin"
+    """What particles meet at an opening.  Thin rims are the edges of a surface without thickness; deep ones
+    are walls from the upper to the lower side of the mat, which follow its normal and its stretch."""
+    depth_m: Positive | None = None
+    """Distance between the upper and the lower side of the mat, of deep rims.  By default, it is the panel's
+    thickness."""
+    relief_deg: Annotated[float, Strict(), Ge(-45), Le(45)] | None = None
+    """Angle between the walls of deep rims and the normal, 0 by default: with a positive angle, openings
+    widen downwards.  Lengths, widths and outlines are those of the upper side."""
+
+
+class Apertures(Rims):
     """Equal openings in a regular pattern, through which particles fall.  The pattern is centred and
     has as many whole pitches as fit between the margins.  The panel has the stiffness and the mass of
     the material between the openings (docs/theory/perforated_panel.md)."""
@@ -34,19 +64,51 @@ class Apertures(Table):
     """Smallest length without openings before each clamp."""
     margin_across_m: NotNegative = 0.0
     """Smallest width without openings at each side."""
-    margin_share: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
-    """Share of the panel's width that counts as solid for its mass and stiffness although particles find
-    openings there.  A slice takes its part of the whole panel's margins in this way, in place of
-    ``margin_across_m``."""
-    rims: Literal["thin", "deep"] = "thin"
-    """What particles meet at an opening.  Thin rims are the edges of a surface without thickness; deep ones
-    are walls from the upper to the lower side of the mat, which follow its normal and its stretch."""
-    depth_m: Positive | None = None
-    """Distance between the upper and the lower side of the mat, of deep rims.  By default, it is the panel's
-    thickness."""
-    relief_deg: Annotated[float, Strict(), Ge(-45), Le(45)] | None = None
-    """Angle between the walls of deep rims and the normal, 0 by default: with a positive angle, openings
-    widen downwards.  ``length_m`` and ``width_m`` are those of the upper side."""
+
+    @property
+    def smaller_m(self) -> float:
+        """The smaller side of an opening."""
+        return min(self.length_m, self.width_m)
+
+
+class DrawnApertures(Rims):
+    """Openings from a drawing, in place of a pattern.  Closed outlines are openings; one around all others
+    is that of the panel, with the strips under its clamps, and gives ``length_m`` and ``width_m`` where they
+    are not given.  x of the drawing runs along the panel and y across, as seen from above, from the corner
+    of that outline, or else from the origin of the drawing (docs/how-to/bring-your-own-geometry.md)."""
+
+    file: Annotated[str, StringConstraints(min_length=1, max_length=200)]
+    """DXF file in the case's folder."""
+    unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
+    """Unit of the drawing.  It is needed where the file does not say it, and stands above what it says."""
+    layers: tuple[OneLine, ...] = ()
+    """Layers with the outlines.  They must be named if the drawing has outlines on more than one layer."""
+    rotation_deg: Literal[0, 90, 180, 270] = 0
+    """Angle by which the drawing is turned anticlockwise, as seen from above."""
+
+    _drawing: Drawing | None = PrivateAttr(default=None)
+
+    @property
+    def drawing(self) -> Drawing:
+        """What stands in the file; a case that has been read has it."""
+        assert self._drawing is not None, "drawings are read with the case"
+        return self._drawing
+
+    def with_drawing(self, drawing: Drawing) -> DrawnApertures:
+        """Return a copy that has what stands in the file."""
+        apertures = self.model_copy()
+        apertures._drawing = drawing
+        return apertures
+
+    @property
+    def smaller_m(self) -> float:
+        """The largest of the smaller sides of the boxes around the openings."""
+        return max(float(np.ptp(np.array(outline), axis=0).min()) for outline in self.drawing.outlines_m)
+
+
+def _way_of_openings(given: Any) -> str:
+    is_drawn = "file" in given if isinstance(given, dict) else isinstance(given, DrawnApertures)
+    return "<drawing>" if is_drawn else "<pattern>"
 
 
 class Stop(Table):
@@ -95,8 +157,14 @@ class PanelSheet(Table):
     """Depth to which the middle of the free length hangs below its ends where the panel is free of stress.
     The stress-free shape is a full wave along ``length_m``, and leaves the ends along the line between
     them (docs/theory/mats.md)."""
-    apertures: Apertures | None = None
-    """Openings of a panel."""
+    apertures: (
+        Annotated[
+            Annotated[Apertures, Tag("<pattern>")] | Annotated[DrawnApertures, Tag("<drawing>")],
+            Discriminator(_way_of_openings),
+        ]
+        | None
+    ) = None
+    """Openings of a panel: a pattern, or a drawing where ``file`` is given."""
     stops: dict[Name, Stop] = Field(default_factory=dict)
     """Beams below a panel that it may come to lie on, by name."""
 

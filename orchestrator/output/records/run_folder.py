@@ -12,6 +12,7 @@ import shutil
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -21,11 +22,12 @@ import tomli_w
 from orchestrator.case.bed import saved_bed
 from orchestrator.case.bed.saved_bed import BED
 from orchestrator.case.file.folder import FolderUnusable
+from orchestrator.case.file.nested import value_at
 from orchestrator.case.file.printable import escape_unprintable
 from orchestrator.case.file.whole import write_json, write_text
 from orchestrator.case.provenance import provenance, read_provenance
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.screen import Surface
+from orchestrator.case.tables.deck import DrawnApertures
 from orchestrator.preflight.judge import JudgedCase
 
 LOG = logging.getLogger("flipflow")
@@ -68,9 +70,8 @@ def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
     """
     folder = make_folder(out) if out else _next_folder(Path("runs"), loaded.name)
     try:
-        for name, surface in loaded.case.whole_machine.screen.surfaces.items():
-            if (file := surface.file or surface.stl) is not None:
-                shutil.copyfile(loaded.folder / file, folder / copy_name(name, surface))
+        for named in named_files(loaded.case.whole_machine):
+            shutil.copyfile(loaded.folder / named.file, folder / named.copy)
         if (carried := loaded.case.original.bed.carried) is not None:
             saved_bed.write(folder / BED, carried)
         write_case(folder, loaded)
@@ -105,27 +106,38 @@ def _origin_of_bed(case: Case) -> dict[str, Any]:
 
 def changed_files(loaded: JudgedCase, folder: Path) -> Iterator[str]:
     """Yield the keys of the case's files that have changed since the run in a folder took its copies."""
-    files = {
-        f"screen.surfaces.{name}.{'stl' if surface.file is None else 'file'}": (
-            surface.file or surface.stl,
-            copy_name(name, surface),
-        )
-        for name, surface in loaded.case.whole_machine.screen.surfaces.items()
-    }
-    for key, (named, name) in files.items():
-        if named is not None:
-            copy = folder / name
-            if not copy.is_file() or (loaded.folder / named).read_bytes() != copy.read_bytes():
-                yield key
+    for named in named_files(loaded.case.whole_machine):
+        copy = folder / named.copy
+        if not copy.is_file() or (loaded.folder / named.file).read_bytes() != copy.read_bytes():
+            yield ".".join(named.key)
     if now := _origin_of_bed(loaded.case).get("bed"):
         then = read_provenance(folder).get("bed", {})
         if any(then.get(key) != now[key] for key in ("sha256", "time_s")):
             yield "bed"
 
 
-def copy_name(name: str, surface: Surface) -> str:
-    """Return the name of a surface's file in the folder of a run."""
-    return f"{name}{Path(surface.file).suffix.lower() if surface.file is not None else '.stl'}"
+@dataclass(frozen=True)
+class NamedFile:
+    """A file of a surface or a drawing of a panel: its key, its name, and the name of a run's copy."""
+
+    key: tuple[str, ...]
+    file: str
+    copy: str
+
+
+def named_files(case: Case) -> Iterator[NamedFile]:
+    """Yield the files of surfaces and the drawings of panels that a case names."""
+    for name, surface in case.screen.surfaces.items():
+        if surface.file is not None:
+            ending = Path(surface.file).suffix.lower()
+            yield NamedFile(("screen", "surfaces", name, "file"), surface.file, f"{name}{ending}")
+        elif surface.stl is not None:
+            yield NamedFile(("screen", "surfaces", name, "stl"), surface.stl, f"{name}.stl")
+    for name, panel in case.screen.panels.items():
+        if isinstance(panel.apertures, DrawnApertures):
+            yield NamedFile(
+                ("screen", "panels", name, "apertures", "file"), panel.apertures.file, f"{name}.dxf"
+            )
 
 
 def write_case(folder: Path, loaded: JudgedCase) -> None:
@@ -137,9 +149,8 @@ def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
     """Return the case for the run's folder, with its level, every ``--set`` and every default applied."""
     case_bed = loaded.case.original.bed
     table = loaded.case.original.model_dump(mode="json", exclude_none=True)
-    for name, surface in table["screen"]["surfaces"].items():
-        for key in surface.keys() & {"file", "stl"}:
-            surface[key] = copy_name(name, loaded.case.original.screen.surfaces[name])
+    for named in named_files(loaded.case.original):
+        value_at(table, named.key[:-1])[named.key[-1]] = named.copy
     if case_bed.carried is not None:
         for key in ("from_run", "from_time_s"):
             table["bed"].pop(key, None)

@@ -228,8 +228,10 @@ def _with_checksums(table: MutableMapping[str, Any], folder: Path) -> MutableMap
 
     The folder of a run has copies of all files of the case under names that are always the same.
     """
-    surfaces = table.get("screen", {}).get("surfaces", {}).values()
-    for row, key in ((table.get("bed", {}), "table"), *((surface, "stl") for surface in surfaces)):
+    screen = table.get("screen", {})
+    surfaces = [(row, key) for row in screen.get("surfaces", {}).values() for key in ("stl", "file")]
+    openings = [(row.get("apertures", {}), "file") for row in screen.get("panels", {}).values()]
+    for row, key in ((table.get("bed", {}), "table"), *surfaces, *openings):
         if key in row and (file := folder / row[key]).is_file():
             with file.open("rb") as content:
                 row[key] += f" (sha256 {hashlib.file_digest(content, 'sha256').hexdigest()[:12]})"

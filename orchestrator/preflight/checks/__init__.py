@@ -15,6 +15,7 @@ TABLE_RULES = (
     machine.bushings_and_exciters,
     machine.stops_of_exciters,
     panels.panel_rows,
+    panels.drawings,
     panels.openings,
     panels.rims,
     panels.stops,

@@ -33,6 +33,7 @@ from orchestrator.case.file.slice import ENOUGH_DIAMETERS, bounds_m, is_beside, 
 from orchestrator.case.materials.library import no_grains, rolling_friction_of, slug
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.case.tables.case import Case, Contact, has_particles
+from orchestrator.case.tables.deck import Apertures
 from orchestrator.ports import Array
 from orchestrator.ports.particle_records import largest_overlap
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
@@ -613,7 +614,7 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
         what = f"{case.slice.width_m:g} m is less than {FEWEST_DIAMETERS:g} largest diameters"
         hint = f"take {least_m:.3g} m or more"
         openings = (panel.apertures for panel in case.screen.panels.values())
-        if len(pitches_m := {each.pitch_across_m for each in openings if each is not None}) == 1:
+        if len(pitches_m := {each.pitch_across_m for each in openings if isinstance(each, Apertures)}) == 1:
             pitches = math.ceil(least_m / min(pitches_m) - ROUNDING)
             hint = f"take {pitches * min(pitches_m):g} m, which is {pitches} pitches of the openings, or more"
         yield CaseProblem(("slice", "width_m"), what, hint, kind="out-of-range")
@@ -634,7 +635,7 @@ def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
             f"diameters, fewer than {ENOUGH_DIAMETERS:g}: large particles may bridge"
         )
     for name, panel in case.whole_machine.screen.panels.items():
-        closed_m = 2 * panel.apertures.margin_across_m if panel.apertures is not None else 0.0
+        closed_m = 2 * openings.margin_across_m if isinstance(openings := panel.apertures, Apertures) else 0.0
         more = panel.width_m / (panel.width_m - closed_m) - 1
         if more > MORE_OPENINGS:
             yield (

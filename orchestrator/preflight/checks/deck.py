@@ -47,16 +47,16 @@ def openings_and_particles(case: Case) -> Iterator[str]:
     for panel, *others in perforated_panels(case):
         assert panel.apertures is not None, "only panels with apertures are perforated"
         narrowest = panel.apertures.narrowest_section
-        limit_m = min(narrowest.length_m, narrowest.width_m)
+        least_m, most_m = narrowest.spheres_m
         who = f"panel {panel.name}" + (f" and {len(others)} more" if others else "")
-        if largest_m < limit_m:
+        if largest_m < least_m:
             yield (
-                f"the openings of {who} are larger than all particles: {1e3 * limit_m:.3g} mm against "
+                f"the openings of {who} are larger than all particles: {1e3 * least_m:.3g} mm against "
                 f"at most {1e3 * largest_m:.3g} mm, so that nothing stays on the deck"
             )
-        elif smallest_m >= limit_m:
+        elif smallest_m >= most_m:
             yield (
-                f"the openings of {who} are smaller than all particles: {1e3 * limit_m:.3g} mm against "
+                f"the openings of {who} are smaller than all particles: {1e3 * most_m:.3g} mm against "
                 f"at least {1e3 * smallest_m:.3g} mm, so that nothing passes"
             )
 

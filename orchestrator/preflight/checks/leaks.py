@@ -140,7 +140,7 @@ class _Deck:
         lost = []
         for panel in self.rows.panels:
             openings = panel.panel.apertures
-            if openings is None or min(openings.length_m, openings.width_m) <= self.smallest_m:
+            if openings is None or openings.spheres_m[1] <= self.smallest_m:
                 continue
             below_m = panel.point_m(0.5, 0.5) - self.largest_m * panel.normal
             if self.flights.land(below_m, np.zeros(3)).what in ("outside", "nothing"):

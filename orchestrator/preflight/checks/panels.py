@@ -13,6 +13,7 @@ from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.solver_plans import UNKNOWNS, memory_GiB, mesh_sizes
 from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.case.tables.deck import DrawnApertures
 from orchestrator.case.tables.screen import PanelTable
 from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, SolverMissing
@@ -23,6 +24,7 @@ DEEPEST_SAG = 0.2  # moulded, over the free length: its slope is 40 degrees
 THINNEST_LAND = 0.02  # over the longer pitch: no unit cell's mesh resolves thinner lands
 COMPRESSES = 0.01  # relative error of Young's modulus by which a compressible material is told
 PLATE = 3.0  # ratio of thickness to the openings' longer pitch above which a panel is a block, no plate
+DRAWN_M = 1e-5  # distance between a size in a drawing and the same in a case
 GIB = 2**30
 
 
@@ -90,6 +92,38 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
         yield CaseProblem(("panel", "integrator"), what, hint, kind="solver")
 
 
+def drawings(case: Case) -> Iterator[CaseProblem]:
+    """Check that drawings fit their panels, and that all openings are within them and not half in a clamp."""
+    for key, row in rows(case, "screen.panels"):
+        if not isinstance(row.apertures, DrawnApertures):
+            continue
+        drawing, whole_m = row.apertures.drawing, (row.length_m + 2 * row.clamp_m, row.width_m)
+        named = f'"{row.apertures.file}"'
+        if drawing.sheet_m and not np.allclose(drawing.sheet_m, whole_m, rtol=0.0, atol=DRAWN_M):
+            drawn, given = (f"{one_m:.6g} x {two_m:.6g} m" for one_m, two_m in (drawing.sheet_m, whole_m))
+            what = f"{named} has a panel of {drawn}, the case has {given} with clamp_m at both ends"
+            hint = "change length_m, width_m or clamp_m; or is it another unit, or turned (rotation_deg)?"
+            yield CaseProblem((*key, "apertures", "file"), what, hint, kind="misplaced")
+            continue
+        corners_m = [np.array(outline) for outline in drawing.outlines_m]
+        low_m, high_m = (np.array([pick(at, axis=0) for at in corners_m]) for pick in (np.min, np.max))
+        leaves = ((low_m <= 0.0) | (high_m >= whole_m)).any(axis=1)
+        edges_m = np.array([row.clamp_m, row.clamp_m + row.length_m])
+        cut = ((low_m[:, :1] <= edges_m) & (high_m[:, :1] >= edges_m)).any(axis=1)
+        under = (high_m[:, 0] < edges_m[0]) | (low_m[:, 0] > edges_m[1])
+        for wrong, why, hint in (
+            (leaves, "leave the panel or touch its edge", "the drawing begins at the clamp's outer edge"),
+            (cut & (row.clamp_m > 0), "lie across the inner edge of a clamp", "change clamp_m, or move them"),
+            (np.full(1, under.all()), "lie under the clamps, all of them", "change clamp_m, or turn it"),
+        ):
+            if wrong.any():
+                s_mm, y_mm = 1e3 * (low_m + high_m)[np.argmax(wrong)] / 2
+                many = f"{wrong.sum()} openings" if len(wrong) > 1 else "openings"
+                what = f"{named}: {many} {why}, the first at ({s_mm:.4g}, {y_mm:.4g}) mm"
+                yield CaseProblem((*key, "apertures", "file"), what, hint, kind="misplaced")
+                break
+
+
 def openings(case: Case) -> Iterator[CaseProblem]:
     """Check that openings leave enough land and fit into the panel, and that the panel is a plate."""
     for panel, *_ in perforated_panels(case):
@@ -98,9 +132,10 @@ def openings(case: Case) -> Iterator[CaseProblem]:
         assert pattern is not None, "only panels with apertures are perforated"
         longest_m = max(pattern.pitch_along_m, pattern.pitch_across_m)
         in_pattern: Key = (*key, "apertures")
+        regular = pattern.drawn is None
         if problems := (
-            [*_lands(in_pattern, pattern, longest_m)]
-            or [*_room(in_pattern, pattern, panel)]
+            (regular and [*_lands(in_pattern, pattern, longest_m)])
+            or (regular and [*_room(in_pattern, pattern, panel)])
             or [*_relief(in_pattern, pattern, longest_m)]
         ):
             yield from problems
@@ -133,7 +168,7 @@ def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[Cas
 def _relief(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[CaseProblem]:
     """Yield a problem if the relief closes the openings, or leaves too little land below."""
     over = f"over {pattern.depth_m:g} m"
-    smallest_m = min(pattern.length_m, pattern.width_m)
+    smallest_m, _ = pattern.spheres_m
     land_m, least_m = pattern.land_m, THINNEST_LAND * longest_m
     widening_m = pattern.widening_m(pattern.depth_m)
     if smallest_m + 2 * widening_m <= 0:
