@@ -85,7 +85,7 @@ def navigation(stage: Path) -> list[Any]:
     manuals = [name for name in pages("docs/*.md") if name not in (GALLERY, API, "docs/README.md")]
     return [
         {"flipflow": ["README.md", "docs/README.md"]},
-        {"How to": pages("docs/how-to/*.md")},
+        {"How to": [*pages("docs/how-to/*.md"), "docs/examples/README.md"]},
         {"Cases": [{"Gallery": GALLERY}, *pages("cases/**/README.md")]},
         {"Manuals": [*manuals, {"Python package": API}]},
         {"Theory": pages("docs/theory/*.md")},
