@@ -91,7 +91,7 @@ def gap_period_s(speed_m_per_s: float) -> tuple[float, float]:
 
 @every_solver
 def test_the_period_between_two_stops(solver: str) -> None:
-    """2e-4 and 2e-4 of the gap: second order in steps of a 250th of the period."""
+    """Period and amplitude within 2e-4: second order in steps of a 350th of the period."""
     speed_m_per_s = 0.3
     expected_s, amplitude_m = gap_period_s(speed_m_per_s)
     time_s, place_m, energy_J = kicked(solver, one_body(stops(), 4e-4), speed_m_per_s, 12 * expected_s)
@@ -117,7 +117,7 @@ def test_the_period_of_a_hardening_spring(solver: str) -> None:
     """Duffing's oscillator  m x'' + k x + c x^3 = 0  of amplitude A has the period  4 K(m) / W  with  W^2 =
     (k + c A^2) / m  and the parameter  m = c A^2 / 2 (k + c A^2)  (Kovacic and Brennan, The Duffing Equation,
     2011, section 2.2).  The characteristic is a table of 160 steps, which is within 1e-4 of the cubic's
-    force; 2e-4 with the step's error."""
+    force; 3e-4 with the step's error."""
     cubic_N_per_m3, amplitude_m = 1.2e10, 1e-2
     place_m = np.linspace(0, 1.25e-2, 161)
     slope = np.diff(SPRING_N_per_m * place_m + cubic_N_per_m3 * place_m**3) / np.diff(place_m)
