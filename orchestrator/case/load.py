@@ -26,6 +26,7 @@ from orchestrator.case.file.base import (
     read_level,
 )
 from orchestrator.case.file.bushing_curve import fit_bushing_curves
+from orchestrator.case.file.characteristic import check_characteristics
 from orchestrator.case.file.coarse import coarsen
 from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import (
@@ -186,7 +187,7 @@ def complete(bare: Case) -> Case:
 
     Raises CaseError with the problems of the first of these steps that fails.
     """
-    curved = fit_bushing_curves(fit_loss_curves(bare))
+    curved = check_characteristics(fit_bushing_curves(fit_loss_curves(bare)))
     return leave_out_outside(cut_to_slice(coarsen(lay_out_decks(curved))))
 
 

@@ -27,6 +27,7 @@ from orchestrator.case.deck.panels import (
     unit_vector,
 )
 from orchestrator.case.file.bushing_curve import elements_of
+from orchestrator.case.file.characteristic import plan_of
 from orchestrator.case.file.slice import hindered_share, joins_sides, period_m
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
@@ -128,32 +129,44 @@ def bushing_axes(case: Case, row: tables.Bushing) -> Array:
 
 
 def bushings(case: Case) -> list[BushingPlan]:
-    """Return the plans of all single bushings, in world axes."""
+    """Return the plans of all single bushings, in world axes and at their temperatures."""
     return [
         BushingPlan(
             name=name if len(row.positions_m) == 1 else f"{name}-{number + 1}",
             bodies=row.between,
             position_m=to_world(case, position),
             axes=bushing_axes(case, row),
-            stiffness_N_per_m=np.array(row.stiffness_N_per_m),
-            damping_N_s_per_m=np.array(row.damping_N_s_per_m),
-            hysteresis=tuple(_hysteresis(row)) if case.frames.adapter.hysteresis else (),
+            stiffness_N_per_m=ratio * np.array(row.stiffness_N_per_m),
+            damping_N_s_per_m=ratio * np.array(row.damping_N_s_per_m),
+            hysteresis=tuple(_hysteresis(row, ratio)) if case.frames.adapter.hysteresis else (),
+            characteristics=tuple(
+                plan_of(each, "xyz".index(axis), ratio) for each in row.characteristics for axis in each.axes
+            ),
         )
         for name, row in case.screen.bushings.items()
+        for ratio in (1.0 if row.temperature is None else row.temperature.ratio,)
         for number, position in enumerate(row.positions_m)
     ]
 
 
-def _hysteresis(bushing: tables.Bushing) -> Iterator[HysteresisPlan]:
-    """Yield the laws of a bushing along the axes that have a measured curve."""
+def _hysteresis(bushing: tables.Bushing, ratio: float) -> Iterator[HysteresisPlan]:
+    """Yield the laws of a bushing along the axes that have a measured curve, with ``ratio`` times its
+    stiffness."""
     for curve in bushing.curves:
         elements = elements_of(curve)
-        friction, maxwell = (
+        (friction, slip_m), (maxwell, relaxation_s) = (
             np.array(rows, dtype=np.float64).reshape(-1, 2).T
             for rows in (elements.friction, elements.maxwell)
         )
         for axis in curve.axes:
-            yield HysteresisPlan("xyz".index(axis), elements.elastic_N_per_m, *friction, *maxwell)
+            yield HysteresisPlan(
+                axis="xyz".index(axis),
+                elastic_N_per_m=ratio * elements.elastic_N_per_m,
+                friction_N_per_m=ratio * friction,
+                slip_m=slip_m,
+                maxwell_N_per_m=ratio * maxwell,
+                relaxation_s=relaxation_s,
+            )
 
 
 def exciters(case: Case) -> list[ExciterPlan]:

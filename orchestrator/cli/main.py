@@ -45,6 +45,8 @@ Examples:
 
   flipflow materials limestone                         its numbers, with ranges and sources
 
+  flipflow bushing loop-4mm.csv                        a spring fitted to a loop, and its picture
+
   flipflow explain cases/quickstart                    which effects does it call for?
 
   flipflow run cases/quickstart                        run it, into a new folder under runs/
@@ -429,6 +431,41 @@ def materials(
         return
     for part in library.explanation(named) if named else library.list_lines():
         CONSOLE.print(part)
+
+
+@app.command()
+def bushing(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="tables of tests, or loops")],
+    out: Annotated[Path, typer.Option("--out", help="picture to write, .png or .svg")] = Path("bushing.png"),
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=CLEAR NAME",
+            help="what a column is, as curves.columns says it in a case; may be repeated",
+        ),
+    ] = None,
+    decimal: Annotated[
+        str, typer.Option(metavar="MARK", help="decimal mark, where files leave it open")
+    ] = "",
+    frequency: Annotated[
+        str | None, typer.Option(metavar="F", help='of loops without a column of times, such as "12.5 Hz"')
+    ] = None,
+) -> None:
+    """Fit a spring with friction and Maxwell elements to the tests of a bushing, and draw the fit.
+
+    The files are those of screen.bushings.NAME.curves.file in a case: tables of stiffness and loss over
+    amplitude and frequency, or loops of force over displacement.  The picture shows each measured loop with
+    the fitted one, and stiffness and loss factor over the amplitude.
+
+      flipflow bushing loop-1mm.csv loop-4mm.csv --out spring.png
+
+    Exit code 0: done; 2: a file cannot be read, or leaves something open.
+    """
+    from orchestrator.cli.bushing import fit_files
+
+    with reported_errors():
+        for line in fit_files(files, column or [], decimal, frequency, out):
+            CONSOLE.print(line, soft_wrap=True)
 
 
 @app.command()

@@ -16,6 +16,7 @@ from orchestrator.case.deck.surface_file import read_surface
 from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.file.base import case_folders
 from orchestrator.case.file.bushing_curve import compare_with_points
+from orchestrator.case.file.characteristic import points
 from orchestrator.case.file.loss_curve import compare_with_curve, curve_points, moduli
 from orchestrator.case.solver_plans import meshes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
@@ -100,6 +101,7 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
     for line in mat_lines(scene(case)):
         yield f"             {line}"
     yield from _curves(case)
+    yield from _springs(case)
     yield from _damping(case)
     yield from openings(case)
     rigid = rigid_triangles(case, loaded.folder)
@@ -136,6 +138,21 @@ def _curves(case: Case) -> Iterator[str]:
                 f"             measured {min(stiffness):g} to {max(stiffness):g} N/m "
                 f"at {len(stiffness)} points: {errors}"
             )
+
+
+def _springs(case: Case) -> Iterator[str]:
+    """Yield lines about the characteristics and temperatures of bushings."""
+    for name, bushing in case.screen.bushings.items():
+        for row in bushing.characteristics:
+            deformation_m, force_N = points(row)
+            slope = np.diff(force_N) / np.diff(deformation_m)
+            yield (
+                f"  bushings   {name} along {row.axes}: {slope.min():g} to {slope.max():g} N/m from "
+                f"{1e3 * deformation_m[0]:g} to {1e3 * deformation_m[-1]:g} mm"
+            )
+        if (warm := bushing.temperature) is not None:
+            warmth = f"{warm.ratio:.3g} of its given stiffness"
+            yield f"  bushings   {name} at {warm.works_at_degC:g} degC: {warmth}"
 
 
 def _damping(case: Case) -> Iterator[str]:

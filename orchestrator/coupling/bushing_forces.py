@@ -9,7 +9,7 @@ import numpy as np
 
 from orchestrator.ports import Array, Indices, Pose
 from orchestrator.ports.interface_records import turn
-from orchestrator.ports.plans import BodyPlan, BushingPlan
+from orchestrator.ports.plans import BodyPlan, BushingPlan, CharacteristicPlan
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,8 @@ class BushingForces:
     """All n bushings of a machine.
 
     ``first``, ``second`` (n,): numbers of the bodies at their ends, -1 for the ground; ``arm_m`` (2, n, 3):
-    places of the ends relative to these bodies' centres of mass at t = 0 (for the ground: to the origin).
+    places of the ends relative to these bodies' centres of mass at t = 0 (for the ground: to the origin);
+    ``characteristics``: with the numbers of their bushings.
     """
 
     names: tuple[str, ...]
@@ -27,6 +28,7 @@ class BushingForces:
     axes: Array
     stiffness_N_per_m: Array
     damping_N_s_per_m: Array
+    characteristics: tuple[tuple[int, CharacteristicPlan], ...]
 
     @staticmethod
     def of(bushings: Sequence[BushingPlan], bodies: Sequence[BodyPlan]) -> BushingForces:
@@ -46,6 +48,7 @@ class BushingForces:
             axes=np.array([b.axes for b in bushings]).reshape(-1, 3, 3),
             stiffness_N_per_m=np.array([b.stiffness_N_per_m for b in bushings]).reshape(-1, 3),
             damping_N_s_per_m=np.array([b.damping_N_s_per_m for b in bushings]).reshape(-1, 3),
+            characteristics=tuple((n, law) for n, b in enumerate(bushings) for law in b.characteristics),
         )
 
     def at(self, pose: Pose, element_N: Array | None = None) -> tuple[Array, Array]:
@@ -54,8 +57,8 @@ class BushingForces:
         All arrays may have a leading axis of moments, which are then computed together, to the same bits.
         The axes turn with the first body.  The deformation is the place of the second end against the first,
         and the force holds the second end there.  Both count from t = 0: the preload that carries weight is
-        not included.  ``element_N`` (n, 3) are the forces of friction and Maxwell elements, which the frames
-        know.
+        not included.  ``element_N`` (n, 3) are the forces of elements beside spring and damper, which frames
+        that are moved by forces know; without them, gap springs count from the bushing without load.
         """
         first_m, first_m_per_s = pose.carried(self.first, self.arm_m[0])
         second_m, second_m_per_s = pose.carried(self.second, self.arm_m[1])
@@ -65,4 +68,8 @@ class BushingForces:
         deformation_m = turn(axes, second_m - first_m)
         rate_m_per_s = turn(axes, second_m_per_s - first_m_per_s)
         force_N = self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s
-        return deformation_m, force_N if element_N is None else force_N + element_N
+        if element_N is not None:
+            return deformation_m, force_N + element_N
+        for number, law in self.characteristics:
+            force_N[..., number, law.axis] += law.gap_force_N(deformation_m[..., number, law.axis])
+        return deformation_m, force_N

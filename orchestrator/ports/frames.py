@@ -142,7 +142,7 @@ class Scheduled(Protocol):
 
 @runtime_checkable
 class Hysteretic(Protocol):
-    """Frames whose bushings may have friction and Maxwell elements beside their springs."""
+    """Frames whose bushings may have friction and Maxwell elements and gap springs beside their springs."""
 
     def element_forces_N(self) -> Array | None:
         """Return the forces of the elements at the last sync point.  The call changes nothing.
@@ -221,8 +221,8 @@ def find_shaft_angles_rad(frames: Frames) -> Mapping[str, float]:
 
 
 def find_element_forces_N(frames: Frames) -> Array | None:
-    """Return the forces (bushings, 3) of friction and Maxwell elements along the bushings' axes, for frames
-    that are ``Hysteretic`` or not; None without elements."""
+    """Return the forces (bushings, 3) of such elements along the bushings' axes, for frames that are
+    ``Hysteretic`` or not; None without elements."""
     return frames.element_forces_N() if isinstance(frames, Hysteretic) else None
 
 

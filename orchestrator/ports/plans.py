@@ -168,13 +168,37 @@ class HysteresisPlan:
 
 
 @dataclass(frozen=True)
+class CharacteristicPlan:
+    """The elastic force F of a bushing along its axis number ``axis``, piecewise linear in its deformation e.
+
+        F(e) = elastic_N_per_m e + sum of  side gap_N_per_m max(side e - gap_m, 0)
+
+    It is that of a spring and n gap springs in parallel.  Each of these acts beyond its gap on its ``side``
+    of zero, 1 where e grows and -1 where it falls; ``gap_N_per_m`` is negative where the force grows less
+    beyond the gap.  All arrays are (n,).
+    """
+
+    axis: int
+    elastic_N_per_m: float
+    side: Array
+    gap_m: Array
+    gap_N_per_m: Array
+
+    def gap_force_N(self, deformation_m: Array) -> Array:
+        """Return the force of the gap springs, in the shape of ``deformation_m``."""
+        beyond_m = np.maximum(np.multiply.outer(deformation_m, self.side) - self.gap_m, 0.0)
+        return np.asarray(beyond_m @ (self.side * self.gap_N_per_m))
+
+
+@dataclass(frozen=True)
 class BushingPlan:
     """A linear spring and damper along three axes between two bodies ("ground" is the fixed one).
 
     ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_per_m`` and
     ``damping_N_s_per_m`` (3,) belong to them; the axes turn with the first body.  Force-free at
     t = 0 but for the preload that holds the bodies' weight when the frames are drawn at rest.
-    ``hysteresis`` has the laws that replace spring and damper along some axes.
+    ``hysteresis`` has the laws that replace spring and damper along some axes, ``characteristics`` those that
+    replace the spring alone.
     """
 
     name: str
@@ -184,14 +208,17 @@ class BushingPlan:
     stiffness_N_per_m: Array
     damping_N_s_per_m: Array
     hysteresis: tuple[HysteresisPlan, ...] = ()
+    characteristics: tuple[CharacteristicPlan, ...] = ()
 
     def beside_elements(self) -> BushingPlan:
-        """Return the springs and dampers that stand beside the friction and Maxwell elements."""
-        if not self.hysteresis:
+        """Return the springs and dampers that stand beside friction and Maxwell elements and gap springs."""
+        if not self.hysteresis and not self.characteristics:
             return self
         stiffness, damping = self.stiffness_N_per_m.copy(), self.damping_N_s_per_m.copy()
         for law in self.hysteresis:
             stiffness[law.axis], damping[law.axis] = law.elastic_N_per_m, 0.0
+        for characteristic in self.characteristics:
+            stiffness[characteristic.axis] = characteristic.elastic_N_per_m
         return replace(self, stiffness_N_per_m=stiffness, damping_N_s_per_m=damping)
 
 

@@ -43,6 +43,7 @@ DIMENSIONLESS = frozenset(
         "mass_fraction",
         "loss_factor",
         "storage_ratio",
+        "stiffness_ratio",
         "rated_slip",
         "breakdown_ratio",
         "spheres",  # in any unit: the sieve size scales them

@@ -16,7 +16,7 @@ from orchestrator.case import solvers
 from orchestrator.ports import Account, Array, Frames, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import DrivePlan, FramesPlan
-from tests.frames.machines import exciter, two_bodies, with_elements
+from tests.frames.machines import exciter, two_bodies, with_elements, with_gaps
 
 INTERVAL_S = 5e-4
 
@@ -69,15 +69,23 @@ def curved(plan: Callable[[float], FramesPlan]) -> Callable[[float], FramesPlan]
     return lambda step_s: with_elements(plan(step_s))
 
 
+def gapped(plan: Callable[[float], FramesPlan]) -> Callable[[float], FramesPlan]:
+    """The plan with piecewise linear bushings."""
+    return lambda step_s: with_gaps(plan(step_s))
+
+
 CASES = {
     "prescribed": Case("prescribed", lambda: driven(), lambda step_s: driven(drive())),
     "two-mass": Case("two-mass", two_bodies, excited),
+    "two-mass, gaps": Case("two-mass", lambda: with_gaps(two_bodies()), gapped(excited)),
     "planar": Case("planar", two_bodies, excited),
     "planar, one driven": Case("planar", lambda: one_driven(0.0, 0.0), one_driven),
     "planar, both driven": Case("planar", lambda: both_driven(0.0, 0.0), both_driven),
     "planar, curved": Case("planar", lambda: with_elements(two_bodies()), curved(excited)),
     "exudyn": Case("exudyn", two_bodies, excited),
     "exudyn, curved": Case("exudyn", lambda: with_elements(two_bodies()), curved(excited)),
+    "exudyn, gaps": Case("exudyn", lambda: with_gaps(two_bodies()), gapped(excited)),
+    "exudyn, one driven, gaps": Case("exudyn", lambda: with_gaps(one_driven(0.0, 0.0)), gapped(one_driven)),
     "exudyn, one driven": Case("exudyn", lambda: one_driven(0.0, 0.0), one_driven),
     "exudyn, both driven": Case("exudyn", lambda: both_driven(0.0, 0.0), both_driven),
 }

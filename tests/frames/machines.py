@@ -7,7 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from orchestrator.ports import Array, linear_frames
-from orchestrator.ports.plans import BodyPlan, BushingPlan, ExciterPlan, FramesPlan, HysteresisPlan
+from orchestrator.ports.plans import (
+    BodyPlan,
+    BushingPlan,
+    CharacteristicPlan,
+    ExciterPlan,
+    FramesPlan,
+    HysteresisPlan,
+)
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 ALONG, ACROSS, UP = np.eye(3)
@@ -100,3 +107,19 @@ def with_elements(plan: FramesPlan) -> FramesPlan:
         return (HysteresisPlan(axis, 0.8 * k, friction, slip_m, maxwell, np.array([0.01])),)
 
     return replace(plan, bushings=tuple(replace(b, hysteresis=elements(b)) for b in plan.bushings))
+
+
+def with_gaps(plan: FramesPlan) -> FramesPlan:
+    """The same machine with stops of 1 mm gap on both sides along the x axes of the bushings that have more
+    than 1 MN/m there, and with bushings to the ground that stiffen at 5 mm, which their sag exceeds."""
+
+    def characteristic(bushing: BushingPlan) -> tuple[CharacteristicPlan, ...]:
+        axis = 2 if "ground" in bushing.bodies else 0
+        k = float(bushing.stiffness_N_per_m[axis])
+        if axis == 0 and k < 1e6:
+            return ()
+        side = np.array([1.0, -1.0])
+        return (CharacteristicPlan(axis, k, side, np.full(2, 5e-3 if axis else 1e-3), np.full(2, 0.6 * k)),)
+
+    changed = (replace(b, characteristics=characteristic(b)) for b in plan.bushings)
+    return replace(plan, bushings=tuple(changed))

@@ -50,7 +50,7 @@ COAL = (
 )
 FED_SOON = dict.fromkeys((*COAL, "near-mesh"), "coal") | {"iron-ore": "iron-ore"}
 PICTURED = "quickstart"
-WITHOUT_PANELS = ("bushing-hysteresis", "double-deck", "shear-spring")
+WITHOUT_PANELS = ("bushing-hysteresis", "double-deck", "piecewise-springs", "shear-spring")
 Done = tuple[str, Path, subprocess.CompletedProcess[str]]
 
 

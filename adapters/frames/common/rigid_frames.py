@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from adapters.frames.common.drive import DrivenPoints
+from adapters.frames.common.elements import BushingElements
 from adapters.frames.common.exciter import Shaft
-from adapters.frames.common.hysteresis import Hysteresis
 from adapters.frames.common.ledger import FramesLedger
 from orchestrator.ports import Array, Indices, Known, Saved
 from orchestrator.ports.clock import Interval
@@ -21,7 +21,7 @@ from orchestrator.ports.state import SavedAttributes
 from orchestrator.ports.unbalance import Unbalance
 
 ELEMENT_STEP_RAD = 0.1
-"""Largest angle by which the machine's fastest rate turns in a step, with friction and Maxwell elements."""
+"""Largest angle by which the machine's fastest rate turns in a step, with elements in the bushings."""
 
 
 class RigidFrames(SavedAttributes):
@@ -29,9 +29,10 @@ class RigidFrames(SavedAttributes):
 
     ``_free`` are the numbers of the bodies that no drive moves.  ``_held`` is the load on their coordinates
     that the bushings hold at rest, and ``_sag`` are the coordinates at which the bushings hold it; both are
-    zero unless the machine is drawn at rest.  ``_plan`` has the linear springs of bushings with measured
-    curves, and ``_hysteresis`` their elements.  Raises ValueError for unknown bodies, drives that make no
-    sense, and bushings that cannot hold the weight.
+    zero unless the machine is drawn at rest; ``_sag_m`` (bushings, 3) are the stretches there.  ``_plan`` has
+    the linear springs of bushings with measured curves or characteristics, and ``_elements`` what is beside
+    them.  Raises ValueError for unknown bodies, drives that make no sense, and bushings that cannot hold the
+    weight.
     """
 
     COORDINATES: ClassVar[tuple[int, ...]]
@@ -39,7 +40,7 @@ class RigidFrames(SavedAttributes):
     _ledger: FramesLedger
 
     def __init__(self, plan: FramesPlan) -> None:
-        self._hysteresis = Hysteresis(plan)
+        whole = plan
         plan = replace(plan, bushings=tuple(bushing.beside_elements() for bushing in plan.bushings))
         self._plan, self._driven_points = plan, DrivenPoints(plan)
         self._carrier, self._free = numbers(plan, plan.carrier), free(plan)
@@ -51,6 +52,8 @@ class RigidFrames(SavedAttributes):
         weight_N = sum(body.mass_kg for body in plan.bodies) * np.linalg.norm(plan.gravity_m_per_s2)
         in_play_N = float(weight_N + np.linalg.norm(plan.reaction_N, axis=1).sum())
         self._sag = self._machine.sag(self._held, in_play_N)
+        self._sag_m = (self._machine.stretch @ self._sag).reshape(-1, 3)
+        self._elements = BushingElements(whole, self._sag_m)
         self._shafts: Sequence[Shaft] = ()
 
     def ahead(self, interval: Interval) -> Known | None:
@@ -59,48 +62,45 @@ class RigidFrames(SavedAttributes):
     def save(self) -> Saved:
         shafts = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
         turning: Saved = {"shafts": shafts} if shafts else {}
-        elements: Saved = {"hysteresis": self._hysteresis.save()} if self._hysteresis else {}
-        return super().save() | turning | elements
+        return super().save() | turning | self._elements.save()
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
         for number, shaft in enumerate(self._shafts):
             shaft.restore(saved["shafts"][str(number)])
-        if self._hysteresis:
-            self._hysteresis.restore(saved["hysteresis"])
+        self._elements.restore(saved)
 
     def element_forces_N(self) -> Array | None:
-        """Return the forces (bushings, 3) of friction and Maxwell elements along the bushings' axes, None
-        without elements."""
-        return self._hysteresis.force_N if self._hysteresis else None
+        """Return the forces (bushings, 3) of elements along the bushings' axes, None without elements."""
+        return self._elements.force_N if self._elements else None
 
     def shaft_angles_rad(self) -> Mapping[str, float]:
         """Return the angles of the shafts that motors turn, by the exciters' names."""
         return {shaft.name: shaft.angle_rad for shaft in self._shafts}
 
     def _stiffest(self) -> LinearMachine:
-        """Return the linear machine with friction elements that hold, and Maxwell elements that do not
-        relax."""
-        if not self._hysteresis:
+        """Return the linear machine with friction elements that hold, Maxwell elements that do not relax,
+        and closed gaps."""
+        if not self._elements:
             return self._machine
-        more_N_per_m = self._hysteresis.stiffness_N_per_m.ravel()
+        more_N_per_m = self._elements.stiffness_N_per_m.ravel()
         return replace(self._machine, stiffness_N_per_m=self._machine.stiffness_N_per_m + more_N_per_m)
 
     def _largest_step_s(self, largest_rad: float) -> float:
         """Return the step in which the fastest rate turns by ``largest_rad``, or the plan's if it is less.
 
         The rates are the natural frequencies, the speeds of exciters and drives, and the rates of their
-        run-ups.  Where bushings have friction and Maxwell elements, whose force has an error of second order,
-        steps are no longer than ``ELEMENT_STEP_RAD`` and half of a relaxation time.
+        run-ups.  Where bushings have elements, whose force has an error of second order, steps are no longer
+        than ``ELEMENT_STEP_RAD`` and half of a relaxation time.
         """
-        plan, elements = self._plan, self._hysteresis
+        plan, elements = self._plan, self._elements
         shaking: list[ExciterPlan | DrivePlan] = [*plan.exciters, *plan.drives]
         run_ups = [math.pi / source.run_up_s for source in shaking if source.run_up_s > 0]
         run_ups += [math.pi / row.run_down_s for row in plan.exciters if row.run_down_s > 0]
         speeds = [source.speed_rad_per_s for source in shaking]
         fastest = max(self._stiffest().fastest_rad_per_s(), *speeds, *run_ups, 0.0)
         if elements:
-            largest_rad = min(largest_rad, ELEMENT_STEP_RAD, fastest * elements.shortest_s / 2)
+            largest_rad = min(largest_rad, ELEMENT_STEP_RAD, fastest * elements.hysteresis.shortest_s / 2)
         limit_s = largest_rad / fastest if fastest > 0 else plan.sync_interval_s
         return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
 

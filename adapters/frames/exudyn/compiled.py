@@ -16,7 +16,7 @@ from adapters.frames.common.ledger import BodyMotion
 from adapters.frames.common.rigid_frames import BushingTable
 from adapters.frames.exudyn.poses import Attached, Poses
 from orchestrator.ports import Array, Indices, Motion, Pose, Saved, linear_frames
-from orchestrator.ports.interface_records import turn
+from orchestrator.ports.interface_records import cross, turn
 from orchestrator.ports.plans import FramesPlan, SolverMissing
 
 try:
@@ -32,12 +32,12 @@ class CompiledBodies:
 
     ``kernel`` does the computing.  ``memory`` holds the arrays of the last step's end, on which the compiled
     code works, and ``poses`` shows those of the poses.  Of the bushings they are ``stretch_m`` and
-    ``stretch_m_per_s`` along the spring axes, ``element_N``, the force of friction and Maxwell elements along
-    these axes, which the frames set, and ``pull_N`` on the first body at ``from_m``, whose opposite acts on
-    the second body at ``to_m``; all are (bushings, 3).  ``couple_N_m`` (bodies, 3) is the couple that
-    a stretched bushing adds to its first body, and ``couple_before_N_m`` that of one step before.
-    ``exciter_N`` and ``exciter_m`` (exciters, 3) are the forces and places of the exciters, and ``wrench``
-    (bodies, 6) is the load on the centres of mass.
+    ``stretch_m_per_s`` along the spring axes, ``element_N``, the force of elements along these axes, which
+    the frames set, and ``pull_N`` on the first body at ``from_m``, whose opposite acts on the second body at
+    ``to_m``; all are (bushings, 3).  ``couple_N_m`` (bodies, 3) is the couple that a stretched bushing adds
+    to its first body, and ``couple_before_N_m`` that of one step before.  ``exciter_N`` and ``exciter_m``
+    (exciters, 3) are the forces and places of the exciters, and ``wrench`` (bodies, 6) is the load on the
+    centres of mass.
     """
 
     def __init__(self, plan: FramesPlan, carrier: Indices, drawn_m: Array, sag_m: Array) -> None:
@@ -59,7 +59,8 @@ class CompiledBodies:
             "wrench": np.zeros((bodies, 6)),
         }
         table = BushingTable(plan)
-        self._stiffness_N_per_m = table.stiffness_N_per_m
+        self._stiffness_N_per_m, self._axes = table.stiffness_N_per_m, table.axes
+        self._first, self._second = table.first, table.second
         excited = linear_frames.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
         excited_m = _array([exciter.position_m for exciter in plan.exciters]).reshape(-1, 3)
         constants: dict[str, Any] = {
@@ -110,6 +111,26 @@ class CompiledBodies:
     def elastic_J(self) -> float:
         """Return the elastic energy in the bushings' linear springs in J."""
         return float(np.sum(self._stiffness_N_per_m * self.memory["stretch_m"] ** 2)) / 2
+
+    def replace_element_forces(self, element_N: Array) -> Array:
+        """Put other forces of elements along the axes, (bushings, 3), in the place of those that act now, and
+        return by how much the loads (bodies, 6) on the centres of mass grow."""
+        memory, poses = self.memory, self.poses
+        along_N = element_N - memory["element_N"]
+        pull_N = turn(poses.rotation[self._first], np.einsum("nij,ni->nj", self._axes, along_N))
+        memory["element_N"][:] = element_N
+        memory["pull_N"][:] += pull_N
+        wrench = np.zeros((len(poses.center_m), 6))  # the ground is the last row
+        for body, place_m, force_N in (
+            (self._first, memory["from_m"], pull_N),
+            (self._second, memory["to_m"], -pull_N),
+        ):
+            moment_N_m = cross(place_m - poses.center_m[body], force_N)
+            np.add.at(wrench, body, np.hstack([force_N, moment_N_m]))
+        couple_N_m = np.zeros((len(poses.center_m), 3))
+        np.add.at(couple_N_m, self._first, cross(memory["to_m"] - memory["from_m"], pull_N))
+        memory["couple_N_m"][:] += couple_N_m[:-1]
+        return wrench[:-1]
 
     def save(self) -> Saved:
         return {name: array.copy() for name, array in self.memory.items()}

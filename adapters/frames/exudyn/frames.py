@@ -56,8 +56,7 @@ class ExudynFrames(RigidFrames):
         super().__init__(plan)
         plan = self._plan
         self._longest_s = exudyn_system.largest_step_s(plan, self._stiffest())
-        self._longest_s = min(self._longest_s, self._hysteresis.shortest_s / 2)
-        sag_m = (self._machine.stretch @ self._sag).reshape(-1, 3)
+        self._longest_s = min(self._longest_s, self._elements.hysteresis.shortest_s / 2)
         self._shafts = [
             SpatialShaft(exciter, exciter.motor, plan, self._drawn_m)
             for exciter in plan.exciters
@@ -65,13 +64,13 @@ class ExudynFrames(RigidFrames):
         ]
         steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)
         prescribed = replace(plan, exciters=steady)
-        self._bodies = CompiledBodies(prescribed, self._carrier, self._drawn_m, sag_m)
-        self._sag_m, self._step_s = sag_m, 0.0
+        self._bodies = CompiledBodies(prescribed, self._carrier, self._drawn_m, self._sag_m)
+        self._step_s = 0.0
         self._reaction, self._torque_N_m = Load.zero(len(plan.points_m)), np.zeros((len(plan.bodies), 3))
-        self._multibody = exudyn_system.assemble_system(prescribed, sag_m, self._element_force_N)
+        self._multibody = exudyn_system.assemble_system(prescribed, self._sag_m, self._element_force_N)
         self._system = self._multibody.system
         self._data = self._system.systemData
-        self._settings = exudyn_system.settings(plan, self._hysteresis.stiffness_N_per_m.sum())
+        self._settings = exudyn_system.settings(plan, self._elements.stiffness_N_per_m.sum())
         exudyn_system.place_at_start(self._data, self._driven, len(plan.bodies))
         self._solver: Any = exudyn_system.open_solver(self._system, self._settings)
         self._bodies.kernel.start(
@@ -137,7 +136,7 @@ class ExudynFrames(RigidFrames):
 
     def account(self) -> Account:
         shafts = [(shaft, shaft.velocity_m_per_s(self._bodies.poses)) for shaft in self._shafts]
-        elastic_J = self._bodies.elastic_J() + self._hysteresis.stored_J()
+        elastic_J = self._bodies.elastic_J() + self._elements.stored_J()
         return self._ledger.account(self._bodies.motion(), elastic_J, shafts)
 
     def save(self) -> Saved:
@@ -155,9 +154,13 @@ class ExudynFrames(RigidFrames):
             self._solver = None
 
     def _apply(self, wrench: Array) -> None:
-        """Set the loads, and add their change over the mass to the accelerations of free bodies."""
+        """Set the loads, and accelerate free bodies by their change."""
         for load, force_N in zip(self._multibody.forces, wrench[:, :3], strict=True):
             self._system.SetLoadParameter(load, "loadVector", force_N)
+        self._accelerate(wrench)
+
+    def _accelerate(self, wrench: Array) -> None:
+        """Add the change of the loads over the mass to the accelerations of free bodies."""
         acceleration = self._data.GetODE2Coordinates_tt()
         self._bodies.kernel.apply(wrench=wrench, acceleration=acceleration)
         self._data.SetODE2Coordinates_tt(acceleration)
@@ -171,15 +174,24 @@ class ExudynFrames(RigidFrames):
             return [0.0, 0.0, 0.0]
         start_m = self._bodies.memory["stretch_m"][bushing] - self._sag_m[bushing]
         moved_m = [end_m - at_m for end_m, at_m in zip(apart_m, start_m.tolist(), strict=True)]
-        return self._hysteresis.force_of_one_after_N(bushing, moved_m, self._step_s)
+        return self._elements.end_of_one_N(bushing, moved_m, self._step_s)
 
     def _stretch_elements(self, start_m: Array, step_s: float) -> None:
         """Go with the elements of bushings to the step's end; ``start_m`` (bushings, 3) are the stretches at
-        its start."""
-        memory = self._bodies.memory
-        moved_m = memory["stretch_m"] - start_m
-        self._ledger.damping_J += self._hysteresis.accept(moved_m, step_s)
-        memory["element_N"][:] = self._hysteresis.force_N
+        its start.  Their forces are those that acted there."""
+        moved_m = self._bodies.memory["stretch_m"] - start_m
+        self._bodies.memory["element_N"][:] = self._elements.end_N(moved_m, step_s)
+        self._ledger.damping_J += self._elements.accept(moved_m, step_s)
+
+    def _begin_anew(self) -> None:
+        """Give gap springs their force at the step's end in place of the one that acted there.
+
+        The latter gives the step its mean force.  The next step begins with accelerations by the former.
+        """
+        wrench = self._bodies.replace_element_forces(self._elements.force_N)
+        before = self._bodies.memory["wrench"].copy()
+        self._accelerate(before + wrench)
+        self._bodies.memory["wrench"][:] = before
 
     def _step(self, end_s: float, step_s: float) -> None:
         """Make a step under the loads at its end.
@@ -210,11 +222,13 @@ class ExudynFrames(RigidFrames):
                 "its step did not converge" if not converged else f"a body tilts {max(tilts_rad):.3g} rad"
             )
             raise SolverFailed(f"exudyn frames at {end_s:.6g} s: {reason}")
-        start_m = bodies.memory["stretch_m"].copy() if self._hysteresis else None
+        start_m = bodies.memory["stretch_m"].copy() if self._elements else None
         bodies.kernel.reach(coordinates=coordinates, rates=self._data.GetODE2Coordinates_t())
         if start_m is not None:
             self._stretch_elements(start_m, step_s)
         self._ledger.add(**bodies.kernel.book(step_s=step_s))
+        if self._elements.gap_springs:
+            self._begin_anew()
         for shaft in self._shafts:
             shaft.feel(bodies.poses, end_s, step_s)
             self._ledger.outside_N_s += step_s * shaft.wrench[:3]

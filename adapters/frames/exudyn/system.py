@@ -46,8 +46,8 @@ def assemble_system(plan: FramesPlan, sag_m: Array, element_force_N: ElementForc
     """Assemble the system of ``plan``.
 
     ``sag_m`` (bushings, 3) is the stretch of each bushing along its axes in the drawn position.
-    ``element_force_N`` returns the force that friction and Maxwell elements add to a bushing, from its number
-    and the distance (3,) of its ends along its axes; Exudyn calls it only for bushings that have elements.
+    ``element_force_N`` returns the force that elements add to a bushing, from its number and the distance
+    (3,) of its ends along its axes; Exudyn calls it only for bushings that have elements.
     """
     container = exudyn.SystemContainer()
     system = container.AddSystem()
@@ -71,7 +71,7 @@ def assemble_system(plan: FramesPlan, sag_m: Array, element_force_N: ElementForc
         numbers = linear_frames.numbers(plan, bushing.bodies)
         ends = [marker(n, bushing.position_m, bushing.axes) for n in numbers]
         _add_bushing(system, bushing, ends, stretched_m)
-        if bushing.hysteresis:
+        if bushing.hysteresis or bushing.characteristics:
             _add_elements(system, ends, partial(element_force_N, place))
     for body, center in zip(plan.bodies, centers, strict=True):
         weight_N = body.mass_kg * plan.gravity_m_per_s2
@@ -138,7 +138,7 @@ def settings(plan: FramesPlan, elements_N_per_m: float) -> Any:
     """Return settings for steps that are made by hand.
 
     A machine at rest has no larger residual than the rounding of all its bushings' forces.
-    ``elements_N_per_m`` is the stiffness of all friction and Maxwell elements.
+    ``elements_N_per_m`` is the stiffness of all elements.
     """
     stiffness_N_per_m = sum(float(bushing.stiffness_N_per_m.sum()) for bushing in plan.bushings)
     stiffness_N_per_m += elements_N_per_m

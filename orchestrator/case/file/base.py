@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.bushing_curve import read_curve_files
+from orchestrator.case.file.characteristic import read_characteristic_files
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, show_value
 from orchestrator.case.file.layers import Layers, read_toml
 from orchestrator.case.file.nested import nested, value_at
@@ -74,7 +75,7 @@ def read_data_files(table: dict[str, Any], folder: Path, source: str) -> dict[st
     Raises CaseError with all mistakes in the files.
     """
     table = deepcopy(table)
-    readers = (read_curve_files, read_sieve_analyses)
+    readers = (read_curve_files, read_characteristic_files, read_sieve_analyses)
     if problems := [problem for read in readers for problem in read(table, folder, source)]:
         raise CaseError(problems)
     return table

@@ -94,6 +94,23 @@ def harmonic_stiffness(elements: Elements, amplitude_m: Array, frequency_Hz: Arr
     return in_phase @ stiffness, ahead @ stiffness
 
 
+def steady_loop(elements: Elements, amplitude_m: float, frequency_Hz: float) -> tuple[Array, Array]:
+    """Return deformation and force of a cycle of harmonic deformation, (401,) each, from its largest value
+    on."""
+    angle = np.linspace(0, 2 * np.pi, 401)
+    deformation_m, lag_m = amplitude_m * np.cos(angle), -amplitude_m * np.sin(angle)
+    force_N = elements.elastic_N_per_m * deformation_m
+    for stiffness_N_per_m, relaxation_s in elements.maxwell:
+        x = 2 * np.pi * frequency_Hz * relaxation_s
+        force_N = force_N + stiffness_N_per_m * x * (x * deformation_m + lag_m) / (1 + x**2)
+    for stiffness_N_per_m, slip_m in elements.friction:
+        stretch_m = [min(amplitude_m, slip_m)]
+        for step_m in np.diff(deformation_m).tolist():
+            stretch_m.append(min(max(stretch_m[-1] + step_m, -slip_m), slip_m))
+        force_N = force_N + stiffness_N_per_m * np.array(stretch_m)
+    return deformation_m, force_N
+
+
 def elements_of(curve: BushingCurve) -> Elements:
     """Return the elements of a curve that was fitted, or whose case gives them."""
     assert curve.elastic_N_per_m is not None, "fit_bushing_curves fits every curve"
@@ -142,26 +159,33 @@ def read_curve_files(table: dict[str, Any], folder: Path, source: str) -> Iterat
 
     Yield all mistakes in the files; a table of another form is left to the check of the tables.
     """
-    rows = table.get("screen", {}).get("bushings", {}) if isinstance(table.get("screen", {}), dict) else {}
-    for name, bushing in rows.items() if isinstance(rows, dict) else ():
-        curves = bushing.get("curves", []) if isinstance(bushing, dict) else []
-        for number, curve in enumerate(curves if isinstance(curves, list) else []):
-            files = curve.get("file") if isinstance(curve, dict) else None
-            files = files if isinstance(files, list) else [files]
-            if not all(isinstance(file, str) for file in files):
-                continue
-            key: Key = ("screen", "bushings", name, "curves", number, "file")
-            told = in_own_units(curve).get("frequency_Hz")
-            frequency_Hz = float(told) if isinstance(told, int | float) else None
-            read = partial(points_of, frequency_Hz=frequency_Hz)
-            try:
-                points = [read_with(read, curve, folder, file, key, source) for file in files]
-            except CaseError as error:
-                yield from error.problems
-                continue
-            curve["points"] = [*chain(*points)]
-            for word in ("file", "columns", "decimal", "frequency_Hz"):
-                curve.pop(word, None)
+    for key, curve in bushing_rows(table, "curves"):
+        files = curve.get("file")
+        files = files if isinstance(files, list) else [files]
+        if not all(isinstance(file, str) for file in files):
+            continue
+        told = in_own_units(curve).get("frequency_Hz")
+        frequency_Hz = float(told) if isinstance(told, int | float) else None
+        read = partial(points_of, frequency_Hz=frequency_Hz)
+        try:
+            points = [read_with(read, curve, folder, file, (*key, "file"), source) for file in files]
+        except CaseError as error:
+            yield from error.problems
+            continue
+        curve["points"] = [*chain(*points)]
+        for word in ("file", "columns", "decimal", "frequency_Hz"):
+            curve.pop(word, None)
+
+
+def bushing_rows(table: dict[str, Any], word: str) -> Iterator[tuple[Key, dict[str, Any]]]:
+    """Yield key and table of each element of a list, such as "curves", of each bushing of a case's table."""
+    screen = table.get("screen")
+    bushings = screen.get("bushings") if isinstance(screen, dict) else None
+    for name, bushing in bushings.items() if isinstance(bushings, dict) else ():
+        rows = bushing.get(word) if isinstance(bushing, dict) else None
+        for number, row in enumerate(rows if isinstance(rows, list) else []):
+            if isinstance(row, dict):
+                yield ("screen", "bushings", name, word, number), row
 
 
 @cache
@@ -279,10 +303,7 @@ def _faults(name: str, bushing: Bushing) -> Iterator[CaseProblem]:
             yield CaseProblem(
                 (*key, "elastic_N_per_m"), "missing beside friction and maxwell", kind="missing"
             )
-        for place, point in enumerate(curve.points):
-            if (point.loss_factor is None) == (point.damping_N_s_per_m is None):
-                what = "has no loss" if point.loss_factor is None else "has two losses"
-                yield CaseProblem((*key, "points", place), what, "give loss_factor or damping_N_s_per_m")
+        yield from faults_of_points(key, curve)
         measured = [point.stiffness_N_per_m for point in curve.points]
         for axis in curve.axes if measured else ():
             linear = bushing.stiffness_N_per_m["xyz".index(axis)]
@@ -291,6 +312,14 @@ def _faults(name: str, bushing: Bushing) -> Iterator[CaseProblem]:
                 what += f"{max(measured):g} N/m"
                 hint = "give the stiffness at the amplitude that you expect; estimates use it"
                 yield CaseProblem(("screen", "bushings", name, "stiffness_N_per_m"), what, hint)
+
+
+def faults_of_points(key: Key, curve: BushingCurve) -> Iterator[CaseProblem]:
+    """Yield a problem for each point of a curve that has not one loss."""
+    for place, point in enumerate(curve.points):
+        if (point.loss_factor is None) == (point.damping_N_s_per_m is None):
+            what = "has no loss" if point.loss_factor is None else "has two losses"
+            yield CaseProblem((*key, "points", place), what, "give loss_factor or damping_N_s_per_m")
 
 
 def _misfits(

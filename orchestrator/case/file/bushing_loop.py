@@ -92,10 +92,17 @@ def points_of(text: str, answers: Answers, frequency_Hz: float | None = None) ->
 
     ``frequency_Hz`` is that of a loop without a column of times.  Raises TableError.
     """
-    table = read_text(text, answers)
-    known = _known(table)
+    return read_test(text, answers, frequency_Hz)[0]
+
+
+def read_test(
+    text: str, answers: Answers, frequency_Hz: float | None = None
+) -> tuple[list[dict[str, float]], Loop | None]:
+    """Return the points of ``points_of``, and the loop if the table is one.  Raises TableError."""
+    known = _known(read_text(text, answers))
     if "force_N" in known or "displacement_m" in known:
-        return [_loop(known, frequency_Hz).point]
+        loop = _loop(known, frequency_Hz)
+        return [loop.point], loop
     numbers = {key: _numbers(key, column) for key, column in known.items()}
     if "range_m" in numbers:
         numbers["amplitude_m"] = numbers.pop("range_m") / 2
@@ -111,12 +118,23 @@ def points_of(text: str, answers: Answers, frequency_Hz: float | None = None) ->
     if "ahead_N_per_m" in numbers and "stiffness_N_per_m" in numbers:
         numbers["loss_factor"] = numbers.pop("ahead_N_per_m") / numbers["stiffness_N_per_m"]
     rows = [dict(zip(numbers, row, strict=True)) for row in np.array([*numbers.values()]).T.tolist()]
-    return [{key: value for key, value in row.items() if not np.isnan(value)} for row in rows]
+    return [{key: value for key, value in row.items() if not np.isnan(value)} for row in rows], None
 
 
-def read_loop(text: str, answers: Answers, frequency_Hz: float | None = None) -> Loop:
-    """Return the loop in a table with columns of force and displacement.  Raises TableError."""
-    return _loop(_known(read_text(text, answers)), frequency_Hz)
+def force_over_displacement(text: str, answers: Answers) -> tuple[Array, Array]:
+    """Return the displacements and forces (n,) of a static test.  Raises TableError."""
+    known = _known(read_text(text, answers))
+    for key in ("displacement_m", "force_N"):
+        if key not in known:
+            raise TableError(f"a characteristic has no column {show_value(key)}")
+    if spare := [known[key].head for key in known if key not in ("displacement_m", "force_N")]:
+        raise TableError(
+            f"is {show_value(spare[0])} of a characteristic? {answer(spare[0], IGNORE)} leaves it out"
+        )
+    displacement_m, force_N = (_numbers(key, known[key]) for key in ("displacement_m", "force_N"))
+    if np.isnan(displacement_m).any() or np.isnan(force_N).any():
+        raise TableError("a characteristic has no empty cells")
+    return displacement_m, force_N
 
 
 def fit_loop(time_s: Array, displacement_m: Array, force_N: Array) -> Loop:

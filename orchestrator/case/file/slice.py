@@ -250,7 +250,8 @@ def _cut_screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen
 
 
 def _bushing(row: Bushing, part: float) -> Bushing:
-    """Return a bushing with ``part`` of its stiffness and damping, and of those in its curves."""
+    """Return a bushing with ``part`` of its stiffness and damping, and of the forces in its curves and
+    characteristics."""
     spring = ("stiffness_N_per_m", "damping_N_s_per_m")
     curves = [
         curve.times(part, "elastic_N_per_m").model_copy(
@@ -262,7 +263,11 @@ def _bushing(row: Bushing, part: float) -> Bushing:
         )
         for curve in row.curves
     ]
-    return row.times(part, *spring).model_copy(update={"curves": tuple(curves)})
+    update = {
+        "curves": tuple(curves),
+        "characteristics": tuple(each.times(part, "force_N") for each in row.characteristics),
+    }
+    return row.times(part, *spring).model_copy(update=update)
 
 
 def _exciter(row: Exciter, part: float) -> Exciter:

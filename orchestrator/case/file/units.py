@@ -55,6 +55,7 @@ KINDS = {
     "J/m2": ("an energy per area", "200 mJ/m2"),
     "m3/(N m)": ("a wear, volume over work", "1e-5 mm3/(N m)"),
     "W": ("a power", "15 kW"),
+    "degC": ("a temperature in degrees Celsius", "45 degC"),
 }
 """The kind of quantity that each unit of a key belongs to, with an example."""
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
+import numpy as np
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, Strict, StringConstraints
 
@@ -17,6 +18,7 @@ from orchestrator.case.tables.quantities import (
     Number,
     OneLine,
     Positive,
+    Switch,
     Table,
     Vector,
     Vectors,
@@ -143,6 +145,46 @@ class BushingCurve(Table):
     """Maxwell elements."""
 
 
+class Characteristic(Table):
+    """The elastic force of one bushing over its deformation: a progressive spring, a spring with a gap, or a
+    stop.  It is linear between the points and beyond the outer ones, and takes the place of
+    ``stiffness_N_per_m`` in the frames' motion; the damping stays."""
+
+    axes: Annotated[str, StringConstraints(pattern=r"^[xyz]{1,3}$")] = "x"
+    """Axes of the bushing to which the characteristic belongs, such as "xz"."""
+    deformation_m: tuple[Number, ...] = ()
+    """Deformations of the points, which grow from point to point: how far the second of the two frames has
+    moved against the first along the axis.  Zero is the bushing without load."""
+    force_N: tuple[Number, ...] = ()
+    """Forces of the points, which do not fall from point to point and are zero at zero deformation."""
+    symmetric: Switch = False
+    """true: the points begin at zero, and the other side is alike."""
+    file: OneLine | None = None
+    """Table in the case's folder with the points, in place of ``deformation_m`` and ``force_N``: a text such
+    as CSV with a column of displacements and one of forces (how-to/come-from-another-program.md)."""
+    columns: dict[OneLine, OneLine] = Field(default_factory=dict)
+    """What columns of ``file`` are, where their names leave it open."""
+    decimal: Literal["", ".", ","] = ""
+    """Decimal mark of ``file``, where it leaves it open."""
+
+
+class BushingTemperature(Table):
+    """The stiffness of a bushing over its temperature.  It scales stiffness, damping, curves and
+    characteristics alike, so that loss factors stay as they are."""
+
+    works_at_degC: Number
+    """Temperature at which the bushing works."""
+    measured_degC: tuple[Number, ...]
+    """Temperatures of the tests, which grow from one to the next."""
+    stiffness_ratio: tuple[Positive, ...]
+    """Stiffness in each test over the stiffness that the case gives."""
+
+    @property
+    def ratio(self) -> float:
+        """The stiffness where the bushing works over the given one, linear between the tests."""
+        return float(np.interp(self.works_at_degC, self.measured_degC, self.stiffness_ratio))
+
+
 class Bushing(Table):
     """Equal bushings between two frames: a spring and a damper at each position."""
 
@@ -151,8 +193,8 @@ class Bushing(Table):
     positions_m: Vectors
     """Positions of the bushings, with a row for each."""
     stiffness_N_per_m: NotNegativeVector
-    """Stiffness of one bushing, along each of its axes.  Along an axis with a curve, estimates and linear
-    solvers use it."""
+    """Stiffness of one bushing, along each of its axes.  Along an axis with a curve or a characteristic,
+    estimates use it; linear solvers use it in place of a curve."""
     damping_N_s_per_m: NotNegativeVector = (0.0, 0.0, 0.0)
     """Viscous damping of one bushing, along each of its axes.  Along an axis with a curve, estimates and
     linear solvers use it."""
@@ -160,6 +202,10 @@ class Bushing(Table):
     """Rotation of the bushing's axes from the deck axes: about x, then y, then z."""
     curves: tuple[BushingCurve, ...] = ()
     """Measured curves of the bushing, for one or more of its axes each."""
+    characteristics: tuple[Characteristic, ...] = ()
+    """Force over deformation, for one or more axes without a curve each."""
+    temperature: BushingTemperature | None = None
+    """Stiffness over temperature."""
 
 
 class Motor(Table):

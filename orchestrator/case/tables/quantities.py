@@ -57,7 +57,7 @@ Text = Annotated[str, StringConstraints(pattern=r"^[\P{C}\t\r\n]*$", max_length=
 GROUND = "ground"
 
 
-_UNIT = r"(?:m|mm|kg|s|min|h|N|J|W|Pa|Hz|rad|deg|percent|g)\d?"
+_UNIT = r"(?:m|mm|kg|s|min|h|N|J|W|Pa|Hz|rad|degC|deg|percent|g)\d?"
 _END = re.compile(rf"(?:^|_)({_UNIT}(?:_{_UNIT})*)(?:_per_({_UNIT}(?:_{_UNIT})*))?$")
 _WRITTEN = {"deg": "degree", "percent": "%", "g": "9.80665 m/s2"}
 

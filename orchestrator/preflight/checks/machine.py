@@ -140,7 +140,7 @@ def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
     for key, bushing in rows(case, "screen.bushings"):
         if bushing.between[0] == bushing.between[1]:
             yield CaseProblem((*key, "between"), f'"{bushing.between[0]}" twice', "name two frames")
-        if not any(bushing.stiffness_N_per_m):
+        if not any(bushing.stiffness_N_per_m) and not bushing.characteristics:
             yield CaseProblem((*key, "stiffness_N_per_m"), "is zero in every direction", kind="out-of-range")
     able = case.frames.adapter
     for key, exciter in rows(case, "screen.exciters"):

@@ -74,7 +74,7 @@ class PlanarFrames(RigidFrames):
         self._longest_s = self._largest_step_s(LARGEST_STEP_RAD)
         self._collocation, self._ratio = Collocation(machine), 1.0
         self._carried = carrying(self._carrier, plan.points_m, drawn_m)
-        self._bushings = Bushings(plan, drawn_m, (machine.stretch @ self._sag).reshape(-1, 3))
+        self._bushings = Bushings(plan, drawn_m, self._sag_m)
         self._shafts = [
             PlanarShaft(exciter, exciter.motor, plan, drawn_m)
             for exciter in plan.exciters
@@ -124,7 +124,7 @@ class PlanarFrames(RigidFrames):
 
     def account(self) -> Account:
         elastic_J = self._bushings.elastic_J(self._bushings.pulls(self._poses))
-        elastic_J += self._hysteresis.stored_J()
+        elastic_J += self._elements.stored_J()
         shafts = [(shaft, shaft.velocity_m_per_s(self._poses)) for shaft in self._shafts]
         return self._ledger.account(self._bodies(), elastic_J, shafts)
 
@@ -153,7 +153,7 @@ class PlanarFrames(RigidFrames):
         """
         x, v = self._freedoms()
         time_s, step_s = start_s + self._collocation.node_s, self._collocation.step_s
-        elements = bool(self._hysteresis)
+        elements = bool(self._elements)
         coordinates = self._driven_at(time_s)
         ahead = np.exp(1j * self._poses.spin_rad_per_s * self._collocation.node_s[:, None])
         expected = wrench(given, self._poses.turn * ahead)[:, self._moving].reshape(len(time_s), -1)
@@ -163,7 +163,7 @@ class PlanarFrames(RigidFrames):
             xs, vs = self._collocation.stages(x, v, load)
             coordinates[:, :, self._moving] = np.reshape((xs, vs), (2, len(time_s), -1, 3))
             poses = PlanarPoses.of(*coordinates)
-            element_N = self._hysteresis.mean_N(self._moved_apart_m(poses), step_s) if elements else None
+            element_N = self._elements.mean_N(self._moved_apart_m(poses), step_s) if elements else None
             pulls = self._bushings.pulls(poses, element_N)
             force = given + pulls.force
             for shaft in self._shafts:
@@ -209,9 +209,9 @@ class PlanarFrames(RigidFrames):
         ledger.damping_J += float(weight_s @ self._bushings.lost_W(nodes.poses, nodes.pulls))
         ledger.exciter_J += float(weight_s @ self._forces.exciter_W(nodes.poses, exciter_N))
         ledger.pushed_J += float(weight_s @ driven_W)
-        if self._hysteresis:
+        if self._elements:
             moved_m = self._moved_apart_m(nodes.poses)
-            ledger.damping_J += self._hysteresis.accept(moved_m, self._collocation.step_s)
+            ledger.damping_J += self._elements.accept(moved_m, self._collocation.step_s)
 
     def _moved_apart_m(self, poses: PlanarPoses) -> Array:
         """Return how far the ends of the bushings move apart along their axes in a step, (bushings, 3)."""
