@@ -152,7 +152,7 @@ def resume(
 ) -> None:
     """Go on with a run from its last checkpoint.
 
-    The resumed run is bit for bit the run that never stopped, on the same number of processes. It may get a
+    The resumed run is bit for bit the run that never stopped, on the same number of processes.  It may get a
     later end (--set duration_s=...) and other output at the same intervals; any other change is refused.
     """
     from orchestrator.cli.launch import resume as go_on
@@ -220,7 +220,7 @@ def show(
     """Draw the machine of a case, without a solver.
 
     The files are views, openings (PNG and SVG), modes.svg (animated), model.html (to turn about) and
-    machine.html (all of it). Only problems in the tables matter: exit code 2.
+    machine.html (all of it).  Only problems in the tables matter: exit code 2.
     """
     from orchestrator.cli.show import show as write_views
     from orchestrator.preflight.check import find_table_problems
@@ -260,7 +260,7 @@ def explain(
     what is lacking or may be left out. flipflow study accuracy replaces estimates by measurements.
 
     With --for, short runs with and without an effect decide by the change of these results, unless an
-    estimate is sure that it may be left out; of those the cheapest is tried, too. The runs are remembered.
+    estimate is sure that it may be left out; of those the cheapest is tried, too.  The runs are remembered.
     """
     from orchestrator.cli.explain import print_explanation
     from orchestrator.preflight.check import find_table_problems
@@ -312,9 +312,10 @@ def loads(
 ) -> None:
     """Write the loads on a frame over time, for a program that computes its strength.
 
-    The run needs output.loads_s. The forces with their places, gravity and inertia are in balance, in deck
-    axes that move with the frame; README.txt explains them. csv: one table; calculix: *AMPLITUDE and *CLOAD
-    on node sets; apdl: tables and F on nodes.
+    The run needs output.loads_s.  The forces of clamps, stops, walls, bushings and exciters with their
+    places, gravity and inertia are in balance, in deck axes that move with the frame;
+    README.txt explains them.  csv: one table; calculix: *AMPLITUDE and *CLOAD on node sets; apdl: tables and
+    F on nodes.
     """
     from orchestrator.cli.loads import export
 

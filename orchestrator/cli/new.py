@@ -70,7 +70,7 @@ def new(
     """Begin a machine of your own: write a commented case that can be checked and run at once.
 
     Masses, unbalance and bushings follow from stroke and speed, and their distance from resonance is
-    printed. In a terminal it asks for what is not given. Nothing is overwritten.
+    printed.  In a terminal it asks for what is not given.  Nothing is overwritten.
     """
     from orchestrator.case.file.errors import CaseProblem
     from orchestrator.cli.proposal.propose import find_refusals, propose

@@ -51,8 +51,8 @@ def command(
 ) -> StudyOutput:
     """Measure the cost of accuracy: run a case over its refinement parameters.
 
-    One parameter is changed at a time. Then the proposed joint settings are run: the reference, and for
-    each tolerance the cheapest. Called again, only missing runs are made. accuracy.html shows all; flipflow
+    One parameter is changed at a time.  Then the proposed joint settings are run: the reference, and for
+    each tolerance the cheapest.  Called again, only missing runs are made. accuracy.html shows all; flipflow
     plan uses accuracy.json.
 
     Of a folder of cases, each one with an accuracy.toml is studied, and layers.csv has all.

@@ -27,10 +27,10 @@ Found = Mapping[str, Mapping[str, Value | None]]
 def command(
     study: CaseStudy,
     restitution: Annotated[
-        str | None, typer.Option(metavar="LOW:HIGH", help="in place of the library's range")
+        str | None, typer.Option(metavar="LOW:HIGH", help="LOW:HIGH, in place of the library's")
     ] = None,
     rolling_friction: Annotated[
-        str | None, typer.Option(metavar="LOW:HIGH", help="in place of the library's range")
+        str | None, typer.Option(metavar="LOW:HIGH", help="LOW:HIGH, in place of the library's")
     ] = None,
     result: Annotated[
         list[str] | None,
@@ -40,8 +40,8 @@ def command(
 ) -> StudyOutput:
     """Run a case at the corners of the ranges of its grains' restitution and rolling friction.
 
-    The ranges are the library's. All contacts of grains are at their low or high ends together: five runs
-    with the case as given. The page of as-given says what was found.
+    The ranges are the library's.  All contacts of grains are at their low or high ends together: five runs
+    with the case as given.  The page of as-given says what was found.
     """
     given = {"restitution": restitution, "rolling_friction": rolling_friction}
     own = {key: _parse_range(key, text) for key, text in given.items() if text is not None}

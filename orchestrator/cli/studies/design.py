@@ -26,8 +26,8 @@ def command(
 ) -> StudyOutput:
     """Run the plan of a design study: the centre, then settings over the ranges of all factors.
 
-    The centre and all corners are checked first; the rest runs if the centre has all responses. Called
-    again, only missing runs are made. The results are those of flipflow study fit.
+    The centre and all corners are checked first; the rest runs if the centre has all responses.  Called
+    again, only missing runs are made.  The results are those of flipflow study fit.
 
     Exit code 4: a run is no data.
     """

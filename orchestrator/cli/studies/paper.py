@@ -25,7 +25,7 @@ def command(
     """Compare cases with the papers they come from: printed number, computed number, and distance.
 
     criteria.toml of a case, or of the cases of a folder that name a source, has the numbers, bands and
-    runs. Called again, only missing runs are made. A number that is fitted, published or assumed proves
+    runs.  Called again, only missing runs are made.  A number that is fitted, published or assumed proves
     nothing and is marked so. paper.html shows all.
 
     Exit code 4: a run failed, or a predicted number is out of its band.

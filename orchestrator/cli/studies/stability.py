@@ -27,8 +27,8 @@ def command(
 ) -> StudyOutput:
     """Run all hard cases, and draw the map of stability.
 
-    Part "hard" judges every case by its criteria.toml. Part "map" runs one case over schemes, intervals and
-    masses of the bed: stable, warned, stopped, or idle without contact. Called again, only missing runs are
+    Part "hard" judges every case by its criteria.toml.  Part "map" runs one case over schemes, intervals and
+    masses of the bed: stable, warned, stopped, or idle without contact.  Called again, only missing runs are
     made. stability.html shows all.
 
     Exit code 4: a criterion is not met, a known failure is, or a run of the map is missing or idle.

@@ -28,12 +28,15 @@ def command(
     study: CaseStudy,
     vary: Annotated[
         list[str],
-        typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step; may be repeated"),
+        typer.Option(
+            metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends); may be repeated"
+        ),
     ],
     plan: Annotated[
         Arrangement,
         typer.Option(
-            help="grid: all combinations; list: the keys' first values, second values and so on; random"
+            help="grid: all combinations; list: the keys' first values, second values and so on; "
+            "random: between first:last, or of a list"
         ),
     ] = Arrangement.GRID,
     number: Annotated[int, typer.Option(min=1, max=MOST_VALUES, help="number of runs of a random plan")] = 10,
@@ -47,7 +50,7 @@ def command(
     """Run a case over values of one key, or of several keys.
 
     Called again, only missing runs are made; --dry lists and predicts them. sweep.csv and sweep.parquet
-    have amplitudes, drift and all results of each setting. In pictures, open marks have not settled, and
+    have amplitudes, drift and all results of each setting.  In pictures, open marks have not settled, and
     crosses cannot be trusted.
     """
     wanted = check_results(result)
