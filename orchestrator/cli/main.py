@@ -110,10 +110,8 @@ def program(
 
 
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")]
-RunPaths = Annotated[
-    list[Path], typer.Argument(metavar="RUN...", help="folders of runs, or of studies with runs in them")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="JSON on standard output, for other programs")]
+RunPaths = Annotated[list[Path], typer.Argument(metavar="RUN...", help="folders of runs or studies")]
+AsJson = Annotated[bool, typer.Option("--json", help="JSON on standard output")]
 Out = Annotated[
     Path | None, typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]")
 ]
@@ -128,19 +126,18 @@ def run(
     trial_s: Annotated[
         float,
         typer.Option(
-            min=0, help="time for a try of half the sync interval, where a run advises a shorter one; 0: none"
+            min=0, help="time to try half the sync interval where a shorter one is advised; 0: none"
         ),
     ] = 60.0,
 ) -> None:
     """Run a case.
 
-    The case is checked first; nothing is written if it is wrong.  The folder of the run holds
-    the log, time series, files for ParaView, pictures and summary.json (docs/run-folder.md).
+    The case is checked first; nothing is written if it is wrong. docs/run-folder.md says what the folder
+    holds.
 
-    Ctrl-C ends the run at the next sync point; all results are written, and the run can be resumed.
-    A second Ctrl-C ends it at once.  Under mpirun, send SIGUSR1 to mpirun instead (kill -USR1),
-    which leaves the run enough time.  As root, mpirun wants --allow-run-as-root; on a busy machine,
-    --mca mpi_yield_when_idle 1 helps.
+    Ctrl-C ends the run at the next sync point with all results, to be resumed; a second Ctrl-C ends it at
+    once. mpirun wants SIGUSR1 instead (kill -USR1), as root --allow-run-as-root, and on a busy machine
+    --mca mpi_yield_when_idle 1.
     """
     from orchestrator.cli.launch import run as launch
 
@@ -157,10 +154,8 @@ def resume(
 ) -> None:
     """Go on with a run from its last checkpoint.
 
-    A run writes checkpoints now and then ([checkpoint] in a case), at its end, and on Ctrl-C.  The
-    resumed run is bit for bit the run that never stopped, on the same number of processes.  It may
-    be given a later end (--set duration_s=...) and other output at the same intervals; any other
-    change is refused.
+    The resumed run is bit for bit the run that never stopped, on the same number of processes.  It may get a
+    later end (--set duration_s=...) and other output at the same intervals; any other change is refused.
     """
     from orchestrator.cli.launch import resume as go_on
 
@@ -171,27 +166,22 @@ def resume(
 def check(
     case: CasePath,
     level: Level = None,
-    detail: Annotated[
-        bool, typer.Option("--detail", help="all that limits the sync interval, with its numbers")
-    ] = False,
+    detail: Annotated[bool, typer.Option("--detail", help="all that limits the sync interval")] = False,
     ranks: Annotated[
-        int | None,
-        typer.Option(min=1, max=64, help="predict the wall time on 1, 2, 4, ... and on so many MPI ranks"),
+        int | None, typer.Option(min=1, max=64, help="predict the wall time on up to so many MPI ranks")
     ] = None,
     as_json: AsJson = False,
     html: Annotated[
-        Path | None, typer.Option("--html", metavar="PAGE", help="writes a page with all this and drawings")
+        Path | None, typer.Option("--html", metavar="PAGE", help="page to write, with drawings")
     ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Check a case without running it, and print what is in it.
 
-    With --ranks, a table predicts the wall time of mpirun -n N flipflow run on ever more ranks of one
-    computer, and says beyond how many they no longer pay.  Each rank is one process on a core of its own.
+    --ranks predicts the wall time of mpirun -n N flipflow run on more and more ranks of one computer, each
+    on a core of its own, and says beyond how many they no longer pay.
 
-      flipflow check cases/ffs0827-slice --ranks 64
-
-    Exit code 0: the case can be run; 2: it cannot, and one message has every problem.
+    Exit code 2: the case cannot be run, and one message has every problem.
     """
     from orchestrator.cli.overview import overview
     from orchestrator.preflight.cost import particles_at_start
@@ -229,14 +219,10 @@ def show(
     ] = None,
     overrides: Overrides = None,
 ) -> None:
-    """Draw the machine of a case: views with dimensions, openings, modes, and a model to turn about.
+    """Draw the machine of a case, without a solver.
 
-    The files are side and top views and the openings' pattern (PNG and SVG), modes.svg (animated),
-    model.html (three dimensions) and machine.html (all of it, with what check warns of).  The pages
-    open without a network.  No solver is started.
-
-    Exit code 0: the files are written, also for a case with problems other than in its tables;
-    2: the tables have problems.
+    The files are views, openings (PNG and SVG), modes.svg (animated), model.html (to turn about) and
+    machine.html (all of it).  Only problems in the tables matter: exit code 2.
     """
     from orchestrator.cli.show import show as write_views
     from orchestrator.preflight.check import find_table_problems
@@ -256,16 +242,11 @@ def show(
 def explain(
     case: CasePath,
     level: Level = None,
-    study: Annotated[
-        Path | None,
-        typer.Option(help="accuracy.json of flipflow study accuracy [default: the one beside case.toml]"),
-    ] = None,
+    study: Annotated[Path | None, typer.Option(help="accuracy.json [default: beside case.toml]")] = None,
     results: Annotated[
         str | None,
         typer.Option(
-            "--for",
-            metavar="NAMES",
-            help="results, by short names (efficiency,stroke,...), whose change decides",
+            "--for", metavar="NAMES", help="short names of results (efficiency,stroke,...) that decide"
         ),
     ] = None,
     budget: Annotated[
@@ -275,19 +256,13 @@ def explain(
     as_json: AsJson = False,
     overrides: Overrides = None,
 ) -> None:
-    """Print which effects a case calls for, by estimates before any run.
+    """Print which effects a case calls for, by estimates, without a solver.
 
-    A table shows for each effect whether the case has it at this level, the dimensionless number
-    that decides, its threshold, the verdict, and the key that changes it.  The lines below name the
-    effects that matter and are lacking, and those that could be left out.  No solver is started or
-    needed.  Measurements by flipflow study accuracy replace estimates.
+    A table has each effect, the number that decides, its threshold, the verdict and the key; lines name
+    what is lacking or may be left out. flipflow study accuracy replaces estimates by measurements.
 
-    With --for, short runs at a cheap level with and without an effect decide by the change of these
-    results, unless an estimate is sure that the effect may be left out; of such effects the cheapest
-    is tried, too.  The runs are remembered.  --budget limits their processor time: a run that is predicted
-    to take more than a quarter of it, or more than is left of it, is not made.
-
-    Exit code 0: done, whatever the verdicts; 2: the case has problems.
+    With --for, short runs with and without an effect decide by the change of these results, unless an
+    estimate is sure that it may be left out; of those the cheapest is tried, too.  The runs are remembered.
     """
     from orchestrator.cli.explain import print_explanation
     from orchestrator.preflight.check import find_table_problems
@@ -303,10 +278,7 @@ def explain(
 def report(run: RunPath) -> None:
     """Make one HTML page about a run: RUN/report.html.
 
-    The page contains all figures, tables and a film of the deck, and can be sent to anybody.
-    Pages of interrupted and failed runs say what is missing.
-
-    Exit code 0: the page is made; 2: the folder is no run, or the run has not ended.
+    It has all figures, tables and a film of the deck, and stands alone.
     """
     from orchestrator.output.report.page import report as make_report
 
@@ -324,10 +296,7 @@ def results(
 ) -> None:
     """Write the results of runs as a tidy table: one row for each result of each run.
 
-    The columns are run, case, level, status, result, kind, value, half_width (of the 95 % confidence
-    interval) and unit.  Results with short names, such as efficiency and stroke, come first.
-
-    Exit code 0: done; 2: a folder is no run that has ended, or of another version.
+    The columns are run, case, level, status, result, kind, value, half_width (95 %) and unit.
     """
     from orchestrator.cli.results import print_results
 
@@ -345,12 +314,10 @@ def loads(
 ) -> None:
     """Write the loads on a frame over time, for a program that computes its strength.
 
-    The run needs output.loads_s.  The files have the forces of clamps, stops, walls, bushings and exciters
-    with their places, gravity and inertia, in the deck axes that move with the frame; together they are in
-    balance.  README.txt in the folder says what is what.  csv: one table; calculix: *AMPLITUDE and *CLOAD on
-    a node set for each place; apdl: tables and F on a node for each place.
-
-    Exit code 0: done; 2: the folder is no run with such loads, or the command is wrong.
+    The run needs output.loads_s.  The forces of clamps, stops, walls, bushings and exciters with their
+    places, gravity and inertia are in balance, in deck axes that move with the frame;
+    README.txt explains them.  csv: one table; calculix: *AMPLITUDE and *CLOAD on node sets; apdl: tables and
+    F on nodes.
     """
     from orchestrator.cli.loads import export
 
@@ -367,12 +334,8 @@ def compare(
 ) -> None:
     """Compare runs with the first of them.
 
-    Tables show the keys in which the cases differ, and the results with their intervals, their changes,
-    and whether a change is more than chance.  The page has overlaid plots and the runs' pictures side by
-    side, too.
-
-    Exit code 0: done; 2: a folder is no run that has ended, the runs are of another version of flipflow,
-    or they have no results in common.
+    Tables show keys that differ, and results with intervals, changes, and whether these are more than
+    chance; the page has plots and pictures, too.
     """
     from orchestrator.cli.compare import print_comparison
 
@@ -383,16 +346,13 @@ def compare(
 def list_cases(
     folder: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[FOLDER]",
-            help="folder that holds cases [default: cases, and the cases that come with the program]",
-        ),
+        typer.Argument(metavar="[FOLDER]", help="folder of cases [default: cases, and the program's]"),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """List cases with their titles and levels.
 
-    Those that come with the program are run by their names from every folder: flipflow run quickstart.
+    The program's own run by name from every folder: flipflow run quickstart.
     """
     if folder is not None and not folder.is_dir():
         refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
@@ -414,12 +374,9 @@ def materials(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the library of materials, or explain one material.
+    """List the library of materials, or explain one: numbers, ranges, sources and contacts.
 
-    A case takes a material by its name, without a table of its own: material = "limestone".  The command
-    prints each number with its ordinary range and its source, and the contacts with other materials.
-
-    Exit code 0: done; 2: no such material.
+    A case takes a material by its name: material = "limestone".
     """
     from orchestrator.cli import materials as library
 
@@ -480,18 +437,11 @@ def plan(
     budget: Annotated[str, typer.Option(metavar="TIME", help="wall time, as 90s, 30min, 1h or 2d")],
     level: Level = None,
     result: Annotated[
-        str | None,
-        typer.Option(
-            "--for", metavar="NAME", help="result of the separation (efficiency, ...) whose chance counts"
-        ),
+        str | None, typer.Option("--for", metavar="NAME", help="result (efficiency, ...) whose chance counts")
     ] = None,
     run: Annotated[
         Path | None,
-        typer.Option(
-            "--from",
-            metavar="RUN",
-            help="with --for: measured run of the case [default: the longest in runs/ or in the study]",
-        ),
+        typer.Option("--from", metavar="RUN", help="with --for: measured run [default: the longest known]"),
     ] = None,
     jobs: Annotated[
         int | None,
@@ -499,29 +449,24 @@ def plan(
     ] = None,
     study: Annotated[
         Path | None,
-        typer.Option(
-            "--study", help="accuracy.json of a study [default: beside case.toml, or in runs/<case>-accuracy]"
-        ),
+        typer.Option("--study", help="accuracy.json [default: beside case.toml, or runs/<case>-accuracy]"),
     ] = None,
     write: Annotated[
-        str | None, typer.Option(metavar="LEVEL", help="writes this level into the case's folder")
+        str | None, typer.Option(metavar="LEVEL", help="level to write into the case's folder")
     ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Choose settings for a tolerance and a time.
 
-    A stored study of accuracy and a short run on this machine give the cheapest settings within the
-    tolerance, their wall time on this machine and their error.  If the time does not fit the budget,
-    the command prints what would.
+    A stored study of accuracy and a short run here give the cheapest settings within the tolerance, with
+    their wall time and error, or what would fit the budget.
 
-    With --for, the scatter of a measured run of the case says how many seconds, how wide a slice and
-    how many seeds leave half the width of the result's 95 % interval within the tolerance at the least
-    processor time; settings of the study, if there is one, count with the bound of their error.  Without a
-    measured run a pilot is made if it is cheap.
+    With --for, the scatter of a measured run, or of a cheap pilot, says how many seconds, seeds and how
+    wide a slice leave half the result's 95 % interval within the tolerance at the least processor time.
 
       flipflow plan cases/near-mesh --for efficiency --tolerance 5% --budget 2h
 
-    Exit code 0: the time fits; 4: it does not; 2: the case, the study or the command is wrong.
+    Exit code 4: the time does not fit.
     """
     from orchestrator.cli.plan import choose_settings, parse_share, parse_time_s, print_choice
 

@@ -63,19 +63,14 @@ def new(
     speed: Annotated[str | None, typer.Option(help='speed of the shaft, such as "750 rpm"')] = None,
     stroke: Annotated[
         str | None,
-        typer.Option(help='amplitude of one frame against the other along the deck, such as "6 mm"'),
+        typer.Option(help='amplitude of the frames against each other along the deck, such as "6 mm"'),
     ] = None,
-    yes: Annotated[
-        bool, typer.Option("--yes", help="takes the defaults of what is not given, and asks nothing")
-    ] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="take defaults, and ask nothing")] = False,
 ) -> None:
     """Begin a machine of your own: write a commented case that can be checked and run at once.
 
-    From the stroke and the speed that are wanted, masses, unbalance and bushings are proposed; the
-    command says how far the machine is from resonance.  In a terminal it asks for what is not given.  Nothing
-    is overwritten.
-
-    Exit code 0: the case is written; 2: no such machine can be, one message says why, and nothing is written.
+    Masses, unbalance and bushings follow from stroke and speed, and their distance from resonance is
+    printed.  In a terminal it asks for what is not given.  Nothing is overwritten.
     """
     from orchestrator.case.file.errors import CaseProblem
     from orchestrator.cli.proposal.propose import find_refusals, propose

@@ -33,29 +33,20 @@ def _shipped_or_own(path: Path) -> Path:
 CasePath = Annotated[
     Path,
     typer.Argument(
-        metavar="CASE",
-        callback=_shipped_or_own,
-        help="folder of the case, or the name of one that comes with the program",
+        metavar="CASE", callback=_shipped_or_own, help="folder of a case, or name of one of the program's"
     ),
 ]
 Level = Annotated[
-    str | None,
-    typer.Option(
-        "--level", help="one of the case's levels, or a level's file [default: the case's default_level]"
-    ),
+    str | None, typer.Option("--level", help="level of the case, or its file [default: default_level]")
 ]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="gives a key another value, for example panel.solver=rigid; may be repeated",
-    ),
+    typer.Option("--set", metavar="KEY=VALUE", help="value of a key, as panel.solver=rigid; may be repeated"),
 ]
 StudyPath = Annotated[
     Path,
     typer.Argument(
-        metavar="STUDY", callback=_shipped_or_own, help="study.toml of a design study, or the folder with it"
+        metavar="STUDY", callback=_shipped_or_own, help="study.toml of a design study, or its folder"
     ),
 ]
 Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]
@@ -63,13 +54,10 @@ Workers = Annotated[
     int | None,
     typer.Option("--workers", "--jobs", min=1, help="runs at a time [default: as the machine bears]"),
 ]
-Scheduler = Annotated[
-    str, typer.Option("--scheduler", help="address of a Dask scheduler with workers elsewhere")
-]
+Scheduler = Annotated[str, typer.Option("--scheduler", help="address of a Dask scheduler")]
 
 WriteJobs = Annotated[
-    bool,
-    typer.Option("--write-jobs", help="write jobs.txt and job.sh for a cluster's scheduler, and run nothing"),
+    bool, typer.Option("--write-jobs", help="write jobs.txt and job.sh for a cluster, and run nothing")
 ]
 
 

@@ -24,26 +24,23 @@ class Steady:
     """The cycles over which figures of bed and screening are averaged."""
 
     is_steady: bool = figure(
-        "whether there is a steady state",
-        "If not, the figures of bed and screening cover the whole run and have no intervals",
+        "whether there is a steady state", "else they cover the whole run, without intervals"
     )
-    reason: str = figure("why there is none", "empty if there is one")
-    start_s: float = figure("the beginning of the first averaged cycle")
-    end_s: float = figure("the end of the last one")
-    cycles: int = figure("the number of averaged cycles", "0 where nothing drives the machine")
+    reason: str = figure("why not, or empty")
+    start_s: float = figure("beginning of the first averaged cycle")
+    end_s: float = figure("end of the last one")
+    cycles: int = figure("number of averaged cycles", "0 without a drive")
     imbalance_percent: float | None = figure(
-        "in less out",
-        "the mass that came in less the mass that went out during these cycles, over the mass that came in; "
-        "null if nothing was fed",
+        "in less out", "of the mass in these cycles, over what came in; null if nothing was fed"
     )
-    drift_percent: float | None = figure("the slope of the hold-up over the rate of feed")
+    drift_percent: float | None = figure("slope of the hold-up over the rate of feed")
 
 
 @dataclass(frozen=True, kw_only=True)
 class FlowsInTime:
     """The mass flows of each cycle."""
 
-    time_s: Numbers = figure("the end of each cycle")
+    time_s: Numbers = figure("end of each cycle")
     feed_kg_per_s: Numbers = figure("feed", is_extensive=True)
     undersize_kg_per_s: Numbers = figure("undersize", is_extensive=True)
     oversize_kg_per_s: Numbers = figure("oversize", is_extensive=True)
@@ -52,14 +49,11 @@ class FlowsInTime:
 
 @dataclass(frozen=True, kw_only=True)
 class CohortShares:
-    """The grains of a run that is fed and not steady which were fed so early that nearly all have left.
+    """Grains fed so early that nearly all have left; `reason` has the interval of their chance."""
 
-    Their figures have no interval: the `reason` has that of the grains' chance alone.
-    """
-
-    fed_until_s: float = figure("the time until which they were fed")
-    remaining_percent: float = figure("the share of their mass that has not left")
-    particles: int = figure("the number of those that have")
+    fed_until_s: float = figure("time until which they were fed")
+    remaining_percent: float = figure("share of their mass that has not left")
+    particles: int = figure("number of those that have")
     efficiency_percent: Estimate | None = figure(
         "screening efficiency η", optional=True, resolution=0.1, is_of_cut=True
     )
@@ -74,16 +68,10 @@ class Section:
     exit: str = figure("exit")
     yield_percent: Estimate = figure("yield", "what passes there over the feed")
     cumulative_efficiency_percent: Estimate | None = figure(
-        "efficiency up to here",
-        "the fines that have passed up to its end over those of the feed",
-        optional=True,
-        is_of_cut=True,
+        "efficiency up to here", "fines passed so far over those of the feed", optional=True, is_of_cut=True
     )
     local_efficiency_percent: Estimate | None = figure(
-        "local efficiency",
-        "the fines that pass there over those that arrive there",
-        optional=True,
-        is_of_cut=True,
+        "local efficiency", "fines that pass there over those that arrive", optional=True, is_of_cut=True
     )
 
 
@@ -95,7 +83,7 @@ class Partition:
     mean_m: Numbers = figure("mean sizes", shown_in="mm")
     particles: Numbers = figure("numbers of particles")
     feed_percent: Numbers = figure("shares of the feed")
-    oversize_percent: Numbers = figure("partition numbers", "the share of each class that stays above")
+    oversize_percent: Numbers = figure("partition numbers", "share of each class that stays above")
     d50_m: Estimate = figure("cut size reached, d50", shown_in="mm")
     ep_m: Estimate = figure("probable error Ep", shown_in="mm")
 
@@ -104,14 +92,14 @@ class Partition:
 class Continuation:
     """How far the partition curve is continued, and by what it is wrong there."""
 
-    factor: float = figure("the ratio of sizes over which the curve is continued")
+    factor: float = figure("ratio of sizes over which the curve is continued")
     tested_factor: float = figure(
-        "the same in the test", "from the coarser half of the computed fines to the finer half"
+        "same in the test", "from the coarser half of the computed fines to the finer"
     )
     tested_error_percent: float = figure("what the curve of the coarser half lets pass too much of the finer")
     error_percent: float = figure(
-        "the error of `fine_placement_percent` that follows, in points",
-        "over a factor of more than 2 it has the distance to the bounds of what passes, too",
+        "error of `fine_placement_percent` that follows, in points",
+        "beyond a factor of 2 with the bounds of what passes",
     )
 
 
@@ -138,103 +126,86 @@ class Curve:
 
 @dataclass(frozen=True, kw_only=True)
 class WholeFeed:
-    """The run's fines, completed by those that `smallest_fed_m` leaves out.
+    """The run's fines with those that `smallest_fed_m` leaves out. Openings must have one width, and the
+    continuation be within 25 points, which half widths include."""
 
-    All openings have one width, and the computed fines show that the curve is continued within 25 points:
-    `missing` has the reason where they do not. Half widths have the error of the continuation, too, and are
-    wider than their standard errors tell.
-    """
-
-    left_out_percent: float = figure("the share of the feed's mass that is not computed")
-    smallest_computed_m: float = figure("the finest size that is computed")
-    smallest_m: float = figure("the finest size of the feed", "the curve is continued to it")
-    fines_percent: float = figure("the share of the feed's mass that is fine")
-    fine_placement_percent: Estimate = figure("undersize recovery", "the share of all fines that pass")
+    left_out_percent: float = figure("share of the feed's mass that is not computed")
+    smallest_computed_m: float = figure("finest size that is computed")
+    smallest_m: float = figure("finest size of the feed", "down to which the curve is continued")
+    fines_percent: float = figure("share of the feed's mass that is fine")
+    fine_placement_percent: Estimate = figure("undersize recovery", "share of all fines that pass")
     efficiency_percent: Estimate = figure(
-        "screening efficiency η", "that share, less the coarse particles that pass", resolution=0.1
+        "screening efficiency η", "less the coarse particles that pass", resolution=0.1
     )
     continuation: Continuation = figure("how far the curve is continued, and how well")
-    sections: list[WholeFeedSection] = figure("for each exit for undersize")
-    curve: Curve | None = figure("the partition curve", "null if the particles that left do not determine it")
+    sections: list[WholeFeedSection] = figure("each exit for undersize")
+    curve: Curve | None = figure(
+        "partition curve",
+        ("between the openings' width and the finest size; null if the particles do not determine it"),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Screening:
-    """The feed and the products.
-
-    Shares of mass are taken from all particles that left through an exit in the averaged cycles, by the
-    masses for which they stand in the feed as it is listed ([theory](theory/screening.md#separation));
-    `*_kg_per_s` and `hold_up_kg` are of those that are computed.
-    """
+    """The feed and the products. Shares are of the feed as listed ([why](theory/screening.md#separation)),
+    `*_kg_per_s` and `hold_up_kg` of what is computed."""
 
     cut_size_m: float | None = figure(
-        "the size below which a particle is fine",
-        "`output.cut_size_m`, or else the smaller side of the openings",
+        "size below which a particle is fine",
+        "`output.cut_size_m`, else the openings' smaller side",
         shown_in="mm",
     )
-    lost_particles: int = figure("particles lost", "that left elsewhere than through an exit")
-    particles: int = figure("the number of particles that left through an exit in the averaged cycles")
+    lost_particles: int = figure("particles lost", "elsewhere than through an exit")
+    particles: int = figure("number of particles that left through an exit in the averaged cycles")
     fine_particles: int | None = figure(
-        "the number of these that are fine", "null without a cut size", is_of_cut=True
+        "number of these that are fine", "null without a cut size", is_of_cut=True
     )
-    feed_kg_per_s: Estimate = figure("feed", "mean rate", is_extensive=True, resolution=1e-6, shown_in="t/h")
-    undersize_kg_per_s: Estimate = figure(
-        "undersize", "mean rate through the exits for it", is_extensive=True, resolution=1e-6, shown_in="t/h"
-    )
-    oversize_kg_per_s: Estimate = figure(
-        "oversize", "mean rate through the exits for it", is_extensive=True, resolution=1e-6, shown_in="t/h"
-    )
-    hold_up_kg: Estimate = figure(
-        "hold-up in the machine", "the mass that was fed and has not left", is_extensive=True
-    )
-    in_time: FlowsInTime = figure("the rates of each cycle, and the hold-up at its end")
+    feed_kg_per_s: Estimate = figure("feed", is_extensive=True, resolution=1e-6, shown_in="t/h")
+    undersize_kg_per_s: Estimate = figure("undersize", is_extensive=True, resolution=1e-6, shown_in="t/h")
+    oversize_kg_per_s: Estimate = figure("oversize", is_extensive=True, resolution=1e-6, shown_in="t/h")
+    hold_up_kg: Estimate = figure("hold-up in the machine", "fed and not left", is_extensive=True)
+    in_time: FlowsInTime = figure("in each cycle")
     efficiency_percent: Estimate | None = figure(
         "screening efficiency η",
-        "the sum of fine and coarse placement less 100; the fine placement where nothing coarse left. This "
-        "figure and the next five exist only with a cut size",
+        "fine plus coarse placement less 100; like the next five with a cut size",
         optional=True,
         resolution=0.1,
         is_of_cut=True,
     )
     fine_placement_percent: Estimate | None = figure(
         "undersize recovery",
-        "fine placement: the share of the fines that pass",
+        "fine placement, the share of the fines that pass",
         optional=True,
         is_of_cut=True,
     )
     recovered_percent: Estimate | None = figure(
         "fines recovered, of what came in",
-        "fines that stay on the deck are not recovered",
+        "fines on the deck are not",
         optional=True,
         resolution=0.1,
         is_of_cut=True,
     )
     coarse_placement_percent: Estimate | None = figure(
         "coarse placement",
-        "the share of the coarse particles that stay above the deck; its value is null where none left",
+        "share of the coarse that stays above; null if none left",
         optional=True,
         is_of_cut=True,
     )
     misplaced_percent: Estimate | None = figure(
-        "misplaced material",
-        "the fines in the oversize and the coarse particles in the undersize, over the feed",
-        optional=True,
-        is_of_cut=True,
+        "misplaced material", "fines above and coarse below, over the feed", optional=True, is_of_cut=True
     )
     fines_in_oversize_percent: Estimate | None = figure(
         "fines left in the oversize", "its share that is fine", optional=True, is_of_cut=True
     )
-    oversize_yield_percent: Estimate = figure("oversize yield", "the oversize over the feed")
+    oversize_yield_percent: Estimate = figure("oversize yield", "over the feed")
     cohort: CohortShares | None = figure(
-        "of a run that is fed and not steady: the grains that were fed so early that nearly all have left",
-        "`missing` says why there is none",
-        optional=True,
+        "of a run that is fed and not steady", "else `missing` says why", optional=True
     )
-    sections: list[Section] = figure("for each exit for undersize")
-    partition: Partition | None = figure("the partition curve", "null as long as nothing has left")
+    sections: list[Section] = figure("each exit for undersize")
+    partition: Partition | None = figure("partition curve", "null as long as nothing has left")
     whole_feed: WholeFeed | None = figure(
-        "the separation of the whole feed",
-        "if `smallest_fed_m` leaves out fines of a feed",
+        "separation of the whole feed",
+        "where `smallest_fed_m` leaves out fines",
         optional=True,
         is_of_cut=True,
     )
@@ -245,24 +216,24 @@ class PanelContacts:
     """The contacts of fine particles with a panel of the deck."""
 
     panel: str = figure("panel")
-    came_percent: float = figure("of all fines come", "those that came to the panel")
-    stay_s: float = figure("stay of those that go on", "mean time over the panel")
-    contacts_per_s: float = figure("contacts", "with its open mat in a second over it")
+    came_percent: float = figure("of all fines come", "to the panel")
+    stay_s: float = figure("stay of those that go on", "mean time over it")
+    contacts_per_s: float = figure("contacts")
     within_reach_percent: float = figure("within reach")
     chance_percent: float = figure("chance of a contact")
     geometric_percent: float = figure("geometric")
     rate_per_s: float = figure("rate k")
-    passed_percent: float = figure("passed up to here", "the share that has passed up to its end")
+    passed_percent: float = figure("passed up to here", "to its end")
 
 
 @dataclass(frozen=True, kw_only=True)
 class RateFit:
-    """The one rate *k* with which 1 − exp(−*k t*) fits the shares passed best."""
+    """The rate *k* with which 1 − exp(−*k t*) fits the shares passed."""
 
-    rate_per_s: float = figure("the rate")
+    rate_per_s: float = figure("rate")
     rms_percent: float = figure("root mean square of what it leaves over")
     time_s: Numbers = figure("sum of `stay_s` up to each panel's end")
-    passed_percent: Numbers = figure("the share passed by the fit")
+    passed_percent: Numbers = figure("share passed by the fit")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -280,50 +251,35 @@ class ContactSizes:
 
 @dataclass(frozen=True, kw_only=True)
 class Contacts:
-    """Why so much of the fines passes ([definitions](theory/screening.md#why-so-much-passes)).
+    """Why so much of the fines passes ([definitions](theory/screening.md#why-so-much-passes)): of those that
+    left in the averaged cycles, or the cohort."""
 
-    It is of the fine particles that left in the averaged cycles, or in a run that is not steady of the
-    cohort, on a deck with openings whose panels follow one another. `missing` has the reason where there is
-    no such table.
-    """
-
-    particles: int = figure("the number of fine particles")
+    particles: int = figure("number of fine particles")
     counted_percent: float = figure(
-        "the share of their mass that passed after a contact",
-        "the fine placement but for what fell through elsewhere",
+        "share of their mass that passed after a contact", "the fine placement without what fell elsewhere"
     )
     rebuilt_percent: float = figure(
-        "the same, rebuilt from `along` (`stay_s`, `contacts_per_s`) and the chances of `sizes`"
+        "same, rebuilt from `along` (`stay_s`, `contacts_per_s`) and the chances of `sizes`"
     )
-    stay_s: Estimate = figure(
-        "time over the deck of the fines that go over its end", "their mean", resolution=1e-3
-    )
+    stay_s: Estimate = figure("time over the deck of the fines that go over its end", resolution=1e-3)
     contacts_per_s: Estimate = figure(
         "contacts of a fine particle with the open mat", "in a second over the deck", resolution=1e-2
     )
     within_reach_percent: Estimate = figure(
-        "time of the fines within reach of the mat",
-        "the share of their time over the deck with a gap below the particle of less than the width of the "
-        "openings",
-        resolution=1e-2,
+        "time of the fines within reach of the mat", "gap below an opening's width", resolution=1e-2
     )
     chance_percent: Estimate = figure(
-        "chance of a fine particle to pass in a contact",
-        "those that passed over the contacts",
-        resolution=0.1,
+        "chance of a fine particle to pass in a contact", "passed over contacts", resolution=0.1
     )
     geometric_percent: Estimate = figure(
-        "geometric chance",
-        "that of spheres of these sizes that fall straight onto the openings, mean of all contacts (Gaudin)",
+        "geometric chance", "of spheres that fall straight onto openings (Gaudin)"
     )
     rate_per_s: Estimate = figure(
-        "rate at which fines pass",
-        "those that passed over the time over the deck: contacts a second times chance",
-        resolution=1e-3,
+        "rate at which fines pass", "contacts a second times chance", resolution=1e-3
     )
-    along: list[PanelContacts] = figure("the same for each panel in the order of the deck")
-    fit: RateFit = figure("the one rate that fits the shares passed along the deck")
-    sizes: ContactSizes = figure("the same for size classes over the whole deck")
+    along: list[PanelContacts] = figure("each panel, in the deck's order")
+    fit: RateFit = figure("rate *k* with which 1 − exp(−*k t*) fits best")
+    sizes: ContactSizes = figure("same in size classes")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -338,13 +294,11 @@ class Passing:
 class Transport:
     """How long the oversize stays, and where the undersize passes."""
 
-    residence_s: Estimate = figure(
-        "residence time of the oversize", "without the particles of a bed at the start"
-    )
+    residence_s: Estimate = figure("residence time of the oversize", "without a bed at the start")
     residence_velocity_m_per_s: Estimate | None = figure(
-        "velocity from it", "the deck's length over the residence time", optional=True
+        "velocity from it", "deck's length over it", optional=True
     )
-    passing: Passing | None = figure("the undersize along the deck", optional=True)
+    passing: Passing | None = figure("along the deck", optional=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -361,10 +315,10 @@ class Profile:
 class Bed:
     """Means of the bed over output times."""
 
-    output_times: int = figure("the number of output times")
-    particles: float = figure("the mean number of particles in them")
+    output_times: int = figure("number of output times")
+    particles: float = figure("mean number of particles in them")
     on_deck_kg: Estimate = figure("mass on the deck", is_extensive=True, resolution=1e-6)
-    load_kg_per_m2: Estimate = figure("load per area of the deck", "this mass over its area")
+    load_kg_per_m2: Estimate = figure("load per area of the deck")
     velocity_m_per_s: Estimate = figure(
         "material velocity", "along the deck, weighted by mass", resolution=1e-3
     )
@@ -375,27 +329,20 @@ class Bed:
         resolution=1e-4,
     )
     largest_depth_m: Estimate = figure(
-        "largest depth of the bed",
-        "the largest height along the deck below which 95 % of the material lies, with thrown particles",
-        shown_in="mm",
-        resolution=1e-4,
+        "largest depth of the bed", "of that height along the deck", shown_in="mm", resolution=1e-4
     )
-    profile: Profile = figure("the bed along the deck")
+    profile: Profile = figure("along the deck")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Held:
     """What the openings hold."""
 
-    openings: int = figure("the number of openings", is_extensive=True)
+    openings: int = figure("number of openings", is_extensive=True)
     stickers: Estimate = figure("stuck particles", is_extensive=True)
     sticking_kg: Estimate = figure("mass of stuck particles", is_extensive=True)
     blinded_openings: Estimate = figure("blinded openings", "that hold a stuck particle", is_extensive=True)
     pegged_percent: Estimate = figure(
-        "pegged",
-        "the mass of the stuck particles that openings hold, over the mass on the deck",
-        resolution=0.1,
+        "pegged", "their mass in openings over that on the deck", resolution=0.1
     )
-    blinded_percent: Estimate = figure(
-        "openings blocked", "the blinded openings over all openings", resolution=0.1
-    )
+    blinded_percent: Estimate = figure("openings blocked", "over all openings", resolution=0.1)

@@ -28,14 +28,13 @@ class Results:
 
     missing: dict[str, str] = field(
         default_factory=dict,
-        metadata={"figure": Figure("the figures that could not be computed, by name with the reason")},
+        metadata={"figure": Figure("what could not be computed, by name with the reason")},
     )
     failed: dict[str, str] = field(
         default_factory=dict,
         metadata={
             "figure": Figure(
-                "the parts whose computation failed, by name with the error",
-                "the run is then `incomplete`. It is empty in every other run",
+                "parts whose computation failed, by name with the error; the run is then `incomplete`"
             )
         },
     )
@@ -43,40 +42,36 @@ class Results:
         default_factory=lambda: 1.0,
         metadata={
             "figure": Figure(
-                "the share of the machine's width that was computed",
-                "Masses, rates, numbers and forces in these results are the slice's; `report.html` and the "
-                "figures at the run's end multiply them to the full width and say so",
+                "share of the machine's width that was computed",
+                ("the summary has the slice's masses, rates, numbers and forces, the page the whole width's"),
             )
         },
     )
-    slice_width_m: float | None = figure("the width of the slice", optional=True)
-    steady: Steady | None = figure("the cycles over which the figures are averaged", optional=True)
+    slice_width_m: float | None = figure("width of the slice", optional=True)
+    steady: Steady | None = figure("averaged cycles", optional=True)
     screening: Screening | None = figure(
-        "the feed and the products", "only with exits", optional=True, part="particles"
+        "feed and the products", "with exits", optional=True, part="particles"
     )
     contacts: Contacts | None = figure(
         "why so much of the fines passes",
-        "only with exits, below a deck with openings",
+        "with exits, below a deck with openings",
         optional=True,
         part="particles",
         is_of_cut=True,
     )
     transport: Transport | None = figure(
-        "how long the oversize stays, and where the undersize passes", optional=True, part="particles"
+        "stay of the oversize, passing of the undersize", optional=True, part="particles"
     )
-    bed: Bed | None = figure("the bed on the deck", optional=True, part="particles")
+    bed: Bed | None = figure("bed on the deck", optional=True, part="particles")
     held: Held | None = figure("what the openings hold", optional=True, part="particles")
     wear: Wear | None = figure(
-        "the wear of the panels", "only where contacts have specific wear", optional=True, part="panels"
+        "wear of the panels", "where contacts have specific wear", optional=True, part="panels"
     )
     power: Power | None = figure(
-        "the power of the drives and of the losses",
-        "only where something drives the machine",
-        optional=True,
-        part="frames",
+        "power of the drives and of the losses", "with a drive", optional=True, part="frames"
     )
-    motion: Motion | None = figure("the motion of the machine", optional=True)
-    course: Course | None = figure("how the stroke follows the load over the whole run", optional=True)
+    motion: Motion | None = figure("motion of the machine", optional=True)
+    course: Course | None = figure("stroke and load over the whole run", optional=True)
 
     @property
     def of_the_whole_width(self) -> Results:

@@ -6,9 +6,12 @@
 
 from __future__ import annotations
 
+import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
+from textwrap import fill
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -18,26 +21,35 @@ from pydantic.fields import FieldInfo
 
 from orchestrator.case.solvers import Port, ShapeNames, SolverName, adapter, names
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.quantities import unit_of
+from orchestrator.case.tables.quantities import Table
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Part
 from orchestrator.studies.design.study_file import StudyFile
 
 ROWS = "tables"
 """A list of tables, in words."""
-EFFECTS_TABLE = """\
-| effect | part | can be left out | laws | what else has it or not |
-| --- | --- | --- | --- | --- |"""
+HEAD = "| key | value | meaning |\n|---|---|---|"
+SMALL = 3
+"""A table with so many keys and no tables in it has no section of its own."""
+SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+WIDTH = 160
+LARGEST_PRINTED = 2**31
+"""Limits of the computer's integers, above it, are not printed."""
+PAGE_NAMED = re.compile(r"(?<!\])\((?:docs/)?((?:theory|how-to)/[\w-]+\.md|materials\.md)\)")
+
+
+Seen = dict[type[BaseModel], str]
+"""The tables so far, with the headings of their sections."""
 
 
 def case_reference() -> str:
     """Return docs/case-format.md."""
-    return _page(_rules("case"), *_effects(), *_of_solvers(), *_sections(Case, "", set(), "case.toml"))
+    return _page(_rules("case"), *_effects(), *_of_solvers(), *_sections(Case, "", {}, "case.toml"))
 
 
 def study_reference() -> str:
     """Return docs/study-format.md."""
-    return _page(_rules("study"), *_sections(StudyFile, "", set(), "study.toml"))
+    return _page(_rules("study"), *_sections(StudyFile, "", {}, "study.toml"))
 
 
 def _page(*lines: str) -> str:
@@ -52,47 +64,78 @@ def _rules(of: str) -> str:
 def _effects() -> Iterator[str]:
     """Yield the lines of the table of all effects, by part of the machine."""
     yield _rules("effect")
-    yield EFFECTS_TABLE
+    yield "| effect of | key |\n|---|---|"
     for part in get_args(Part):
+        yield f"| **{part}** ||"
         for name, effect in EFFECTS.items():
             if effect.part == part:
-                left_out = "yes" if effect.optional else "no"
-                laws = ", ".join(f"`{law}`" for law in effect.laws)
-                yield f"| `{name}` | {part} | {left_out} | {laws} | {effect.key} |"
+                named = f"`{name}`" if effect.optional else f"*{name}*"
+                laws = f" ({', '.join(effect.laws)})" if effect.laws else ""
+                yield f"| {named}{laws} | {effect.key} |"
     yield ""
 
 
 def _of_solvers() -> Iterator[str]:
     """Yield the lines of the table of all solvers, with the descriptions by their adapters."""
     yield _rules("solver")
-    yield "| port | solver | what it is | what it leaves out |\n| --- | --- | --- | --- |"
+    yield "| solver | what it is | what it leaves out |\n|---|---|---|"
     ports: tuple[Port, ...] = get_args(Port)
     for port in ports:
         for name in names(port):
             solver = adapter(port, name)
-            yield f"| `{port}` | `{name}` | {solver.about} | {', '.join(solver.leaves_out)} |"
+            yield f"| {port}: `{name}` | {solver.about} | {', '.join(solver.leaves_out)} |"
     yield ""
 
 
-def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]], file: str) -> Iterator[str]:
-    """Yield the keys of a table, then the keys of the tables in it; each table has one section.  The section
-    of the outermost table is named after the ``file``."""
-    seen.add(table)
-    yield f"## `{path or file}`"
-    yield f"\n{_text(table.__doc__)}\n"
-    yield "| key | value | unit | default | meaning |\n| --- | --- | --- | --- | --- |"
-    inner = []
-    for key, field in table.model_fields.items():
+def _sections(table: type[BaseModel], path: str, seen: Seen, file: str) -> Iterator[str]:
+    """Yield the keys of a table, then the keys of the tables in it; each table, and each base that tables
+    share, has its keys in one section.  The section of the outermost table is named after the ``file``."""
+    heading = f"`{path or file}`"
+    shared: Any = table.__mro__[1]
+    seen[table] = heading
+    yield f"## {heading}\n"
+    yield fill(_text(table.__doc__), WIDTH) + "\n"
+    keys = dict(table.model_fields)
+    if shared is not Table and (first := seen.setdefault(shared, heading)) != heading:
+        keys = {key: field for key, field in keys.items() if key not in shared.model_fields}
+        same = ", ".join(f"`{key}`" for key in shared.model_fields)
+        yield fill(f"As in {first}: {same}.", WIDTH) + "\n"
+    yield "\n".join([HEAD, *_rows(keys, "", seen)]) + "\n"
+    sections = []
+    for key, field in keys.items():
         tables = tables_in(field.annotation)
-        yield _row(key, field, bool(tables))
-        for inner_table, place in tables:
-            if inner_table not in seen:
+        for within, place in tables:
+            if within not in seen:
                 name = f"{path.strip('[]')}.{key}{place}".lstrip(".")
-                other_way = "" if inner_table is tables[0][0] else f"` with `{_wanted(inner_table)}"
-                inner.append((inner_table, (f"[[{name}]]" if _is_list(field) else f"[{name}]") + other_way))
-    yield ""
-    for inner_table, place in inner:
-        yield from _sections(inner_table, place, seen, file)
+                other_way = "" if within is tables[0][0] else f"` with `{_wanted(within)}"
+                name = (f"[[{name}]]" if _is_list(field) else f"[{name}]") + other_way
+                sections.append((within, name, field))
+    if not path:
+        named = (f"**`{name}`**" if field.is_required() else f"`{name}`" for _, name, field in sections)
+        yield fill(f"Tables: {', '.join(named)}.", WIDTH, break_on_hyphens=False) + "\n"
+    for within, name, _ in sections:
+        yield from _sections(within, name, seen, file)
+
+
+def _rows(keys: Mapping[str, FieldInfo], above: str, seen: Seen) -> Iterator[str]:
+    """Yield the rows of keys, and of the keys in small tables, whose names have the key ``above``."""
+    for key, field in keys.items():
+        tables = tables_in(field.annotation)
+        folded = [(within, place) for within, place in tables if within not in seen and _is_small(within)]
+        if not tables or _choices(field.annotation):
+            yield f"| `{above}{key}` | {_value(field)} | {_text(field.description)} |"
+        for within, place in folded:
+            if not _choices(field.annotation):
+                kind = "**table**" if field.is_required() else "tables" if _is_list(field) else "table"
+                yield f"| `{key}{place}` | {kind} | {_text(within.__doc__)} |"
+            seen[within] = key
+            yield from _rows(within.model_fields, f"{key}{place}.", seen)
+
+
+def _is_small(table: type[BaseModel]) -> bool:
+    """Return whether the keys of a table stand among those of the table around it."""
+    fields = table.model_fields.values()
+    return len(fields) <= SMALL and not any(tables_in(field.annotation) for field in fields)
 
 
 def _wanted(table: type[BaseModel]) -> str:
@@ -101,25 +144,35 @@ def _wanted(table: type[BaseModel]) -> str:
     return next(key for key in own if table.model_fields[key].is_required())
 
 
-def _row(key: str, field: FieldInfo, holds_tables: bool) -> str:
+def _value(field: FieldInfo) -> str:
+    """Return what a key may be: its default, if it has one, or the kind of its value, with its limits."""
+    default, words = _default(field), _words(field)
+    limits = _limits(field.annotation, field.metadata)
     if choices := _choices(field.annotation):
-        value = " or ".join(_kind(each) + _limits(each) for each in choices)
-    elif holds_tables:
-        value = "tables" if get_origin(field.annotation) in (dict, tuple) else "table"
+        value = " or ".join(_limits(each) or _kind(each) for each in choices)
+    elif words:
+        value = ", ".join(f"`{word}`" if word == default else word for word in words)
+    elif default:
+        value = ", ".join(filter(None, (f"`{default}`", limits)))
     else:
-        value = _solvers(field) or _kind(field.annotation) + _limits(field.annotation, field.metadata)
-    meaning = _text(field.description)
-    return f"| `{key}` | {value} | {unit_of(key, '')} | {_default(field)} | {meaning} |"
+        kind = _kind(field.annotation)
+        value = limits if kind == "number" and limits else ", ".join(filter(None, (kind, limits)))
+    return f"**{value}**" if field.is_required() else value
 
 
-def _solvers(field: FieldInfo) -> str:
-    """Return the solvers or shapes that a key may name, or "" for a key that names none."""
+def _words(field: FieldInfo) -> list[str]:
+    """Return the words that a value may be, as solvers, shapes and switches; none where it may be another."""
     marks = [mark for mark in field.metadata if isinstance(mark, SolverName | ShapeNames)]
-    return " or ".join(f'"{name}"' for mark in marks for name in mark.allowed)
+    if marks:
+        return [f'"{name}"' for mark in marks for name in mark.allowed]
+    kind = _kind(field.annotation)
+    return kind.split(", ") if kind.startswith(('"', "true")) and " or " not in kind else []
 
 
 def _text(words: str | None) -> str:
-    return " ".join((words or "").split()).replace("``", "`")
+    """Return a docstring in Markdown, with links to the pages that it names."""
+    text = " ".join((words or "").split()).replace("``", "`")
+    return PAGE_NAMED.sub(r"([more](\1))", text)
 
 
 def _is_list(field: FieldInfo) -> bool:
@@ -151,25 +204,29 @@ def _kind(kind: Any) -> str:
     if origin is Annotated:
         return _kind(arguments[0])
     if origin is Literal:
-        return " or ".join(f'"{word}"' if isinstance(word, str) else str(word) for word in arguments)
+        return ", ".join(f'"{word}"' if isinstance(word, str) else str(word) for word in arguments)
     if origin is tuple:
-        if arguments[-1] is Ellipsis and _kind(arguments[0]) == "table":
-            return ROWS
+        inner = _kind(arguments[0])
         if arguments[-1] is Ellipsis:
-            return f"list of [{_kind(arguments[0])}]"
-        return f"{len(arguments)} x {_kind(arguments[0])}"
+            return f"rows of {inner}" if get_origin(arguments[0]) is tuple else f"{inner}s"
+        return f"{len(arguments)} x {inner}" if inner[0].isdecimal() else f"{len(arguments)} {inner}s"
     if origin is dict:
-        return f"table of name = {_kind(arguments[1])}"
+        return f"table of {_kind(arguments[1])}"
     if origin in (Union, UnionType):
         return " or ".join(_kind(one) for one in arguments if one is not NoneType)
-    return {float: "number", int: "whole number", bool: "true or false", str: "text"}[kind]
+    return {float: "number", int: "integer", bool: "true, false", str: "text"}[kind]
 
 
 def _limits(kind: Any, metadata: Sequence[Any] = ()) -> str:
-    formats = {Gt: "> {0.gt}", Ge: ">= {0.ge}", Lt: "< {0.lt}", Le: "<= {0.le}"}
-    marks = [*metadata, *_marks(kind)]
-    limits = [formats[type(mark)].format(mark) for mark in marks if type(mark) in formats]
-    return " " + ", ".join(dict.fromkeys(limits)) if limits else ""
+    """Return the limits of a number, "" without any."""
+    ends = {}
+    for mark in (*metadata, *_marks(kind)):
+        for sign, value in asdict(mark).items() if isinstance(mark, Gt | Ge | Lt | Le) else ():
+            if value < LARGEST_PRINTED or sign == "le":
+                ends[sign] = f"{value:g}"
+    if ends.keys() == {"ge", "le"}:
+        return f"{ends['ge']} to {ends['le']}"
+    return ", ".join(f"{SIGNS[sign]} {value}" for sign, value in ends.items())
 
 
 def _marks(kind: Any) -> Iterator[Any]:
@@ -179,17 +236,14 @@ def _marks(kind: Any) -> Iterator[Any]:
 
 
 def _default(field: FieldInfo) -> str:
-    if field.is_required():
-        return "must be given"
-    value = field.get_default(call_default_factory=True)
-    if isinstance(value, BaseModel):
-        return "see there"
+    """Return the default in TOML; "" for a key that has none."""
+    value = None if field.is_required() else field.get_default(call_default_factory=True)
     if value is None or value in ({}, ()):
-        return "none"
+        return ""
     if isinstance(value, tuple):
         value = list(value)
     text = str(value).lower() if isinstance(value, bool) else repr(value).replace("'", '"')
-    return f"`{text}`"
+    return text.replace(", ", ",")
 
 
 if __name__ == "__main__":

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import inspect
 import sys
+from collections import Counter
 from collections.abc import Iterator
-from typing import Any
+from itertools import chain
+from typing import Any, NamedTuple
 
 import typer
 
@@ -17,23 +19,40 @@ from orchestrator.cli.main import app
 HEAD = """\
 # Commands
 
-Every command of `flipflow` with its arguments and options, as `--help` has them.
-`flipflow --version` prints the versions of all programs. Case, level and `--set` are explained in
-[case-format](case-format.md), and what a run leaves behind in [run-folder](run-folder.md).
+Every command of `flipflow`, as `--help` has them (made by `python -m tools.command_reference`).
+`flipflow --version` prints the versions of all programs. [case-format](case-format.md) explains cases,
+levels and `--set`, [run-folder](run-folder.md) what a run leaves behind and all exit codes.
+What is in **bold** must be given.
 
-This page is made from the program (`python -m tools.command_reference`); a test keeps it true.
+## Options of several commands
 """
-TABLE = "| argument or option | meaning | default |\n| --- | --- | --- |"
 
 
 def command_reference() -> str:
     """Return docs/commands.md."""
-    lines = [HEAD]
+    rows = {name: _rows(command) for name, command in commands()}
+    count = Counter(chain.from_iterable(rows.values()))
+    common = [row for row, times in count.items() if times > 1]
+    lines = [HEAD, *map(_line, common), ""]
     for name, command in commands():
         lines += [f"## flipflow {name}\n", "```text", inspect.cleandoc(command.help or ""), "```\n"]
-        rows = [_row(parameter) for parameter in command.params if not parameter.hidden]
-        lines += [TABLE, *rows, ""]
+        if also := [row.names for row in rows[name] if row in common]:
+            lines += [f"- {', '.join(also)}: [above](#options-of-several-commands)"]
+        lines += [*(_line(row) for row in rows[name] if row not in common), ""]
     return "\n".join(lines).rstrip() + "\n"
+
+
+class Row(NamedTuple):
+    """An argument or an option in the list of its command."""
+
+    names: str
+    meaning: str
+    default: str
+
+
+def _line(row: Row) -> str:
+    default = f" (default: {row.default})" if row.default else ""
+    return f"- {row.names}: {row.meaning}{default}"
 
 
 def commands() -> Iterator[tuple[str, Any]]:
@@ -51,21 +70,24 @@ def _commands_of(group: Any, above: str = "") -> Iterator[tuple[str, Any]]:
             yield f"{above}{name}", command
 
 
-def _row(parameter: Any) -> str:
-    """Return the row of an argument or an option in the table of its command."""
+def _rows(command: Any) -> list[Row]:
+    """Return the rows of a command's arguments and options."""
+    return [_row(parameter) for parameter in command.params if not parameter.hidden]
+
+
+def _row(parameter: Any) -> Row:
     is_option = parameter.param_type_name == "option"
     names = ", ".join(f"`{name}`" for name in parameter.opts) if is_option else f"`{parameter.metavar}`"
     meaning, _, told = str(parameter.help or "").partition(" [default: ")
     given = parameter.default
     default = told.removesuffix("]") if told else "" if given in (None, False, "", ()) else str(given)
-    if parameter.required:
-        default = "must be given"
-    return f"| {names} | {_plain(meaning)} | {_plain(default)} |"
+    names = f"**{names}**" if parameter.required else names
+    return Row(names, _plain(meaning), "" if parameter.required else _plain(default))
 
 
 def _plain(text: str) -> str:
     """Return a text in which Markdown finds no marks."""
-    return text.replace("<", r"\<").replace("|", r"\|").replace("*", r"\*")
+    return text.replace("<", r"\<").replace("*", r"\*")
 
 
 if __name__ == "__main__":

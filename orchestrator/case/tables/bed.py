@@ -35,13 +35,11 @@ Sphere = tuple[Number, Number, Number, Positive]
 
 
 class OwnShape(Table):
-    """A shape of grains of the case's own, which particles, blocks and feeds name as their ``shape``."""
+    """A shape of the case's own."""
 
     spheres: Annotated[tuple[Sphere, ...], Len(0, MOST_SPHERES)]
-    """Place and radius of each sphere, [x, y, z, r], in any unit of length and any axes.  They overlap or
-    touch, so that all hang together, and what they have in common counts once.  The grain's size scales the
-    shape, whose sieve size, centre of mass and moments of inertia are computed
-    (how-to/add-a-shape.md)."""
+    """[x, y, z, r] of each sphere, in any unit and axes; they hang together, and the sieve size scales
+    them (how-to/add-a-shape.md)."""
 
 
 @cache
@@ -59,22 +57,22 @@ def _wrong(error: PydanticCustomError, value: Any, *key: str) -> InitErrorDetail
 
 
 class SizeClass(Table):
-    """A class of particles whose sieve sizes are spread evenly between two limits."""
+    """A class of evenly spread sieve sizes; or ``curve``."""
 
     MASS_POWER: ClassVar[int] = 4
     """The mass below a size is a straight line over this power of it; numbers are spread evenly."""
 
     smallest_m: Positive
-    """Smallest sieve size: the side of the smallest square opening that a particle passes, which is the
-    diameter of a sphere."""
+    """Smallest sieve size."""
     largest_m: Positive
     """Largest sieve size."""
     mass_fraction: Positive
-    """Share of the mass; the shares of all classes add up to 1."""
+    """Share of the mass; all add up to 1."""
 
 
 class PassingPoint(Table):
-    """A point of a cumulative size distribution."""
+    """A point of the cumulative sizes, from fine to coarse, straight between points; ``curve.file =
+    "lab.csv"`` takes a sieve analysis (how-to/use-a-sieve-analysis.md)."""
 
     sieve_size_m: Positive
     """Sieve size."""
@@ -83,27 +81,25 @@ class PassingPoint(Table):
 
 
 class Particle(Table):
-    """One particle."""
+    """One particle at t = 0."""
 
     position_m: Vector
-    """Its centre at t = 0."""
+    """Its centre."""
     velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
-    """Its velocity at t = 0."""
+    """Its velocity."""
     spin_rad_per_s: Vector = (0.0, 0.0, 0.0)
-    """Its angular velocity at t = 0."""
+    """Its angular velocity."""
     sieve_size_m: Positive
-    """Its sieve size: the side of the smallest square opening that it passes, which is the diameter of a
-    sphere."""
+    """Smallest square opening that it passes; a sphere's diameter."""
     material: str
-    """Its material, which also gives its density."""
+    """Its material."""
     rotation_rad: Vector = (0.0, 0.0, 0.0)
-    """How it is turned at t = 0 from the axes of its shape: a vector along the axis of the turn, as long
-    as its angle.  The principal axis of the largest moment of inertia is x, that of the smallest one z."""
+    """Turn from the axes of its shape (z of the smallest, x of the largest moment of inertia), as a
+    vector."""
     shape: ShapeName = "sphere"
-    """Its shape: of what spheres it is made.  A name of this list or of
-    ``[bed.shapes]``."""
+    """One of these or of ``[bed.shapes]``."""
     axes: Literal["deck", "world"] = "world"
-    """Axes in which position, velocity, spin and rotation are given."""
+    """Axes of position, velocity, spin and rotation."""
 
 
 class Filling(Table):
@@ -112,59 +108,55 @@ class Filling(Table):
     material: str
     """Their material."""
     shape: ShapeName = "sphere"
-    """Their shape: of what spheres each is made.  A name of this list or of
-    ``[bed.shapes]``."""
+    """One of these or of ``[bed.shapes]``."""
     box_m: Box
     """Lowest and highest corner of the box in which they appear."""
     sizes: tuple[SizeClass, ...] = ()
-    """Size classes.  Give either these or ``curve``."""
+    """Size classes."""
     curve: tuple[PassingPoint, ...] = ()
-    """Cumulative size distribution, from fine to coarse, straight between its points.  Give either
-    this or ``sizes``.  ``curve.file = "lab.csv"`` takes it from a sieve analysis in the case's folder
-    (how-to/use-a-sieve-analysis.md)."""
+    """Cumulative size distribution, from fine to coarse."""
     smallest_fed_m: Positive | None = None
-    """Smallest sieve size that is computed; finer particles would be too many."""
+    """Smallest sieve size that is computed."""
     finer: Literal["leave-out", "next-class"] = "leave-out"
-    """Treatment of the mass finer than ``smallest_fed_m``, and of a feed's that a sample does not
-    compute.  leave-out: it is left out, which reduces a feed's rate.  next-class: the finest class of which
-    all particles are computed takes it over."""
+    """Mass finer than that, or not computed of a sample: left out, from a feed's rate, too, or in the
+    finest class computed whole."""
     velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
-    """Velocity with which they appear; the velocity of a feed must carry them out of the box."""
+    """Velocity with which they appear; a feed's must carry them out of the box."""
     seed: Whole = 1
-    """Seed of the random numbers: the same seed gives the same particles."""
+    """Seed of the random numbers."""
 
 
 class Block(Filling):
-    """A block of particles that lie in a box at t = 0 without touching each other."""
+    """A block of particles that lie in a box at t = 0 without touching."""
 
     count: Particles
     """Number of particles."""
     axes: Literal["deck", "world"] = "deck"
-    """Axes in which box and velocity are given."""
+    """Axes of box and velocity."""
 
 
 class Feed(Filling):
     """A feed of particles through a box."""
 
     rate_kg_per_s: Positive
-    """Mass rate of the feed."""
+    """Mass rate."""
     sampled_below_m: Positive | None = None
-    """Finer particles are sampled: only some of them are computed, each of which stands for others of its
-    size in all shares of the separation.  What becomes of the others' mass, ``finer`` says."""
+    """Of finer particles only some are computed, each for others of its size in the separation;
+    ``finer`` says where the others' mass goes."""
     sampled_as_m: Positive | None = None
-    """Of the sampled particles, so few are computed as if all of them had this diameter: of those of
-    diameter d, one in (``sampled_as_m`` / d)^3.  By default, it is ``sampled_below_m``."""
+    """Of sampled particles of diameter d, one in (``sampled_as_m`` / d)^3 is computed; by default
+    ``sampled_below_m``."""
     axes: Literal["deck", "world"] = "world"
-    """Axes in which box and velocity are given."""
+    """Axes of box and velocity."""
     start_s: NotNegative = 0.0
-    """Time at which the feed starts."""
+    """Start."""
     stop_s: Positive | None = None
-    """Time at which the feed stops.  By default, it stops at the end of the run."""
+    """Stop; by default the end of the run."""
 
 
 class Bed(Table):
-    """All particles.  Their ids start from 1, in the order particles, blocks, feeds.  With ``from_run`` or
-    ``table``, the particles taken over replace single particles and blocks, while feeds stay."""
+    """All particles, with ids from 1 through particles, blocks and feeds; ``from_run`` or ``table``
+    replace the first two."""
 
     particles: dict[Name, Particle] = Field(default_factory=dict)
     """Single particles by name."""
@@ -175,37 +167,27 @@ class Bed(Table):
     shapes: dict[Name, OwnShape] = Field(default_factory=dict)
     """Shapes of the case's own, by name."""
     shape_divisions: Annotated[int, Strict(), Ge(1), Le(MOST_SPHERES)] = 1
-    """Number of parts into which spheres divide the way between each two touching spheres of a shape.  1
-    takes a shape's spheres as they are; more make its dents finer, at the same outline and sieve size.  The
-    cost goes with the number of spheres, of which a shape has 64 at most (docs/theory/clumps.md)."""
+    """Parts of the way between touching spheres of a shape: smoother and dearer (docs/theory/clumps.md)."""
     from_run: OneLine | None = None
-    """Folder of a run whose particles this case begins with, from the case's folder or from the working
-    directory.  It may be a run of another level, mesh or machine; that of a run that failed needs a
-    ``from_time_s``."""
+    """Folder of a run, also of another machine, whose particles this case begins with; one that failed
+    needs ``from_time_s``."""
     from_time_s: NotNegative | None = None
-    """With ``from_run``: time of the state; the nearest recorded state is taken.  By default, it is the
-    last one.  States of checkpoints are exact, others are those of the ParaView files."""
+    """Its nearest state is taken, by default the last; checkpoints are exact."""
     table: OneLine | None = None
-    """Table of particles, from the case's folder or from the working directory: CSV or another text, Parquet,
-    ParaView's .vtu, .vtp or .vtk, a dump or data file of LIGGGHTS or LAMMPS, or an export of YADE
-    (how-to/come-from-another-program.md).  Its own names of columns are x_m, y_m, z_m, sieve_size_m and
-    material; and, if given, vx_m_per_s, vy_m_per_s, vz_m_per_s, wx_rad_per_s, wy_rad_per_s, wz_rad_per_s.
-    All are in world axes."""
+    """Table of particles in world axes: text, Parquet, VTK, of LIGGGHTS, LAMMPS or YADE
+    ([columns](how-to/reuse-a-bed.md))."""
     columns: dict[OneLine, OneLine] = Field(default_factory=dict)
-    """What columns of ``table`` are, where their names leave it open: "size" = "diameter / mm"; "ignore"
-    leaves one out."""
+    """What unclear columns are: "size" = "diameter / mm", "ignore"."""
     decimal: Literal["", ".", ","] = ""
-    """Decimal mark of ``table``, where it leaves it open."""
+    """Decimal mark, if unclear."""
     material: OneLine | dict[OneLine, OneLine] | None = None
-    """Material of all particles of a ``table`` that names none; or the material of each of its types, such as
-    1 = "coal"."""
+    """Material of the ``table``, or of each of its types: 1 = "coal"."""
     velocities: Literal["keep", "zero"] = "keep"
-    """Velocities and spins of the particles taken over.  keep: as they were.  zero: all at rest."""
+    """Motion of these particles: as it was, or at rest."""
     outside: Literal["refuse", "leave-out"] = "refuse"
-    """Particles taken over that are outside of ``domain_m``."""
+    """Those outside of ``domain_m``."""
     push_out: Switch = False
-    """true: particles taken over that lie in surfaces or too deep in each other are moved apart before
-    the start.  false: they are refused."""
+    """Whether those in surfaces or too deep in each other are moved apart, or refused."""
 
     _carried: CarriedBed | None = PrivateAttr(default=None)
 

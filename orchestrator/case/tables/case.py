@@ -40,36 +40,34 @@ from orchestrator.ports.adapters import Adapter
 
 
 class Slice(Table):
-    """A strip in the middle of the machine's width.  The case describes the whole machine; the slice
-    has its share of masses, bushings, exciters and feeds, so that its frames move as the frames of the
-    whole machine do.  This table usually stands in a level."""
+    """A strip in the middle of the width, with its share of masses, bushings, exciters and feeds;
+    usually in a level."""
 
     width_m: Positive
-    """Width of the slice."""
+    """Width."""
     sides: Literal["periodic", "walls"] = "periodic"
-    """periodic: particles that leave at one side come back at the other, and walls along the sides are
-    left out.  walls: the walls along the sides are moved to the sides of the slice."""
+    """periodic: what leaves at one side returns at the other, without side walls. walls: they stand at
+    the slice's sides."""
 
 
 class MaxwellBranch(Table):
-    """A Maxwell branch: a spring and a damper in series, whose stress relaxes."""
+    """A spring and a damper in series."""
 
     ratio: Positive
-    """Modulus of the branch divided by the elastic modulus."""
+    """Modulus over the elastic modulus."""
     relaxation_s: Positive
     """Relaxation time."""
 
 
 class LossPoint(Table):
-    """A point of a measured loss-factor curve."""
+    """Loss measured from low to high frequencies; branches are fitted unless ``maxwell`` is given."""
 
     frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e6)]
     """Frequency."""
     loss_factor: Annotated[float, Strict(), Ge(1e-4), Le(10)]
-    """Loss modulus divided by storage modulus."""
+    """Loss modulus over storage modulus."""
     storage_ratio: Annotated[float, Strict(), Ge(1), Le(1e3)] | None = None
-    """Storage modulus divided by the elastic modulus, which follows from C10 and C01.  Give it only if
-    it was measured."""
+    """Storage modulus over the elastic one, if measured."""
 
 
 class Hyperelastic(Table):
@@ -80,47 +78,42 @@ class Hyperelastic(Table):
     c01_Pa: NotNegative
     """Coefficient of the second invariant."""
     bulk_modulus_Pa: Positive
-    """Bulk modulus K of the volumetric energy K/2 (J - 1)^2."""
+    """K of the volumetric energy K/2 (J - 1)^2."""
     maxwell: tuple[MaxwellBranch, ...] = ()
     """Branches that damp the panel."""
     loss_curve: tuple[LossPoint, ...] = ()
-    """Measured loss factor, from low to high frequencies.  If ``maxwell`` is empty, branches are fitted
-    to this curve."""
+    """Measured loss factor."""
 
 
 class FatigueLine(Table):
-    """The user's own line of a material's life under cycles of strain:
-    cycles x (strain_amplitude / amplitude)^slope.  It only ranks the panels of a run."""
+    """Line cycles x (strain_amplitude / amplitude)^slope that only ranks the panels of a run."""
 
     strain_amplitude: Annotated[float, Strict(), Gt(0), Le(1)]
-    """Strain amplitude, half of the range of a cycle."""
+    """Half the strain range of a cycle."""
     cycles: Annotated[float, Strict(), Ge(1), Le(1e15)]
     """Cycles to failure at this amplitude."""
     slope: Annotated[float, Strict(), Gt(0), Le(50)]
-    """Slope of the line over logarithms: ten times the amplitude divides the cycles by 10^slope."""
+    """Ten times the amplitude divides the cycles by 10^slope."""
 
 
 class Material(Table):
-    """A material of particles, walls or panels.  A material of the library needs no table: ``material =
-    "limestone"`` is enough, and its table may give single keys that replace the library's
-    (docs/materials.md)."""
+    """A material of particles, walls or panels; given keys replace the [library's](materials.md), which
+    needs no table."""
 
     like: OneLine | None = None
-    """Name of a material of the library, which gives all keys that this table does not.  By default, it is
-    this material's own name."""
+    """Material of the library with all other keys; by default that of this name."""
     density_kg_per_m3: Positive
     """Density."""
     youngs_modulus_Pa: Positive | None = None
-    """Young's modulus in contacts.  For a hyperelastic material the default is some 6 (C10 + C01)."""
+    """In contacts; by default some 6 (C10 + C01)."""
     poisson_ratio: Annotated[float, Strict(), Ge(0), Lt(0.5)] | None = None
-    """Poisson's ratio in contacts.  For a hyperelastic material the default follows from its constants."""
+    """In contacts; by default from the hyperelastic constants."""
     shape: Literal["round", "rounded", "angular", "flaky"] | None = None
-    """Shape class of grains.  It gives the ``rolling_friction`` of all their contacts that give none
-    (docs/materials.md).  Grains of the library have one."""
+    """Shape class of grains, for the ``rolling_friction`` of contacts ([more](materials.md))."""
     hyperelastic: Hyperelastic | None = None
-    """Constants that the material of a panel needs in addition."""
+    """Constants of a panel's material."""
     fatigue: FatigueLine | None = None
-    """Line by which the panels of this material are ranked in the results of a run."""
+    """Line that ranks the panels of this material."""
 
 
 WORK_OF_ADHESION = "work_of_adhesion_J_per_m2"
@@ -130,9 +123,9 @@ class ReboundPoint(Table):
     """A point of the restitution over the speed of impacts."""
 
     impact_m_per_s: Annotated[float, Strict(), Gt(0), Le(100)]
-    """Normal speed with which the two bodies first touch."""
+    """Normal speed at first touch."""
     restitution: Annotated[float, Strict(), Gt(0), Le(1)]
-    """Coefficient of restitution of such impacts."""
+    """Coefficient of such impacts."""
 
 
 def _branch(restitution: object) -> str:
@@ -140,38 +133,33 @@ def _branch(restitution: object) -> str:
 
 
 class Contact(Table):
-    """The contact properties of two materials.  Every pair that can meet must be given."""
+    """Two materials.  Every pair that can meet must be given, unless the library has it."""
 
     between: tuple[str, str]
-    """The two materials; they are equal for contacts between particles of one material."""
+    """The two materials, or one twice."""
     restitution: Annotated[
         Annotated[float, Strict(), Gt(0.05), Le(1), Tag("<number>")]
         | Annotated[tuple[ReboundPoint, ...], Tag("<points>")],
         Discriminator(_branch),
     ]
-    """Coefficient of restitution: a number above 0.05, LIGGGHTS's limit, or points from slow to fast
-    impacts, linear between them and constant beyond (docs/theory/rebound.md)."""
+    """Coefficient, or points over impact speed, linear between them, constant beyond
+    (docs/theory/rebound.md)."""
     sliding_friction: NotNegative
-    """Coefficient of sliding friction."""
+    """Coefficient."""
     rolling_friction: NotNegative
-    """Coefficient of rolling friction: largest couple / (normal force x reduced radius).  Where it is not
-    given, it is that of the ``shape`` of the grains; two kinds of grains have the mean of both."""
+    """Largest couple / (normal force x reduced radius); by default that of the grains' ``shape``, or
+    their mean."""
     work_of_adhesion_J_per_m2: NotNegative = 0.0
-    """Energy per area to separate the two materials.  For equal materials it is twice the surface
-    energy."""
+    """Energy to separate the two; for equal materials twice the surface energy."""
     bond_number: Annotated[float, Strict(), Ge(0), Le(1e6)] | None = None
-    """Pull-off force over the weight of a grain, which may be given instead of
-    ``work_of_adhesion_J_per_m2`` (docs/theory/adhesion.md).  The resolved case has the work."""
+    """Instead of the work: pull-off force over a grain's weight (docs/theory/adhesion.md)."""
     bond_diameter_m: Positive | None = None
-    """Diameter of the grain that ``bond_number`` refers to.  By default, it is the median diameter by mass
-    of the material's feeds; without feeds, of its blocks, else of its single particles, else of the
-    particles that the case takes over."""
+    """Grain of ``bond_number``; by default the median by mass of the material's feeds, else blocks, else
+    others."""
     moisture: Literal["dry", "moist", "wet", "sticky"] | None = None
-    """Class of moisture, which may be given instead of ``work_of_adhesion_J_per_m2``.  It stands for a work
-    of adhesion: dry 0, moist 0.192, wet 0.576, sticky 1.92 J/m2 (docs/theory/adhesion.md)."""
+    """Instead of the work: 0, 0.192, 0.576 or 1.92 J/m2 (docs/theory/adhesion.md)."""
     specific_wear_m3_per_N_m: NotNegative = 0.0
-    """Volume that particles of one material wear off a panel or surface of the other material, per
-    normal force and sliding distance (docs/theory/wear.md)."""
+    """Volume that grains wear off per normal force and sliding distance (docs/theory/wear.md)."""
 
     @property
     def rebound(self) -> tuple[ReboundPoint, ...]:
@@ -199,7 +187,8 @@ class Contact(Table):
 
 
 class Air(Table):
-    """The still air around the particles.  An empty table is dry air of 20 degrees Celsius at 1013 hPa."""
+    """Still air, by default none (docs/theory/air.md); an empty table is dry air of 20 degrees Celsius
+    at 1013 hPa."""
 
     density_kg_per_m3: Annotated[float, Strict(), Gt(0), Le(10)] = 1.204
     """Density."""
@@ -208,18 +197,19 @@ class Air(Table):
 
 
 class Probe(Table):
-    """A point whose motion is recorded.  It is fixed to a frame or a panel, or it is a particle."""
+    """A point on a frame (``frame``, ``point_m``) or a panel (``panel``, ``at``), or a particle, whose
+    motion is recorded."""
 
     frame: str | None = None
-    """Frame that carries the point; give ``point_m``, too."""
+    """Its frame."""
     point_m: Vector | None = None
-    """Place of the point on the frame at t = 0, in deck axes."""
+    """Place at t = 0, in deck axes."""
     panel: str | None = None
-    """Panel that carries the point; give ``at``, too."""
+    """Its panel."""
     at: tuple[Share, Share] | None = None
-    """Place of the point on the panel, as fractions of the free length and of the width."""
+    """Shares of the free length and the width."""
     sensor_kg: NotNegative = 0.0
-    """Mass of a sensor that is fixed to the panel at the point.  Rigid panels leave it out."""
+    """Mass of a sensor on a panel that is not rigid."""
     particle: Annotated[int, Strict(), Ge(1), Lt(2**63)] | None = None
     """Id of the particle."""
 
@@ -230,41 +220,38 @@ class Case(Table):
     title: OneLine
     """One line that says what the case shows."""
     description: Text = ""
-    """Further text about the case, such as sources and assumptions."""
+    """Sources, assumptions and the like."""
     default_level: str = ""
-    """Level of a run that asks for no level."""
+    """Level of a run that names none."""
     duration_s: Positive
     """Time to simulate."""
     effects: Literal["auto"] | tuple[str, ...] | None = None
-    """Effects that the case has, among the effects that can be left out.  By default, the case has all
-    effects that it describes.  A list of names chooses exactly these effects.  "auto" chooses all
-    effects except those that may be left out according to `flipflow explain`."""
+    """Exactly these [effects](#effects), or those that may matter; by default all that the case
+    describes."""
     effects_for: tuple[str, ...] = ()
-    """Short names of the results that "auto" must not change by more than a tenth.  By default, these
-    are all results that have a short name."""
+    """Short names of results that "auto" must not change by a tenth; by default all."""
     gravity_m_per_s2: Vector = (0.0, 0.0, -9.81)
     """Gravity, in world axes."""
     domain_m: Box
-    """Lowest and highest corner of the domain, in world axes.  Particles that leave it elsewhere than
-    through an exit are removed and count as lost."""
+    """Lowest and highest corner, in world axes; particles that leave it beside exits are lost."""
     materials: dict[Name, Material]
     """Materials by name."""
     contacts: tuple[Contact, ...] = ()
-    """Contact properties of pairs of materials."""
+    """Contacts of pairs of materials."""
     air: Air | None = None
-    """Air that resists the particles' motion.  By default, there is none (docs/theory/air.md)."""
+    """Air that resists the particles."""
     screen: Screen
     """The machine."""
     bed: Bed = Field(default_factory=Bed)
     """The particles."""
     slice: Slice | None = None
-    """A strip of the width that is computed instead of the whole machine."""
+    """Strip of the width that is computed."""
     probes: dict[Name, Probe] = Field(default_factory=dict)
     """Probes by name."""
     coupling: Coupling = Field(default_factory=Coupling)
-    """Scheme and times of the exchange between the solvers."""
+    """Exchange between the solvers."""
     exchange: Exchange = Field(default_factory=Exchange)
-    """Quantities that the solvers exchange."""
+    """What the solvers exchange."""
     frames: FramesSolver = Field(default_factory=FramesSolver)
     """Solver of the frames."""
     panel: PanelSolver = Field(default_factory=PanelSolver)
@@ -272,7 +259,7 @@ class Case(Table):
     particles: ParticlesSolver = Field(default_factory=ParticlesSolver)
     """Solver of the particles."""
     monitor: MonitorSettings = Field(default_factory=MonitorSettings)
-    """Events that the run watches for, and its reactions."""
+    """Events that the run watches for."""
     checkpoint: CheckpointSettings = Field(default_factory=CheckpointSettings)
     """Times between checkpoints."""
     output: Output = Field(default_factory=Output)

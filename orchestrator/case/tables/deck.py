@@ -29,41 +29,35 @@ class Rims(Table):
     """What particles meet at openings, and how much of the panel counts as solid besides."""
 
     margin_share: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
-    """Share of the panel's width that counts as solid for its mass and stiffness although particles find
-    openings there.  A slice takes its part of the whole panel's margins in this way, in place of
-    ``margin_across_m``."""
+    """Share of the width that is solid for mass and stiffness alone, of a slice."""
     rims: Literal["thin", "deep"] = "thin"
-    """What particles meet at an opening.  Thin rims are the edges of a surface without thickness; deep ones
-    are walls from the upper to the lower side of the mat, which follow its normal and its stretch."""
+    """thin: edges of a surface. deep: walls through the mat, which follow its normal and stretch."""
     depth_m: Positive | None = None
-    """Distance between the upper and the lower side of the mat, of deep rims.  By default, it is the panel's
-    thickness."""
+    """Depth of deep rims; by default the panel's thickness."""
     relief_deg: Annotated[float, Strict(), Ge(-45), Le(45)] | None = None
-    """Angle between the walls of deep rims and the normal, 0 by default: with a positive angle, openings
-    widen downwards.  Lengths, widths and outlines are those of the upper side."""
+    """Angle of deep rims to the normal, 0 by default; positive widens openings downwards."""
 
 
 class Apertures(Rims):
-    """Equal openings in a regular pattern, through which particles fall.  The pattern is centred and
-    has as many whole pitches as fit between the margins.  The panel has the stiffness and the mass of
-    the material between the openings (docs/theory/perforated_panel.md)."""
+    """Equal openings in a centred pattern, as many as fit between the margins ([stiffness and
+    mass](theory/perforated_panel.md))."""
 
     shape: Literal["rectangle", "slot"] = "rectangle"
-    """Shape of an opening.  A slot has round ends; it is a circle if length and width are equal."""
+    """A slot has round ends, or is a circle."""
     length_m: Positive
-    """Length of an opening along the panel."""
+    """Length along the panel."""
     width_m: Positive
-    """Width of an opening across the panel."""
+    """Width across the panel."""
     pitch_along_m: Positive
-    """Distance between the centres of neighbouring openings along the panel."""
+    """Distance of centres along the panel."""
     pitch_across_m: Positive
-    """Distance between the centres of neighbouring openings across the panel."""
+    """Distance of centres across the panel."""
     stagger: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
-    """Shift of every second row of openings across the panel, as a share of the pitch."""
+    """Shift of every second row across, as a share of the pitch."""
     margin_along_m: NotNegative = 0.0
-    """Smallest length without openings before each clamp."""
+    """Least length without openings before each clamp."""
     margin_across_m: NotNegative = 0.0
-    """Smallest width without openings at each side."""
+    """Least width without openings at each side."""
 
     @property
     def smaller_m(self) -> float:
@@ -72,19 +66,17 @@ class Apertures(Rims):
 
 
 class DrawnApertures(Rims):
-    """Openings from a drawing, in place of a pattern.  Closed outlines are openings; one around all others
-    is that of the panel, with the strips under its clamps, and gives ``length_m`` and ``width_m`` where they
-    are not given.  x of the drawing runs along the panel and y across, as seen from above, from the corner
-    of that outline, or else from the origin of the drawing (docs/how-to/bring-your-own-geometry.md)."""
+    """Openings from a drawing; an outline around all others is the panel's
+    (docs/how-to/bring-your-own-geometry.md)."""
 
     file: Annotated[str, StringConstraints(min_length=1, max_length=200)]
     """DXF file in the case's folder."""
     unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
-    """Unit of the drawing.  It is needed where the file does not say it, and stands above what it says."""
+    """Needed where the file does not say it; stands above what it says."""
     layers: tuple[OneLine, ...] = ()
-    """Layers with the outlines.  They must be named if the drawing has outlines on more than one layer."""
+    """Layers with the outlines; needed if there is more than one."""
     rotation_deg: Literal[0, 90, 180, 270] = 0
-    """Angle by which the drawing is turned anticlockwise, as seen from above."""
+    """Turn of the drawing anticlockwise, as seen from above."""
 
     _drawing: Drawing | None = PrivateAttr(default=None)
 
@@ -112,24 +104,21 @@ def _way_of_openings(given: Any) -> str:
 
 
 class Stop(Table):
-    """The flat top of a beam below a panel, on which the panel may come to lie.  The beam is the flange
-    of the cross beam beside its clamp, or a bar between the cross beams (docs/theory/panel_stops.md)."""
+    """The flat top of a beam on which a panel may come to lie (docs/theory/panel_stops.md)."""
 
     frame: str | None = None
-    """Frame that carries the stop, or "ground".  By default, it is the frame that holds the nearer
-    clamp."""
+    """Frame or "ground"; by default that of the nearer clamp."""
     from_m: NotNegative
-    """Beginning of the stop, measured along the free length from the first clamp's inner edge."""
+    """Beginning, along the free length."""
     to_m: Positive
-    """End of the stop, measured in the same way."""
+    """End."""
     gap_m: Positive
-    """Distance of the stop below the panel when the panel is straight between its clamps."""
+    """Distance below the straight panel."""
     stiffness_Pa_per_m: Positive | None = None
-    """Stiffness of the stop's layer of rubber: pressure divided by the depth pressed in.  By default, it
-    is a tenth of the largest value allowed, which is the panel's mass per area divided by the square of
-    the sync interval."""
+    """Pressure over depth of its rubber; by default a tenth of the most allowed, mass per area /
+    ``sync_interval_s``^2."""
     damping_ratio: Share = 0.2
-    """Damping of the panel's mass on the layer, as a share of the critical damping."""
+    """Share of the critical damping."""
 
 
 Slope = Annotated[float, Strict(), Ge(0), Le(60)]
@@ -140,23 +129,19 @@ class PanelSheet(Table):
     """The common part of panels and decks: the sheet of a panel with its openings and stops."""
 
     material: str
-    """Material of a panel, which must have the table ``hyperelastic``."""
+    """Material with ``hyperelastic``."""
     length_m: Positive
-    """Stress-free length of a panel between the inner edges of its clamps."""
+    """Stress-free length between the clamps' inner edges."""
     width_m: Positive
-    """Width of a panel."""
+    """Width."""
     thickness_m: Positive
-    """Thickness of a panel."""
+    """Thickness."""
     clamp_m: NotNegative = 0.0
-    """Length of the panel under each clamp, where it is built in.  For every solver 0 means a hinge: the
-    panel's end cannot move but can turn."""
+    """Length built in under each clamp; 0 is a hinge."""
     clamp_angle_deg: ClampAngle = 0.0
-    """Angle by which both clamps hold the panel turned about their inner edges.  With a positive angle, both
-    ends point down into the sag, and the clamps' outer edges are higher than the inner ones."""
+    """Turn of both clamps; positive points the ends down into the sag."""
     moulded_sag_m: NotNegative = 0.0
-    """Depth to which the middle of the free length hangs below its ends where the panel is free of stress.
-    The stress-free shape is a full wave along ``length_m``, and leaves the ends along the line between
-    them (docs/theory/mats.md)."""
+    """Sag of the middle free of stress, a full wave along ``length_m`` (docs/theory/mats.md)."""
     apertures: (
         Annotated[
             Annotated[Apertures, Tag("<pattern>")] | Annotated[DrawnApertures, Tag("<drawing>")],
@@ -164,46 +149,46 @@ class PanelSheet(Table):
         ]
         | None
     ) = None
-    """Openings of a panel: a pattern, or a drawing where ``file`` is given."""
+    """Openings: a pattern, or a drawing where ``file`` is given."""
     stops: dict[Name, Stop] = Field(default_factory=dict)
-    """Beams below a panel that it may come to lie on, by name."""
+    """Beams below the panel, by name."""
 
 
 class SidePlates(Table):
     """A plate along each side of the deck."""
 
     frame: str
-    """Frame that carries the plates, or "ground"."""
+    """Frame or "ground"."""
     material: str
-    """Material of the plates."""
+    """Material."""
     height_m: Positive
-    """Height of the plates above the line of the panels, along the deck's z axis."""
+    """Above the line of the panels."""
     depth_m: NotNegative = 0.0
-    """Depth of the plates below the line of the panels."""
+    """Below it."""
     gap_m: NotNegative = 0.0
-    """Distance of the plates from the panels' edges."""
+    """From the panels' edges."""
 
 
 class FeedChute(Table):
     """A plate, as wide as the deck, that ends above the first cross beam."""
 
     frame: str = "ground"
-    """Frame that carries the chute, or "ground"."""
+    """Frame or "ground"."""
     material: str
-    """Material of the chute."""
+    """Material."""
     length_m: Positive
-    """Length of the chute."""
+    """Length."""
     slope_deg: Slope
-    """Angle by which the chute slopes down to the deck, against the horizontal."""
+    """Slope down to the deck."""
     drop_m: NotNegative
-    """Height of the chute's end above the first cross beam."""
+    """Height of its end above the cross beam."""
 
 
 class CrossBeams(Table):
-    """The visible tops of the cross beams, between the clamps of neighbouring panels."""
+    """Their tops, which close gaps between clamps."""
 
     material: str
-    """Material of the cross beams."""
+    """Material."""
 
 
 def _as_list(value: Any) -> Any:
@@ -212,35 +197,27 @@ def _as_list(value: Any) -> Any:
 
 
 class Deck(PanelSheet):
-    """A row of panels end to end between cross beams, which belong to two frames in turn.
-
-    Panels are named <name>-1, <name>-2 and so on from the upper end, surfaces <name>-left-1,
-    <name>-right-1, <name>-beam-1, <name>-chute.  Instead of a deck, panels and surfaces may be
-    given one by one.
-    """
+    """A row of panels between cross beams: panels ``<name>-1`` and so on from the upper end, surfaces
+    ``<name>-left-1``, ``<name>-right-1``, ``<name>-beam-1``, ``<name>-chute``."""
 
     frames: tuple[str, str]
-    """Frames that carry the first and the second cross beam; the other cross beams alternate."""
+    """Frames of the cross beams in turn."""
     corner_m: Vector
-    """Middle of the first cross beam's top, at the side from which y points into the deck."""
+    """Middle of the first cross beam's top, from which y points into the deck."""
     panels: Few
     """Number of panels."""
     pitch_m: Positive | None = None
-    """Distance between the middles of neighbouring cross beams.  By default, it is what panels need:
-    ``length_m``, the largest ``tension_m`` and two clamps, and 2 mm between neighbours' clamps.  It then
-    follows ``tension_m``."""
+    """Distance of neighbouring cross beams; by default ``length_m``, the largest ``tension_m``, two
+    clamps and 2 mm."""
     tension_m: Annotated[tuple[Number, ...], BeforeValidator(_as_list)] = (0.0,)
-    """Distance between a panel's clamps minus ``length_m``: one number for all panels, or a list with a
-    number for each panel.  It is positive for taut panels and negative for slack panels."""
+    """Distance between clamps minus ``length_m``, positive if taut, of all or of each."""
     slopes_deg: tuple[Slope, ...] = ()
-    """Slope of each segment against the horizontal, from the upper end; all segments have the same
-    number of panels unless ``panels_per_slope`` is given.  By default, the deck is one segment along the
-    deck axes (``screen.inclination_deg``)."""
+    """Slope of each segment against the horizontal; by default one, along the deck axes."""
     panels_per_slope: tuple[Few, ...] = ()
-    """Number of panels of each segment, from the upper end, where segments are not equally long."""
+    """Number of panels of each segment; equal by default."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None
-    """Chute onto the upper end of the deck."""
+    """Chute onto the upper end."""
     cross_beams: CrossBeams | None = None
-    """Tops of the cross beams, which close the gaps between the clamps of neighbouring panels."""
+    """Tops of the cross beams."""

@@ -16,20 +16,18 @@ from orchestrator.ports.adapters import FramesAdapter, PanelAdapter, ParticlesAd
 
 
 class PanelSolver(Table):
-    """The solver of the panels and its settings."""
+    """The solver of the panels."""
 
     solver: Annotated[str, SolverName("panel")] = "sheet"
-    """Name of the solver."""
+    """Its name."""
     integrator: Literal["explicit", "implicit"] = "explicit"
-    """Time integration of the solvers "sheet" and "solid"."""
+    """Time integration of "sheet" and "solid"."""
     cells: Cells = (22, 8)
-    """Numbers of finite-element cells along the free length and across.  The solver "solid" adds the
-    cells that openings need."""
+    """Finite elements along and across, with "solid" besides openings."""
     surface_cells: Cells = (22, 8)
-    """Numbers of cells, along the free length and across, of the surface that particles touch; each cell
-    is cut into two triangles."""
+    """Cells of the surface that particles touch, along and across, two triangles each."""
     step_s: NotNegative = 0.0
-    """Largest time step; 0 takes the solver's own limit with a margin."""
+    """Largest time step; 0: the solver's limit with a margin."""
 
     @property
     def adapter(self) -> PanelAdapter:
@@ -38,12 +36,12 @@ class PanelSolver(Table):
 
 
 class FramesSolver(Table):
-    """The solver of the frames and its settings."""
+    """The solver of the frames."""
 
     solver: Annotated[str, SolverName("frames")] = "exudyn"
-    """Name of the solver."""
+    """Its name."""
     step_s: NotNegative = 0.0
-    """Largest time step; 0 takes the solver's own step."""
+    """Largest time step; 0: the solver's own."""
 
     @property
     def adapter(self) -> FramesAdapter:
@@ -52,42 +50,34 @@ class FramesSolver(Table):
 
 
 class ParticlesSolver(Table):
-    """The solver of the particles and its settings."""
+    """The solver of the particles."""
 
     solver: Annotated[str, SolverName("particles")] = "liggghts"
-    """Name of the solver; "none" lets the machine run empty."""
+    """Its name; with "none" the machine runs empty."""
     step_s: NotNegative = 0.0
-    """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
+    """Largest time step; 0: by ``rayleigh_fraction``."""
     rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
-    """Largest time step as a share of the smallest particle's Rayleigh time; values above 0.2 are
-    refused."""
+    """Largest step over the smallest Rayleigh time, at most 0.2."""
     feed_interval_s: NotNegative = 0.002
-    """Time between two batches of fed particles; 0 feeds in every sync interval.  The new neighbour lists
-    for a batch cost as much time as seven steps."""
+    """Time between batches of fed particles, each of which costs seven steps; 0: every sync interval."""
     largest_youngs_modulus_Pa: Positive | None = None
-    """Largest Young's modulus in contacts.  Stiffer materials are softened to it, which allows longer
-    steps."""
+    """Stiffer contacts are softened to it, for longer steps."""
     coarse_graining: Annotated[float, Strict(), Ge(1), Le(10)] = 1.0
-    """Factor k by which diameters are enlarged; each particle then stands for k^3 particles.  It is meant
-    for layers that load the machine, and is refused for particles smaller than four openings
+    """Factor k on diameters, a particle for k^3; not for particles below four openings
     (docs/theory/feed.md)."""
     softened_adhesion: Literal["sticking", "pull-off"] | None = None
-    """Property that softened contacts keep.  sticking: the speed below which particles stick.
-    pull-off: the pull-off force.  By default, it is pull-off if a contact has a bond_number or a class of
-    moisture, and else sticking."""
+    """What softened contacts keep: the speed below which particles stick, or the force, the default with
+    a bond number or moisture."""
     adhesion: Literal["none", "sjkr", "jkr"] | None = None
-    """Law of adhesion (docs/theory/adhesion.md).  By default, it is jkr if contacts have a work of
-    adhesion."""
+    """Law (docs/theory/adhesion.md); by default jkr if contacts have a work of adhesion."""
     sjkr_diameter_m: Positive | None = None
-    """Diameter of real particles at which ``sjkr`` has the true pull-off force.  By default, it is the
-    geometric mean of the smallest and the largest diameter."""
+    """Real diameter with sjkr's true pull-off force; by default the geometric mean of the extremes."""
     rolling: Literal["none", "cdt", "epsd2"] = "epsd2"
-    """Law of rolling friction for contacts that have some.  cdt: constant torque.  epsd2:
-    elastic-plastic."""
+    """Law of rolling friction. cdt: constant torque. epsd2: elastic-plastic."""
     wear: Literal["none", "archard"] = "archard"
-    """Law of wear for contacts that have a specific wear."""
+    """Law of wear."""
     air_drag: Literal["none", "schiller-naumann"] = "schiller-naumann"
-    """Law of the drag of the air, in cases that have ``air``."""
+    """Law of drag in ``air``."""
 
     @property
     def adapter(self) -> ParticlesAdapter | None:
@@ -96,145 +86,123 @@ class ParticlesSolver(Table):
 
 
 class Coupling(Table):
-    """The scheme and the times of the exchange of motion and load between the solvers."""
+    """The exchange of motion and load between the solvers."""
 
     scheme: Literal["particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"] = "auto"
-    """Order of the solvers within a sync interval (docs/theory/coupling.md).  robin predicts the motion of
-    the panels from the contacts.  aitken and quasi-newton repeat the interval until particles and panels
-    agree.  auto is the first of particles-first, robin and aitken for which the interval is safe
-    (docs/theory/stability.md)."""
+    """Order of the solvers (docs/theory/coupling.md): robin predicts the panels' motion, aitken and
+    quasi-newton repeat intervals; auto: the first safe one of particles-first, robin, aitken."""
     sync_interval_s: Positive = 5e-5
     """Time between two exchanges."""
     tolerance: Annotated[float, Strict(), Gt(0), Le(0.1)] = 1e-3
-    """Largest relative difference, in a repeated interval, between the particles' load and the load under
-    which the panels moved."""
+    """Largest relative difference of the loads in a repeated interval."""
     most_iterations: Annotated[int, Strict(), Gt(0), Le(1000)] = 60
-    """Largest number of runs of a repeated interval.  A warning appears if they do not suffice."""
+    """Most runs of a repeated interval, else a warning."""
 
 
 class Exchange(Table):
-    """The quantities that the solvers exchange.  A quantity that is turned off leaves out physics, which
-    shows its influence.  The balances of momentum and energy then do not close, and the log says so."""
+    """What the solvers exchange; without one, physics is left out, and balances do not close."""
 
     frame_motion: Switch = True
-    """Whether frames move the panels' clamps."""
+    """Frames move the panels' clamps."""
     panel_motion: Switch = True
-    """Whether panels and walls move the surface that particles touch."""
+    """Panels and walls move the surface that particles touch."""
     particle_load: Switch = True
-    """Whether particles load the panels."""
+    """Particles load the panels."""
     panel_reaction: Switch = True
-    """Whether panels and walls push the frames."""
+    """Panels and walls push the frames."""
 
 
 Then = Literal["warn", "shorten", "stop"]
 
 
 class ItemSettings(Table):
-    """The settings of an additional item of the monitor."""
+    """An additional item of an installed package (docs/how-to/add-a-monitor-item.md)."""
 
     then: Then
-    """Reaction to a value above the limit."""
+    """Reaction above the limit."""
     limit: Annotated[float, Strict(), Ge(-1e12), Le(1e12)]
-    """Largest acceptable value, in the unit of the item."""
+    """Largest value, in the item's unit."""
 
 
 class MonitorSettings(Table):
-    """The reactions of a run to events that should not happen.  "warn" warns once, and the run continues.
-    "shorten" runs the next sync intervals in halves, quarters and so on, until no such event has happened
-    for ``calm_s``.  "stop" ends the run (exit code 4), keeps its results, and names the last checkpoint
-    before the event.  Whatever the output, the run looks at surfaces every millisecond, at bed and
-    ledger every five, and at created energy, growing modes and crossings at most some five sync intervals
-    after they happen (docs/theory/stability.md)."""
+    """Reactions to events that should not happen ([how often it looks](theory/stability.md)): "warn"
+    once; "shorten" the sync intervals until ``calm_s`` has passed without one; or "stop" the run (exit
+    code 4), with its results and the last checkpoint before."""
 
     created_energy: Then = "shorten"
-    """Reaction to energy that the coupling creates or destroys within some twenty intervals."""
+    """The coupling makes or destroys energy within some twenty intervals."""
     largest_created_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
-    """Largest acceptable share of created energy in the energy that went through the interface in these
-    intervals."""
+    """This over the energy through the interface."""
     created_in_total: Literal["warn", "stop"] = "warn"
-    """Reaction to energy that the coupling has created or destroyed since t = 0 according to the energy
-    ledger, which is checked every 5 ms."""
+    """The same since t = 0, by the ledger every 5 ms."""
     largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
-    """Largest acceptable share of created energy in the energy that went through the interface or was lost
-    there since t = 0 (docs/theory/stability.md).  A run that ends above it is doubtful."""
+    """This over the energy through the interface or lost; beyond it a run is
+    [doubtful](theory/stability.md)."""
     growing_modes: Then = "shorten"
-    """Reaction to points of the surface whose motion alternates from interval to interval and grows."""
+    """Points of the surface alternate from interval to interval and grow."""
     largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Largest acceptable speed of such points, as a share of the largest speed that the surface has had
-    (root mean square)."""
+    """Their speed over the largest so far (root mean square)."""
     stretched_panels: Then = "warn"
-    """Reaction to a panel that is stretched too far along any edge of the surface's triangles."""
+    """A panel is stretched too far along an edge of a triangle."""
     largest_stretch: Annotated[float, Strict(), Gt(0), Le(10)] = 0.3
-    """Largest acceptable elongation, as a share of the stress-free length.  The material's constants were
-    measured up to the default; panels at work are stretched by some hundredths."""
+    """Elongation over length; constants are measured up to the default."""
     penetrated_surfaces: Literal["warn", "stop"] = "stop"
-    """Reaction to a panel that has gone through a rigid surface or another panel.  The simulation does not
-    prevent this; a beam on which a panel may lie must be a stop of the panel.  A case in which a panel
-    penetrates a surface at the start is refused."""
+    """A panel goes through a surface or panel; a beam on which it may lie must be a stop.  At the start
+    it is refused."""
     largest_penetration: Annotated[float, Strict(), Ge(0), Le(1000)] = 0.5
-    """Largest acceptable distance of the panel's middle beyond the surface, as a share of the panel's
-    thickness."""
+    """Distance of its middle beyond, over its thickness."""
     deep_overlaps: Then = "warn"
-    """Reaction to particles that overlap each other or the surface too deeply."""
+    """Particles overlap too deeply."""
     largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
-    """Largest acceptable overlap, as a share of the smaller radius.  The default is twice the limit of
-    Hertz's theory, which assumes that contacts are small compared to the bodies."""
+    """Over the smaller radius; the default is twice the limit of Hertz's theory."""
     crossed_surface: Literal["warn", "stop"] = "stop"
-    """Reaction to particles whose centre goes through the surface elsewhere than through an opening,
-    because contacts are too soft or steps too long.  Every step of the particles is checked.  A run that
-    continues is doubtful."""
+    """A particle's centre goes through the surface beside openings: contacts are too soft or steps too
+    long; doubtful."""
     most_crossings: Annotated[int, Strict(), Ge(0)] = 0
-    """Largest acceptable number of such crossings."""
+    """Crossings that are accepted."""
     long_steps: Then = "warn"
-    """Reaction to particles, or points of the surface, that move too far in a step of the particles."""
+    """Particles or points of the surface move too far in a particle step."""
     largest_step_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Largest acceptable distance in a step, as a share of the particle's radius; for points of the
-    surface, of the smallest radius.  After longer steps, contacts are detected late or never."""
+    """Over the radius, of points over the smallest."""
     calm_s: NotNegative = 0.0
-    """Time without any such event after which intervals become longer again; 0 takes a cycle of the
-    machine, or 100 sync intervals if nothing drives it."""
+    """Time without events until intervals lengthen; 0: a cycle, or 100 intervals without a drive."""
     lost_particles: Literal["warn", "stop"] = "warn"
-    """Reaction to particles that leave the domain elsewhere than through an exit."""
+    """Particles leave the domain beside exits."""
     escaped_particles: Literal["warn", "stop"] = "warn"
-    """Reaction to particles that leave with the undersize although they fit through no opening.  They were
-    squeezed through because contacts are too soft, or they left beside the panels."""
+    """Particles that fit no opening leave with the undersize."""
     folded_panels: Literal["warn", "stop"] = "stop"
-    """Reaction to panels whose middle line comes nearer to itself than the panel's thickness."""
+    """A panel's middle line is nearer to itself than its thickness."""
     jammed_feed: Literal["warn", "stop"] = "stop"
-    """Reaction to a feed that took less than half of the mass that was due in ``jam_s``."""
+    """A feed takes less than half of what is due in ``jam_s``."""
     jam_s: Positive = 0.2
     """Time over which a feed is judged."""
     items: dict[Name, ItemSettings] = Field(default_factory=dict)
-    """Settings of additional items, which installed packages bring (docs/how-to/add-a-monitor-item.md)."""
+    """Additional items by name."""
 
 
 class CheckpointSettings(Table):
-    """The times between checkpoints, from which ``flipflow resume`` can continue a run.  A run always
-    writes a checkpoint at its end and when it is interrupted."""
+    """Checkpoints for ``flipflow resume``, besides those at the end and when interrupted."""
 
     every_s: NotNegative = 0.0
-    """Simulated time between two checkpoints; 0 means that simulated time causes no checkpoints."""
+    """Simulated time between two; 0: none."""
     wall_min: NotNegative = 10.0
-    """Wall time between two checkpoints; 0 means that wall time causes no checkpoints."""
+    """Wall time between two; 0: none."""
 
 
 class Output(Table):
-    """The output of a run and its intervals."""
+    """The output of a run."""
 
     interval_s: Positive = 0.005
-    """Time between two outputs of snapshots for ParaView, shapes, the bed's profile and the energy ledger.
-    Means of the bed need outputs at four evenly spaced phases of the machine's cycle."""
+    """Time between snapshots for ParaView, profiles and the ledger; means of the bed need four in a
+    cycle."""
     series_s: NotNegative = 0.0
-    """Time between two rows of probes, frames, bushings and panel forces (which are means over it); 0
-    writes a row at every sync point.  Orbits need 20 rows in a cycle of the machine, and accelerations
-    need a row every 0.9 ms."""
+    """Time between rows of probes, frames, bushings and mean panel forces; 0: every sync point.  Orbits
+    need 20 in a cycle, accelerations one in 0.9 ms."""
     shapes_s: NotNegative = 0.0
-    """Time between two rows of the panels' whole shapes; 0 writes none."""
+    """Time between rows of panel shapes; 0: none."""
     loads_s: NotNegative = 0.0
-    """Time between two rows of all forces on the frames, which ``flipflow loads`` hands to a program for
-    their strength; 0 writes none."""
+    """Time between rows of all loads for ``flipflow loads``; 0: none."""
     pictures: Switch = True
-    """Whether pictures are made at the end of the run."""
+    """Whether pictures are made at the end."""
     cut_size_m: Positive | None = None
-    """Size that divides fine from coarse particles in the results.  By default, it is the smaller side of
-    the openings."""
+    """Size that divides fine from coarse; by default the openings' smaller side."""

@@ -44,24 +44,20 @@ def command(
     quantities: Annotated[
         str, typer.Option(help="which errors decide, with commas [default: what repeats itself]")
     ] = "",
-    dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
+    dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
     recorded: Annotated[
-        Path | None,
-        typer.Option("--recorded", help="make no run, and draw the picture of this earlier layers.csv"),
+        Path | None, typer.Option("--recorded", help="make no run, draw this layers.csv")
     ] = None,
 ) -> StudyOutput:
     """Measure the cost of accuracy: run a case over its refinement parameters.
 
-    First, one parameter is changed at a time.  These runs propose joint settings, which are run next:
-    the reference, and for each tolerance the cheapest settings that should meet it.  Errors are
-    against the reference, and costs are processor times.  Called again, the command makes only the
-    missing runs.  The folder gets accuracy.csv, .parquet, .json, layers.csv, pictures and
-    accuracy.html; flipflow plan uses accuracy.json.
+    One parameter is changed at a time.  Then the proposed joint settings are run: the reference, and for
+    each tolerance the cheapest.  Called again, only missing runs are made. accuracy.html shows all; flipflow
+    plan uses accuracy.json.
 
-    CASE may be a folder of cases: then every case below it that has an accuracy.toml is studied as
-    that file says, and layers.csv and layers.png have all of them together.
+    Of a folder of cases, each one with an accuracy.toml is studied, and layers.csv has all.
 
-    Exit code 4: a run failed; 2: the case is wrong.
+    Exit code 4: a run failed.
     """
     duration_sets = [f"duration_s={duration!r}"] if duration else []
     asked = StudyRequest(

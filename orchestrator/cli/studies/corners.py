@@ -27,28 +27,21 @@ Found = Mapping[str, Mapping[str, Value | None]]
 def command(
     study: CaseStudy,
     restitution: Annotated[
-        str | None,
-        typer.Option(metavar="LOW:HIGH", help="range for all contacts of grains, in place of the library's"),
+        str | None, typer.Option(metavar="LOW:HIGH", help="LOW:HIGH, in place of the library's")
     ] = None,
     rolling_friction: Annotated[
-        str | None,
-        typer.Option(metavar="LOW:HIGH", help="range for all contacts of grains, in place of the library's"),
+        str | None, typer.Option(metavar="LOW:HIGH", help="LOW:HIGH, in place of the library's")
     ] = None,
     result: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="result by its short name or path; may be repeated [default: efficiency, velocity]",
-        ),
+        typer.Option(metavar="NAME", help="result; may be repeated [default: efficiency, velocity]"),
     ] = None,
     dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
 ) -> StudyOutput:
     """Run a case at the corners of the ranges of its grains' restitution and rolling friction.
 
-    The ranges are those of the library of materials and of the shapes of grains, until the coefficients are
-    measured.  All contacts of grains are at their low or at their high ends together: five runs with the case
-    as it is given.  What has no range stays as it is.  corners.csv has a row for each run, and the page of
-    the run as-given says what was found.
+    The ranges are the library's.  All contacts of grains are at their low or high ends together: five runs
+    with the case as given.  The page of as-given says what was found.
     """
     given = {"restitution": restitution, "rolling_friction": rolling_friction}
     own = {key: _parse_range(key, text) for key, text in given.items() if text is not None}

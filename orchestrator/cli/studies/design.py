@@ -21,18 +21,15 @@ def command(
     study: StudyPath,
     crew: Crew,
     out: Out = None,
-    dry: Annotated[
-        bool, typer.Option("--dry", help="check and list the runs, predict their time, and stop")
-    ] = False,
+    dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
     write_jobs: WriteJobs = False,
 ) -> StudyOutput:
     """Run the plan of a design study: the centre, then settings over the ranges of all factors.
 
-    First the centre and all corners of the ranges are checked as cases.  The centre alone is run then; the
-    rest follows if it has all responses.  Called again, only what is missing is run.  The results are written
-    as flipflow study fit does.
+    The centre and all corners are checked first; the rest runs if the centre has all responses.  Called
+    again, only missing runs are made.  The results are those of flipflow study fit.
 
-    Exit code 4: a run is no data; 2: the study or a case is wrong.
+    Exit code 4: a run is no data.
     """
     design = DesignStudy(read_study(study), crew, out)
     if dry:

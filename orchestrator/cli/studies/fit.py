@@ -11,8 +11,7 @@ from orchestrator.studies.points import Crew
 def command(study: StudyPath, out: Out = None) -> StudyOutput:
     """Fit surrogates to the runs of a study that have ended, or to a table; nothing is run.
 
-    The folder gets the points, the fits with their analysis of variance and sensitivities, the trade-off, the
-    best settings, pictures and design.html.  Called again, it writes the same files.
+    The folder gets points, fits, sensitivities, trade-off, best settings, pictures and design.html.
     """
     design = DesignStudy(read_study(study), Crew(), out)
     design.load_finished()

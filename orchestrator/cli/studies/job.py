@@ -16,13 +16,11 @@ def command(
     study: CaseStudy,
     folder: Annotated[str, typer.Option("--folder", help="name of the run's folder in the study's folder")],
 ) -> StudyOutput:
-    """Make one run of a study, as --write-jobs of a study lists them.
+    """Make one run of a study, as --write-jobs of a study lists them, unless it is done.
 
-    If the run is done, nothing is made.  If it was ended too early, its folder is put aside, and it is made
-    again.  The study, called again, finds the run.
+    The study, called again, finds the run.
 
-    Exit code 0: the run is done, or doubtful or incomplete; 4: it failed; 2: the case is wrong, or the folder
-    holds a run of another case.
+    Exit code 0: done, doubtful or incomplete; 4: it failed.
     """
     if Path(folder).name != folder:
         raise CaseError([CaseProblem((), "is no name of a folder", file=f"--folder {folder}")])

@@ -12,13 +12,11 @@ from orchestrator.studies.points import Crew
 def command(study: StudyPath, crew: Crew, out: Out = None) -> StudyOutput:
     """Find the best setting of a design study, and measure it.
 
-    The plan is run first (flipflow study design).  Then each run is made where it promises most, until the
-    hours or the runs of the study are used.  The best setting is run again with new random numbers, beside
-    the centre and the best simpler design.  recommended.toml is a level that flipflow run --level takes.
-    Called again, the study goes on where it was.
+    After the plan each run is made where it promises most, within the study's hours or runs.  The best
+    setting is run again with new random numbers, beside the centre and the best simpler design;
+    recommended.toml has it as a level.  Called again, the study goes on.
 
-    Exit code 4: no optimum can be stated, or it was not measured as predicted; 2: the study or a case is
-    wrong.
+    Exit code 4: no optimum can be stated, or it was not measured as predicted.
     """
     design = DesignStudy(read_study(study), crew, out)
     yield from design.run(search=True)

@@ -17,22 +17,16 @@ from orchestrator.workbench import StudyFolder
 
 def command(
     study: CaseStudy,
-    dry: Annotated[
-        bool, typer.Option("--dry", help="make no run, and judge the runs that are there")
-    ] = False,
+    dry: Annotated[bool, typer.Option("--dry", help="make no run, judge those there")] = False,
     recorded: Annotated[
-        Path | None,
-        typer.Option("--recorded", help="make no run, and take all numbers from this earlier paper.csv"),
+        Path | None, typer.Option("--recorded", help="make no run, take numbers from this paper.csv")
     ] = None,
 ) -> StudyOutput:
     """Compare cases with the papers they come from: printed number, computed number, and distance.
 
-    CASE is a case with criteria.toml, or a folder of cases: then all cases whose criteria.toml names a
-    source are compared, each at the level that it names.  The criteria have the paper's numbers, their
-    acceptance bands, and the runs that they need; finished runs are not made again.  A number that is
-    fitted, published or assumed proves nothing and is marked so.  The folder gets paper.csv, paper.md
-    and paper.html, and sweep.csv and sweep.png of every varied key.  With --recorded the page is
-    written of numbers that were measured before.
+    criteria.toml of a case, or of the cases of a folder that name a source, has the numbers, bands and
+    runs.  Called again, only missing runs are made.  A number that is fitted, published or assumed proves
+    nothing and is marked so. paper.html shows all.
 
     Exit code 4: a run failed, or a predicted number is out of its band.
     """

@@ -27,14 +27,11 @@ def command(
 ) -> StudyOutput:
     """Run all hard cases, and draw the map of stability.
 
-    Part "hard" makes every run of every case with criteria.toml and judges it by the criteria.  Part
-    "map" runs one case over coupling schemes, sync intervals and masses of the bed; each run is
-    stable, warned or stopped, or idle if no particle met a panel.  Called again, the command makes only
-    the missing runs; a run that was stopped with a reason is not missing.  The folder gets hard.csv,
-    hard.md, map.csv, stability-map.png and stability.html.
+    Part "hard" judges every case by its criteria.toml.  Part "map" runs one case over schemes, intervals and
+    masses of the bed: stable, warned, stopped, or idle without contact.  Called again, only missing runs are
+    made. stability.html shows all.
 
-    Exit code 4: a criterion is not met, a known failure is met, or a run of the map is missing or idle;
-    2: a case is wrong.
+    Exit code 4: a criterion is not met, a known failure is, or a run of the map is missing or idle.
     """
     parts = {word.strip() for word in part.split(",")}
     if unknown := parts - {"hard", "map"}:

@@ -29,38 +29,29 @@ def command(
     vary: Annotated[
         list[str],
         typer.Option(
-            metavar="KEY=VALUES",
-            help="values as a,b,c or first:last:step (both ends); may be repeated for several keys",
+            metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends); may be repeated"
         ),
     ],
     plan: Annotated[
         Arrangement,
         typer.Option(
-            help="grid: all combinations; list: the first values of all keys, the second, and so on; "
-            "random: values between first:last, or of a list"
+            help="grid: all combinations; list: the keys' first values, second values and so on; "
+            "random: between first:last, or of a list"
         ),
     ] = Arrangement.GRID,
     number: Annotated[int, typer.Option(min=1, max=MOST_VALUES, help="number of runs of a random plan")] = 10,
     seed: Annotated[int, typer.Option(min=0, help="of a random plan")] = 1,
     result: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME", help="result to be printed and drawn, by its short name or path; may be repeated"
-        ),
+        list[str] | None, typer.Option(metavar="NAME", help="result to print and draw; may be repeated")
     ] = None,
-    dry: Annotated[
-        bool, typer.Option("--dry", help="check and list the runs, predict their time, and stop")
-    ] = False,
+    dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
     write_jobs: WriteJobs = False,
 ) -> StudyOutput:
     """Run a case over values of one key, or of several keys.
 
-    Each setting has a run of its own in a folder of its own.  Called again, the command makes only the
-    missing runs; --dry lists and predicts them.  sweep.csv and sweep.parquet have a row for each setting:
-    amplitudes of the first harmonic along (x) and normal to the deck (z) of the frames, of probes on frames,
-    and of the frames against each other; their drift; every single number of the results with its interval;
-    and each --result.  In sweep.png, a value that has not settled has an open mark, and a value that cannot
-    be trusted is a cross.  results.png has each --result with its interval, and the same marks.
+    Called again, only missing runs are made; --dry lists and predicts them. sweep.csv and sweep.parquet
+    have amplitudes, drift and all results of each setting.  In pictures, open marks have not settled, and
+    crosses cannot be trusted.
     """
     wanted = check_results(result)
     single = len(vary) == 1 and plan is not Arrangement.RANDOM

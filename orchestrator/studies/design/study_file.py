@@ -67,62 +67,58 @@ class StudyError(CaseError):
 
 
 class FactorTable(Table):
-    """Something that may be changed."""
+    """What may be changed."""
 
     range: tuple[Number, Number]
-    """Its lower and its upper end."""
+    """Lower and upper end."""
     unit: OneLine = ""
-    """Unit, for tables and pictures."""
+    """For tables and pictures."""
 
 
 class ResponseTable(Table):
-    """A number of a run that counts."""
+    """What counts."""
 
     result: OneLine = ""
-    """Short name of a result, as ``flipflow run`` prints it, or its keys in summary.json with dots; by
-    default the response's own name.  With a table it is the name of the column."""
+    """Short name or keys with dots of a result, or a table's column; by default its own name."""
     unit: OneLine = ""
-    """Unit, for tables and pictures: that of the result, as nothing is converted."""
+    """That of the result."""
     scale: Literal["plain", "percent", "logarithm"] = "plain"
-    """Scale on which surrogates see the response.  Percents of a whole are seen by their logit, so that no
-    prediction lies beyond 0 and 100; positive numbers that span decades are seen by their logarithm."""
+    """For surrogates: percents of a whole by logit, numbers over decades by logarithm."""
     noise: Positive | None = None
-    """Standard deviation of one run's value, where the run itself gives no interval."""
+    """Standard deviation, where a run gives no interval."""
     steady: bool = False
-    """Whether only a run that became steady tells the response; a deck that still fills screens better than
-    it will."""
+    """Whether only a steady run counts."""
 
 
 class PlanTable(Table):
     """The settings that are run first."""
 
     kind: Literal["sobol", "box-behnken", "latin-hypercube", "factorial", "none"] = "sobol"
-    """How the settings are chosen; ``box-behnken`` is for 3 to 7 factors that are not ordered."""
+    """How they are chosen; ``box-behnken``: 3 to 7 factors, not ordered."""
     runs: Few | None = None
-    """Number of settings of ``sobol`` and ``latin-hypercube``; by default four for each factor."""
+    """By default four for each factor."""
     levels: Few = 3
-    """Number of values of each factor in a ``factorial``."""
+    """Of each factor in a ``factorial``."""
     centres: Few = 3
-    """Number of runs at the centre.  Each has other random numbers, so that their scatter is the noise."""
+    """Runs at the centre, whose scatter is the noise."""
 
 
 class CheapTable(Table):
-    """Runs at a cheaper level, from which the responses at the level of the study are predicted."""
+    """Cheaper runs that help to predict."""
 
     level: OneLine
-    """The level of these runs."""
+    """Their level."""
     overrides: tuple[OneLine, ...] = ()
-    """``--set`` of these runs, beside the overrides of all runs."""
+    """``--set`` besides those of all."""
     runs: Few
-    """The number of these runs, at settings all over the ranges."""
+    """Number over the ranges."""
 
 
 class SearchTable(Table):
-    """The settings that are run after the plan, one after the other, each where the most is to be gained."""
+    """The settings after the plan."""
 
     runs: Whole | None = None
-    """Largest number of runs; by default as many as the hours allow, and without hours as many as the plan
-    has."""
+    """By default by the hours, else as the plan."""
     surrogate: OneLine = "gaussian-process"
     """``gaussian-process``, ``quadratic`` or ``network``."""
     optimiser: OneLine = "expected-improvement"
@@ -130,56 +126,52 @@ class SearchTable(Table):
 
 
 class PublishedTable(Table):
-    """Published runs for a response, whose effects stand beside those of the study."""
+    """Published runs, shown beside the study's."""
 
     source: OneLine
-    """Where the results are printed."""
+    """Their source."""
     response: Name
-    """Name of the response."""
+    """Response."""
     table: OneLine
-    """CSV file with the published runs, in the format of ``table`` of a study."""
+    """CSV file like ``table``."""
 
 
 class StudyFile(Table):
     """A design study."""
 
     title: OneLine = ""
-    """Title of the page."""
+    """Of the page."""
     case: OneLine = ""
     """Folder of the case."""
     table: OneLine = ""
-    """Instead of a case, a CSV file with measured or published data: a column for each factor and response,
-    and, where it is known, ``<response> deviation``, the standard deviation of the noise."""
+    """Instead of a case: CSV file with factors, responses and perhaps ``<response> deviation``, the
+    noise's standard deviation."""
     level: OneLine = ""
-    """The case's level; by default the case's own choice."""
+    """By default the case's choice."""
     overrides: tuple[OneLine, ...] = ()
     """``--set`` of all runs."""
     factors: Annotated[dict[Name, FactorTable], Len(1)]
     """What may be changed, by name."""
     set: dict[OneLine, OneLine | tuple[OneLine, ...]] = Field(default_factory=dict)
-    """Values of the case's keys, as arithmetic of factors; several for a list."""
+    """Keys of the case as formulas."""
     derived: dict[Name, OneLine] = Field(default_factory=dict)
-    """Numbers that formulas of ``set`` use, as arithmetic of factors and of the numbers above."""
+    """Numbers for ``set``, as formulas."""
     ordered: tuple[tuple[Name, ...], ...] = ()
-    """Chains of factors whose values must not rise."""
+    """Chains of factors that must not rise."""
     responses: Annotated[dict[Name, ResponseTable], Len(1)]
     """What is measured, by name."""
     goals: tuple[OneLine, ...] = ()
-    """One or two of ``maximise RESPONSE``, ``minimise RESPONSE``.  The recommended setting has the best
-    first one; ``whale`` and ``gradient`` search for that alone."""
+    """One or two ``maximise RESPONSE``, ``minimise RESPONSE``; the first decides."""
     limits: tuple[OneLine, ...] = ()
-    """``RESPONSE >= VALUE``, ``RESPONSE <= VALUE``.  In one of them, several values with commas ask for the
-    best setting at each."""
+    """``RESPONSE >= VALUE``, ``RESPONSE <= VALUE``; several values of one get a setting each."""
     simpler: dict[Name, OneLine] = Field(default_factory=dict)
-    """Factors of a simpler design as formulas of the others; the best simpler design is run beside the best
-    one."""
+    """Factors of a simpler design as formulas; its best is run, too."""
     confidence: Annotated[float, Strict(), Ge(0.5), Lt(1)] = 0.9
-    """The probability with which what is recommended must keep the limits.  0.5 leaves no margin."""
+    """Probability with which limits must be kept; 0.5: no margin."""
     hours: Positive | None = None
-    """Wall time, in hours, for all runs."""
+    """Wall time for all runs."""
     seed: Seed = 1
-    """Seed of plans, surrogates and optimisers.  Each run has seeds of its own, which follow from its
-    number."""
+    """Of plans, surrogates, optimisers and runs."""
     plan: PlanTable = PlanTable()
     """The settings that are run first."""
     cheap: CheapTable | None = None
