@@ -159,6 +159,18 @@ def test_a_wrong_curve_is_refused(tmp_path: Path, curve: str, kind: str) -> None
     assert f"screen.bushings.isolation.{kind}" in refused
 
 
+def test_a_progressive_spring_is_told_from_points_that_scatter(tmp_path: Path) -> None:
+    """No friction element makes a stiffness that rises with the amplitude."""
+    progressive = [(1e-3, 10.0, 1.5e4, 0.1), (3e-3, 10.0, 2e4, 0.1), (6e-3, 10.0, 2.5e4, 0.1)]
+    scattered = [(1e-3, 10.0, 2e4, loss) for loss in (0.03, 0.3)]
+    for points, clue in (
+        (progressive, "rises with the amplitude, from 15000 to 25000"),
+        (scattered, "off by"),
+    ):
+        curve = f'screen.bushings.isolation.curves=[{{axes="x", points=[{rows(points)}]}}]'
+        assert clue in only_complaint(tmp_path, curve)
+
+
 def test_new_points_take_fitted_elements_away(tmp_path: Path) -> None:
     """A resolved case has the points and the elements; new points by --set are fitted anew."""
     resolved = resolved_case(load_case(tmp_path, CASE, [CURVE, EXUDYN]))
@@ -285,8 +297,22 @@ def test_a_test_in_other_words() -> None:
 
 
 @pytest.mark.parametrize(
+    "head", ["time\taxial displacement\taxial force\nsec\tmm\tkN", "Zeit [s]\tFederweg [mm]\tFederkraft [kN]"]
+)
+def test_a_loop_in_the_words_of_a_machine(head: str) -> None:
+    _, *lines = loop().replace(";", "\t").splitlines()
+    assert points_of("\n".join([head, *lines]), Answers()) == points_of(loop(), Answers())
+
+
+@pytest.mark.parametrize(
     ("head", "cell"),
-    [("loss_factor", "10%"), ("loss_factor", "10 %"), ("Loss factor [%]", "10"), ("tan delta", "0.1")],
+    [
+        ("tan d", "0.1"),
+        ("loss_factor", "10%"),
+        ("loss_factor", "10 %"),
+        ("Loss factor [%]", "10"),
+        ("tan delta", "0.1"),
+    ],
 )
 def test_a_loss_factor_in_per_cent(head: str, cell: str) -> None:
     (point,) = points_of(

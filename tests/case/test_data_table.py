@@ -70,6 +70,7 @@ def test_one_text_in_all_its_codes(code: str) -> None:
     [
         (b"PK\x03\x04\x14\x00", "CSV"),
         (b"\xd0\xcf\x11\xe0\xa1", "CSV"),
+        (b"\x1f\x8b\x08\x00", "unpack"),
         (b"PAR1\x15\x04\x15\x00\x00", "no text"),
         (b"a,b\n1,\x00\x812\n", "no text"),
         (b"\xff\xfea", "no text"),
@@ -130,6 +131,10 @@ def test_answers() -> None:
         ("Position X (mm)", "position x", "mm"),
         ("velocity_m_per_s:0", "velocity 0", "m/s"),
         ("Points:2", "points 2", ""),
+        ("Points_1", "points 1", ""),
+        ("velocity_m_per_s_0", "velocity 0", "m/s"),
+        ("tan d", "tan d", ""),
+        ("Displacement mm", "displacement", "mm"),
         ("Damping [Ns/mm]", "damping", "N s/mm"),
         ("retained [wt.-%]", "retained", "%"),
         ("% passing", "passing", "%"),

@@ -65,6 +65,10 @@ Velocities
 TWINS = {
     "yade.txt": "#x y z r\n0.1\t0.1\t0.02\t0.0025\n0.15\t0.1\t0.0305\t0.005\n",
     "yade-materials.txt": "#format x_y_z_r\n# x y z r\n0.1 0.1 0.02 0.0025\n0.15 0.1 0.0305 0.005\n",
+    "yade-alone.txt": "#format x_y_z_r\n0.1\t0.1\t0.02\t0.0025\n0.15\t0.1\t0.0305\t0.005\n",
+    "yade-one.txt": "#format x_y_z_r_matId\n0.1\t0.1\t0.02\t0.0025\t0\n0.15\t0.1\t0.0305\t0.005\t0\n",
+    "yade-attrs.txt": "#format x_y_z_r_attrs\n# vx vy vz\n0.1 0.1 0.02 0.0025 0 0 -1\n"
+    "0.15 0.1 0.0305 0.005 0 0 -2\n",
     "dump.liggghts": DUMP,
     "dump.scaled": DUMP.replace("x y z ix", "xs ys zs ix")
     .replace("0.1 0.1 0.02", "0.2 0.25 0.6")
@@ -73,6 +77,10 @@ TWINS = {
     "data.gran": DATA,
     "paraview.csv": '"radius","id","v:0","v:1","v:2","Points:0","Points:1","Points:2"\n'
     "0.0025,0,0,0,-1,0.1,0.1,0.02\n0.005,1,0,0,-2,0.15,0.1,0.0305\n",
+    "paraview-later.csv": '"Point ID","radius","Points_0","Points_1","Points_2","Points_Magnitude"\n'
+    "0,0.0025,0.1,0.1,0.02,0.2\n1,0.005,0.15,0.1,0.0305,0.2\n",
+    "german.csv": "x [mm];y [mm];z [mm];Durchmesser [mm];Werkstoff\n100;100;20;5;coal\n"
+    "150;100;30,5;10;coal\n",
     "rocky.csv": "Particle X-Coordinate [mm],Particle Y-Coordinate [mm],Particle Z-Coordinate [mm],"
     "Particle Size [mm]\n100,100,20,5\n150,100,30.5,10\n",
     "edem.csv": "EDEM export\nTime,0.5\n\nParticle ID,Position X (m),Position Y (m),Position Z (m),"
@@ -106,6 +114,8 @@ def test_each_file_holds_the_same_particles(tmp_path: Path, name: str) -> None:
 def test_scaled_places_and_other_units(tmp_path: Path) -> None:
     scaled = bed_of(tmp_path, TWINS["dump.scaled"], "dump.scaled")
     np.testing.assert_allclose(scaled.position_m, PLACES, rtol=1e-14)
+    unwrapped = bed_of(tmp_path, TWINS["dump.scaled"].replace("xs ys zs", "xsu ysu zsu"), "dump.scaled")
+    np.testing.assert_array_equal(unwrapped.position_m, scaled.position_m)
     in_cm = bed_of(
         tmp_path, TWINS["dump.cgs"].replace("0.0025\n", "0.25\n").replace("0.005\n", "0.5\n"), "dump.cgs"
     )
@@ -158,18 +168,31 @@ def test_a_file_for_paraview_that_ends_too_early(tmp_path: Path) -> None:
         ("x_m,y_m,z_m,size_m,material\n0.1,0.1,0.02,0.005,coal\n", r"'size_m'.*radius or a diameter\?"),
         ("x_m,y_m,z_m,r_m,d_m\n0.1,0.1,0.02,0.0025,0.005\n", "a radius and a diameter"),
         ("x_m,y_m,z_m,d_m,type\n0.1,0.1,0.02,0.005,1\n0.2,0.1,0.02,0.005,2\n", r"bed\.material = \{1 = "),
+        ("#format x_y_z_r_matId\n0.1 0.1 0.02 0.0025 0\n0.2 0.1 0.02 0.0025 1\n", r"bed\.material = \{0 = "),
         ("x_m,y_m,z_m,d_m,d50\n0.1,0.1,0.02,0.005,1\n", "'d50'.*ignore"),
         ("x_m,y_m,z_m,d_m\n100,100,20,5\n", "mm"),
         ("#x y z r clumpId\n0.1 0.1 0.02 0.0025 4\n", "clumps"),
+        (
+            "x_m,y_m,z_m,Korn [mm]\n0.1,0.1,0.02,5\n",
+            r"columns\.\"Korn \[mm\]\" = \"sieve size / mm\" would name it",
+        ),
+        (DUMP.replace("radius\n7", "fuzz\n7"), r"\"sieve_size_m\"; have it written"),
         (DUMP.replace("ATOMS\n2", "ATOMS\n3"), "2 of 3"),
         (DUMP.replace("radius\n7", "shapex\n7"), "no spheres"),
         (DUMP.replace("ITEM: TIMESTEP\n100", "ITEM: UNITS\nlj\nITEM: TIMESTEP\n100"), '"lj"'),
         (DATA.replace("# granular", ""), "Atoms # sphere"),
+        (DATA.replace("# granular", "# atomic"), '"atomic"'),
     ],
 )
 def test_what_is_unsure_is_asked(tmp_path: Path, text: str, clue: str) -> None:
     with pytest.raises(UnreadableBed, match=clue):
         bed_of(tmp_path, text)
+
+
+@pytest.mark.parametrize("suffix", ["pvd", "pvtu"])
+def test_a_file_that_only_names_others(tmp_path: Path, suffix: str) -> None:
+    with pytest.raises(UnreadableBed, match=r"names other files.*\.vtu"):
+        bed_of(tmp_path, '<?xml version="1.0"?>\n<VTKFile/>\n', f"bed.{suffix}")
 
 
 def test_a_case_answers(tmp_path: Path) -> None:

@@ -32,6 +32,7 @@ from orchestrator.case.file.data_table import (
 from orchestrator.case.file.errors import did_you_mean, show_value
 from orchestrator.case.file.particle_files import (
     BY_CODE,
+    LISTS,
     VTK,
     is_data_file,
     is_dump,
@@ -73,11 +74,12 @@ MEANINGS = {
     **_of_axis("x", 0),
     **_of_axis("y", 1),
     **_of_axis("z", 2),
-    SIZE: "sieve size|particle size|(?:particle |sphere )?(?:diameter|dia|d)",  # Rocky's size is a sieve's
+    # Rocky's size is a sieve's
+    SIZE: "sieve size|particle size|(?:particle |sphere )?(?:diameter|dia|d)|durchmesser|ø",
     RADIUS: "(?:particle |sphere )?(?:radius|radii|rad|r)",
-    DENSITY: "(?:particle )?(?:density|rho)",
-    "material": "(?:particle )?material(?: name)?|mat",
-    "type": "(?:particle |atom )?type",
+    DENSITY: "(?:particle )?(?:density|rho)|dichte",
+    "material": "(?:particle )?material(?: name)?|mat|werkstoff",
+    "type": "(?:particle |atom )?type|mat(?:erial)? ?ids?",
     "id": "(?:particle |atom )?ids?",
 }
 """The names, in small letters, of each column that a table of particles may have."""
@@ -104,6 +106,8 @@ def _read(path: Path, answers: Answers) -> DataTable:
     try:
         if kind == ".parquet":
             return _renamed(_parquet(path), answers)
+        if kind in LISTS:
+            raise TableError(f"names other files; give one of these ({', '.join(VTK)})")
         if kind in VTK:
             return _renamed(read_vtk(path), answers)
         text = decode(path.read_bytes())
@@ -201,7 +205,12 @@ def _open_questions(known: dict[str, Column], others: list[Column], table: DataT
         diameter = answer(column.head, "diameter / mm")
         yield f'is {show_value(column.head)} a radius or a diameter? {diameter} or "radius / mm"'
     wanted = [*PLACES, *([SIZE] if RADIUS not in known and not sizes else [])]
-    yield from (f'there is no column "{key}"' for key in wanted if key not in known)
+    for key in (key for key in wanted if key not in known):
+        hint = "have it written, too"
+        if others and table.form != BY_CODE:
+            name = f"{split_head(key)[0]} / {others[0].unit or 'm'}"
+            hint = f"{answer(others[0].head, name)} would name it"
+        yield f'there is no column "{key}"; {hint}'
     if SIZE in known and RADIUS in known:
         yield f"has a radius and a diameter; {answer(known[RADIUS].head, IGNORE)} leaves one out"
     clumps = [column for column in others if column.name in ("clumpid", "clump id")]

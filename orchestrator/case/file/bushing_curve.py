@@ -25,7 +25,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
-from itertools import chain
+from itertools import chain, groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -335,6 +336,13 @@ def _misfits(
             if before.elastic_N_per_m is not None:
                 what = f"its elements do not meet its points: {errors}"
                 hint = "leave out elastic_N_per_m, friction and maxwell, which are then fitted anew"
+            elif rising := _rising_N_per_m(before):
+                small, large = rising
+                what = f"its stiffness rises with the amplitude, from {small:g} to {large:g} N/m"
+                hint = (
+                    "friction and Maxwell elements make no progressive spring; give its force over the "
+                    "deformation as characteristics"
+                )
             else:
                 what = f"no spring with friction and Maxwell elements meets it: {errors}"
                 hint = (
@@ -342,6 +350,17 @@ def _misfits(
                     "the points"
                 )
             yield CaseProblem(_key(name, number), what, hint)
+
+
+def _rising_N_per_m(curve: BushingCurve) -> tuple[float, float] | None:
+    """Return the stiffness at the smallest and at the largest amplitude of a frequency at which it rises by
+    more than a fit may be off; None without one."""
+    rows = sorted((p.frequency_Hz, p.amplitude_m, p.stiffness_N_per_m) for p in curve.points)
+    for _, group in groupby(rows, key=itemgetter(0)):
+        at = [*group]
+        if at[-1][1] > at[0][1] and at[-1][2] > (1 + WORST) * at[0][2]:
+            return at[0][2], at[-1][2]
+    return None
 
 
 def _key(name: str, number: int) -> Key:

@@ -24,7 +24,8 @@ from orchestrator.case.file.data_table import (
 from orchestrator.case.file.errors import did_you_mean, show_value
 from orchestrator.ports import Array
 
-OF_DISPLACEMENT = r"displacement|deflection|deformation|weg"
+AXIS = "(?:(?:axial|radial|shear|vertical|horizontal|crosshead) )?"
+OF_DISPLACEMENT = rf"{AXIS}(?:displacement|deflection|deformation)|(?:feder|verformungs)?weg|auslenkung"
 MEANINGS = {
     "amplitude_m": rf"(?:(?:{OF_DISPLACEMENT}) ?)?(?:amplitude|amplitude \(peak\))|amp",
     "range_m": rf"(?:amplitude |(?:{OF_DISPLACEMENT}) )?(?:peak to peak|p p|pp)(?: amplitude| displacement)?"
@@ -38,11 +39,14 @@ MEANINGS = {
     "damping_N_s_per_m": "damping(?: coefficient)?|c|dämpfung",
     "time_s": "time|t|zeit",
     "displacement_m": rf"{OF_DISPLACEMENT}|disp|travel|extension|x",
-    "force_N": "force|load|kraft",
+    "force_N": rf"{AXIS}(?:force|load)|(?:feder|prüf)?kraft",
 }
 """The names, in small letters, of each column that a table of a bushing may have."""
 ASKED = {"dynamic stiffness", "k dyn", "kdyn", "dynamische steifigkeit"}
-KNOWN = ("amplitude_m", "frequency_Hz", "stiffness_N_per_m", "loss_factor", "damping_N_s_per_m")
+KNOWN = (
+    *("amplitude_m", "frequency_Hz", "stiffness_N_per_m", "loss_factor", "damping_N_s_per_m"),
+    *("time_s", "displacement_m", "force_N"),
+)
 HARMONICS = 3
 LEAST_CYCLES = 0.95
 OFF_HARMONIC = 0.1
@@ -257,7 +261,8 @@ def _loop(known: dict[str, Column], frequency_Hz: float | None) -> Loop:
     time_s = numbers.get("time_s")
     if time_s is None and not told_Hz:
         raise TableError(
-            "at which frequency was the loop measured? frequency_Hz = 12.5 beside file answers it"
+            "at which frequency was the loop measured? frequency_Hz = 12.5 beside file answers it; a static "
+            "test belongs to characteristics"
         )
     force_N, displacement_m = numbers["force_N"], numbers["displacement_m"]
     if time_s is not None:

@@ -31,6 +31,7 @@ COMMENT = re.compile(r"\s*(?:#(?!\s*\d+\s*[;,\t])|//)")
 INLINE_COMMENT = re.compile(r"\s#\s.*")
 NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+COMPRESSED = (b"\x1f\x8b", b"BZh", b"\xfd7zXZ")
 PERCENT = re.compile(r"(?:wt|mass|m|vol|gew|ma)?[.\- ]*%|percent|per cent|pct", re.IGNORECASE)
 PURE = ("-", "–", "1")
 SPELLED = {
@@ -191,10 +192,12 @@ def answer(head: str, as_if: str) -> str:
 def decode(data: bytes) -> str:
     """Return the text that the bytes of a file are: UTF-8, UTF-16, or what Windows writes in Western Europe.
 
-    Raises TableError for workbooks of spreadsheets and for what is no text.
+    Raises TableError for workbooks of spreadsheets, for compressed files and for what is no text.
     """
     if data.startswith(WORKBOOKS):
-        raise TableError("is a workbook of a spreadsheet; save the sheet as CSV there")
+        raise TableError("is a workbook of a spreadsheet or a ZIP; save the sheet as CSV, or unpack it")
+    if data.startswith(COMPRESSED):
+        raise TableError("is compressed; unpack it")
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         codes = ["utf-16"]
     elif b"\0" in data[:2]:
@@ -226,26 +229,31 @@ def plain_unit(text: str) -> str:
 def split_head(head: str) -> tuple[str, str]:
     """Return the words of a column's name, in small letters, and its unit, which is "" if it has none."""
     text = " ".join(head.strip("#\"' ").split())
-    component = re.search(r":(?:\d|[xyz]|magnitude)$", text, re.IGNORECASE)
+    component = re.search(r"[:_](?:\d|[xyz]|magnitude)$", text, re.IGNORECASE)
     end = component[0] if component else ""
     text = text.removesuffix(end)
     for pattern in (
         r"(.+?)\s*\[([^\]]*)\]()",
         r"(.+?)\s*\(([^)]*)\)(.*)",
-        r"(.+?)(?:\s*/\s*|,\s*|\sin\s|\s)(.+)()",
+        r"(.+?)(?:\s*/\s*|,\s*|\sin\s)(.+)()",
     ):
         for match in [re.fullmatch(pattern, text)]:
             if match and (unit := plain_unit(match[2])):
                 return words(match[1] + match[3] + end), unit
+    for match in (re.fullmatch(r"(.+?)\s(.+)", text), re.fullmatch(r"(.+)\s(\S+)", text)):
+        if match and (unit := _bare_unit(match[2])):
+            return words(match[1] + end), unit
     for place in (match.start() for match in re.finditer("_", text)):
-        if place and (unit := plain_unit(text[place + 1 :].replace("_per_", "/").replace("_", " "))):
+        if place and (unit := _bare_unit(text[place + 1 :].replace("_per_", "/").replace("_", " "))):
             return words(text[:place] + end), unit
-    last = re.fullmatch(r"(.+)\s(\S+)", text)
-    if last and (unit := plain_unit(last[2])):
-        return words(last[1] + end), unit
     if match := re.fullmatch(r"(%|percent|per cent|pct)\s*(.+)", text, re.IGNORECASE):
         return words(match[2] + end), "%"
     return words(text + end), ""
+
+
+def _bare_unit(text: str) -> str:
+    """Return the unit that stands without a mark behind a name; "Points 1" and "tan d" have none."""
+    return "" if text in ("d", *PURE) else plain_unit(text)
 
 
 def words(text: str) -> str:
@@ -358,11 +366,14 @@ def _commented_head(
     count = len(cells[0][1])
     for comment in reversed(comments):
         names = comment.strip().lstrip("#/ ")
-        for head in (names.split(), re.split(r"\s{2,}", names), names.split(separator)):
+        of_yade = names.removeprefix("format ").split("_")  # YADE's export.textExt: "#format x_y_z_r"
+        if of_yade[-1] == "attrs":  # they are named in the last comment
+            of_yade[-1:] = comments[-1].lstrip("#/ ").split()
+        for head in (names.split(), re.split(r"\s{2,}", names), names.split(separator), of_yade):
             if len(head) == count and not _is_data(head):
                 return [name.strip() for name in head]
     first = show_value(cells[0][1][0])
-    raise TableError(f"has no line with the names of its columns above {first}")
+    raise TableError(f"has no line with the names of its columns above {first}; add one")
 
 
 def _even(cells: Sequence[tuple[int, list[str]]], width: int, separator: str) -> Iterator[list[str]]:

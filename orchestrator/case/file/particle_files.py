@@ -19,6 +19,7 @@ from orchestrator.case.file.data_table import Column, DataTable, TableError, spl
 from orchestrator.ports import Array
 
 VTK = (".vtk", ".vtu", ".vtp")
+LISTS = (".pvd", ".pvtu", ".pvtp", ".vtm", ".series")
 BY_CODE = "particles"
 SPHERES = ("id", "type", "diameter", "density", "x", "y", "z")
 SPHERE_STYLES = ("sphere", "granular")
@@ -66,15 +67,15 @@ def read_dump(text: str) -> DataTable:
 
 
 def _unscaled(columns: Sequence[Column], frame: dict[str, str]) -> tuple[Column, ...]:
-    """Return the columns with places in the box (xs, ys, zs) as places in the world.  Raises TableError."""
-    if not {"xs", "ys", "zs"} & {column.name for column in columns}:
+    """Return the columns with places in the box (xs or xsu) as places in the world.  Raises TableError."""
+    scaled = {f"{axis}{end}": number for number, axis in enumerate("xyz") for end in ("s", "su")}
+    if not scaled.keys() & {column.name for column in columns}:
         return tuple(columns)
     rows = [line.split() for line in frame.get("BOX BOUNDS", "").split("\n")[1:4]]
     try:
         low, high = np.array([[float(cell) for cell in row] for row in rows]).reshape(3, 2).T
     except ValueError:
         raise TableError("has scaled places (xs, ys, zs) in a box that is no cuboid") from None
-    scaled = {f"{axis}s": number for number, axis in enumerate("xyz")}
     return tuple(
         Column(
             column.head,
@@ -93,7 +94,9 @@ def read_data_file(text: str) -> DataTable:
     """Return the particles of a data file, whose atoms are of the style sphere.  Raises TableError."""
     lines = [re.sub(r"#.*", "", line).strip() for line in text.splitlines()]
     styles = re.findall(r"^\s*Atoms\s*(?:#\s*(\S+))?\s*$", text, re.MULTILINE)
-    if len(styles) != 1 or styles[0] not in SPHERE_STYLES:
+    if len(styles) == 1 and styles[0] and styles[0] not in SPHERE_STYLES:
+        raise TableError(f'has atoms of the style "{styles[0]}", and those of "sphere" are wanted')
+    if len(styles) != 1 or not styles[0]:
         columns = ", ".join(SPHERES)
         raise TableError(f'does its section Atoms have {columns}? "Atoms # sphere" as its first line says so')
     rows = _section(lines, "Atoms")
