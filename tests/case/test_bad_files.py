@@ -41,6 +41,33 @@ def test_what_is_no_case(tmp_path: Path, content: bytes, message: str) -> None:
     assert len(refusal(tmp_path).splitlines()) == 2
 
 
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    [
+        ("thickness_m = 0,004", "write a decimal point: 0.004"),
+        ("thickness_m = -1,5e-3", "write a decimal point: 1.5"),
+        ("along = [0,05, 0.0, 1.0]", "write a decimal point: 0.05"),
+        ("drive = {run_up_s = 0,16}", "write a decimal point: 0.16"),
+        ("thickness_m = 1,234.5", ""),
+        ("count = 1, pitch_m = 0.3", ""),
+        (
+            "material = \u201cPU\u201d",
+            "the character there is a left double quotation mark; write a plain one",
+        ),
+        ("thickness_m\u00a0= 0.004", "the character there is a no-break space; write a plain one"),
+        ("tension_m = \u22120.003", "the character there is a minus sign; write a plain one"),
+        ("material = PU", ""),
+    ],
+)
+def test_what_is_no_toml_is_told_with_its_place_and_a_remedy(tmp_path: Path, line: str, hint: str) -> None:
+    case_folder(tmp_path, f"# 1,5 mm\n{line}\n{CASE}")
+    with pytest.raises(CaseError) as raised:
+        load_judged(tmp_path)
+    (problem,) = raised.value.problems
+    assert "(at line 2, column " in problem.what
+    assert (problem.kind, problem.hint) == ("file", hint)
+
+
 def test_a_case_too_large_with_its_defaults(tmp_path: Path) -> None:
     """Results and resumed runs read the case from the run's folder, where defaults make it larger."""
     balls = "".join(

@@ -118,6 +118,13 @@ def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp
     assert not rows
 
 
+def test_a_diameter_is_told_to_be_a_sieve_size(tmp_path: Path) -> None:
+    """One problem, since the key that is missing is the one that was meant."""
+    (problem,) = refused(case_folder(tmp_path, CASE.replace("sieve_size_m = 0.02", "diameter_m = 0.02")))
+    assert (dotted_key(problem.key), problem.kind) == ("bed.particles.ball.diameter_m", "unknown-key")
+    assert '"sieve_size_m"' in problem.hint
+
+
 @pytest.mark.parametrize(
     ("override", "kind"),
     [

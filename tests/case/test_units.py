@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from orchestrator.case.file import hardness
 from orchestrator.case.file.errors import CaseError, dotted_key
-from orchestrator.case.file.units import KINDS, USUAL, in_own_units, parse_quantity
+from orchestrator.case.file.units import KINDS, USUAL, in_own_units, parse_quantity, why_refused
 from orchestrator.case.tables.quantities import unit_of
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.judge import load_judged
@@ -150,6 +150,9 @@ def test_a_deck_takes_its_tension_in_millimetres(tmp_path: Path) -> None:
         ("panel.cells=fast", "panel.cells: wrong-type"),
         ("gravity_m_per_s2.2=-1.6", "gravity_m_per_s2: wrong-type"),
         ("contacts.0.restitution=3 mm", "contacts.0.restitution: wrong-type"),
+        ("contacts.0.restitution=34 %", "contacts.0.restitution: unit"),
+        ("screen.panels.deck.thickness_m=5/32 in", "screen.panels.deck.thickness_m: unit"),
+        ("screen.panels.deck.thickness_m=5/0 in", "screen.panels.deck.thickness_m: wrong-type"),
         (
             "screen.frames.driving.inertia_kg_m2=[2.0, '6 kg', 6.0]",
             "screen.frames.driving.inertia_kg_m2.1: unit",
@@ -165,6 +168,18 @@ def test_wrong_units_are_refused_with_file_and_key(tmp_path: Path, override: str
     (problem,) = problems(tmp_path, override.replace("'", '"'))
     assert problem.file == "--set"
     assert f"{dotted_key(problem.key)}: {problem.kind}" == wanted
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("5/32 in", "thickness_m", "'0.15625 in'"),
+        ("1 1/4 in", "thickness_m", "'1.25 in'"),
+        ("34 %", "restitution", "0.34"),
+    ],
+)
+def test_a_fraction_is_told_as_a_decimal(text: str, key: str, value: str) -> None:
+    assert why_refused(text, (key,)).endswith(f"; write {value}")
 
 
 def test_a_unit_is_not_guessed_at_where_one_was_given(tmp_path: Path) -> None:

@@ -34,6 +34,8 @@ where they cannot be; a file that cannot be read or written; a solver that canno
 go together."""
 BEYOND = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number")
 """The kinds of pydantic's errors that are of a number beyond its limits."""
+OTHER_WORDS = {"diameter_m": "sieve_size_m"}
+"""Keys of other programs, and those that mean the same here."""
 REFUSED = "refused"
 """The kind of an error whose message says all that is wrong."""
 MOST = 50  # A message shows at most so many problems.
@@ -114,10 +116,15 @@ def shorten(text: str) -> str:
 def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
     """Return a hint that names the nearest known word, or all known words if none is near."""
     names = sorted(known)
-    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
-    if near:
+    if near := _nearest(word, names):
         return f'did you mean "{near[0]}"?'
     return f"{say}: {', '.join(names)}" if names else f"{say}: none"
+
+
+def _nearest(word: str, names: Sequence[str]) -> list[str]:
+    """Return the name that a word is near to, or means; none if there is no such name."""
+    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    return near or [name for name in names if name == OTHER_WORDS.get(word)]
 
 
 def show_value(value: Any) -> str:
@@ -140,8 +147,7 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
         if detail["type"] == "extra_forbidden":
             *table, key = detail["loc"]
             known = _keys_at(model, table)
-            near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
-            meant.update((*table, name) for name in near)
+            meant.update((*table, name) for name in _nearest(str(key), known))
             what = f"unknown key (its value: {show_value(detail['input'])})"
             hint = OTHER_WAY if key in known else did_you_mean(str(key), known)
             problems.append(CaseProblem(detail["loc"], what, hint, kind="unknown-key"))

@@ -7,7 +7,9 @@ quantity in another way than the layers below it, the other way is gone.
 
 from __future__ import annotations
 
+import re
 import tomllib
+import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +21,8 @@ from orchestrator.case.file.units import in_own_units, keys_with_units
 
 DEEPEST = 20  # So many tables may lie in each other; the case format has 7.
 TOO_DEEP = "is nested too deeply"
+PLACE = re.compile(r"at line (\d+), column (\d+)")
+DECIMAL_COMMA = re.compile(r"(?<![\d.,])\d+,\d+(?![\d.]|,\d{3})")  # and no thousands
 LARGEST_BYTES = 1_000_000  # The largest case of this project has 10 000.
 
 
@@ -27,6 +31,7 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
 
     Raises CaseError if the file cannot be read, is not TOML, or lies outside of the folder ``within``.
     """
+    text = hint = ""
     try:
         if within is not None and is_outside(file, within):
             what = "is a link to a file outside of the case's folder"
@@ -37,7 +42,8 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
                 content = opened.read(LARGEST_BYTES + 1)
             what = f"is larger than {LARGEST_BYTES} bytes"
             if len(content) <= LARGEST_BYTES:
-                table = tomllib.loads(content.decode("utf-8-sig"))
+                text = content.decode("utf-8-sig")
+                table = tomllib.loads(text)
                 if not is_too_deep(table):
                     return table
                 what = TOO_DEEP
@@ -46,12 +52,27 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
     except UnicodeDecodeError:
         what = "is no text file (UTF-8 is wanted)"
     except ValueError as error:
-        what = f"is not TOML: {error}"
+        what, hint = f"is not TOML: {error}", _hint_at(text, str(error))
     except RecursionError:
         what = TOO_DEEP
     except RuntimeError:
         what = "is a link to itself"
-    raise CaseError([CaseProblem((), what, file=str(file), kind="file")])
+    raise CaseError([CaseProblem((), what, hint, str(file), kind="file")])
+
+
+def _hint_at(text: str, error: str) -> str:
+    """Return how to correct the place in a text that an error of TOML names; "" where it is not clear."""
+    place = PLACE.search(error)
+    if place is None:
+        return ""
+    line, column = text.split("\n")[int(place[1]) - 1], int(place[2])
+    for number in DECIMAL_COMMA.finditer(line):
+        if number.start() < column <= number.end() + 1:
+            return f"write a decimal point: {number[0].replace(',', '.')}"
+    there = line[column - 1 : column]
+    if there.isascii():
+        return ""
+    return f"the character there is a {unicodedata.name(there, 'special one').lower()}; write a plain one"
 
 
 def is_too_deep(given: Any) -> bool:

@@ -29,6 +29,8 @@ NUMBER_AND_UNIT = re.compile(rf"\s*({NUMBER})\s*({UNIT}?)\s*")
 NUMBER_ALONE = re.compile(rf"\s*({NUMBER})\s*")
 OF_TURNS_OR_RADIANS = re.compile(rf"\s*{NUMBER}(?:\s+1)?\s*(?:/\s*(s|min)|(s|min)\s*(?:\^|\*\*)?\s*-\s*1)\s*")
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d")
+FRACTION = re.compile(rf"\s*(?:(\d{{1,6}})[ -])?(\d{{1,6}})\s*/\s*(\d{{1,6}})\s*({UNIT}?)\s*")
+PERCENT = re.compile(rf"\s*({NUMBER})\s*%\s*")
 OF_HARDNESS = "youngs_modulus_Pa"
 KINDS = {
     "m": ("a length", "45 mm"),
@@ -141,7 +143,8 @@ def why_refused(text: str, path: tuple[str | int, ...]) -> str:
     """Return why a text is no value of the key at the end of a path; "" if it is for another reason."""
     names = [part for part in path if isinstance(part, str) and not part.isdecimal()]
     if not names or not unit_of(names[-1], ""):
-        return ""
+        percent = PERCENT.fullmatch(text)
+        return f"is in per cent; write {float(percent[1]) / 100:.9g}" if percent else ""
     try:
         parse_quantity(text, names[-1])
     except ValueError as error:
@@ -160,6 +163,9 @@ def _no_unit(text: str, key: str) -> str:
     """Return a message about a text that has no unit; "" if it is no number either."""
     if DECIMAL_COMMA.match(text):
         return "has a decimal comma; write a point"
+    if (parts := FRACTION.fullmatch(text)) and int(parts[3]):
+        number = int(parts[1] or 0) + int(parts[2]) / int(parts[3])
+        return f"is a fraction; write '{number:.9g} {parts[4]}'"
     alone, own = NUMBER_ALONE.fullmatch(text), unit_of(key)
     if alone is None or own not in KINDS:
         return ""
