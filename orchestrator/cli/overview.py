@@ -240,9 +240,10 @@ def _cost(case: Case, at_start: int, rigid: int) -> Iterator[str]:
 def _times(loaded: JudgedCase) -> Iterator[str]:
     case = loaded.case
     interval_s = case.coupling.sync_interval_s
+    count = steps_in(case.duration_s, interval_s)
     yield (
-        f"  coupling   {steps_in(case.duration_s, interval_s)} sync intervals of {interval_s:g} s "
-        f"({case.coupling.scheme}), {case.duration_s:g} s in all"
+        f"  coupling   {count} sync intervals of {interval_s:g} s "
+        f"({case.coupling.scheme}), {count * interval_s:.6g} s in all"
     )
     if has_particles(case):
         yield from step_filling_lines(case)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.solver_plans import panel_plans
+from orchestrator.cli.overview import overview
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
@@ -551,6 +552,17 @@ def test_times_that_are_rounded_to_sync_intervals_are_said(tmp_path: Path) -> No
     sets = ("coupling.sync_interval_s=1.3e-4", "output.series_s=7e-4", "output.interval_s=0.0143")
     (line,) = [line for line in warned(tmp_path, *sets) if line.startswith("output.")]
     assert {"output.series_s", "0.0007", "0.00078", "0.00013"} <= {*line.split()}
+
+
+@pytest.mark.parametrize(
+    ("duration_s", "taken_s"), [("0.1000001", "0.1001"), ("0.10005", "0.1001"), ("0.1001", "")]
+)
+def test_a_duration_that_is_a_little_longer_is_said(tmp_path: Path, duration_s: str, taken_s: str) -> None:
+    """It ends in an interval of its own, and the overview has the length of the run."""
+    judged = loaded(tmp_path, ["coupling.sync_interval_s=1e-4", f"duration_s={duration_s}"])
+    lines = [line for line in warnings(judged) if line.startswith("duration_s")]
+    assert [{duration_s, taken_s} <= {*line.split()} for line in lines] == [True] * bool(taken_s)
+    assert any("1001 sync intervals" in line and "0.1001 s in all" in line for line in overview(judged))
 
 
 @pytest.mark.parametrize("solver", ["exudyn", "two-mass"])

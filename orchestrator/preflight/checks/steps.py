@@ -12,7 +12,7 @@ from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 
-ROUNDED = 1e-3  # change of a time that is not said, as a share of it
+ROUNDED = 1e-5  # change of a time that is not said, as a share of it: it does not show in six digits
 
 
 def particle_step(case: Case) -> Iterator[CaseProblem]:
@@ -76,7 +76,7 @@ def rounded_times(case: Case) -> Iterator[str]:
         taken_s = steps_in(wanted_s, interval_s) * interval_s
         if wanted_s > 0 and taken_s - wanted_s > ROUNDED * wanted_s:
             yield (
-                f"{key} = {wanted_s:g} s is taken as {taken_s:.6g} s, a whole number of sync intervals of "
+                f"{key} = {wanted_s:.9g} s is taken as {taken_s:.6g} s, a whole number of sync intervals of "
                 f"{interval_s:g} s"
             )
 
