@@ -225,3 +225,13 @@ def test_a_particle_inside_a_closed_body_is_refused(tmp_path: Path) -> None:
     assert not complaints(tmp_path, WALL, "bed.particles.ball.position_m=[0.15, 0.05, 0.05]")
     write(tmp_path, triangles=OUTWARD[2:])
     assert not complaints(tmp_path, WALL, trapped)
+
+
+def test_a_closed_body_beside_an_open_sheet_in_one_file(tmp_path: Path) -> None:
+    """A cavity with walls on all sides is no inside of a body."""
+    trapped = "bed.particles.ball.position_m=[0.05, 0.05, 0.05]"
+    beside_m, around_m = CUBE_M + np.array([0.3, 0.0, 0.0]), 3 * CUBE_M - 0.1
+    write(tmp_path, np.vstack([CUBE_M, beside_m]), np.vstack([OUTWARD, OUTWARD[:2] + 8]))
+    assert "is inside surface wall, a closed body" in only_complaint(tmp_path, WALL, trapped)
+    write(tmp_path, np.vstack([CUBE_M, around_m]), np.vstack([OUTWARD[:, ::-1], OUTWARD + 8]))
+    assert not [line for line in complaints(tmp_path, WALL, trapped) if "closed body" in line]

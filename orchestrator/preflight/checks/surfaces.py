@@ -11,6 +11,8 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
@@ -303,15 +305,15 @@ def _in_exit_box(case: Case, name: str, corners_m: Array) -> Iterator[CaseProble
 
 
 def closed_bodies(case: Case, particles: ParticleList, folder: Path) -> Iterator[CaseProblem]:
-    """Check that no particle's centre is inside a rigid surface that is a closed body.
+    """Check that no particle's centre is inside a rigid surface, or a part of one, that is a closed body.
 
-    A ray from inside goes through a closed body an odd number of times.
+    A ray from inside goes through closed bodies an odd number of times.
     """
     for wall in walls(case, folder):
-        if not _is_closed(wall.triangles):
+        corners_m = wall.position_m[wall.triangles[_in_closed_parts(wall.triangles)]]
+        if len(corners_m) == 0:
             continue
-        corners_m = wall.position_m[wall.triangles]
-        low, high = wall.position_m.min(axis=0), wall.position_m.max(axis=0)
+        low, high = corners_m.min(axis=(0, 1)), corners_m.max(axis=(0, 1))
         near = np.flatnonzero(((particles.position_m > low) & (particles.position_m < high)).all(axis=1))
         inside = [row for row in near if _times_met(particles.position_m[row], corners_m) % 2]
         if inside:
@@ -325,10 +327,17 @@ def closed_bodies(case: Case, particles: ParticleList, folder: Path) -> Iterator
 RAY = np.array([0.5347, 0.2718, 0.8001])  # along no edge or face that a machine is likely to have
 
 
-def _is_closed(triangles: Indices) -> bool:
-    """Tell whether each edge of the triangles (m, 3) belongs to two of them."""
+def _in_closed_parts(triangles: Indices) -> npt.NDArray[np.bool_]:
+    """Tell which (m,) of the triangles (m, 3) belong to connected parts whose edges have two of them each."""
     edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
-    return bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
+    _, number, sharing = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    size = int(triangles.max()) + 1
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(size, size))
+    parts, part_of_corner = connected_components(graph, directed=False)
+    part = part_of_corner[triangles[:, 0]]
+    is_closed = np.ones(parts, dtype=np.bool_)
+    is_closed[part[np.flatnonzero(sharing[number.reshape(-1)] != 2) // 3]] = False
+    return np.asarray(is_closed[part])
 
 
 def _times_met(place_m: Array, corners_m: Array) -> int:
