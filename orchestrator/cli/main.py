@@ -47,6 +47,8 @@ Examples:
 
   flipflow bushing loop-4mm.csv                        a spring fitted to a loop, and its picture
 
+  flipflow surface chute.step                          size, faults and picture of a surface's file
+
   flipflow explain cases/quickstart                    which effects does it call for?
 
   flipflow run cases/quickstart                        run it, into a new folder under runs/
@@ -422,6 +424,31 @@ def bushing(
 
     with reported_errors():
         for line in fit_files(files, column or [], decimal, frequency, out):
+            CONSOLE.print(line, soft_wrap=True)
+
+
+@app.command()
+def surface(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="STEP, IGES, STL, OBJ, PLY, VTK or MSH")],
+    unit: Annotated[str | None, typer.Option(help="unit of the file: m, cm, mm, in or ft")] = None,
+    scale: Annotated[float | None, typer.Option(help="factor of all coordinates")] = None,
+    tolerance: Annotated[
+        str | None, typer.Option(metavar="D", help='of curved faces of STEP and IGES, such as "0.1 mm"')
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="picture to write, .png or .svg")] = Path("surface.png"),
+) -> None:
+    """Print the size of a surface's file, its faults and what is healed, and draw it.
+
+    The file is one of screen.surfaces.NAME.file in a case, before there is a case.
+
+      flipflow surface chute.stl --unit mm --out chute.png
+
+    Exit code 0: done; 2: the file cannot be read, or leaves its unit open.
+    """
+    from orchestrator.cli.surface import describe_file, surface_table
+
+    with reported_errors():
+        for line in describe_file(surface_table(file.name, unit, scale, tolerance), file.parent, out):
             CONSOLE.print(line, soft_wrap=True)
 
 
