@@ -28,9 +28,9 @@ void register_contact_models(bool as_packaged);
 // the communicator.  Errors of LIGGGHTS are std::runtime_error.
 class Engine {
  public:
-  // `contact_distance_factor`: contacts are remembered while bodies are within this factor of their
-  // contact distance.  `class_ratio`: of the largest radii of classes of size (PairLists).  `as_packaged`: with the contact models of the package, in a process whose engines
-  // are all so.
+  // `contact_distance_factor`: contacts are remembered while bodies are within this factor of their contact
+  // distance.  `class_ratio`: of the largest radii of classes of size (PairLists).  `as_packaged`: with the
+  // contact models of the package, in a process whose engines are all so.
   Engine(MPI_Comm communicator, const std::string &screen_file, const std::string &log_file,
          double contact_distance_factor, double class_ratio, bool as_packaged);
   ~Engine();
