@@ -21,6 +21,7 @@ packages=(
     libegl1 libgl1 libxrender1                                 # off-screen pictures
     libglu1-mesa libxft2 libxinerama1 libxcursor1 libfontconfig1  # gmsh loads them, with or without a screen
     chromium-headless-shell                                    # tests look at reports in a browser (96 MB)
+    calculix-ccx                                               # a test computes a side plate with it (5 MB)
 )
 missing=()
 for package in "${packages[@]}"; do

@@ -41,8 +41,9 @@ its nodes to a node at the centre of mass; a model with its own weight or mass w
 OF_CSV = "\nloads.csv: a row for each moment and place, with time_s of the run.\n"
 OF_CALCULIX = """
 amplitudes.inc belongs before the first *STEP, cloads.inc into it (*INCLUDE, INPUT=...).  Time 0 is the first
-row.  Define a node set for each place of places.csv by its name: *NSET, NSET=P1, with one node, or the
-reference node of a *RIGID BODY where the place has a moment (degrees 4 to 6).
+row.  Define a node set for each place of places.csv by its name: *NSET, NSET=P1, with one node.  A place with
+a moment needs a *RIGID BODY, whose REF NODE is in the set P1 and whose ROT NODE is in the set P1R: CalculiX
+takes moments at degrees 1 to 3 of the latter.
 """
 OF_APDL = """
 loads.mac: tables over TIME, whose 0 is the first row.  Before it, set a parameter for each place of
@@ -116,7 +117,8 @@ def _calculix(forces: FrameForces) -> tuple[dict[str, str], str]:
         amplitudes.append(f"*AMPLITUDE, NAME={place}_{degree}")
         pairs = [f"{t:.9g}, {value:.9g}" for t, value in zip(time_s, values, strict=True)]
         amplitudes += [", ".join(pairs[k : k + 4]) for k in range(0, len(pairs), 4)]
-        loads += [f"*CLOAD, AMPLITUDE={place}_{degree}", f"{place}, {degree}, 1."]
+        at = f"{place}, {degree}" if degree <= 3 else f"{place}R, {degree - 3}"
+        loads += [f"*CLOAD, AMPLITUDE={place}_{degree}", f"{at}, 1."]
     return {"amplitudes.inc": _text(amplitudes), "cloads.inc": _text(loads)}, OF_CALCULIX
 
 
