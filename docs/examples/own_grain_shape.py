@@ -15,8 +15,8 @@ import flipflow
 out = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp())
 case = flipflow.load("ball-on-panel", "draft").change(
     {
-        "bed.shapes.dumbbell.spheres": [[0, 0, -1, 1], [0, 0, 1, 1]],  # place and radius, in any unit
-        "bed.particles.ball.shape": "dumbbell",
+        "bed.shapes.twin.spheres": [[0, 0, -1, 1], [0, 0, 1, 1]],  # place and radius, in any unit
+        "bed.particles.ball.shape": "twin",
         "particles.rolling": "none",  # it stands for the edges of spheres
         "duration_s": 0.05,
         "output.pictures": False,

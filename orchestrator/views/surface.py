@@ -34,7 +34,8 @@ def draw_surface(healed: Healed, title: str) -> Any:
         right_up = _oblique_rows() if rows is None else rows
         toward = np.cross(*right_up)
         order = np.argsort(corners_m.mean(axis=1) @ toward)  # the nearest last
-        faces = PolyCollection(corners_m[order] @ right_up.T, facecolors=_shades(corners_m[order], toward))
+        seen_m = corners_m[order] @ right_up.T
+        faces = PolyCollection([*seen_m], facecolors=_shades(corners_m[order], toward))
         faces.set_edgecolor("face")
         faces.set_linewidth(0.1)
         plot.add_collection(faces)
@@ -60,4 +61,4 @@ def _shades(corners_m: Array, toward: Array) -> Array:
     """Return colours (n, 3) of triangles (n, 3, 3), the brighter the more they face the eye."""
     area_m2 = area_vectors_m2(corners_m)
     facing = np.abs(area_m2 @ toward) / np.linalg.norm(area_m2, axis=1)
-    return DARK + facing[:, None] * (BRIGHT - DARK)
+    return np.asarray(DARK + facing[:, None] * (BRIGHT - DARK))

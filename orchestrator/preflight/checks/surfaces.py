@@ -11,8 +11,6 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from orchestrator.case.bed.push_out import SETTLED, overlapping_pairs
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
@@ -329,6 +327,10 @@ RAY = np.array([0.5347, 0.2718, 0.8001])  # along no edge or face that a machine
 
 def _in_closed_parts(triangles: Indices) -> npt.NDArray[np.bool_]:
     """Tell which (m,) of the triangles (m, 3) belong to connected parts whose edges have two of them each."""
+    # these imports take long, and few scenes have closed bodies
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
     _, number, sharing = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
     size = int(triangles.max()) + 1
